@@ -1,0 +1,41 @@
+"""Types, units and errors that everything else is built from; imports nothing of workbench."""
+
+from .errors import InputError, SimulationError, WorkbenchError
+from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Timing
+from .results import (
+    FORMAT,
+    Comparison,
+    Diagnosis,
+    EffectKey,
+    Estimate,
+    Finding,
+    Improvement,
+    InverseDynamics,
+    RecordingError,
+    Share,
+    Step,
+    Verdict,
+)
+
+__all__ = [
+    "AXIS_SIGNALS",
+    "FORMAT",
+    "Comparison",
+    "Controller",
+    "Diagnosis",
+    "EffectKey",
+    "Estimate",
+    "Excitation",
+    "Finding",
+    "Improvement",
+    "InputError",
+    "InverseDynamics",
+    "Recording",
+    "RecordingError",
+    "Share",
+    "SimulationError",
+    "Step",
+    "Timing",
+    "Verdict",
+    "WorkbenchError",
+]

@@ -1,0 +1,45 @@
+"""One root for every error that a user can cause or meet."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class WorkbenchError(Exception):
+    """Root of all errors raised on purpose; its text is one clear line."""
+
+    exit_code = 2
+
+
+class InputError(WorkbenchError):
+    """Something handed in is wrong: says where it is and what to do about it.
+
+    Args:
+        problem: what is wrong, in one clause.
+        file: the offending file.
+        column: the offending column or key.
+        row: the offending data row, counted from 1 as an editor shows it below the header.
+        remedy: what to do.
+    """
+
+    def __init__(
+        self,
+        problem: str,
+        *,
+        file: str | Path | None = None,
+        column: str | None = None,
+        row: int | None = None,
+        remedy: str = "",
+    ) -> None:
+        self.problem, self.file, self.column, self.row = problem, file, column, row
+        self.remedy = remedy
+        where = [str(file)] if file is not None else []
+        where += [f"column '{column}'"] if column is not None else []
+        where += [f"row {row}"] if row is not None else []
+        text = f"{', '.join(where)}: {problem}" if where else problem
+        text = f"{text}; {remedy}" if remedy else text
+        super().__init__(" ".join(text.split()))
+
+
+class SimulationError(WorkbenchError):
+    """A simulation became unstable or could not run: says which model, recording, time and value."""

@@ -1,0 +1,162 @@
+"""What was measured or simulated: one frozen table of named signals on a uniform clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
+
+FloatArray = np.ndarray
+
+#: Signals with one column per axis and the unit kind of each.
+AXIS_SIGNALS: Mapping[str, str] = MappingProxyType(
+    {
+        "position": "position",
+        "velocity": "velocity",
+        "torque_command": "torque",
+        "torque_measured": "torque",
+        "torque_feedforward": "torque",
+        "position_reference": "position",
+        "velocity_reference": "velocity",
+        "link_position": "position",
+        "current": "current",
+        "voltage": "voltage",
+        "temperature": "temperature",
+    }
+)
+
+
+@dataclass(frozen=True)
+class Controller:
+    """How the loop was closed while the recording was made.
+
+    ``pd``: torque = kp (q_ref - q) + kd (v_ref - v) in `coordinates`, kp [N m/rad], kd [N m s/rad].
+    ``cascade_pv``: volts = kv (kp (q_ref - q) - v), clipped at `limit` [V]; torque = gain * volts,
+    kp [1/s], kv [V s/m or V s/rad], gain [N/V or N m/V]. ``none``: open loop, `torque_command` is the
+    input. ``unknown``: the loop cannot be simulated; only inverse dynamics can be compared.
+
+    All per-axis values have shape (n,). `period_s` is the sample-and-hold period [s].
+    """
+
+    kind: Literal["none", "pd", "cascade_pv", "unknown"] = "unknown"
+    coordinates: Literal["joint", "actuator"] = "actuator"
+    kp: tuple[float, ...] = ()
+    kd: tuple[float, ...] = ()
+    kv: tuple[float, ...] = ()
+    gain: tuple[float, ...] = ()
+    limit: tuple[float, ...] = ()
+    period_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """What drove the system: `kind` and the keys of the recording's ``[excitation]`` table."""
+
+    kind: str = "reference"
+    mode: str | None = None
+    period_s: float | None = None
+    f_min_hz: float | None = None
+    f_max_hz: float | None = None
+    lines: str | None = None
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What the log assumes about holds, start and delay (``[timing]``).
+
+    `feedforward_held`: the feedforward is sampled with the controller and held (else it acts per row).
+    `initial_at_rest`: the run starts at rest at the first reference (else the state is fitted).
+    `delay`: where the loop's delay was applied: ``"motor"`` (the model's T_d applies) or ``"loop"``
+    (`torque_command` already carries it).
+    """
+
+    feedforward_held: bool = True
+    initial_at_rest: bool = True
+    delay: Literal["motor", "loop"] = "motor"
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One experiment, SI units, uniform clock, N rows and n axes.
+
+    Attributes:
+        name: the recording's name.
+        axes: axis names, length n, the order of every column.
+        coordinates: ``"actuator"`` (q_p) or ``"joint"`` (q_s): coordinates of the signals.
+        time: row times [s], shape (N,), uniform, first row 0.
+        signals: name of `AXIS_SIGNALS` -> array (N, n); a missing signal is absent. ``position`` is
+            always there.
+        units: SI unit per axis of position, ``"rad"`` or ``"m"``, length n.
+        valid: rows that were measured, shape (N,) bool; masked rows hold interpolated numbers.
+        derived: names of signals that were computed rather than measured (e.g. ``"velocity"``).
+        notes: what the reader did to the data, one sentence each ("clock jitter of 2 % resampled").
+        extra: other columns by signal name, each (N, k) (ground_force, base_...).
+        source: the TOML file it came from, if any.
+    """
+
+    name: str
+    axes: tuple[str, ...]
+    coordinates: Literal["actuator", "joint"]
+    time: FloatArray
+    signals: Mapping[str, FloatArray]
+    units: tuple[str, ...]
+    controller: Controller = field(default_factory=Controller)
+    excitation: Excitation = field(default_factory=Excitation)
+    timing: Timing = field(default_factory=Timing)
+    rig: str = ""
+    valid: FloatArray | None = None
+    derived: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    extra: Mapping[str, FloatArray] = field(default_factory=dict)
+    source: Path | None = None
+
+    def __post_init__(self) -> None:
+        frozen = {k: _readonly(v) for k, v in self.signals.items()}
+        object.__setattr__(self, "signals", MappingProxyType(frozen))
+        object.__setattr__(
+            self, "extra", MappingProxyType({k: _readonly(v) for k, v in self.extra.items()})
+        )
+        object.__setattr__(self, "time", _readonly(self.time))
+        valid = np.ones(len(self.time), bool) if self.valid is None else self.valid
+        object.__setattr__(self, "valid", _readonly(np.asarray(valid, bool)))
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @property
+    def period(self) -> float:
+        """Row period [s]."""
+        return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
+
+    @property
+    def duration(self) -> float:
+        """Time from the first row to the last [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def position(self) -> FloatArray:
+        """Measured position (N, n) [rad or m]."""
+        return self.signals["position"]
+
+    @property
+    def velocity(self) -> FloatArray:
+        """Velocity (N, n) [rad/s or m/s]; measured, unless ``"velocity"`` is in `derived`."""
+        return self.signals["velocity"]
+
+    def get(self, signal: str) -> FloatArray | None:
+        """The signal (N, n), or None where the recording has not got it."""
+        return self.signals.get(signal)
+
+    def with_signals(self, **signals: FloatArray) -> Recording:
+        """A copy with these signals put in or replaced, each (N, n)."""
+        return replace(self, signals={**self.signals, **signals})
+
+
+def _readonly(array: FloatArray) -> FloatArray:
+    out = np.asarray(array).view()
+    out.flags.writeable = False
+    return out

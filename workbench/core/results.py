@@ -1,0 +1,214 @@
+"""What comparing and diagnosing return: frozen values, made to be read, drawn and written as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from .recording import Recording
+
+FORMAT = 1
+
+Verdict = Literal["missing_effect", "consistent", "unexplained"]
+
+
+@dataclass(frozen=True)
+class RecordingError:
+    """How far one recording is from its simulation.
+
+    Arrays over axes have shape (n,); NaN where the signal was not measured.
+
+    Attributes:
+        recording: what was measured.
+        simulated: the model's run of the same experiment: signals ``position``, ``velocity``,
+            ``torque_command``, ``torque_measured`` (each (N, n)), without sensor noise.
+        position_rmse, torque_rmse: root mean square of measured minus simulated [rad or m; N m or N].
+        position_noise, torque_noise: what a perfect model would leave, by simulating the noise.
+        error, noise_error: the same two as the normalised score of `Comparison.error`, this
+            recording alone.
+    """
+
+    recording: Recording
+    simulated: Recording
+    position_rmse: np.ndarray
+    torque_rmse: np.ndarray
+    position_noise: np.ndarray
+    torque_noise: np.ndarray
+    error: float
+    noise_error: float
+
+    def residual(self, signal: str) -> np.ndarray:
+        """Measured minus simulated of ``"position"`` or ``"torque_measured"``, shape (N, n)."""
+        return self.recording.signals[signal] - self.simulated.signals[signal]
+
+
+@dataclass(frozen=True)
+class Share:
+    """Where error above the noise sits: a share of one axis's and signal's excess squared error.
+
+    `quantity` is ``speed``, ``position``, ``frequency`` or ``time``; `range` its interval in `unit`;
+    `share` the part (0 to 1) of all squared error above the noise that lies there.
+    """
+
+    axis: str
+    signal: str
+    quantity: str
+    range: tuple[float, float]
+    unit: str
+    share: float
+
+
+@dataclass(frozen=True)
+class InverseDynamics:
+    """Torque the model needs for the measured motion, against the torque measured.
+
+    `relative_error` is ||tau - tau_model|| / ||tau|| over all axes and recordings, after `filter` on
+    both; per axis in `axis_relative_error`, shape (n,).
+    """
+
+    relative_error: float
+    axis_relative_error: np.ndarray
+    filter: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A model held against recordings.
+
+    Attributes:
+        model: the model's name.
+        axes: axis names.
+        recordings: one entry a recording.
+        error: root mean square, over axes and over position and torque, of RMSE divided by the
+            measured signal's standard deviation, both pooled by samples over all recordings; signals
+            that never move are left out.
+        noise_error: what a perfect model would score.
+        noise_error_std: standard deviation of that from run to run of the noise.
+        consistent: whether `error` is statistically compatible with `noise_error`.
+        where: where the excess sits, largest share first.
+        inverse_dynamics: the torque residual's size, where torque was measured; else None.
+        notes: what the reader of the result should know (velocity derived, signals left out...).
+    """
+
+    model: str
+    axes: tuple[str, ...]
+    recordings: tuple[RecordingError, ...]
+    error: float
+    noise_error: float
+    noise_error_std: float
+    consistent: bool
+    where: tuple[Share, ...] = ()
+    inverse_dynamics: InverseDynamics | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its standard deviation and unit."""
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class EffectKey:
+    """Names an effect and the axis it acts on (None: all axes)."""
+
+    effect: str
+    axis: str | None
+    location: Literal["actuator", "joint"] = "actuator"
+
+    def __str__(self) -> str:
+        place = f"{self.effect}@{self.axis}" if self.axis else self.effect
+        return place if self.location == "actuator" else f"{place}({self.location})"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One effect that explains the data.
+
+    Attributes:
+        key: which effect, where.
+        parameters: name -> estimate.
+        error_after: `Comparison.error` with this effect (and the findings before it) in the model.
+        holdout_error_before, holdout_error_after: the same on data not used for the fit; None where
+            there is none.
+        probability: calibrated chance that the name is right.
+        indistinguishable_from: what explains the same data as well.
+        evidence: one line each.
+    """
+
+    key: EffectKey
+    parameters: Mapping[str, Estimate]
+    error_after: float
+    holdout_error_before: float | None
+    holdout_error_after: float | None
+    probability: float
+    indistinguishable_from: tuple[EffectKey, ...] = ()
+    evidence: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Which physical effect is missing, how sure, what else it could be, what to measure next.
+
+    Attributes:
+        model: the model's name.
+        verdict: ``missing_effect``, ``consistent`` or ``unexplained``.
+        error, noise_error: of the model as given, on the recordings used for fitting.
+        findings: effects to add, best first; empty unless the verdict is ``missing_effect``.
+        unexplained_fraction: share of squared error above the noise that stays (0 to 1).
+        where: where that rest sits.
+        next_experiment: what to measure to know more; None when nothing is open.
+        not_excited: effects that this data could not have shown.
+        ranking: every candidate tried: (key, share of the excess that it removes), best first.
+        before, after: the comparisons behind the verdict.
+    """
+
+    model: str
+    verdict: Verdict
+    error: float
+    noise_error: float
+    findings: tuple[Finding, ...]
+    unexplained_fraction: float
+    where: tuple[Share, ...]
+    next_experiment: str | None
+    not_excited: tuple[EffectKey, ...]
+    ranking: tuple[tuple[EffectKey, float], ...] = ()
+    before: Comparison | None = None
+    after: Comparison | None = None
+
+
+@dataclass(frozen=True)
+class Step:
+    """One effect added by `improve`, with the errors after it; `removed` lists what it made needless."""
+
+    key: EffectKey
+    parameters: Mapping[str, Estimate]
+    error: float
+    holdout_error: float | None
+    indistinguishable_from: tuple[EffectKey, ...] = ()
+    evidence: tuple[str, ...] = ()
+    removed: tuple[EffectKey, ...] = ()
+    comparison: Comparison | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class Improvement:
+    """The whole way from a model to one that explains the data."""
+
+    model: str
+    steps: tuple[Step, ...]
+    error_before: float
+    error_after: float
+    holdout_error_before: float | None
+    holdout_error_after: float | None
+    noise_error: float
+    verdict: Verdict
+    before: Comparison | None = None
+    after: Comparison | None = None
+    diagnosis: Diagnosis | None = None
