@@ -1,0 +1,116 @@
+"""The clock of a log: what is rounding, what is jitter, what is missing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import InputError
+
+_MISSING = 1.5  # an increment longer than this many periods hides a row
+_STRAIGHT = 1e-3  # rows this close to a uniform clock, in periods, are on it
+
+
+@dataclass(frozen=True)
+class Clock:
+    """How the rows of a table lie on a uniform clock.
+
+    Attributes:
+        time: the uniform clock [s], shape (M,), from 0.
+        logged: times of the table's rows that are kept, from 0 [s], shape (K,).
+        row: for rows on the uniform clock, the clock's index of each kept row, shape (K,); None where
+            the clock jitters and signals must be interpolated.
+        kept: indices of the kept rows in the table, shape (K,).
+        jitter: rms deviation of the increments from the period, as a part of it.
+    """
+
+    time: np.ndarray
+    logged: np.ndarray
+    row: np.ndarray | None
+    kept: np.ndarray
+    jitter: float
+
+    @property
+    def whole(self) -> bool:
+        """Whether the table's rows are the clock's rows, one by one."""
+        return self.row is not None and len(self.row) == len(self.time)
+
+
+def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path: Path) -> Clock:
+    """Check the time column and find the uniform clock behind it.
+
+    Args:
+        seconds: time of every row [s], shape (N,).
+        valid: rows that were measured, shape (N,) bool, or None where the log does not say.
+        column, path: for error texts.
+
+    Raises:
+        InputError: fewer than two rows, time that is not a number, goes back, repeats, or jumps
+            without a `valid` column.
+    """
+    measured = np.ones(len(seconds), bool) if valid is None else valid
+    finite = np.isfinite(seconds)
+    if not finite[measured].all():
+        bad = int(np.flatnonzero(measured & ~finite)[0])
+        remedy = "remove the row, or mark it in a `valid` column"
+        raise InputError("time is not a number", file=path, column=column, row=bad + 1, remedy=remedy)
+    kept = np.flatnonzero(finite)
+    if len(kept) < 2:
+        remedy = "record at least two rows"
+        raise InputError(f"{len(kept)} row(s) make no recording", file=path, column=column, remedy=remedy)
+    t = seconds[kept]
+    step = np.diff(t)
+    _check_forward(step, kept, column, path)
+    period = float(np.median(step))
+    if valid is None and step.max() > _MISSING * period:
+        bad = int(np.argmax(step > _MISSING * period))
+        raise InputError(
+            f"time jumps by {step[bad] / period:.4g} periods, from {t[bad]:.6g} s to {t[bad + 1]:.6g} s",
+            file=path,
+            column=column,
+            row=int(kept[bad + 1]) + 1,
+            remedy="cut the recording there, or add a `valid` column to have the gap filled and masked",
+        )
+    row = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(step / period)))]).astype(int)
+    straight = np.polynomial.Polynomial.fit(row, t, 1)
+    start, exact = straight.convert().coef
+    off = float(np.abs(t - start - exact * row).max())
+    tolerance = max(_STRAIGHT * exact, _rounding(t))
+    if off <= tolerance:
+        exact = float(f"{exact:.9g}") if _rounding(t) == 0 else _short(exact, tolerance / row[-1])
+        return Clock(np.arange(row[-1] + 1) * exact, row * exact, row, kept, 0.0)
+    jitter = float(np.sqrt(np.mean((step[step < _MISSING * period] / period - 1) ** 2)))
+    count = int(np.floor((t[-1] - t[0]) / period * (1 + 1e-9)))
+    return Clock(np.arange(count + 1) * period, t - t[0], None, kept, jitter)
+
+
+def _check_forward(step: np.ndarray, kept: np.ndarray, column: str, path: Path) -> None:
+    if (step > 0).all():
+        return
+    bad = int(np.argmax(step <= 0))
+    what = "repeats" if step[bad] == 0 else f"goes back by {-step[bad]:.4g} s"
+    remedy = "sort the rows by time, and leave out what was logged twice"
+    raise InputError(f"time {what}", file=path, column=column, row=int(kept[bad + 1]) + 1, remedy=remedy)
+
+
+def _rounding(t: np.ndarray) -> float:
+    """The step to which the times were rounded when written [s]; 0 where they were not.
+
+    A clock of 1/3 ms printed with four decimals has increments that differ by a third, and no jitter.
+    """
+    for decimals in range(10):
+        if np.abs(np.round(t, decimals) - t).max() < 1e-12 * max(1.0, abs(t[-1])):
+            return 10.0**-decimals
+    single = t.astype(np.float32)
+    return float(np.spacing(np.abs(single).max())) if (single == t).all() else 0.0
+
+
+def _short(value: float, tolerance: float) -> float:
+    """The shortest number within the tolerance: 0.001 rather than 0.00099999996."""
+    for digits in range(1, 16):
+        short = float(f"{value:.{digits}g}")
+        if abs(short - value) <= tolerance:
+            return short
+    return value

@@ -1,0 +1,195 @@
+"""The TOML file of a recording: what may stand in it, and one clear line where something may not."""
+
+from __future__ import annotations
+
+import tomllib
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, FiniteFloat, ValidationError
+
+from workbench.core import AXIS_SIGNALS, InputError
+from workbench.core.units import KINDS
+
+
+def _listed(value: Any) -> Any:
+    """A scalar stands for a list of one."""
+    return value if isinstance(value, list) else [value]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class Column(_Table):
+    """One column of the table; ``scale * cell + offset`` is in the unit that [units] states."""
+
+    column: str
+    scale: FiniteFloat = 1.0
+    offset: FiniteFloat = 0.0
+
+
+def _column(value: Any) -> Any:
+    return {"column": value} if isinstance(value, str) else value
+
+
+AnyColumn = Annotated[Column, BeforeValidator(_column)]
+Columns = Annotated[list[AnyColumn], BeforeValidator(_listed)]
+Numbers = Annotated[list[FiniteFloat], BeforeValidator(_listed)]
+UnitNames = Annotated[list[str], BeforeValidator(_listed)]
+
+
+class ControllerTable(_Table):
+    """``[controller]``; see `workbench.core.Controller`."""
+
+    kind: Literal["none", "pd", "cascade_pv", "unknown"]
+    coordinates: Literal["joint", "actuator"] = "actuator"
+    kp: Numbers | None = None
+    kd: Numbers | None = None
+    kv: Numbers | None = None
+    gain: Numbers | None = None
+    limit: Numbers | None = None
+    period_s: FiniteFloat | None = None
+
+
+class ExcitationTable(_Table):
+    """``[excitation]``; see `workbench.core.Excitation`."""
+
+    kind: Literal["chirp", "multisine", "reference", "policy", "hold", "random"] = "reference"
+    mode: Literal["sum", "difference", "single"] | None = None
+    period_s: FiniteFloat | None = None
+    f_min_hz: FiniteFloat | None = None
+    f_max_hz: FiniteFloat | None = None
+    lines: Literal["full", "odd", "odd_random"] | None = None
+
+
+class TimingTable(_Table):
+    """``[timing]``; see `workbench.core.Timing`."""
+
+    feedforward_held: bool = True
+    initial_at_rest: bool = True
+    delay: Literal["motor", "loop"] = "motor"
+
+
+class Description(_Table):
+    """The whole TOML file, `columns` and `units` still to be checked by name."""
+
+    format: Literal[1]
+    name: str | None = None
+    table: str
+    rig: str = ""
+    coordinates: Literal["actuator", "joint"] = "actuator"
+    axes: Annotated[list[str], BeforeValidator(_listed)]
+    columns: dict[str, Columns]
+    units: dict[str, UnitNames] = {}
+    controller: ControllerTable | None = None
+    excitation: ExcitationTable = ExcitationTable()
+    timing: TimingTable = TimingTable()
+
+
+_SECTIONS: dict[str, type[_Table]] = {
+    "controller": ControllerTable,
+    "excitation": ExcitationTable,
+    "timing": TimingTable,
+}
+_COLUMN_KEYS = ("time", "valid", "ground_force", *AXIS_SIGNALS)
+
+
+def is_extra(signal: str) -> bool:
+    """Whether a key of ``[columns]`` is kept beside the axis signals (any number of columns)."""
+    return signal == "ground_force" or signal.startswith("base_")
+
+
+def read_description(path: Path) -> Description:
+    """Parse and check a recording's TOML file.
+
+    Raises:
+        InputError: missing or malformed file, or a key or value that the format does not have.
+    """
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
+    except UnicodeDecodeError as error:
+        remedy = "give the recording's TOML file, not its table"
+        raise InputError("is not a text file", file=path, remedy=remedy) from error
+    try:
+        description = Description.model_validate(tomllib.loads(text))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"is not valid TOML: {error}", file=path, remedy="correct that line") from error
+    except ValidationError as error:
+        raise _explain(error, path) from error
+    _check_names(description, path)
+    return description
+
+
+def _check_names(d: Description, path: Path) -> None:
+    if not d.axes:
+        raise InputError("names no axis", file=path, column="axes", remedy="give one name per axis")
+    twice = sorted({a for a in d.axes if d.axes.count(a) > 1})
+    if twice:
+        raise InputError(
+            f"axis '{twice[0]}' is named twice",
+            file=path,
+            column="axes",
+            remedy="give each axis its own name",
+        )
+    for signal in d.columns:
+        if signal not in _COLUMN_KEYS and not is_extra(signal):
+            raise _unknown_key(f"columns.{signal}", signal, _COLUMN_KEYS, path)
+    for needed in ("time", "position"):
+        if needed not in d.columns:
+            remedy = f"name the table's {needed} column(s) under [columns]"
+            raise InputError("is missing", file=path, column=f"columns.{needed}", remedy=remedy)
+    n = len(d.axes)
+    for signal, columns in d.columns.items():
+        wanted = n if signal in AXIS_SIGNALS else len(columns) if is_extra(signal) else 1
+        if len(columns) != wanted or not columns:
+            raise InputError(
+                f"has {len(columns)} column(s) where {wanted} are needed",
+                file=path,
+                column=f"columns.{signal}",
+                remedy="give one column per axis, in the order of axes"
+                if signal in AXIS_SIGNALS
+                else "give one",
+            )
+    for kind, units in d.units.items():
+        if kind not in KINDS:
+            raise _unknown_key(f"units.{kind}", kind, tuple(KINDS), path)
+        if len(units) not in (1, n):
+            remedy = "give one unit, or one per axis"
+            raise InputError(
+                f"has {len(units)} units for {n} axes", file=path, column=f"units.{kind}", remedy=remedy
+            )
+
+
+def _explain(error: ValidationError, path: Path) -> InputError:
+    first = error.errors()[0]
+    loc: tuple[str | int, ...] = first["loc"]
+    key = ".".join(str(part) for part in loc)
+    if first["type"] == "extra_forbidden":
+        section = _SECTIONS.get(str(loc[0])) if len(loc) > 1 else Description
+        known = tuple((section or Column).model_fields)
+        return _unknown_key(key, str(loc[-1]), known, path)
+    if key == "format":
+        found = "(none)" if first["type"] == "missing" else first["input"]
+        return InputError(
+            f"format {found} is not known to this version",
+            file=path,
+            column="format",
+            remedy="write format = 1",
+        )
+    if first["type"] == "missing":
+        return InputError("is missing", file=path, column=key, remedy="add it")
+    message = first["msg"][0].lower() + first["msg"][1:]
+    return InputError(
+        f"{message}, found {first['input']!r}", file=path, column=key, remedy="correct the value"
+    )
+
+
+def _unknown_key(key: str, name: str, known: tuple[str, ...], path: Path) -> InputError:
+    close = get_close_matches(name, known, n=1, cutoff=0.5)
+    remedy = f"did you mean '{close[0]}'?" if close else f"known keys: {', '.join(known)}"
+    return InputError(f"unknown key '{name}'", file=path, column=key, remedy=remedy)

@@ -1,0 +1,34 @@
+"""The step of an encoder: the lattice on which all positions lie, if they lie on one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def lattice_step(values: np.ndarray) -> float:
+    """The largest step of which all differences of the values are multiples.
+
+    Args:
+        values: shape (N,), not all equal. Rounding when written (a few parts in a thousand of a step)
+            does no harm.
+
+    Returns:
+        The step in the values' unit; 0.0 where the values lie on no lattice.
+    """
+    places = np.unique(values)
+    merge = 1e-9 * float(np.abs(places).max())
+    gaps = np.diff(places)
+    gaps = gaps[gaps > merge]
+    if len(gaps) == 0:
+        return 0.0
+    # neighbours are one step apart nearly everywhere; where they are not, the gap counts the steps
+    step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
+    counts = np.round(gaps / step)
+    if not _fits(gaps, counts, step):
+        return 0.0
+    step = float(gaps.sum() / counts.sum())
+    return step if _fits(gaps, np.round(gaps / step), step) else 0.0
+
+
+def _fits(gaps: np.ndarray, counts: np.ndarray, step: float) -> bool:
+    return bool(np.abs(gaps - counts * step).max() < 0.05 * step)

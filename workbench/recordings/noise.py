@@ -1,0 +1,126 @@
+"""How noisy each sensor is, from the recording alone and whatever else is in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from workbench.core import Recording
+
+from .lattice import lattice_step
+
+_WINDOW = 200  # rows; short beside any change of configuration, long enough to separate bands
+_WINDOWS = 80  # per axis; more would sharpen the median below 1 %, which nothing needs
+_BANDS = (0.25, 0.4, 0.6)  # parts of half the row rate taken to be motion; the rest is noise
+_REACH_S = 0.010  # a torque answers its command within delay and current loop, well inside this
+
+
+@dataclass(frozen=True)
+class NoiseLevels:
+    """Sensor noise per axis, each array (n,); NaN where it cannot be known.
+
+    Attributes:
+        position_resolution: step of the encoder [rad or m]; 0 where positions lie on no lattice, NaN
+            where the axis never moves.
+        position_std: standard deviation of position noise, rounding included [rad or m].
+        velocity_std: of velocity noise [rad/s or m/s]; NaN where velocity was not measured.
+        torque_std: of measured torque's noise [N m or N]; NaN where torque was not measured.
+    """
+
+    position_resolution: np.ndarray
+    position_std: np.ndarray
+    velocity_std: np.ndarray
+    torque_std: np.ndarray
+
+
+def noise_levels(recording: Recording) -> NoiseLevels:
+    """Noise of position, velocity and torque, each taken as white.
+
+    In short windows everything that motion can explain is projected out, and what stays is noise:
+    slow cosines for all signals, and for torque the last commands too (any delay and any linear
+    current loop make the torque a weighted sum of them, so its steps at every controller tick do not
+    count as noise). The median over windows ignores those in which friction, backlash or saturation
+    strike, and the smallest of several bandwidths is taken, because motion only ever adds.
+    """
+    n = len(recording.axes)
+    valid = np.ones(len(recording), bool) if recording.valid is None else recording.valid
+    resolution, position = np.full(n, np.nan), np.full(n, np.nan)
+    velocity, torque = np.full(n, np.nan), np.full(n, np.nan)
+    measured_velocity = None if "velocity" in recording.derived else recording.get("velocity")
+    measured_torque = recording.get("torque_measured")
+    command = recording.get("torque_command")
+    for i in range(n):
+        q = recording.position[:, i]
+        if np.ptp(q[valid]) > 0:
+            resolution[i] = lattice_step(q[valid])
+            rounding, white = resolution[i] / np.sqrt(12), white_noise(q, valid)
+            # rounding a slow motion leaves less than white noise of that size, never much more
+            position[i] = rounding if white < 1.3 * rounding else white
+        if measured_velocity is not None:
+            velocity[i] = white_noise(measured_velocity[:, i], valid)
+        if measured_torque is not None:
+            asked = None if command is None else command[:, i]
+            torque[i] = white_noise(measured_torque[:, i], valid, asked, recording.period)
+    return NoiseLevels(resolution, position, velocity, torque)
+
+
+def white_noise(
+    signal: np.ndarray, valid: np.ndarray, command: np.ndarray | None = None, period: float = 1.0
+) -> float:
+    """Standard deviation of the white noise on one signal.
+
+    Args:
+        signal: shape (N,).
+        valid: rows to trust, shape (N,) bool.
+        command: what the signal follows with some delay and lag, shape (N,), or None.
+        period: row period [s].
+
+    Returns:
+        The standard deviation, in the signal's unit; NaN where there are too few rows.
+    """
+    if command is None or np.ptp(command) == 0 or np.allclose(command, signal, rtol=1e-9, atol=0):
+        lags = 0  # nothing to follow, or the same column twice
+    else:
+        lags = int(np.clip(np.ceil(_REACH_S / period), 4, 80)) + 1
+    width = min(max(_WINDOW, 6 * lags), len(signal) - lags)
+    if width < max(16, 2 * lags):
+        return float("nan")
+    starts = np.arange(lags, len(signal) - width + 1, width)
+    gaps = np.concatenate([[0], np.cumsum(~valid)])
+    starts = starts[gaps[starts + width] == gaps[starts - lags]]
+    if len(starts) == 0:
+        return float("nan")
+    starts = starts[np.linspace(0, len(starts) - 1, min(_WINDOWS, len(starts))).astype(int)]
+    rows = starts[:, None] + np.arange(width)
+    followed = None
+    if command is not None and lags:
+        followed = command[rows[:, :, None] - np.arange(lags)]  # (windows, width, lags)
+    return min(_outside(signal[rows], followed, round(width * band)) for band in _BANDS)
+
+
+def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> float:
+    """Noise outside the span of `slow` cosines and of the commands followed, median over windows."""
+    width = windows.shape[1]
+    basis = _slow_basis(width, slow)
+    rest = windows - (windows @ basis) @ basis.T
+    freedom = np.full(len(windows), float(width - basis.shape[1]))
+    if followed is not None:
+        commands = followed - basis @ np.einsum("wk,bwl->bkl", basis, followed)
+        left, size, _ = np.linalg.svd(commands, full_matrices=False)
+        # directions that only rounding sets apart explain nothing
+        left = left * (size > 1e-6 * size[:, :1] + 1e-12)[:, None, :]
+        rest = rest - np.einsum("bwl,bl->bw", left, np.einsum("bwl,bw->bl", left, rest))
+        freedom -= (np.abs(left).sum(axis=1) > 0).sum(axis=1)
+    freedom = np.maximum(freedom, 1)
+    variance = (rest**2).sum(axis=1) / freedom
+    return float(np.sqrt(np.median(variance * freedom / chi2.median(freedom))))
+
+
+def _slow_basis(width: int, count: int) -> np.ndarray:
+    """Orthonormal cosines, and the odd powers that they lack at a window's ends, (width, count + 2)."""
+    place = (np.arange(width) + 0.5) / width
+    cosines = np.cos(np.pi * place[:, None] * np.arange(count))
+    ends = np.column_stack([place - 0.5, (place - 0.5) ** 3])
+    return np.linalg.qr(np.hstack([cosines, ends]))[0]

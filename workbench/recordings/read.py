@@ -1,0 +1,160 @@
+"""Reading a recording: TOML and table in, one checked `Recording` in SI on a uniform clock out."""
+
+from __future__ import annotations
+
+import glob
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import Controller, Excitation, InputError, Recording, Timing
+
+from .checks import check_alive, check_excitation, check_finite
+from .clock import Clock, read_clock
+from .convert import axis_signals, axis_units, extra_signals, seconds
+from .description import ControllerTable, Description, read_description
+from .resample import measured_on_clock, onto_clock
+from .tables import read_table
+from .velocity import derive_velocity
+
+
+def load_recording(path: str | Path) -> Recording:
+    """Read one recording.
+
+    Args:
+        path: its TOML file.
+
+    Returns:
+        The recording: SI, uniform clock from 0, gaps filled and masked, velocity derived where it was
+        not measured; `Recording.notes` says what was done to the data.
+
+    Raises:
+        InputError: anything wrong with either file; the text names file, column, row and remedy.
+    """
+    path = Path(path)
+    d = read_description(path)
+    units = axis_units(d, path)
+    controller = _controller(d, path)
+    table = path.parent / d.table
+    wanted = [c.column for columns in d.columns.values() for c in columns]
+    data = read_table(table, wanted)
+
+    column = d.columns["time"][0].column
+    measured = _measured(d, data, table)
+    clock = read_clock(seconds(d, data, path), measured, column, table)
+    good = np.ones(len(data[column]), bool) if measured is None else measured
+    signals, extra = axis_signals(d, data, path), extra_signals(d, data, path)
+    check_finite(d, {**signals, **extra}, good, table)
+    signals = {name: onto_clock(name, rows, good, clock) for name, rows in signals.items()}
+    extra = {name: onto_clock(name, rows, good, clock) for name, rows in extra.items()}
+    check_excitation(d, clock.time, column, table)
+    check_alive(d, signals, table)
+
+    valid = measured_on_clock(good, clock)
+    notes = _clock_notes(clock, valid)
+    derived: tuple[str, ...] = ()
+    if "velocity" not in signals:
+        signals["velocity"] = derive_velocity(signals["position"], float(clock.time[1]))
+        derived = ("velocity",)
+        notes += ("Velocity was not measured; it is derived from position by a zero-phase filter.",)
+    return Recording(
+        name=d.name or path.stem,
+        axes=tuple(d.axes),
+        coordinates=d.coordinates,
+        time=clock.time,
+        signals=signals,
+        units=units,
+        controller=controller,
+        excitation=Excitation(**d.excitation.model_dump()),
+        timing=Timing(**d.timing.model_dump()),
+        rig=d.rig,
+        valid=valid,
+        derived=derived,
+        notes=notes,
+        extra=extra,
+        source=path,
+    )
+
+
+def load_recordings(paths: str | Path | Iterable[str | Path]) -> list[Recording]:
+    """Read several recordings.
+
+    Args:
+        paths: TOML files or patterns (``"data/*.toml"``), or one of them; what a pattern finds is sorted.
+
+    Raises:
+        InputError: as `load_recording`, or a pattern that finds nothing.
+    """
+    paths = [paths] if isinstance(paths, str | Path) else list(paths)
+    files: list[Path] = []
+    for path in map(str, paths):
+        found = sorted(glob.glob(path, recursive=True)) if glob.has_magic(path) else [path]
+        if Path(path).exists():
+            found = [path]
+        if not found:
+            raise InputError("no file matches this pattern", file=path, remedy="check the path")
+        files += map(Path, found)
+    return [load_recording(file) for file in dict.fromkeys(files)]
+
+
+def _controller(d: Description, path: Path) -> Controller:
+    c = d.controller
+    if c is None:
+        return Controller()
+    needed = {"pd": ("kp",), "cascade_pv": ("kp", "kv", "gain")}.get(c.kind, ())
+    for key in needed:
+        if getattr(c, key) is None:
+            remedy = f"a controller of kind '{c.kind}' needs it, one number per axis"
+            raise InputError("is missing", file=path, column=f"controller.{key}", remedy=remedy)
+    if c.period_s is not None and c.period_s <= 0:
+        remedy = "give the sample-and-hold period in seconds"
+        raise InputError("must be positive", file=path, column="controller.period_s", remedy=remedy)
+    gains = {key: _per_axis(c, key, d, path) for key in ("kp", "kd", "kv", "gain", "limit")}
+    if c.kind == "pd" and not gains["kd"]:
+        gains["kd"] = (0.0,) * len(d.axes)
+    return Controller(kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, **gains)
+
+
+def _per_axis(c: ControllerTable, key: str, d: Description, path: Path) -> tuple[float, ...]:
+    values = getattr(c, key)
+    if values is None:
+        return ()
+    if len(values) != len(d.axes):
+        raise InputError(
+            f"has {len(values)} value(s) for {len(d.axes)} axes",
+            file=path,
+            column=f"controller.{key}",
+            remedy="give one number per axis",
+        )
+    if key == "limit" and min(values) <= 0:
+        raise InputError("must be positive", file=path, column="controller.limit", remedy="give its size")
+    return tuple(values)
+
+
+def _measured(d: Description, data: dict[str, np.ndarray], table: Path) -> np.ndarray | None:
+    """Rows that were measured, shape (N,) bool; None where the table does not say."""
+    if "valid" not in d.columns:
+        return None
+    column = d.columns["valid"][0].column
+    flags = data[column]
+    bad = ~np.isin(flags, (0.0, 1.0))
+    if bad.any():
+        row = int(np.argmax(bad))
+        remedy = "write 1 for a measured row and 0 for a masked one"
+        raise InputError(f"valid is {flags[row]:g}", file=table, column=column, row=row + 1, remedy=remedy)
+    if flags.sum() < 2:
+        remedy = "record again, or correct the `valid` column"
+        raise InputError("fewer than two rows are valid", file=table, column=column, remedy=remedy)
+    return flags == 1.0
+
+
+def _clock_notes(clock: Clock, valid: np.ndarray) -> tuple[str, ...]:
+    notes: tuple[str, ...] = ()
+    if clock.row is None:
+        period = f"{1e3 * clock.time[1]:.6g} ms"
+        notes += (f"Clock jitter of {100 * clock.jitter:.2g} % (rms) resampled onto a period of {period}.",)
+    masked = int((~valid).sum())
+    if masked:
+        notes += (f"{masked} of {len(valid)} rows are masked and were filled by interpolation.",)
+    return notes

@@ -1,0 +1,91 @@
+"""CSV, plain or gzipped: header in the first line; comma, semicolon or tab between cells."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv as pacsv
+
+from workbench.core import InputError
+
+from .missing import missing_column
+
+_BOOLEANS = {"true": 1.0, "false": 0.0}
+_EMPTY = ("", "nan", "null", "na", "n/a", "none", "#n/a")
+
+
+def read_csv(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
+    """Read the named columns; see `read_table`. Byte order mark, CRLF and padded names are fine."""
+    names, separator = _header(path)
+    for column in columns:
+        if column not in names:
+            raise missing_column(column, names, path)
+    # columns are told apart by place: other columns may share a name without harm
+    places = {column: f"c{names.index(column)}" for column in columns}
+    try:
+        table = _parse(path, len(names), separator, places, pa.float64())
+    except (pa.ArrowInvalid, OSError, EOFError, zlib.error):
+        return _parse_by_cell(path, len(names), separator, places)
+    return {column: _floats(table[place]) for column, place in places.items()}
+
+
+def _header(path: Path) -> tuple[list[str], str]:
+    try:
+        opener = gzip.open if path.name.lower().endswith(".gz") else open
+        with opener(path, "rb") as file:
+            line = file.readline().decode("utf-8-sig")
+    except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
+        remedy = "check that the file is whole and of the format its name says"
+        raise InputError("is not a readable CSV file", file=path, remedy=remedy) from error
+    separator = max(",;\t", key=line.count)
+    names = [name.strip().strip('"').strip() for name in line.strip("\r\n").split(separator)]
+    if names == [""]:
+        raise InputError("the table is empty", file=path, remedy="record again or name another table")
+    return names, separator
+
+
+def _parse(path: Path, width: int, separator: str, places: dict[str, str], kind: pa.DataType) -> pa.Table:
+    every = [f"c{i}" for i in range(width)]
+    return pacsv.read_csv(
+        path,
+        read_options=pacsv.ReadOptions(column_names=every, skip_rows=1),
+        parse_options=pacsv.ParseOptions(delimiter=separator),
+        convert_options=pacsv.ConvertOptions(
+            include_columns=list(places.values()),
+            column_types=dict.fromkeys(places.values(), kind),
+            strings_can_be_null=False,
+        ),
+    )
+
+
+def _floats(column: pa.ChunkedArray) -> np.ndarray:
+    return np.array(column.to_numpy(), dtype=float)
+
+
+def _parse_by_cell(path: Path, width: int, separator: str, places: dict[str, str]) -> dict[str, np.ndarray]:
+    """The slow way, taken when a cell is not a number: accepts true/false, names the first bad cell."""
+    try:
+        table = _parse(path, width, separator, places, pa.string())
+    except (pa.ArrowInvalid, OSError, EOFError, zlib.error) as error:
+        remedy = f"give every row {width} cells, and check that the file is whole"
+        raise InputError(f"cannot be read: {error}", file=path, remedy=remedy) from error
+    return {
+        column: np.array([_cell(text, path, column, k) for k, text in enumerate(table[place].to_pylist(), 1)])
+        for column, place in places.items()
+    }
+
+
+def _cell(text: str, path: Path, column: str, row: int) -> float:
+    text = text.strip().lower()
+    if text in _EMPTY:
+        return np.nan
+    try:
+        return _BOOLEANS[text] if text in _BOOLEANS else float(text)
+    except ValueError:
+        problem, remedy = f"'{text}' is not a number", "write numbers with a decimal point"
+        raise InputError(problem, file=path, column=column, row=row, remedy=remedy) from None

@@ -1,0 +1,47 @@
+"""Velocity from position, without delay, as smooth as the encoder's steps demand and no smoother."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.signal import savgol_filter, welch
+
+_ORDER = 3
+
+
+def derive_velocity(position: np.ndarray, period: float) -> np.ndarray:
+    """Velocity of each axis by a zero-phase Savitzky-Golay filter.
+
+    A cubic is fitted to a window around each row. The window is as wide as the motion's bandwidth
+    allows: the highest frequency at which the position's spectrum stands above its noise floor.
+    Cut-off of the filter after R. W. Schafer, "What is a Savitzky-Golay filter?", 2011, eq. (4).
+
+    Args:
+        position: shape (N, n) [rad or m].
+        period: row period [s].
+
+    Returns:
+        Velocity, shape (N, n) [rad/s or m/s].
+    """
+    if len(position) < 8:
+        return np.gradient(position, period, axis=0)
+    return np.column_stack([_derive(column, period) for column in position.T])
+
+
+def _derive(position: np.ndarray, period: float) -> np.ndarray:
+    cutoff = min(1.0, 2 * _bandwidth(position, period) * 2 * period)  # in units of half the row rate
+    half = round((_ORDER + 1 + 4.6 * cutoff) / (3.2 * cutoff))
+    half = int(np.clip(half, 2, (len(position) - 1) // 2))
+    return np.asarray(savgol_filter(position, 2 * half + 1, _ORDER, deriv=1, delta=period, mode="interp"))
+
+
+def _bandwidth(position: np.ndarray, period: float) -> float:
+    """The highest frequency with motion above the noise floor [Hz]."""
+    # the difference whitens a motion that falls steeply with frequency, so that the window does not leak
+    segment = min(len(position), max(64, round(1.0 / period)))
+    f, power = welch(np.diff(position), 1 / period, nperseg=segment)
+    if not power[1:].any():
+        return 0.25 / period
+    power, f = power[1:] / np.sin(np.pi * f[1:] * period) ** 2, f[1:]
+    floor = np.median(power[-len(power) // 4 :])
+    above = np.flatnonzero(power > 4 * floor)
+    return float(f[min(above[-1] + 1, len(f) - 1)]) if len(above) else float(f[0])

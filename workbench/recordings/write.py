@@ -1,0 +1,120 @@
+"""Writing a recording: TOML and table, both whole or neither, nothing overwritten unasked."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv as pacsv
+import tomli_w
+
+from workbench.core import AXIS_SIGNALS, InputError, Recording
+from workbench.core.files import check_free, write_whole
+
+#: Column prefix of each signal.
+_SHORT = {
+    "position": "q",
+    "velocity": "w",
+    "torque_command": "cmd",
+    "torque_measured": "tau",
+    "torque_feedforward": "ff",
+    "position_reference": "qref",
+    "velocity_reference": "wref",
+    "link_position": "qlink",
+    "current": "i",
+    "voltage": "u",
+    "temperature": "temp",
+}
+_LINEAR = {"position": "m", "velocity": "m/s", "torque": "N"}
+_ROTARY = {"position": "rad", "velocity": "rad/s", "torque": "N*m"}
+
+
+def save_recording(
+    recording: Recording, toml_path: str | Path, *, compress: bool = True, force: bool = False
+) -> None:
+    """Write a recording that `load_recording` reads back.
+
+    The table stands beside the TOML under the same name, as ``.csv.gz`` (``.csv`` without `compress`).
+    Derived signals are left out, so that they are not taken for measured ones when read.
+
+    Args:
+        recording: what to write.
+        toml_path: the TOML file, ending in ``.toml``.
+        compress: gzip the table.
+        force: replace files that are there.
+
+    Raises:
+        InputError: a file is there and `force` is not given, or the folder cannot be written.
+    """
+    toml_path = Path(toml_path)
+    if toml_path.suffix != ".toml":
+        raise InputError("does not end in .toml", file=toml_path, remedy="name the recording's TOML file")
+    table_path = toml_path.with_suffix(".csv.gz" if compress else ".csv")
+    for path in (toml_path, table_path):
+        check_free(path, force=force)
+
+    columns, table = _table(recording)
+    text = tomli_w.dumps(_description(recording, table_path.name, columns)).encode()
+    # mtime 0: the same recording gives the same bytes
+    content = gzip.compress(table, compresslevel=6, mtime=0) if compress else table
+    write_whole(table_path, content, force=force)
+    try:
+        write_whole(toml_path, text, force=force)
+    except BaseException:
+        table_path.unlink(missing_ok=True)  # a table that no TOML names is only in the way
+        raise
+
+
+def _table(recording: Recording) -> tuple[dict[str, Any], bytes]:
+    """The ``[columns]`` table, and the CSV's bytes."""
+    columns: dict[str, Any] = {"time": "t"}
+    data = {"t": np.round(recording.time, 12)}
+    for signal in AXIS_SIGNALS:
+        values = recording.get(signal)
+        if values is not None and signal not in recording.derived:
+            names = [f"{_SHORT[signal]}_{axis}" for axis in recording.axes]
+            columns[signal] = names
+            data |= dict(zip(names, values.T, strict=True))
+    for signal, values in recording.extra.items():
+        names = [f"{signal}_{i}" for i in range(values.shape[1])]
+        columns[signal] = names
+        data |= dict(zip(names, values.T, strict=True))
+    if recording.valid is not None and not recording.valid.all():
+        columns["valid"] = "valid"
+        data["valid"] = recording.valid.astype(int)
+    out = io.BytesIO()
+    options = pacsv.WriteOptions(quoting_style="needed", quoting_header="none")
+    pacsv.write_csv(pa.table({k: np.ascontiguousarray(v) for k, v in data.items()}), out, options)
+    return columns, out.getvalue()
+
+
+def _description(recording: Recording, table: str, columns: dict[str, Any]) -> dict[str, Any]:
+    c = recording.controller
+    keys = ("kp", "kd", "kv", "gain", "limit")
+    gains = {key: [x for x in getattr(c, key) if math.isfinite(x)] for key in keys}
+    controller = {"kind": c.kind, "coordinates": c.coordinates, **gains, "period_s": c.period_s}
+    units = {
+        kind: [(_LINEAR if unit == "m" else _ROTARY)[kind] for unit in recording.units] for kind in _LINEAR
+    }
+    return {
+        "format": 1,
+        "name": recording.name,
+        "table": table,
+        "rig": recording.rig,
+        "coordinates": recording.coordinates,
+        "axes": list(recording.axes),
+        "columns": columns,
+        "units": {"time": "s", **{k: u[0] if len(set(u)) == 1 else u for k, u in units.items()}},
+        **({} if c.kind == "unknown" else {"controller": _present(controller)}),
+        "excitation": _present(vars(recording.excitation)),
+        "timing": _present(vars(recording.timing)),
+    }
+
+
+def _present(table: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in table.items() if value is not None and value != []}
