@@ -1,0 +1,29 @@
+"""The catalogue of physical effects, one small file each, and how a model is built from them."""
+
+from .base import Door, Effect, Parameter, Response
+from .build import Plant, build, compile_plant
+from .catalogue import EFFECTS, effect_named, places
+from .chain import Build, FrictionTerm, TorqueChain
+from .check import axis_units, check_effect, load_model
+from .motion import Motion, held
+
+__all__ = [
+    "EFFECTS",
+    "Build",
+    "Door",
+    "Effect",
+    "FrictionTerm",
+    "Motion",
+    "Parameter",
+    "Plant",
+    "Response",
+    "TorqueChain",
+    "axis_units",
+    "build",
+    "check_effect",
+    "compile_plant",
+    "effect_named",
+    "held",
+    "load_model",
+    "places",
+]

@@ -1,0 +1,54 @@
+"""S3N-Act: actuator inertia and damping pulled back through the coordinate change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.models import Model, Placement, axis_tendon
+
+from .base import Door, Effect, Response
+from .chain import Build
+from .motion import Motion
+
+
+class ActuatorInertiaCoupling(Effect):
+    """J^T diag(J_i) J and J^T diag(B_i) J in place of diag(J_i) and diag(B_i) on the serial joints."""
+
+    name = "actuator_inertia_coupling"
+    door = Door.MECHANISM
+    axes = "all"
+    source = "paper, Eqs. 10 to 14"
+    shows = "inertia coupling between the axes at every posture; FRF off the diagonal"
+    mujoco = "native: armature and damping of the axes' tendons instead of the joints'"
+
+    def applies(self, model: Model, key: EffectKey) -> bool:
+        """Where a drive moves more than its own joint."""
+        return not np.array_equal(model.transmission, np.eye(model.size)) and any(model.actuators.inertia)
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No free coefficient: diag at the drives minus diag at the joints, both from the actuators."""
+        back = np.linalg.inv(model.transmission)
+        total = np.zeros_like(motion.acceleration)
+        for diagonal, rate in (
+            (model.actuators.inertia, motion.acceleration),
+            (model.actuators.damping, motion.velocity),
+        ):
+            at_drives = rate * np.array(diagonal)
+            at_joints = (rate @ back.T * np.array(diagonal)) @ back
+            total -= at_drives - at_joints
+        return Response(np.zeros((0, *total.shape)), offset=total)
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """Move the diagonal from the joints to the drives' tendons."""
+        drives = zip(model.joints, model.actuators.inertia, model.actuators.damping, strict=True)
+        for index, (name, inertia, damping) in enumerate(drives):
+            joint, tendon = build.spec.joint(name), build.spec.tendon(axis_tendon(index))
+            joint.armature = max(joint.armature - inertia, 0.0)
+            joint.damping[0] = max(joint.damping[0] - damping, 0.0)
+            tendon.armature += inertia
+            tendon.damping[0] += damping

@@ -1,0 +1,62 @@
+"""Friction that differs by direction: worn screws, preloaded gears, seals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response, single, smooth_sign
+from .chain import Build, FrictionTerm
+from .motion import Motion
+
+
+class AsymmetricFriction(Effect):
+    """torque = -(f+ + d+ w) for w > 0 and (f- - d- w) for w < 0."""
+
+    name = "asymmetric_friction"
+    parameters = (
+        Parameter("damping_positive", "N*m*s/rad"),
+        Parameter("damping_negative", "N*m*s/rad"),
+        Parameter("torque_positive", "N*m"),
+        Parameter("torque_negative", "N*m"),
+    )
+    door = Door.FRICTION
+    tier = 1
+    locations = ("actuator", "joint")
+    source = "Janot, Gautier, Brunot, Workshop on Nonlinear System Identification Benchmarks, 2019"
+    shows = "torque residual against speed has another slope or step for each direction"
+    mujoco = "torque function of the speed: the level of the axis's friction loss, step by step"
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """Four columns, each nonzero in one direction only."""
+        assert place is not None
+        _, speed, _ = motion.along(place)
+        sign = smooth_sign(speed)
+        up, down = 0.5 * (1.0 + sign), 0.5 * (1.0 - sign)
+        rows = (-speed * up, -speed * down, -np.maximum(sign, 0.0), -np.minimum(sign, 0.0))
+        return Response(np.stack([single(place, row, motion) for row in rows]))
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """A friction level of the tendon that depends on the speed."""
+        assert place is not None
+        parameters = tuple(values[p.name] for p in self.parameters)
+        build.chain.friction.append(FrictionTerm(place.tendon, asymmetric_level, parameters))
+
+
+def asymmetric_level(
+    speed: np.ndarray,
+    torque: np.ndarray,
+    damping_positive: np.ndarray,
+    damping_negative: np.ndarray,
+    torque_positive: np.ndarray,
+    torque_negative: np.ndarray,
+) -> np.ndarray:
+    """Bound on the friction at a speed, all arrays broadcast."""
+    del torque
+    forward = torque_positive + damping_positive * speed
+    return np.where(speed > 0, forward, torque_negative - damping_negative * speed)

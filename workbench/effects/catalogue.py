@@ -1,0 +1,76 @@
+"""The catalogue: every effect there is, in one tuple that anyone can read."""
+
+from __future__ import annotations
+
+from workbench.core import EffectKey, InputError
+from workbench.models import Model
+
+from .actuator_inertia_coupling import ActuatorInertiaCoupling
+from .asymmetric_friction import AsymmetricFriction
+from .base import Effect
+from .command_delay import CommandDelay
+from .coulomb_friction import CoulombFriction
+from .linkage_coriolis import LinkageCoriolis
+from .linkage_gravity import LinkageGravity
+from .linkage_inertia import LinkageInertia
+from .parallel_spring import ParallelSpring
+from .payload_mass import PayloadMass
+from .reflected_inertia import ReflectedInertia
+from .stribeck_friction import StribeckFriction
+from .torque_bias import TorqueBias
+from .torque_constant_error import TorqueConstantError
+from .viscous_damping import ViscousDamping
+
+EFFECTS: tuple[Effect, ...] = (
+    ActuatorInertiaCoupling(),
+    LinkageInertia(),
+    LinkageGravity(),
+    LinkageCoriolis(),
+    ViscousDamping(),
+    CoulombFriction(),
+    ReflectedInertia(),
+    PayloadMass(),
+    TorqueConstantError(),
+    TorqueBias(),
+    CommandDelay(),
+    ParallelSpring(),
+    AsymmetricFriction(),
+    StribeckFriction(),
+)
+
+_BY_NAME = {effect.name: effect for effect in EFFECTS}
+
+
+def effect_named(name: str) -> Effect:
+    """The effect of this name.
+
+    Raises:
+        InputError: there is none; lists the catalogue.
+    """
+    if name not in _BY_NAME:
+        raise InputError(f"no effect is called '{name}'", remedy=f"choose one of {', '.join(sorted(_BY_NAME))}")
+    return _BY_NAME[name]
+
+
+def places(model: Model) -> tuple[EffectKey, ...]:
+    """Every effect in every place where it could be added to this model."""
+    keys: list[EffectKey] = []
+    for effect in EFFECTS:
+        if effect.axes == "all":
+            candidates = [EffectKey(effect.name, None)]
+        else:
+            candidates = [
+                EffectKey(effect.name, axis, location)
+                for index, axis in enumerate(model.axes)
+                for location in effect.locations
+                if location == "actuator" or _pin_differs(model, index)
+            ]
+        taken = {applied.key for applied in model.effects}
+        keys += [key for key in candidates if key not in taken and effect.applies(model, key)]
+    return tuple(keys)
+
+
+def _pin_differs(model: Model, index: int) -> bool:
+    """Whether the pin of an axis moves otherwise than its drive."""
+    row = model.transmission[index]
+    return bool((row != [float(j == index) for j in range(model.size)]).any())

@@ -1,0 +1,72 @@
+"""A model's effects held against the catalogue: names, places, parameters, physical bounds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from workbench.core import Estimate, InputError
+from workbench.models import AppliedEffect, Model, joint_kinds, read_model
+
+from .catalogue import effect_named
+
+
+def load_model(path: str | Path) -> Model:
+    """Read a model and check its effects against the catalogue.
+
+    Raises:
+        InputError: anything wrong with the file or its effects, in one line.
+    """
+    model = read_model(path)
+    return replace(model, effects=tuple(check_effect(model, e) for e in model.effects))
+
+
+def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
+    """One effect with its units filled in.
+
+    Raises:
+        InputError: wrong place, unknown or missing parameter, value outside its physical bounds.
+    """
+    effect, key = effect_named(applied.key.effect), applied.key
+
+    def refuse(problem: str, remedy: str = "") -> InputError:
+        return InputError(problem, file=model.source, remedy=remedy)
+
+    if effect.axes == "each" and key.axis not in model.axes:
+        choices = ", ".join(f"{effect.name}@{axis}" for axis in model.axes)
+        raise refuse(f"{effect.name} acts on one axis, not on '{key.axis or 'all'}'", f"say which: {choices}")
+    if effect.axes == "all" and key.axis is not None:
+        raise refuse(f"{effect.name} acts on all axes at once", f"leave '@{key.axis}' out")
+    if key.location not in effect.locations:
+        raise refuse(f"{effect.name} cannot sit at the {key.location}", f"it sits at the {effect.locations[0]}")
+    if not effect.applies(model, key):
+        raise refuse(f"{effect.name} does not apply to model '{model.name}'", f"it needs: {effect.shows}")
+    known = {p.name: p for p in effect.parameters}
+    for name in applied.parameters:
+        if name not in known:
+            raise refuse(f"{effect.name} has no parameter '{name}'", f"it has {', '.join(known) or 'none'}")
+    checked: dict[str, Estimate] = {}
+    for name, parameter in known.items():
+        unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
+        if name not in applied.parameters:
+            raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
+        estimate = applied.parameters[name]
+        lower = parameter.lower if name not in ("damping", "inertia") else -float("inf")
+        if not lower <= estimate.value <= parameter.upper:
+            raise refuse(
+                f"{effect.name}: {name} = {estimate.value:g} lies outside {lower:g} to {parameter.upper:g} {unit}",
+                "give a value that a body can have",
+            )
+        checked[name] = Estimate(estimate.value, estimate.std, unit)
+    return AppliedEffect(key, checked)
+
+
+def axis_unit(model: Model, axis: str) -> str:
+    """``rad`` or ``m``: what an axis's position is measured in."""
+    return axis_units(model)[model.axes.index(axis)]
+
+
+def axis_units(model: Model) -> tuple[str, ...]:
+    """``rad`` or ``m`` per axis, by the joint that its drive moves first."""
+    kinds = joint_kinds(model)
+    return tuple("m" if kinds[int(abs(row).argmax())] == "slide" else "rad" for row in model.transmission)

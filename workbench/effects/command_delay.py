@@ -1,0 +1,44 @@
+"""More delay between command and torque than the model has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response
+from .chain import Build
+from .motion import Motion, held
+
+
+class CommandDelay(Effect):
+    """torque(t) = command(t - T_d - time), on all axes, before the measured torque."""
+
+    name = "command_delay"
+    parameters = (Parameter("time", "s", lower=0.0, upper=0.2, about="beyond the model's delay"),)
+    nonlinear = ("time",)
+    door = Door.COMMAND
+    axes = "all"
+    source = "transport delay of bus and drive; the paper's T_d (Eq. 15)"
+    shows = "measured torque late against the command; FRF phase falls with frequency"
+    mujoco = "native: delay of the actuator"
+
+    def shapes(self, motion: Motion, model: Model, place: Placement | None) -> Sequence[Mapping[str, float]]:
+        """Delays from a tenth of a row to some rows beyond the controller's usual step."""
+        longest = max(12.0 * motion.step, 0.012)
+        return [{"time": float(t)} for t in np.geomspace(0.1 * motion.step, longest, 14)]
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No free coefficient: the late command minus the command in time."""
+        late_at, late_mean = held(motion.command, motion.step, motion.delay + shape["time"])
+        at, mean = held(motion.command, motion.step, motion.delay)
+        rows, n = motion.position.shape
+        return Response(np.zeros((0, rows, n)), offset=late_mean - mean, tap=late_at - at)
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """Delay of the chain."""
+        build.chain.delay_s += values["time"]

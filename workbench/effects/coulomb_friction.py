@@ -1,0 +1,36 @@
+"""Coulomb friction at a drive or a pin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response, single, smooth_sign
+from .chain import Build
+from .motion import Motion
+
+
+class CoulombFriction(Effect):
+    """torque = -f sign(w); sticks where the other torques stay below f."""
+
+    name = "coulomb_friction"
+    parameters = (Parameter("torque", "N*m"),)
+    door = Door.FRICTION
+    locations = ("actuator", "joint")
+    source = "Coulomb 1785; Armstrong-Helouvry et al., Automatica 30(7), 1994"
+    shows = "torque residual steps at each reversal, odd in speed, independent of its size"
+    mujoco = "native: friction loss of the axis's tendon"
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """One column: minus the sign of the speed."""
+        assert place is not None
+        _, speed, _ = motion.along(place)
+        return Response(single(place, -smooth_sign(speed), motion)[None])
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """Friction loss of the tendon."""
+        assert place is not None
+        build.spec.tendon(place.tendon).frictionloss += values["torque"]

@@ -1,0 +1,48 @@
+"""The velocity terms that belong to the linkage's inertia."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Response
+from .chain import Build
+from .motion import Motion
+from .structure import is_parallelogram
+
+
+class LinkageCoriolis(Effect):
+    """torque = (M12 sin(alpha) w2^2, -M12 sin(alpha) w1^2): missing only where a variant leaves it out.
+
+    Inertia that sits in a body brings its velocity terms along, so every plain-MJCF variant has them;
+    only the paper's per-step equation (variant ``s3n_full_paper``) goes without.
+    """
+
+    name = "linkage_coriolis"
+    door = Door.MECHANISM
+    axes = "all"
+    source = "paper, the term neglected before Eq. 21"
+    shows = "torque residual even in speed, growing with its square, zero where alpha = 0"
+    mujoco = "native: comes with linkage_inertia"
+
+    def applies(self, model: Model, key: EffectKey) -> bool:
+        """Only to a variant that has the linkage's inertia without its velocity terms."""
+        return is_parallelogram(model) and model.variant == "s3n_full_paper"
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No free coefficient."""
+        assert model.linkage is not None
+        alpha = motion.position[:, 1] - motion.position[:, 0]
+        scale = model.linkage.M12 * np.sin(alpha)
+        w = motion.velocity
+        torque = np.stack([scale * w[:, 1] ** 2, -scale * w[:, 0] ** 2], -1)
+        return Response(np.zeros((0, *torque.shape)), offset=torque)
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """Nothing to do: the bodies of linkage_inertia bring the velocity terms."""

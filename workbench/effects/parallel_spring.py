@@ -1,0 +1,57 @@
+"""A spring beside the drive or across the pin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.models import Model, Placement
+
+from .base import INF, Door, Effect, Parameter, Response, single
+from .chain import Build
+from .motion import Motion
+
+
+class ParallelSpring(Effect):
+    """torque = -k (q - q0)."""
+
+    name = "parallel_spring"
+    parameters = (
+        Parameter("stiffness", "N*m/rad"),
+        Parameter("rest", "rad", lower=-INF),
+    )
+    door = Door.MECHANISM
+    locations = ("actuator", "joint")
+    source = "Hooke 1678; parallel elastic actuation"
+    shows = "torque residual linear in position at every speed; FRF magnitude at low frequency"
+    mujoco = "native: stiffness of the axis's tendon"
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """Two columns: minus the position, and one; the coefficients are k and k q0."""
+        assert place is not None
+        position, _, _ = motion.along(place)
+        rows = (-position, np.ones_like(position))
+        return Response(np.stack([single(place, row, motion) for row in rows]))
+
+    def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
+        """Stiffness, and the rest position where its torque vanishes."""
+        stiffness, moment = map(float, coefficients)
+        return {"stiffness": stiffness, "rest": moment / stiffness if stiffness > 1e-12 else 0.0}
+
+    def to_coefficients(self, values: Mapping[str, float]) -> tuple[np.ndarray, dict[str, float]]:
+        """k and k q0."""
+        return np.array([values["stiffness"], values["stiffness"] * values["rest"]]), {}
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """Stiffness of the tendon; a second spring on the same tendon adds to the first."""
+        assert place is not None
+        tendon = build.spec.tendon(place.tendon)
+        before = float(tendon.stiffness[0])
+        rest = float(tendon.springlength[0]) if before else 0.0
+        after = before + values["stiffness"]
+        if after > 0:
+            tendon.stiffness[0] = after
+            tendon.springlength = np.full(2, (before * rest + values["stiffness"] * values["rest"]) / after)

@@ -1,0 +1,48 @@
+"""A mass that the model does not know of, at the payload site."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response
+from .chain import Build
+from .motion import Motion
+
+
+class PayloadMass(Effect):
+    """A point mass at the payload site: torque = -m J^T (d(J w)/dt - g), J the site's Jacobian."""
+
+    name = "payload_mass"
+    parameters = (Parameter("mass", "kg"),)
+    door = Door.MECHANISM
+    axes = "all"
+    source = "Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8"
+    shows = "inertia on all axes that move the site together with gravity of the same mass"
+    mujoco = "native: a body of that mass at the site"
+
+    def applies(self, model: Model, key: EffectKey) -> bool:
+        """Where the model says which site carries it."""
+        return model.payload_site is not None
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """One column: the torque of a mass of 1 kg."""
+        assert model.payload_site is not None
+        jacobian = motion.kinematics(model.payload_site)
+        drift = np.einsum("kij,kj->ki", np.gradient(jacobian, motion.step, axis=0), motion.velocity)
+        acceleration = np.einsum("kij,kj->ki", jacobian, motion.acceleration) + drift
+        return Response(-np.einsum("kij,ki->kj", jacobian, acceleration - motion.gravity)[None])
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """A body at the site; no bigger than a point, but with an inertia that MuJoCo accepts."""
+        site = build.spec.site(model.payload_site)
+        mass = values["mass"]
+        body = site.parent.add_body(name="payload", pos=site.pos)
+        body.explicitinertial, body.mass, body.ipos = True, mass, np.zeros(3)
+        body.inertia = np.full(3, max(1e-9 * mass, 1e-14))

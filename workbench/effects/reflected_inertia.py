@@ -1,0 +1,42 @@
+"""More rotor inertia behind the gear than the model has."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response, single
+from .chain import Build
+from .motion import Motion
+
+
+class ReflectedInertia(Effect):
+    """torque = -J a on the drive, J = N^2 J_m added (paper, Eq. 7)."""
+
+    name = "reflected_inertia"
+    parameters = (Parameter("inertia", "kg*m^2", about="added to what the model has"),)
+    door = Door.MECHANISM
+    source = "paper, Eqs. 7 and 9"
+    shows = "torque residual proportional to the drive's acceleration; FRF magnitude at high frequency"
+    mujoco = "native: armature of the axis's tendon"
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """One column: minus the acceleration."""
+        assert place is not None
+        _, _, acceleration = motion.along(place)
+        return Response(single(place, -acceleration, motion)[None])
+
+    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
+        """The drive's own inertia may turn out smaller than stated, but stays above a tenth of it."""
+        assert place is not None
+        return np.array([-0.9 * model.actuators.inertia[place.index]]), np.array([np.inf])
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """Armature of the tendon."""
+        assert place is not None
+        build.spec.tendon(place.tendon).armature += values["inertia"]

@@ -1,0 +1,44 @@
+"""Viscous damping at a drive or a pin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response, single
+from .chain import Build
+from .motion import Motion
+
+
+class ViscousDamping(Effect):
+    """torque = -d w, added to the damping that the model has."""
+
+    name = "viscous_damping"
+    parameters = (Parameter("damping", "N*m*s/rad", about="added to what the model has"),)
+    door = Door.FRICTION
+    locations = ("actuator", "joint")
+    source = "Newtonian lubricant film; Armstrong-Helouvry et al., Automatica 30(7), 1994"
+    shows = "torque residual odd and linear in speed; FRF magnitude at low frequency"
+    mujoco = "native: damping of the axis's tendon"
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """One column: minus the speed."""
+        assert place is not None
+        _, speed, _ = motion.along(place)
+        return Response(single(place, -speed, motion)[None])
+
+    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
+        """The drive's own damping may turn out smaller than stated, but not negative."""
+        assert place is not None
+        own = model.actuators.damping[place.index] if place.location == "actuator" else 0.0
+        return np.array([-own]), np.array([np.inf])
+
+    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+        """Damping of the tendon."""
+        assert place is not None
+        build.spec.tendon(place.tendon).damping[0] += values["damping"]

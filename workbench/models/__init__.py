@@ -1,0 +1,24 @@
+"""Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
+
+from .model import VARIANTS, Actuators, AppliedEffect, Linkage, Model
+from .paths import find_model, models_folder
+from .read import load_mjcf, read_model, structural_effect, write_model
+from .serial import Placement, axis_tendon, base_spec, joint_kinds
+
+__all__ = [
+    "VARIANTS",
+    "Actuators",
+    "AppliedEffect",
+    "Linkage",
+    "Model",
+    "Placement",
+    "axis_tendon",
+    "base_spec",
+    "find_model",
+    "joint_kinds",
+    "load_mjcf",
+    "models_folder",
+    "read_model",
+    "structural_effect",
+    "write_model",
+]

@@ -1,0 +1,120 @@
+"""What we believe about a machine: one frozen value, independent of any simulator."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import Controller, EffectKey, Estimate
+
+#: Structural effects that each S3N variant already contains (paper, Sec. III).
+VARIANTS: Mapping[str, tuple[str, ...]] = {
+    "kin_only": (),
+    "s3n_act": ("actuator_inertia_coupling",),
+    "s3n_full": ("actuator_inertia_coupling", "linkage_inertia"),
+    "exact": ("actuator_inertia_coupling", "linkage_inertia", "linkage_gravity"),
+}
+
+
+@dataclass(frozen=True)
+class Actuators:
+    """Drives, one entry an axis: inertia and damping at the output (paper, Eq. 7), limits, delay.
+
+    `inertia` [kg m^2 or kg], `damping` [N m s/rad or N s/m], `torque_limit` [N m or N, inf: none],
+    `delay_s` the delay from command to torque [s].
+    """
+
+    inertia: tuple[float, ...]
+    damping: tuple[float, ...]
+    torque_limit: tuple[float, ...]
+    delay_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """Increments of a parallelogram over its serial tree, in actuator coordinates (paper, Eq. 18).
+
+    M11, M12 (factor of cos alpha), M22 [kg m^2]; g1, g2 [N m], torque -g sin q. `identified` says
+    that the numbers come from identification, so that adding the linkage costs no free parameter.
+    """
+
+    M11: float = 0.0
+    M12: float = 0.0
+    M22: float = 0.0
+    g1: float = 0.0
+    g2: float = 0.0
+    identified: bool = False
+
+
+@dataclass(frozen=True)
+class AppliedEffect:
+    """A physical effect that is part of a model: which, where, with which parameters (SI)."""
+
+    key: EffectKey
+    parameters: Mapping[str, Estimate] = field(default_factory=dict)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Parameter values by name, SI."""
+        return {name: estimate.value for name, estimate in self.parameters.items()}
+
+
+@dataclass(frozen=True)
+class Model:
+    """A machine as we believe it to be.
+
+    Attributes:
+        name: the model's name.
+        serial: MJCF file of the serial tree.
+        axes: names of the actuated axes, length n (the drives).
+        joints: MJCF joints of the serial coordinates q_s, length n.
+        transmission: matrix J (n, n) with q_p = J q_s (paper, Eq. 1).
+        actuators: the drives.
+        closed_chain: SDF file of the closed chain, if there is one.
+        linkage: what the serial tree leaves out of a parallelogram, if this is one.
+        variant: name in `VARIANTS`; its structural effects stand first in `effects`.
+        effects: everything added to the serial tree, in order of addition.
+        controller: the loop it usually runs in.
+        payload_site: MJCF site that carries a payload.
+        source: file it was read from.
+    """
+
+    name: str
+    serial: Path
+    axes: tuple[str, ...]
+    joints: tuple[str, ...]
+    transmission: np.ndarray
+    actuators: Actuators
+    closed_chain: Path | None = None
+    linkage: Linkage | None = None
+    variant: str = "kin_only"
+    effects: tuple[AppliedEffect, ...] = ()
+    controller: Controller = field(default_factory=Controller)
+    payload_site: str | None = None
+    source: Path | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of axes n."""
+        return len(self.axes)
+
+    def has(self, effect: str, axis: str | None = None) -> bool:
+        """Whether an effect of this name (on this axis, if given) is in the model."""
+        return any(
+            e.key.effect == effect and (axis is None or e.key.axis == axis) for e in self.effects
+        )
+
+    def with_effect(self, effect: AppliedEffect) -> Model:
+        """A new model with this effect added; one of the same key is replaced in its place."""
+        keys = [e.key for e in self.effects]
+        if effect.key in keys:
+            kept = tuple(effect if e.key == effect.key else e for e in self.effects)
+            return replace(self, effects=kept)
+        return replace(self, effects=(*self.effects, effect))
+
+    def without_effect(self, key: EffectKey) -> Model:
+        """A new model without this effect."""
+        return replace(self, effects=tuple(e for e in self.effects if e.key != key))

@@ -1,0 +1,96 @@
+"""The grammar of a model file, checked by pydantic."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeFloat, PositiveFloat
+
+from .model import VARIANTS
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class TransmissionTable(_Table):
+    """``[transmission]``: q_p = matrix @ q_s over these MJCF joints."""
+
+    joints: list[str]
+    matrix: list[list[FiniteFloat]] | None = None
+
+
+class ActuatorTable(_Table):
+    """``[actuators]``: one value an axis, or one for all."""
+
+    inertia: list[NonNegativeFloat] | NonNegativeFloat = 0.0
+    damping: list[NonNegativeFloat] | NonNegativeFloat = 0.0
+    torque_limit: list[PositiveFloat] | PositiveFloat = float("inf")
+    delay_s: NonNegativeFloat = 0.0
+
+
+class ControllerTable(_Table):
+    """``[controller]``, as in a recording."""
+
+    kind: Literal["none", "pd", "cascade_pv", "unknown"]
+    coordinates: Literal["joint", "actuator"] = "actuator"
+    kp: list[FiniteFloat] | FiniteFloat = []
+    kd: list[FiniteFloat] | FiniteFloat = []
+    kv: list[FiniteFloat] | FiniteFloat = []
+    gain: list[FiniteFloat] | FiniteFloat = []
+    limit: list[PositiveFloat] | PositiveFloat = []
+    period_s: PositiveFloat | None = None
+
+
+class LinkageTable(_Table):
+    """``[linkage]``: increments of the parallelogram over the serial tree."""
+
+    M11: FiniteFloat = 0.0
+    M12: FiniteFloat = 0.0
+    M22: FiniteFloat = 0.0
+    g1: FiniteFloat = 0.0
+    g2: FiniteFloat = 0.0
+    identified: bool = False
+
+
+class PayloadTable(_Table):
+    """``[payload]``: the MJCF site where a payload hangs."""
+
+    site: str
+
+
+class ParameterTable(_Table):
+    """One parameter of an effect: ``{value = 0.25, std = 0.003, unit = "N*m"}``."""
+
+    value: FiniteFloat
+    std: NonNegativeFloat = 0.0
+    unit: str = ""
+
+
+class EffectTable(_Table):
+    """``[[effects]]``: one effect that was added."""
+
+    effect: str
+    axis: str | None = None
+    location: Literal["actuator", "joint"] = "actuator"
+    parameters: dict[str, ParameterTable | FiniteFloat] = Field(default_factory=dict)
+
+
+class ModelTable(_Table):
+    """A whole model file."""
+
+    format: Literal[1]
+    name: str
+    serial: str
+    closed_chain: str | None = None
+    variant: Literal["kin_only", "s3n_act", "s3n_full", "exact"] = "kin_only"
+    axes: list[str] | None = None
+    transmission: TransmissionTable | None = None
+    actuators: ActuatorTable = ActuatorTable()
+    controller: ControllerTable | None = None
+    linkage: LinkageTable | None = None
+    payload: PayloadTable | None = None
+    effects: list[EffectTable] = Field(default_factory=list)
+
+
+assert set(VARIANTS) == set(ModelTable.model_fields["variant"].annotation.__args__)  # type: ignore[union-attr]

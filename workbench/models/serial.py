@@ -1,0 +1,96 @@
+"""The serial tree as MuJoCo simulates it, before any effect: one spec, one tendon an axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from workbench.core import EffectKey
+
+from .model import Model
+from .read import load_mjcf
+
+# Dry friction in MuJoCo is a soft constraint. This makes it creep less than the encoders resolve: a
+# time constant of two steps of 1 ms, and 99.9 % of the force that would hold the axis still.
+_FRICTION_SOLREF = (0.002, 1.0)
+_FRICTION_SOLIMP = (0.999, 0.999, 0.001, 0.5, 2.0)
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where an effect sits: a row of coefficients over the serial joints, and its actuator coordinates.
+
+    `row` (n,): the axis coordinate is ``row @ q_s``. `index`: the axis number. `location` as in
+    `EffectKey`. For a drive `row` is a row of the transmission; for a pin it is a unit vector.
+    """
+
+    index: int
+    location: str
+    row: np.ndarray
+
+    @staticmethod
+    def of(model: Model, key: EffectKey) -> Placement | None:
+        """The placement of an effect on one axis; None where it acts on all axes."""
+        if key.axis is None:
+            return None
+        index = model.axes.index(key.axis)
+        row = model.transmission[index] if key.location == "actuator" else np.eye(model.size)[index]
+        return Placement(index, key.location, row)
+
+    @property
+    def tendon(self) -> str:
+        """Name of the fixed tendon whose length is this coordinate."""
+        return axis_tendon(self.index, self.location)
+
+
+def axis_tendon(index: int, location: str = "actuator") -> str:
+    """Name of the tendon that carries an axis's own damping, friction, spring and inertia."""
+    return f"{location}:{index}"
+
+
+def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> mujoco.MjSpec:
+    """The serial tree with its actuators the Kin-Only way, ready for effects to be installed.
+
+    Every axis, at the drive and at the pin, is a fixed tendon, so that a drive which moves two joints
+    (row (1, 1) of the parallelogram) carries inertia, damping and friction without code per step.
+    The MJCF's own actuators are left out: a recording says which torque acted.
+
+    Args:
+        model: the model; its `effects` are not installed here.
+        timestep: integration step [s].
+        held: joints that a rig holds still; they are removed.
+    """
+    spec = load_mjcf(model.serial)
+    for kind in (spec.keys, spec.sensors, spec.actuators):
+        for element in list(kind):
+            spec.delete(element)
+    for name in held:
+        spec.delete(spec.joint(name))
+    spec.option.timestep = timestep
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.iterations, spec.option.tolerance = 50, 1e-12
+    for i, name in enumerate(model.joints):
+        if name in held:
+            continue
+        joint = spec.joint(name)
+        joint.armature = joint.armature + model.actuators.inertia[i]
+        joint.damping[0] += model.actuators.damping[i]
+        joint.solref_friction, joint.solimp_friction = _FRICTION_SOLREF, _FRICTION_SOLIMP
+    for location, matrix in (("actuator", model.transmission), ("joint", np.eye(model.size))):
+        for index, row in enumerate(matrix):
+            tendon = spec.add_tendon(name=axis_tendon(index, location))
+            for name, coefficient in zip(model.joints, row, strict=True):
+                if coefficient and name not in held:
+                    tendon.wrap_joint(name, float(coefficient))
+            tendon.solref_friction, tendon.solimp_friction = _FRICTION_SOLREF, _FRICTION_SOLIMP
+    return spec
+
+
+def joint_kinds(model: Model) -> tuple[str, ...]:
+    """``hinge`` or ``slide`` per serial joint."""
+    spec = load_mjcf(model.serial)
+    slide = mujoco.mjtJoint.mjJNT_SLIDE
+    return tuple("slide" if spec.joint(name).type == slide else "hinge" for name in model.joints)

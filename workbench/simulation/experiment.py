@@ -1,0 +1,141 @@
+"""A recording as instructions: what to replay, when the controller samples, where the run starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import Controller, InputError, Recording
+from workbench.models import Model
+
+#: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
+LONGEST_STEP = 0.001
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One recording prepared for simulation on a grid of K substeps.
+
+    Attributes:
+        recording: what is replayed.
+        controller: the loop, from the recording, or from the model where the recording says nothing.
+        step: substep [s]; `stride` substeps make a row.
+        stride: substeps per row.
+        ticks: substeps at which the controller samples, ascending, first 0.
+        reference, reference_rate: (N, n) in controller coordinates (zeros for an open loop).
+        feedforward: (N, n) in actuator coordinates.
+        replayed: (N, n) torque command in actuator coordinates for an open loop, else None.
+        start: initial q_s and its rate, (2, n).
+        to_actuator: (n, n), recording coordinates to actuator coordinates for positions.
+    """
+
+    recording: Recording
+    controller: Controller
+    step: float
+    stride: int
+    ticks: np.ndarray
+    reference: np.ndarray
+    reference_rate: np.ndarray
+    feedforward: np.ndarray
+    replayed: np.ndarray | None
+    start: np.ndarray
+    to_actuator: np.ndarray
+
+    @property
+    def substeps(self) -> int:
+        """Number of substeps K from the first row to the last."""
+        return (len(self.recording) - 1) * self.stride
+
+
+def prepare(recording: Recording, model: Model) -> Experiment:
+    """Make a recording ready to be run on a model.
+
+    Raises:
+        InputError: axes the model does not have, or a loop that cannot be replayed.
+    """
+    check_axes(recording, model)
+    controller = recording.controller
+    if controller.kind == "unknown" and model.controller.kind != "unknown" and recording.get("position_reference") is not None:
+        controller = model.controller
+    rows, n = recording.position.shape
+    period = controller.period_s or recording.period
+    stride = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))
+    step = recording.period / stride
+    j, identity = model.transmission, np.eye(n)
+    to_actuator = identity if recording.coordinates == "actuator" else j
+    torque_to_actuator = identity if recording.coordinates == "actuator" else np.linalg.inv(j).T
+    zero = np.zeros((rows, n))
+
+    def torque(signal: str) -> np.ndarray | None:
+        values = recording.get(signal)
+        return None if values is None else values @ torque_to_actuator.T
+
+    replayed = None
+    feedforward = torque("torque_feedforward")
+    reference = recording.get("position_reference")
+    if controller.kind == "none":
+        replayed = torque("torque_command")
+        if replayed is None:
+            replayed = torque("torque_measured")
+        if replayed is None:
+            replayed = feedforward
+        if replayed is None:
+            raise InputError(
+                "an open loop without any torque cannot be run", file=recording.source,
+                column="torque_command", remedy="name the column of the torque command",
+            )  # fmt: skip
+        period = recording.period
+    elif controller.kind != "unknown" and reference is None:
+        raise InputError(
+            "a closed loop without a reference cannot be run", file=recording.source,
+            column="position_reference", remedy="name its column, or state controller kind 'none' or 'unknown'",
+        )  # fmt: skip
+    count = int(np.floor((rows - 1) * stride * step / period + 1e-9)) + 1
+    ticks = np.unique(np.ceil(np.arange(count) * (period / step) - 1e-6).astype(int))
+    return Experiment(
+        recording=recording,
+        controller=controller,
+        step=step,
+        stride=stride,
+        ticks=ticks[ticks < (rows - 1) * stride],
+        reference=zero if reference is None else reference,
+        reference_rate=zero if recording.get("velocity_reference") is None else recording.signals["velocity_reference"],
+        feedforward=zero if feedforward is None else feedforward,
+        replayed=replayed,
+        start=_start(recording, controller, reference, to_actuator, j),
+        to_actuator=to_actuator,
+    )
+
+
+def check_axes(recording: Recording, model: Model) -> None:
+    """Check that a recording's axes are the model's, in the model's order.
+
+    Raises:
+        InputError: an axis is unknown, missing, or out of order.
+    """
+    if tuple(recording.axes) == tuple(model.axes):
+        return
+    unknown = [axis for axis in recording.axes if axis not in model.axes]
+    problem = f"axis '{unknown[0]}' is not one of model '{model.name}'" if unknown else "axes differ from the model's"
+    raise InputError(
+        problem, file=recording.source, column="axes",
+        remedy=f"the model has {', '.join(model.axes)}, in this order",
+    )  # fmt: skip
+
+
+def _start(
+    recording: Recording, controller: Controller, reference: np.ndarray | None, to_actuator: np.ndarray, j: np.ndarray
+) -> np.ndarray:
+    """Initial (q_s, rate): at rest at the first reference, or fitted to the first rows."""
+    back = np.linalg.inv(j)
+    if recording.timing.initial_at_rest and reference is not None and controller.kind not in ("none", "unknown"):
+        first = reference[0] if controller.coordinates == "joint" else back @ reference[0]
+        return np.stack([first, np.zeros_like(first)])
+    rows = min(len(recording), max(8, int(0.01 / recording.period)))
+    t = recording.time[:rows]
+    line = np.polynomial.polynomial.polyfit(t, recording.position[:rows], min(2, rows - 1))
+    to_joint = back @ to_actuator
+    rate = np.zeros(j.shape[0]) if recording.timing.initial_at_rest else line[1]
+    return np.stack([to_joint @ line[0], to_joint @ rate])
+
