@@ -42,7 +42,7 @@ def check_excitation(d: Description, time: np.ndarray, column: str, path: Path) 
     wanted, f_max = d.excitation.period_s, d.excitation.f_max_hz
     if wanted is not None and len(time) * period < wanted * (1 - 1e-6):
         raise InputError(
-            f"{len(time)} rows last {len(time) * period:.4g} s, short of one excitation period of {wanted:g} s",
+            f"{len(time)} rows last {len(time) * period:.4g} s, less than one period of {wanted:g} s",
             file=path,
             column=column,
             remedy="record at least one whole period, or correct excitation.period_s",

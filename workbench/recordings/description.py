@@ -172,7 +172,7 @@ def _explain(error: ValidationError, path: Path) -> InputError:
     if first["type"] == "extra_forbidden":
         section = _SECTIONS.get(str(loc[0])) if len(loc) > 1 else Description
         known = tuple((section or Column).model_fields)
-        return _unknown_key(key, str(loc[-1]), known, path)
+        return _unknown_key(key, key.split(".")[-1], known, path)
     if key == "format":
         found = "(none)" if first["type"] == "missing" else first["input"]
         return InputError(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import loadmat, whosmat
+from scipy.io import loadmat
 
 from workbench.core import InputError
 
@@ -21,7 +21,6 @@ def read_matlab(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     """Read the named columns; see `read_table`. Of a 2-D array the longer side is time."""
     roots = {column: column.split(".")[0].split("[")[0].strip() for column in columns}
     try:
-        known = [name for name, _, _ in whosmat(path)]
         data = loadmat(path, variable_names=list(roots.values()), struct_as_record=False)
     except NotImplementedError as error:
         remedy = "save it again in MATLAB with save(..., '-v7')"
@@ -31,6 +30,7 @@ def read_matlab(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
         raise InputError("is not a readable MATLAB file", file=path, remedy=remedy) from error
     for column, root in roots.items():
         if root not in data:
+            known = [name for name in loadmat(path) if not str(name).startswith("_")]
             raise missing_column(column, known, path)
     return {column: _extract(data, column, path) for column in columns}
 
