@@ -1,0 +1,26 @@
+"""Where measurements come from: virtual hardware, a closed chain in Drake with effects hidden in it."""
+
+from .closed_chain import ClosedChain, Reduced
+from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
+from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
+from .structure import LegStructure, leg_structure
+from .virtual_leg import PERFECT, Sensors, VirtualLeg
+
+__all__ = [
+    "EFFECTS",
+    "OUTSIDERS",
+    "PERFECT",
+    "ClosedChain",
+    "Experiment",
+    "HiddenEffect",
+    "LegStructure",
+    "Reduced",
+    "Sensors",
+    "VirtualLeg",
+    "chirp",
+    "demo_experiments",
+    "leg_structure",
+    "multisine",
+    "slow_sweep",
+    "validation",
+]
