@@ -1,7 +1,7 @@
 """A planar mechanism with one loop, in Drake, projected onto the coordinates that its motors drive.
 
-The loop is cut at one pin, which leaves a tree with coordinates theta. Two points must coincide, phi(theta) = 0
-(2 equations), so with independent coordinates q (the motors' joints) and dependent ones d
+The loop is cut at one pin, which leaves a tree with coordinates theta. Two points must coincide,
+phi(theta) = 0 (2 equations), so with independent coordinates q (the motors' joints) and dependent ones d
 
     theta_dot = L q_dot,            L = [I; -phi_d^-1 phi_q]
     theta_ddot = L q_ddot + gamma,  gamma = [0; -phi_d^-1 (phi_dot_theta theta_dot)]     (the L' term)
@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydrake.multibody.parsing import Parser
@@ -57,11 +58,12 @@ class ClosedChain:
         loop: tuple[str, str] = ("coupler_end", "rear_arm_end"),
         payload: float = 0.0,
     ) -> None:
-        plant = MultibodyPlant(0.0)
-        model = Parser(plant).AddModels(str(sdf))[0]
+        plant: Any = MultibodyPlant(0.0)  # Any: Drake's stubs misuse numpy's type parameters
+        model = Parser(plant).AddModels(sdf)[0]
         plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
         if payload:
-            inertia = SpatialInertia(payload, [0.0, 0.0, 0.0], UnitInertia(0.0, 0.0, 0.0))
+            at_foot: Any = np.zeros(3)
+            inertia = SpatialInertia(payload, at_foot, UnitInertia(0.0, 0.0, 0.0))
             body = plant.AddRigidBody("payload", model, inertia)
             plant.WeldFrames(plant.GetFrameByName("foot"), body.body_frame())
         plant.Finalize()

@@ -1,9 +1,9 @@
 """The demo's experiments: what the leg is asked to do, before anything is measured.
 
-References are joint angles (hip, knee between the links), feedforwards actuator torques; both have one row per
-millisecond. Six experiments, each for a purpose: chirps for inertia, a multisine on the sum and one on the
-difference of the motors for the two modes of the coupled leg, a slow sweep for friction and gravity, and another
-kind of motion to validate on.
+References are joint angles (hip, knee between the links), feedforwards actuator torques; both have one row
+per millisecond. Six experiments, each for a purpose: chirps for inertia, a multisine on the sum and one on
+the difference of the motors for the two modes of the coupled leg, a slow sweep for friction and gravity, and
+another kind of motion to validate on.
 """
 
 from __future__ import annotations

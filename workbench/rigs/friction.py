@@ -1,4 +1,4 @@
-"""Dry friction with true sticking: at zero slip speed the force is whatever holds the pin, up to its static limit.
+"""Dry friction with true sticking: at zero slip speed the torque is whatever holds, up to the static limit.
 
 Karnopp's model with the zero crossings located instead of a band around zero speed (D. Karnopp, Computer
 simulation of stick-slip friction in mechanical dynamic systems, J. Dyn. Sys. Meas. Control 107, 1985).
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-#: Friction level [N m] as function of signed slip speed [rad/s], position [rad] and load [N m]; never negative.
+#: Friction level [N m], never negative, of signed slip speed [rad/s], position [rad] and load [N m].
 #: Sticking asks for it at speeds of +-0: the sign is the direction in which the pin would move.
 Level = Callable[[float, float, float], float]
 

@@ -1,8 +1,8 @@
 """Integrates the leg through one stretch of constant motor torque, stick and slip included.
 
-Two coordinates are too few for numpy to pay off, so this is plain float code: RK4 with the mode of every dry
-friction (sticking, or sliding one way) fixed within a step. A slip speed that changes sign ends the step at the
-crossing, where the friction either catches the pin or the pin turns round.
+Two coordinates are too few for numpy to pay off, so this is plain float code: RK4 with the mode of every
+dry friction (sticking, or sliding one way) fixed within a step. A slip speed that changes sign ends the step
+at the crossing, where the friction either catches the pin or the pin turns round.
 """
 
 from __future__ import annotations
@@ -116,7 +116,7 @@ class Integrator:
         a1, a2 = self._slide(q1, q2, v1, v2, u1, u2)
         m11, m12, m22, _ = self._mass(state)
         t1, t2 = m11 * a1 + m12 * a2, m12 * a1 + m22 * a2
-        for friction, mode in zip(self._frictions, self._modes):
+        for friction, mode in zip(self._frictions, self._modes, strict=True):
             if mode:
                 d1, d2 = friction.direction
                 slip = copysign(abs(d1 * v1 + d2 * v2), mode)
@@ -129,7 +129,7 @@ class Integrator:
         slide, stuck = self._slide, 0 in self._modes
 
         def rate(q1: float, q2: float, v1: float, v2: float, u1: float, u2: float) -> tuple[float, float]:
-            for friction, mode in zip(self._frictions, self._modes):
+            for friction, mode in zip(self._frictions, self._modes, strict=True):
                 if mode:
                     d1, d2 = friction.direction
                     slip = copysign(abs(d1 * v1 + d2 * v2), mode)
@@ -153,9 +153,9 @@ class Integrator:
     def _first_crossing(
         self, rate: Callable, state: State, after: State, u1: float, u2: float, h: float
     ) -> tuple[int, float] | None:
-        """The first sliding pin that turns round within `h` and when [s], by regula falsi on the step length."""
+        """The first sliding pin to turn round within `h` and when [s], by regula falsi on the step length."""
         first: tuple[int, float] | None = None
-        for index, (friction, mode) in enumerate(zip(self._frictions, self._modes)):
+        for index, (friction, mode) in enumerate(zip(self._frictions, self._modes, strict=True)):
             d1, d2 = friction.direction
             if not mode or mode * (d1 * after[2] + d2 * after[3]) >= 0.0:
                 continue

@@ -1,4 +1,4 @@
-"""The true leg of the rig: everything that acts between a commanded torque and the motion, as plain numbers."""
+"""The true leg of the rig: all that acts between a commanded torque and the motion."""
 
 from __future__ import annotations
 
@@ -16,6 +16,23 @@ ACTUATOR_INERTIA = 0.0162  # N^2 J_m of both drives [kg m^2]
 ACTUATOR_DAMPING = 0.0972  # N^2 B_m of both drives [N m s/rad]
 DRIVE_DELAY = 3e-3  # T_d, from command to torque [s]
 TORQUE_LIMIT = 24.0  # clipped in the drive [N m]
+
+Direction = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an effect acts.
+
+    Attributes:
+        index: of the motor.
+        direction: d; position there is d . q, and a torque there enters as d times it, in actuator
+            coordinates.
+    """
+
+    index: int
+    direction: Direction
+
 
 #: Torque on one axis over the rows of a run: row times (N,) [s], generator -> (N,) [N m].
 Disturbance = Callable[[np.ndarray, np.random.Generator], np.ndarray]

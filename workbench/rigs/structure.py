@@ -4,9 +4,9 @@ A parallelogram's links move like a two-link arm in absolute angles, alpha = q2 
 
     [[M11, M12 cos alpha], [., M22]] a + M12 sin alpha (-v2^2, v1^2) = (-g1 sin q1, -g2 sin q2) + torque
 
-Calling Drake a million times from Python is slow and this form is not, so the rig integrates this form. Drake
-stays the source: the numbers are fitted to it over a grid of postures, and the whole form is checked against it
-at random states before it is used.
+Calling Drake a million times from Python is slow and this form is not, so the rig integrates this form.
+Drake stays the source: the numbers are fitted to it over a grid of postures, and the whole form is checked
+against it at random states before it is used.
 """
 
 from __future__ import annotations
@@ -92,6 +92,7 @@ def _verify(structure: LegStructure, chain: ClosedChain) -> None:
     for _ in range(20):
         q, v = generator.uniform(-1.5, 1.5, 2), generator.uniform(-20.0, 20.0, 2)
         drake, fast = chain.reduced_dynamics(q, v), structure.reduced_dynamics(q, v)
-        worst = max(float(np.abs(a - b).max()) for a, b in zip(vars(drake).values(), vars(fast).values()))
+        pairs = zip(vars(drake).values(), vars(fast).values(), strict=True)
+        worst = max(float(np.abs(a - b).max()) for a, b in pairs)
         if worst > _TOLERANCE:
             raise SimulationError(f"the closed form of the leg differs from Drake by {worst:.1e} at q = {q}")

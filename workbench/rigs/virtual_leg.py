@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import Controller, Recording, SimulationError
+from workbench.recordings import save_recording
 
 from .experiments import ROW_PERIOD, Experiment, demo_experiments
 from .friction import merged
@@ -80,8 +81,6 @@ class VirtualLeg:
         Raises:
             InputError: a file is there already and `force` is not set.
         """
-        from workbench.recordings import save_recording
-
         written = []
         for recording in self.run(experiments):
             path = Path(folder) / f"{recording.name}.toml"
@@ -144,7 +143,12 @@ class VirtualLeg:
             if not abs(state[2]) + abs(state[3]) < 1e3:
                 raise SimulationError(f"the leg ran away in '{experiment.name}' at {time[row]:.3f} s")
         torque += torque_noise
-        return dict(position=position, velocity=velocity, torque_command=command, torque_measured=torque)
+        return {
+            "position": position,
+            "velocity": velocity,
+            "torque_command": command,
+            "torque_measured": torque,
+        }
 
     def _unmeasured_torque(self, time: np.ndarray, generator: np.random.Generator) -> np.ndarray:
         """Bias and disturbances (N, 2) [N m], held over each row, at mid-row."""
@@ -216,7 +220,7 @@ class _Drive:
     def _follow(self, target: tuple[float, float], duration: float) -> tuple[float, float]:
         """Moves the lagging torques towards `target` and returns their means over `duration`."""
         means, ends = [], []
-        for goal, now, lag in zip(target, self._current, self._lag):
+        for goal, now, lag in zip(target, self._current, self._lag, strict=True):
             kept = exp(-duration / lag) if lag else 0.0
             ends.append(goal + (now - goal) * kept)
             means.append(goal + (now - goal) * (1 - kept) * lag / duration)
