@@ -105,7 +105,11 @@ class ClosedChain:
         return self._projection()
 
     def reduced_dynamics(self, q: np.ndarray, v: np.ndarray) -> Reduced:
-        """The equation of motion at angles `q` (2,) [rad] and speeds `v` (2,) [rad/s]."""
+        """The equation of motion at angles `q` (2,) [rad] and speeds `v` (2,) [rad/s].
+
+        Raises:
+            SimulationError: the loop cannot be closed, or is at a dead point (links of the loop in line).
+        """
         self._gap(self.tree_position(q))
         projection = self._projection()
         self._plant.SetVelocities(self._context, projection @ v)
@@ -163,7 +167,11 @@ class ClosedChain:
     def _projection(self) -> np.ndarray:
         """L (4, 2) at the context's position."""
         jacobian = self._gap_jacobian()
+        passive = jacobian[:, self._passive]
+        if np.linalg.cond(passive) > 1e9:
+            angles = np.round(self._plant.GetPositions(self._context)[self._driven], 4).tolist()
+            raise SimulationError(f"the loop is at a dead point at q = {angles} rad")
         projection = np.zeros((jacobian.shape[1], 2))
         projection[self._driven] = np.eye(2)
-        projection[self._passive] = -np.linalg.solve(jacobian[:, self._passive], jacobian[:, self._driven])
+        projection[self._passive] = -np.linalg.solve(passive, jacobian[:, self._driven])
         return projection

@@ -16,8 +16,8 @@ Place = tuple[str, str | None, str]  # effect, axis, location
 SPAN = 6.0
 
 #: Smallest magnitude that is worth hiding: it doubles the nominal model's normalised error over the demo's
-#: experiments, against what sensor noise alone makes. Found by simulating with and without the effect and with
-#: and without noise; benchmarks/hidden_magnitudes.py finds them again.
+#: experiments, against what sensor noise alone makes. Found by simulating with and without the effect and
+#: with and without noise; benchmarks/hidden_magnitudes.py finds them again.
 SMALLEST: Mapping[Place, float] = MappingProxyType({})
 
 #: Largest magnitudes that are still physical where `SPAN` would go too far.

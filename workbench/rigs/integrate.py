@@ -40,7 +40,7 @@ class Integrator:
     ) -> None:
         self._structure, self._damping = structure, damping
         self._passive, self._frictions = tuple(passive), tuple(frictions)
-        self._modes = [0] * len(self._frictions)
+        self._modes: list[int] = []  # of each friction: 0 sticks, 1 and -1 slide; from the first state on
         self._slide = _smooth_acceleration(structure, damping, self._passive)
 
     def advance(self, state: State, u1: float, u2: float, duration: float) -> State:
@@ -51,6 +51,9 @@ class Integrator:
             for _ in range(steps):
                 state = _rk4(self._slide, state, u1, u2, h)
             return state
+        if not self._modes:
+            slips = [d1 * state[2] + d2 * state[3] for d1, d2 in (f.direction for f in self._frictions)]
+            self._modes = [(slip > 0.0) - (slip < 0.0) for slip in slips]
         for _ in range(steps):
             state = self._step_with_friction(state, u1, u2, h)
         return state
