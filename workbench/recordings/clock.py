@@ -79,7 +79,7 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
     off = float(np.abs(t - start - exact * row).max())
     tolerance = max(_STRAIGHT * exact, _rounding(t))
     if off <= tolerance:
-        exact = float(f"{exact:.9g}") if _rounding(t) == 0 else _short(exact, tolerance / row[-1])
+        exact = _short(exact, tolerance / row[-1])
         return Clock(np.arange(row[-1] + 1) * exact, row * exact, row, kept, 0.0)
     jitter = float(np.sqrt(np.mean((step[step < _MISSING * period] / period - 1) ** 2)))
     count = int(np.floor((t[-1] - t[0]) / period * (1 + 1e-9)))

@@ -1,0 +1,72 @@
+"""Torque against acceleration: a wrong sign or swapped axes show as an inertia that cannot be.
+
+Above the frequencies of gravity, acceleration is ``M^-1 torque``, and M^-1 is symmetric and positive
+definite: an axis' own torque pushes it forward.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import combinations
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from workbench.core import Recording
+
+from .result import Remark
+
+_LOWEST_HZ, _HIGHEST_HZ = 1.0, 40.0
+_SURE = 8.0  # standard deviations
+_EXPLAINED = 0.4  # of the acceleration, before anything is said
+
+
+def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
+    """Check that each axis accelerates the way its measured torque pushes.
+
+    Args:
+        recording: what was measured.
+        held: axes that stood still, shape (n,) bool; they are left out.
+    """
+    torque = recording.get("torque_measured")
+    live = np.flatnonzero(~held)
+    if torque is None or len(live) == 0 or len(recording) < 200:
+        return []
+    band = _band_pass(recording)
+    v, tau = band(recording.velocity[:, live]), band(torque[:, live])
+    mobility, spread, explained = _mobility(np.gradient(v, recording.period, axis=0), tau, v)
+    names = [recording.axes[i] for i in live]
+    value = {"mobility": mobility, "explained": explained}
+    remarks: list[Remark] = []
+    swapped: set[int] = set()
+    for i, j in combinations(range(len(live)), 2):
+        cross, straight = mobility[i, j] * mobility[j, i], mobility[i, i] * mobility[j, j]
+        if cross > 9 * abs(straight) and min(explained[i], explained[j]) > _EXPLAINED:
+            swapped |= {i, j}
+            text = f"'{names[i]}' moves with the torque of '{names[j]}' and the other way round: swapped."
+            remarks.append(Remark("problem", "swap", None, text, {**value, "axes": [names[i], names[j]]}))
+    for i, axis in enumerate(names):
+        backward = mobility[i, i] < -_SURE * spread[i, i] and explained[i] > _EXPLAINED
+        if backward and i not in swapped:
+            text = f"'{axis}' accelerates against its measured torque: one of them has the wrong sign."
+            remarks.append(Remark("problem", "sign", axis, text, value))
+    return remarks
+
+
+def _band_pass(recording: Recording) -> Callable[[np.ndarray], np.ndarray]:
+    """A zero-phase filter for columns (N, n): above gravity, below the sensors' noise."""
+    half = 0.5 / recording.period
+    low, high = _LOWEST_HZ, min(_HIGHEST_HZ, 0.6 * half)
+    sos = butter(2, [min(low, 0.2 * high) / half, high / half], btype="band", output="sos")
+    return lambda x: sosfiltfilt(sos, x, axis=0)
+
+
+def _mobility(a: np.ndarray, tau: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Least squares of ``a = M^-1 tau + D v``: M^-1 (n, n), its deviations, and the part of `a` explained."""
+    columns = np.hstack([tau, v])
+    n = a.shape[1]
+    found, *_ = np.linalg.lstsq(columns, a, rcond=None)
+    rest = a - columns @ found
+    inverse = np.diag(np.linalg.pinv(columns.T @ columns))
+    spread = np.sqrt(inverse[:, None] * rest.var(axis=0)[None, :])
+    return found[:n].T, spread[:n].T, 1 - rest.var(axis=0) / a.var(axis=0)

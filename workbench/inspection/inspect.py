@@ -1,0 +1,53 @@
+"""Everything recordings say about themselves, with no model at hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.recordings.noise import noise_levels
+
+from .control import remark_on_control
+from .excitation import excited_axes, remark_on_excitation
+from .inertia import remark_on_inertia
+from .motion import remark_on_motion
+from .result import Inspection, RecordingInspection, Remark
+from .torque import remark_on_command_limits, remark_on_torque
+
+
+def inspect(recordings: Sequence[Recording], *, transmission: np.ndarray | None = None) -> Inspection:
+    """Look for swapped axes, wrong signs, units and gains, clock offsets, limits, noise, excitation.
+
+    Args:
+        recordings: what was measured.
+        transmission: J in q_p = J q_s (actuator from joint coordinates), shape (n, n), for recordings
+            and controllers that use different coordinates. None: the identity, or where the logged
+            control law says otherwise, a belt-driven second joint in each leg.
+
+    Returns:
+        For each recording the remarks, the noise of each sensor, and what each axis did.
+    """
+    return Inspection(tuple(_inspect_one(recording, transmission) for recording in recordings))
+
+
+def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> RecordingInspection:
+    noise = noise_levels(recording)
+    excited = excited_axes(recording, noise)
+    held = np.array([e.held for e in excited])
+    remarks = [Remark("note", "reader", None, note) for note in recording.notes]
+    remarks += remark_on_motion(recording, held)
+    remarks += remark_on_control(recording, transmission)
+    remarks += remark_on_torque(recording, noise)
+    remarks += remark_on_inertia(recording, held)
+    remarks += remark_on_command_limits(recording)
+    remarks += remark_on_excitation(recording, excited)
+    return RecordingInspection(
+        recording=recording.name,
+        rows=len(recording),
+        period_s=recording.period,
+        remarks=tuple(remarks),
+        noise=noise,
+        excited=excited,
+    )

@@ -1,0 +1,33 @@
+"""How alike two columns are, and at which lag."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.signal import correlate
+
+_MOST = 200_000  # rows; more would not move a lag
+
+
+def alike(a: np.ndarray, b: np.ndarray) -> float:
+    """Size of the correlation of two columns (N,); 0 where one of them is constant."""
+    if np.ptp(a) == 0 or np.ptp(b) == 0:
+        return 0.0
+    return float(abs(np.corrcoef(a, b)[0, 1]))
+
+
+def follow(leader: np.ndarray, follower: np.ndarray, reach: int) -> tuple[int, float]:
+    """Rows by which `follower` comes after `leader`, and the size of the correlation there.
+
+    Args:
+        leader, follower: shape (N,).
+        reach: the largest lag looked for, to either side.
+    """
+    a, b = leader[:_MOST] - leader[:_MOST].mean(), follower[:_MOST] - follower[:_MOST].mean()
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    if size == 0:
+        return 0, 0.0
+    reach = min(reach, len(a) - 1)
+    middle = len(a) - 1
+    at = np.abs(correlate(b, a, mode="full", method="fft")[middle - reach : middle + reach + 1])
+    lag = int(np.argmax(at))
+    return lag - reach, float(min(1.0, at[lag] / size))

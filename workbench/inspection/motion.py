@@ -1,0 +1,110 @@
+"""Velocity against the derivative of position: columns swapped, sign, unit, gear ratio, clock offset."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from workbench.core import Recording
+from workbench.recordings.velocity import derive_velocity
+
+from .factors import name_factor
+from .lags import alike, follow
+from .result import Remark
+
+_ALIKE = 0.9  # correlation from which two columns are the same motion
+_SCALE = 0.03  # relative deviation of a factor from one that is reported
+_OFFSET = 0.25  # clock offset in row periods that is reported
+_TURN = 0.03  # rad; an offset that turns the phase by less must stand out from noise all the more
+_REACH = 50  # rows, the largest offset looked for
+
+
+def remark_on_motion(recording: Recording, held: np.ndarray) -> list[Remark]:
+    """Compare measured velocity with the derivative of position, axis by axis.
+
+    Args:
+        recording: what was measured.
+        held: axes that stood still, shape (n,) bool; they are left out.
+    """
+    if "velocity" in recording.derived:
+        return []
+    v = recording.velocity
+    slope = derive_velocity(recording.position, recording.period)
+    moving = np.flatnonzero(~held)
+    order = np.arange(len(held))
+    remarks: list[Remark] = []
+    for a, b in combinations(moving, 2):
+        straight = min(alike(v[:, a], slope[:, a]), alike(v[:, b], slope[:, b]))
+        crossed = min(alike(v[:, a], slope[:, b]), alike(v[:, b], slope[:, a]))
+        if crossed > _ALIKE and 1 - crossed < 0.3 * (1 - straight):
+            order[[a, b]] = order[[b, a]]
+            names = f"'{recording.axes[a]}' and '{recording.axes[b]}'"
+            text = f"Position and velocity columns of {names} are swapped against each other."
+            remarks.append(
+                Remark("problem", "swap", None, text, {"axes": [recording.axes[a], recording.axes[b]]})
+            )
+    for i in moving:
+        remarks += _one_axis(recording.axes[i], v[:, i], slope[:, order[i]], recording.period)
+    return remarks
+
+
+def _one_axis(axis: str, v: np.ndarray, slope: np.ndarray, period: float) -> list[Remark]:
+    v, slope, band = _smooth(v, slope, period)
+    lag = follow(slope, v, _REACH)[0]
+    shifted = np.roll(slope, lag)[_REACH:-_REACH]
+    seen, change = v[_REACH:-_REACH], np.gradient(shifted)
+    # v(k) = factor * slope(k - lag - part): the part of a row is the slope's own first-order term
+    (factor, cross), spread = _fit(np.column_stack([shifted, -change]), seen)
+    if factor == 0 or abs(np.corrcoef(shifted, seen)[0, 1]) < _ALIKE:
+        text = f"Velocity of '{axis}' is not the derivative of its position."
+        return [
+            Remark("warning", "unit", axis, text, {"correlation": float(np.corrcoef(shifted, seen)[0, 1])})
+        ]
+    remarks = []
+    if factor < 0:
+        text = f"Velocity of '{axis}' has the wrong sign against its position."
+        remarks.append(Remark("problem", "sign", axis, text, {"factor": float(factor)}))
+    if abs(abs(factor) - 1) > _SCALE:
+        meaning = name_factor(float(factor))
+        cause = f"a mix-up of {meaning}" if meaning else "a gear ratio or a wrong unit"
+        text = f"Velocity of '{axis}' is {abs(factor):.4g} times the derivative of its position: {cause}."
+        remarks.append(Remark("problem", "unit", axis, text, {"factor": float(factor), "meaning": meaning}))
+    offset, error = float(lag + cross / factor), float(spread[1] / abs(factor) / np.sqrt(band))
+    turned = 2 * np.pi * band / (4 * period) * abs(offset) * period  # phase at the motion's top frequency
+    told = 20 if turned < _TURN else 4
+    if abs(offset) > max(_OFFSET, told * error):
+        side = "after" if offset > 0 else "before"
+        text = f"Velocity of '{axis}' comes {abs(offset) * period * 1e3:.3g} ms {side} its position."
+        value = {"offset_s": offset * period, "std_s": error * period}
+        remarks.append(Remark("warning", "clock", axis, text, value))
+    if not remarks:
+        text = f"Velocity of '{axis}' is the derivative of its position."
+        remarks.append(
+            Remark("ok", "unit", axis, text, {"factor": float(factor), "offset_s": offset * period})
+        )
+    return remarks
+
+
+def _smooth(v: np.ndarray, slope: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Both through one zero-phase filter, so that only what both can show is compared.
+
+    The third value is the filter's band as a part of half the row rate: the share of rows that still
+    count as independent.
+    """
+    power = np.abs(np.fft.rfft(slope - slope.mean())) ** 2
+    share = np.cumsum(power) / power.sum()
+    top = np.fft.rfftfreq(len(slope), period)[np.searchsorted(share, 0.95)]
+    cut = min(2 * float(top) * 2 * period, 0.8)
+    cut = max(cut, 0.004)
+    sos = butter(2, cut, output="sos")
+    return sosfiltfilt(sos, v), sosfiltfilt(sos, slope), cut
+
+
+def _fit(columns: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Least squares: coefficients and their standard deviations."""
+    found, *_ = np.linalg.lstsq(columns, seen, rcond=None)
+    rest = seen - columns @ found
+    variance = rest @ rest / max(1, len(seen) - columns.shape[1])
+    return found, np.sqrt(variance * np.diag(np.linalg.pinv(columns.T @ columns)))

@@ -1,0 +1,124 @@
+"""Measured torque against the command: swapped, sign, unit, delay, saturation; and command limits."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.recordings.noise import NoiseLevels
+
+from .factors import name_factor
+from .lags import follow
+from .result import Remark
+
+_REACH_S = 0.1  # the largest delay looked for
+_SCALE = 0.05
+_OFTEN = 0.005  # share of rows at the extreme from which it is a limit
+
+
+def remark_on_torque(recording: Recording, noise: NoiseLevels) -> list[Remark]:
+    """How the measured torque follows the command."""
+    command, measured = recording.get("torque_command"), recording.get("torque_measured")
+    if command is None or measured is None or np.array_equal(command, measured):
+        return []
+    reach = int(min(max(4, np.ceil(_REACH_S / recording.period)), len(recording) // 4))
+    live = np.flatnonzero((np.ptp(command, axis=0) > 0) & (np.ptp(measured, axis=0) > 0))
+    remarks: list[Remark] = []
+    order = np.arange(command.shape[1])
+    for a, b in combinations(live, 2):
+        straight = min(follow(command[:, i], measured[:, i], reach)[1] for i in (a, b))
+        crossed = min(follow(command[:, i], measured[:, j], reach)[1] for i, j in ((a, b), (b, a)))
+        if crossed > 0.9 and 1 - crossed < 0.3 * (1 - straight):
+            order[[a, b]] = order[[b, a]]
+            names = f"'{recording.axes[a]}' and '{recording.axes[b]}'"
+            text = f"Commanded and measured torque of {names} are swapped against each other."
+            remarks.append(
+                Remark("problem", "swap", None, text, {"axes": [recording.axes[a], recording.axes[b]]})
+            )
+    for i in live:
+        x, y = command[:, order[i]], measured[:, i]
+        remarks += _follows(recording.axes[i], x, y, noise.torque_std[i], recording.period, reach)
+    return remarks
+
+
+def _follows(
+    axis: str, command: np.ndarray, measured: np.ndarray, noise: float, period: float, reach: int
+) -> list[Remark]:
+    lag, alike = follow(command, measured, reach)
+    if alike < 0.6:
+        text = f"Measured torque of '{axis}' does not follow its command (correlation {alike:.2g})."
+        return [Remark("warning", "unit", axis, text, {"correlation": alike})]
+    core = slice(reach + 1, -reach - 1)
+    near = np.column_stack([np.roll(command, lag + s)[core] for s in (-1, 0, 1)])
+    y = measured[core]
+    # a line through three neighbouring rows: its centre is the delay, to a part of a row
+    weights, *_ = np.linalg.lstsq(np.column_stack([near, np.ones(len(y))]), y, rcond=None)
+    gain = float(weights[:3].sum())
+    delay = float((lag + weights[:3] @ np.array([-1, 0, 1]) / gain) * period)
+    asked = near @ weights[:3] + weights[3]
+    remarks = _limit(axis, asked, y, noise)
+    if gain < 0:
+        text = f"Measured torque of '{axis}' has the wrong sign against its command."
+        remarks.append(Remark("problem", "sign", axis, text, {"factor": gain}))
+    if abs(abs(gain) - 1) > _SCALE and not remarks:
+        meaning = name_factor(gain)
+        severity = "problem" if meaning else "warning"
+        cause = f"a mix-up of {meaning}" if meaning else "torque constant, gear ratio or current loop"
+        text = f"Measured torque of '{axis}' is {abs(gain):.4g} times its command: {cause}."
+        remarks.append(Remark(severity, "unit", axis, text, {"factor": gain, "meaning": meaning}))
+    if delay < -0.25 * period:
+        text = f"Measured torque of '{axis}' comes {-1e3 * delay:.3g} ms before its command."
+        remarks.append(Remark("problem", "clock", axis, text, {"delay_s": delay}))
+    else:
+        text = f"Measured torque of '{axis}' follows its command after {1e3 * delay:.3g} ms."
+        remarks.append(Remark("note", "delay", axis, text, {"delay_s": delay, "gain": gain}))
+    return remarks
+
+
+def _limit(axis: str, asked: np.ndarray, got: np.ndarray, noise: float) -> list[Remark]:
+    """Whether the torque stops growing while the command still does: one clip against none."""
+    best = (np.inf, np.inf, 0)
+    for limit in np.quantile(np.abs(got), [0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995]):
+        over = np.abs(asked) > limit
+        gain = _slope(asked[~over], got[~over])
+        rest = got - np.clip(gain * asked, -limit, limit)
+        size = float(np.mean(rest**2))
+        if size < best[0]:
+            best = (size, float(limit), int(np.count_nonzero(np.abs(gain * asked) > 1.05 * limit)))
+    straight = float(np.mean((got - _slope(asked, got) * asked) ** 2))
+    floor = 0.0 if np.isnan(noise) else noise**2
+    if best[2] >= max(20, _OFTEN * len(got)) and best[0] - floor < 0.5 * (straight - floor):
+        share = best[2] / len(got)
+        text = f"Torque of '{axis}' saturates near {best[1]:.4g} in {100 * share:.2g} % of the rows."
+        return [Remark("warning", "saturation", axis, text, {"limit": best[1], "share": share})]
+    return []
+
+
+def _slope(x: np.ndarray, y: np.ndarray) -> float:
+    return float(x @ y / (x @ x)) if x @ x > 0 else 0.0
+
+
+def remark_on_command_limits(recording: Recording) -> list[Remark]:
+    """Commands that stand at their largest value again and again: the controller's own limit."""
+    command = recording.get("torque_command")
+    if command is None:
+        return []
+    remarks: list[Remark] = []
+    for i, axis in enumerate(recording.axes):
+        x = command[:, i]
+        changes = np.flatnonzero(np.diff(x))
+        if len(changes) < 20:
+            continue
+        typical = len(x) / len(changes)  # rows for which a command is held
+        for side, extreme in (("upper", x.max()), ("lower", x.min())):
+            at = np.abs(x - extreme) <= 1e-6 * np.ptp(x)
+            share = float(at.mean())
+            if share > _OFTEN and share * len(x) > 6 * typical:
+                text = (
+                    f"Command of '{axis}' stands at its {side} limit of {extreme:.4g} in {100 * share:.2g} %."
+                )
+                value = {"limit": float(extreme), "share": share}
+                remarks.append(Remark("warning", "saturation", axis, text, value))
+    return remarks
