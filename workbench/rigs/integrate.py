@@ -193,7 +193,10 @@ class Integrator:
         m11, m12, m22, _ = self._mass(state)
         w1, w2 = m22 * d1 - m12 * d2, m11 * d2 - m12 * d1
         impulse = (d1 * v1 + d2 * v2) / (d1 * w1 + d2 * w2)
-        return q1, q2, v1 - w1 * impulse, v2 - w2 * impulse
+        if not d2:
+            return q1, q2, 0.0, v2 - w2 * impulse
+        v1 -= w1 * impulse
+        return q1, q2, v1, -d1 * v1 / d2  # exactly on d . v = 0
 
     def _mass(self, state: State) -> tuple[float, float, float, float]:
         s = self._structure
