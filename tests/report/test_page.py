@@ -1,0 +1,245 @@
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from html.parser import HTMLParser
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from workbench.core import InputError
+from workbench.report import render_page, write_page
+from workbench.report.pack import plots
+
+from . import build
+
+COMMAND = "workbench improve models/leg.toml chirp.toml -o better.toml"
+NASTY = '</script><img src="http://x.invalid/a" onerror="console.error(1)">{{ 7*7 }}<b>'
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+class Page(HTMLParser):
+    """What the tests ask of a page: tags, their attributes, and the text outside scripts and styles."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.words: list[str] = []
+        self.inside = ""
+        self.feed(text)
+        self.text = " ".join(" ".join(self.words).split())
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        self.inside = tag
+
+    def handle_endtag(self, tag):
+        self.inside = ""
+
+    def handle_data(self, data):
+        if self.inside not in ("script", "style"):
+            self.words.append(data)
+
+
+@pytest.fixture(scope="module", params=["compare", "diagnose", "improve", "demo"])
+def page(request, comparison, diagnosis, improvement) -> Page:
+    result = {"compare": comparison, "diagnose": diagnosis}.get(request.param, improvement)
+    truth = build.TRUTH if request.param == "demo" else None
+    return Page(render_page(result, command=COMMAND, seeds={"fit": 7}, truth=truth))
+
+
+def test_it_asks_nothing_of_a_network(page):
+    for tag, attrs in page.tags:
+        assert tag not in ("link", "iframe", "object", "embed", "base")
+        for name in ("src", "href", "srcset", "data", "action"):
+            assert re.match(r"(#|data:)", attrs.get(name) or "#"), (tag, attrs)
+    policy = next(a["content"] for t, a in page.tags if a.get("http-equiv") == "Content-Security-Policy")
+    assert policy.startswith("default-src 'none'") and "http" not in policy
+
+
+def test_it_can_be_read_aloud(page):
+    tags = [t for t, _ in page.tags]
+    assert dict(page.tags)["html"]["lang"] == "en"
+    assert tags.count("h1") == tags.count("main") == tags.count("header") == 1 and "nav" in tags
+    assert tags.count("caption") == tags.count("table")
+    assert all(a.get("alt") for t, a in page.tags if t == "img")
+    levels = [int(t[1]) for t in tags if re.fullmatch(r"h[1-6]", t)]
+    assert all(b <= a + 1 for a, b in pairwise(levels))
+    ids = [a["id"] for _, a in page.tags if "id" in a]
+    assert len(ids) == len(set(ids))
+    named = [a[k] for _, a in page.tags for k in ("aria-labelledby",) if k in a]
+    assert set(named) <= set(ids)
+
+
+def test_it_says_how_to_reproduce_it(tmp_path, diagnosis):
+    source = tmp_path / "chirp.toml"
+    source.write_text("format = 1")
+    text = Page(render_page(diagnosis, command=COMMAND, seeds={"fit": 7}, inputs=[source])).text
+    assert COMMAND in text and hashlib.sha256(b"format = 1").hexdigest() in text
+    assert "seed of fit 7" in text and "numpy " + np.__version__ in text
+    with pytest.raises(InputError, match="cannot read"):
+        render_page(diagnosis, command=COMMAND, inputs=[tmp_path / "gone.toml"])
+
+
+def test_it_says_what_is_missing_how_sure_and_what_else(diagnosis):
+    text = Page(render_page(diagnosis, command=COMMAND)).text.replace("\u00a0", " ")
+    assert "Something is missing: Coulomb friction on the knee drive, 0.254 ± 0.003 N m (95 %)." in text
+    assert "97 % probable" in text and "cannot tell it from Coulomb friction at the knee joint" in text
+    assert "On held-out data the error falls from 0.201 to 0.0312." in text
+    assert "Thermal derating on all axes" in text and "friction at the drive and at the joint" in text
+
+
+def test_the_truth_comes_last(improvement):
+    text = Page(render_page(improvement, command=COMMAND, truth=build.TRUTH)).text
+    assert text.index("How to reproduce this") < text.index("The truth", text.index("How to reproduce this"))
+    assert "not found" in text and "0.2550 N m" in text
+
+
+def test_strangers_strings_stay_strings(comparison):
+    entry = comparison.recordings[0]
+    recording = replace(entry.recording, name=NASTY, axes=(NASTY, "knee"))
+    bad = replace(
+        comparison,
+        model=NASTY,
+        axes=(NASTY, "knee"),
+        notes=(NASTY,),
+        recordings=(replace(entry, recording=recording),),
+    )
+    html = render_page(bad, command=NASTY, seeds={NASTY: 1})
+    parsed = Page(html)
+    assert [t for t, _ in parsed.tags].count("img") == 1 and "{{ 7*7 }}" in parsed.text
+    assert [t for t, _ in parsed.tags].count("script") == 4
+
+
+def test_curves_are_what_was_measured(comparison, improvement):
+    values, curves = plots(comparison, improvement.after)
+    data = gzip.decompress(base64.b64decode(curves))
+    entry = comparison.recordings[0]
+    c = values["recordings"][0]["axes"][1]["torque"]["curves"]["measured"]
+    planes = np.frombuffer(data, np.uint8)[c["at"] : c["at"] + 4 * c["n"]].reshape(4, -1).astype(np.int64)
+    zigzag = sum(planes[k] << (8 * k) for k in range(4))
+    decoded = np.cumsum((zigzag >> 1) ^ -(zigzag & 1)) * c["step"]
+    truth = entry.recording.signals["torque_measured"][:, 1]
+    assert np.abs(decoded - truth).max() < build.NOISE["torque_measured"] / 20
+    assert values["recordings"][0]["gaps"][0][0] == pytest.approx(6.0)
+
+
+def test_many_recordings_leave_the_worst(comparison):
+    many = replace(comparison, recordings=comparison.recordings * 20)
+    values, _ = plots(many, None)
+    assert values["left_out"] == 40 - len(values["recordings"]) > 0
+
+
+def test_results_without_comparisons_or_torque_have_pages(diagnosis, improvement, without_torque):
+    assert "Something is missing" in render_page(replace(diagnosis, before=None, after=None), command=COMMAND)
+    bare = replace(improvement, before=None, after=None, diagnosis=None, steps=(), holdout_error_after=None)
+    assert "nothing was added" in render_page(bare, command=COMMAND)
+    assert "Measured and simulated" in render_page(without_torque, command=COMMAND)
+    assert "<h1" in render_page(replace(without_torque, recordings=()), command=COMMAND)
+
+
+def test_it_is_written_whole_or_not_at_all(tmp_path, comparison):
+    path = write_page(comparison, tmp_path / "page.html", command=COMMAND)
+    before = path.read_bytes()
+    with pytest.raises(InputError, match="exists already"):
+        write_page(comparison, path, command=COMMAND)
+    with pytest.raises(InputError, match="cannot read"):
+        write_page(comparison, path, command=COMMAND, inputs=[tmp_path / "gone"], force=True)
+    assert path.read_bytes() == before and len(list(tmp_path.iterdir())) == 1
+
+
+def chromium(page, profile, *more: str) -> tuple[str, str]:
+    quiet = (
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--no-first-run",
+    )
+    done = subprocess.run(
+        [
+            str(CHROMIUM),
+            *("--headless", "--no-sandbox", "--disable-gpu", *quiet, f"--user-data-dir={profile}"),
+            *("--enable-logging=stderr", "--virtual-time-budget=20000", *more, "--dump-dom", page.as_uri()),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=90,
+    )
+    return done.stdout, "\n".join(line for line in done.stderr.splitlines() if "CONSOLE" in line)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
+@pytest.mark.parametrize("what", ["a minute", "nasty"])
+def test_a_browser_draws_it_from_disk(tmp_path, what):
+    result = build.improvement(60.0, 1000.0) if what == "a minute" else build.improvement()
+    if what == "nasty":
+        first = replace(result.before, axes=(NASTY, "knee"))  # type: ignore[type-var]
+        result = replace(
+            first,
+            recordings=tuple(
+                replace(e, recording=replace(e.recording, name=NASTY, axes=(NASTY, "knee")))
+                for e in first.recordings
+            ),
+        )
+    path = write_page(result, tmp_path / "page.html", command=COMMAND)
+    assert path.stat().st_size < 5e6
+    dom, console = chromium(path, tmp_path / "profile")
+    assert console == ""  # the page's policy would complain here of anything asked of a network
+    assert 'data-drawn="yes"' in dom
+    parsed = Page(dom)
+    drawn = [a for t, a in parsed.tags if "js-plotly-plot" in (a.get("class") or "")]
+    assert len(drawn) == 7 and all(a["aria-label"] for a in drawn)
+    assert dom.count("js-line") >= 7
+    fallback = next(a for _, a in parsed.tags if a.get("id") == "fallback")
+    assert "hidden" in fallback
+    assert [t for t, _ in parsed.tags].count("img") == 1
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
+def test_zoom_and_choice_work_without_a_mouse(tmp_path, improvement):
+    page = render_page(improvement, command=COMMAND)
+    script = """<script>
+      const by = (id) => document.getElementById(id), seen = [];
+      const wait = setInterval(() => {
+        if (!document.documentElement.dataset.drawn) return;
+        clearInterval(wait);
+        const note = () => seen.push(by("window").textContent);
+        for (const move of ["all", "in", "right", "out"]) {
+          document.querySelector(`[data-zoom=${move}]`).click();
+          note();
+        }
+        by("pick-axis").value = "0";
+        by("pick-axis").dispatchEvent(new Event("change"));
+        note();
+        Plotly.relayout("plot-time", { "xaxis.range": [2, 3] }).then(() => {
+          note();
+          seen.push(by("plot-time").getAttribute("aria-label").slice(0, 4));
+          dispatchEvent(new Event("beforeprint"));
+          dispatchEvent(new Event("afterprint"));
+          document.title = seen.join("|");
+        });
+      }, 50);
+    </script></body>"""
+    path = tmp_path / "page.html"
+    path.write_text(page.replace("</body>", script))
+    dom, console = chromium(path, tmp_path / "profile")
+    assert console == ""
+    seen = re.search(r"<title>(.*?)</title>", dom)
+    whole = "0 to 12 s of 12 s"
+    steps = [whole, "3 to 9 s of 12 s", "6 to 12 s of 12 s", whole, whole, "2 to 3 s of 12 s", "hip "]
+    assert seen and seen.group(1).split("|") == steps
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
+def test_the_policy_stops_requests_and_says_so(tmp_path, comparison):
+    path = tmp_path / "page.html"
+    page = render_page(comparison, command=COMMAND)
+    path.write_text(page.replace("</body>", '<img src="http://localhost:9/a.png"></body>'))
+    _, console = chromium(path, tmp_path / "profile")
+    assert "Content Security Policy" in console

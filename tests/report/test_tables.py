@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import pytest
+from rich.console import Console
+
+from workbench.core import EffectKey
+from workbench.report import compare_table, diagnosis_table, improvement_table, print_table, truth_table
+
+from . import build
+
+
+def printed(renderable, width=80, **kwargs) -> str:
+    console = Console(file=io.StringIO(), width=width, highlight=False, **kwargs)
+    print_table(renderable, console)
+    return console.file.getvalue()  # type: ignore[attr-defined]
+
+
+@pytest.fixture(params=["compare", "diagnose", "improve", "truth"])
+def table(request, comparison, diagnosis, improvement):
+    return {
+        "compare": compare_table(comparison),
+        "diagnose": diagnosis_table(diagnosis),
+        "improve": improvement_table(improvement),
+        "truth": truth_table(improvement, build.TRUTH),
+    }[request.param]
+
+
+def test_it_fits_80_columns_and_is_plain_text(table):
+    text = printed(table)
+    assert max(len(line) for line in text.splitlines()) <= 80
+    assert "\x1b" not in text and "…" not in text
+
+
+def test_no_color_leaves_no_colour_on_a_terminal(table):
+    text = printed(table, force_terminal=True, no_color=True)
+    assert "\x1b[3" not in text and ";3" not in text
+
+
+def test_compare_says_what_and_where(comparison):
+    text = printed(compare_table(comparison))
+    assert text.startswith("The model does not explain the data")
+    assert " mrad" in text and "64 %" in text and "−0.5 to 0.5 rad/s" in text
+
+
+def test_diagnose_names_the_effect_with_its_interval_and_lookalike(diagnosis):
+    text = " ".join(printed(diagnosis_table(diagnosis)).split())
+    assert "Something is missing: Coulomb friction on the knee drive, 0.254 ± 0.003 N m (95 %)." in text
+    assert "97 % probable" in text and "Coulomb friction at the knee joint" in text
+    assert "0.201 -> 0.0312" in text and "Measure next: Move the knee slowly" in text
+
+
+def test_improve_lists_every_step_and_the_noise_floor(improvement):
+    text = printed(improvement_table(improvement))
+    assert "+ Coulomb friction" in text and "+ Torque gain" in text and "Noise floor" in text
+
+
+def test_truth_tells_found_from_lookalike_and_missed(improvement):
+    hidden = [*build.TRUTH, {"effect": "backlash", "axis": "hip", "parameters": {"gap": 0.01}}]
+    step = replace(improvement.steps[1], indistinguishable_from=(EffectKey("backlash", "hip"),))
+    text = " ".join(printed(truth_table(replace(improvement, steps=(step,)), hidden), width=160).split())
+    assert "not found" in text and "named as a look-alike of torque gain on the hip drive" in text
+    assert "0.931 ± 0.008 yes" in text
+
+
+def test_names_of_strangers_are_printed_as_they_are(comparison):
+    entry = comparison.recordings[0]
+    bad = replace(entry, recording=replace(entry.recording, name="[red]\x1b[31mx"))
+    text = printed(compare_table(replace(comparison, recordings=(bad,))), force_terminal=True)
+    assert "[red]" in text and "\x1b[31mx" not in text
+
+
+def test_a_rig_without_torque_shows_a_dash(without_torque):
+    assert "–" in printed(compare_table(without_torque))

@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from workbench.core import EffectKey, Estimate, Share
+from workbench.report import sentence
+from workbench.report.ladder import log_axis, rungs
+from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
+from workbench.report.wording import effect_phrase, share_phrase
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "unit", "text"),
+    [
+        (0.2541, 0.0016, "N*m", "0.254 ± 0.003 N m"),
+        (-1.5, 0.1, "rad", "−1.50 ± 0.20 rad"),
+        (1234.0, 51.0, "", "1234 ± 100"),
+        (2.5e-7, 1e-9, "s", "(2.500 ± 0.020) × 10⁻⁷ s"),
+        (0.5, float("nan"), "1", "0.5000"),
+        (float("nan"), 0.1, "m", "– m"),
+    ],
+)
+def test_interval(value, std, unit, text):
+    assert interval(Estimate(value, std, unit)) == text
+
+
+def test_numbers():
+    assert [number(v) for v in (0.0665, -12.3456, 0.0, float("nan"), 1.5e-9)] == [
+        "0.0665",
+        "−12.3",
+        "0",
+        "–",
+        "1.50 × 10⁻⁹",
+    ]
+    assert [short(v) for v in (0.5, 2.0, 100.0, -0.25)] == ["0.5", "2", "100", "−0.25"]
+    assert [percent(v) for v in (0.001, 0.5, 0.999, 1.0)] == ["< 1 %", "50 %", "> 99 %", "100 %"]
+    assert quantity(0.00042, "rad") == "0.420 mrad"
+    assert unit_text("N*m/(rad/s)**2") == "N m/(rad/s)²"
+
+
+def test_effects_have_names_and_places():
+    assert effect_phrase(EffectKey("coulomb_friction", "knee")) == "Coulomb friction on the knee drive"
+    assert effect_phrase(EffectKey("delay", None)) == "delay on all axes"
+    assert effect_phrase(EffectKey("backlash", "hip", "joint")) == "backlash at the hip joint"
+
+
+def test_verdicts(comparison, diagnosis, improvement):
+    assert sentence(replace(comparison, consistent=True)) == "The model explains the data to the noise."
+    assert "nothing to compare" in sentence(replace(comparison, error=float("nan")))
+    unknown = replace(diagnosis, verdict="unexplained", findings=(), unexplained_fraction=0.73)
+    assert (
+        sentence(unknown)
+        == "Something is missing that no known effect explains: 73 % of the excess error stays."
+    )
+    two = replace(diagnosis, findings=diagnosis.findings * 2)
+    assert sentence(two).startswith("Two effects are missing: Coulomb friction on the knee drive and ")
+    assert "explains the data to the noise" in sentence(improvement)
+    assert "still 3.0 times the noise floor" in sentence(
+        replace(improvement, verdict="unexplained", error_after=3 * improvement.noise_error)
+    )
+    assert "nothing was added" in sentence(replace(improvement, steps=()))
+
+
+def test_shares_say_where():
+    share = Share("knee", "torque_measured", "speed", (-1.0, 1.0), "rad/s", 0.64)
+    assert share_phrase(share) == "64 % is in the knee torque, at speeds of −1 to 1 rad/s"
+    assert "above 2 rad/s" in share_phrase(replace(share, range=(2.0, float("inf"))))
+
+
+def test_ladder(improvement, comparison):
+    steps = rungs(improvement)
+    assert [r.error for r in steps] == [improvement.error_before, *(s.error for s in improvement.steps)]
+    assert len(rungs(comparison)) == 1
+    axis = log_axis([0.01, 0.1, None, float("nan")])
+    places = [axis.place(v) for v in (0.01, 0.1)]
+    assert 0 < places[0] < places[1] < 1  # type: ignore[operator]
+    assert axis.place(0.0) is None and axis.ticks == (0.01, 0.02, 0.05, 0.1)

@@ -1,0 +1,272 @@
+"""Figures for paper and screen: each says one thing, has units on its axes, and survives a grey printer."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any, Literal
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
+
+from workbench.core import Comparison, Diagnosis, Improvement, InputError
+
+from .files import check_target, write_whole
+from .ladder import log_axis, rungs
+from .numbers import handy, number, plain
+from .pack import partner
+from .residuals import (
+    SIGNALS,
+    Signal,
+    binned,
+    column,
+    has,
+    min_max,
+    noise,
+    noise_density,
+    rmse,
+    spectrum,
+    units,
+)
+
+#: Okabe and Ito's palette, told apart without colour by the line style beside each.
+INK, BEFORE, AFTER, FLOOR = "#1a1c1e", "#D55E00", "#0072B2", "#8a9096"
+_STYLE: dict[str, dict[str, Any]] = {
+    "measured": {"color": "#a4a9ae", "lw": 3.2, "ls": "-", "solid_capstyle": "butt"},
+    "before": {"color": BEFORE, "lw": 1.1, "ls": (0, (4, 1.6))},
+    "after": {"color": AFTER, "lw": 1.3, "ls": "-"},
+}
+_RC: Any = {
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "normal",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": "#5b6168",
+    "axes.labelcolor": INK,
+    "xtick.color": "#5b6168",
+    "ytick.color": "#5b6168",
+    "axes.grid": True,
+    "grid.color": "#e6e8eb",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "workbench",
+    "figure.dpi": 120,
+}
+
+
+def overlay_figure(
+    comparison: Comparison,
+    axis: str,
+    *,
+    recording: int = 0,
+    after: Comparison | None = None,
+    window: tuple[float, float] | None = None,
+) -> Figure:
+    """Measured over simulated against time, and the residual with twice the noise on either side.
+
+    Args:
+        comparison: the model as given.
+        axis: which axis.
+        recording: which entry of ``comparison.recordings``.
+        after: the same recordings with the effects added.
+        window: from when to when [s]; the whole recording if not given (see `worst_window`).
+    """
+    entry = comparison.recordings[recording]
+    later = partner(after, comparison, recording)
+    k = column(entry, axis)
+    if k is None:
+        raise InputError(f"recording '{plain(entry.recording.name)}' has no axis '{plain(axis)}'")
+    shown = [
+        (n, label, u) for (n, label), u in zip(SIGNALS, units(comparison, axis), strict=True) if has(entry, n)
+    ]
+    with mpl.rc_context(_RC):
+        figure, axes = _grid(2 * len(shown), 1, (7.2, 1.0 + 2.5 * len(shown)), heights=[2, 1.2] * len(shown))
+        for row, (name, label, unit) in enumerate(shown):
+            top, bottom = axes[2 * row, 0], axes[2 * row + 1, 0]
+            runs = [("before", entry)] + (
+                [("after", later)] if later is not None and has(later, name) else []
+            )
+            measured, dt = entry.recording.signals[name][:, k], entry.recording.period
+            _curve(top, dt, window, measured, "measured", "measured")
+            factor, small = handy([rmse(entry, name, k)], unit)
+            for when, run in runs:
+                text = {"before": "simulated", "after": "simulated, effects added"}[when]
+                _curve(top, dt, window, run.simulated.signals[name][:, k], when, text)
+                _curve(bottom, dt, window, factor * run.residual(name)[:, k], when, "")
+            floor = 2 * factor * noise(entry, name, k)
+            if np.isfinite(floor):
+                bottom.axhspan(-floor, floor, color=FLOOR, alpha=0.3, lw=0, zorder=0, label="± 2 × noise")
+                for edge in (-floor, floor):
+                    bottom.axhline(edge, color=INK, lw=0.7, ls=(0, (1, 2)), zorder=5)
+            top.set_ylabel(f"{label} [{unit}]")
+            bottom.set_ylabel(f"residual [{small}]")
+        for a in axes[:, 0]:
+            a.sharex(axes[0, 0])
+            a.margins(x=0)
+        for a in axes[:-1, 0]:
+            a.tick_params(labelbottom=False)
+        axes[-1, 0].set_xlabel("time [s]")
+        _head(figure, f"{_name(axis)}, recording {_name(entry.recording.name)}")
+        figure.align_ylabels()
+    return figure
+
+
+def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | None = None) -> Figure:
+    """Residual against speed and against position: median of each bin, with its quartiles as a band."""
+    quantities: tuple[tuple[Literal["speed", "position"], str], ...] = (("speed", "/s"), ("position", ""))
+    with mpl.rc_context(_RC):
+        shown = _compared(comparison, axis)
+        figure, axes = _grid(len(shown), 2, (7.2, 0.7 + 2.2 * len(shown)), sharey="row")
+        for row, (name, label, unit) in enumerate(shown):
+            factor, small = handy([_worst(comparison, axis, name)], unit)
+            for col, (against, per) in enumerate(quantities):
+                a = axes[row, col]
+                a.axhline(0, color="#5b6168", lw=0.6)
+                for when, run in _runs(comparison, after):
+                    b = binned(run, axis, name, against)
+                    style = _STYLE[when] | {"marker": "o" if when == "before" else "s", "ms": 3}
+                    a.fill_between(
+                        b.centre, factor * b.low, factor * b.high, color=style["color"], alpha=0.18, lw=0
+                    )
+                    text = {"before": "model as given", "after": "effects added"}[when]
+                    a.plot(b.centre, factor * b.median, label=text, **style)
+                a.set_xlabel(f"{against} [{units(comparison, axis)[0]}{per}]")
+            axes[row, 0].set_ylabel(f"{label} residual [{small}]")
+        _head(figure, f"{_name(axis)}: residual, median and quartiles")
+    return figure
+
+
+def spectrum_figure(comparison: Comparison, axis: str, *, after: Comparison | None = None) -> Figure:
+    """Spectrum of the residual beside the noise floor's, taken to be white."""
+    with mpl.rc_context(_RC):
+        shown = _compared(comparison, axis)
+        figure, axes = _grid(1, len(shown), (7.2, 2.9))
+        for a, (name, label, unit) in zip(axes[0], shown, strict=True):
+            for when, run in _runs(comparison, after):
+                f, density = spectrum(run, axis, name)
+                text = {"before": "model as given", "after": "effects added"}[when]
+                a.loglog(f, density, label=text, **_STYLE[when])
+            floor = noise_density(comparison, axis, name)
+            if np.isfinite(floor) and floor > 0:
+                a.axhline(floor, color=FLOOR, lw=1.6, ls=(0, (1, 1.2)), label="noise floor, as white noise")
+            a.set_xlabel("frequency [Hz]")
+            a.set_ylabel(f"{label} residual [{unit}/√Hz]")
+        _head(figure, f"{_name(axis)}: spectrum of the residual")
+    return figure
+
+
+def ladder_figure(result: Improvement | Diagnosis | Comparison) -> Figure:
+    """The error falling step by step beside the noise floor, on a log axis."""
+    steps = rungs(result)
+    floor = result.noise_error
+    scale = log_axis([floor, *(r.error for r in steps), *(r.holdout for r in steps)])
+    with mpl.rc_context(_RC):
+        figure, axes = _grid(1, 1, (7.2, 1.4 + 0.42 * len(steps)))
+        a = axes[0, 0]
+        rows = np.arange(len(steps))
+        a.axvspan(scale.low, floor, color=FLOOR, alpha=0.18, lw=0)
+        a.axvline(floor, color=FLOOR, lw=1.6, ls=(0, (1, 1.2)), label=f"noise floor {number(floor)}")
+        a.plot([r.error for r in steps], rows, "-o", color=AFTER, ms=6, lw=1.2, label="error")
+        held = [(r.holdout, i) for i, r in enumerate(steps) if r.holdout is not None]
+        if held:
+            x, y = zip(*held, strict=True)
+            a.plot(x, y, "--D", color=BEFORE, mfc="white", ms=5, lw=1.0, label="error on held-out data")
+        a.set_xscale("log")
+        a.set(
+            xlim=(scale.low, scale.high),
+            ylim=(len(steps) - 0.5, -0.5),
+            xlabel="error (RMSE / deviation of the signal)",
+        )
+        a.xaxis.set_major_locator(FixedLocator(list(scale.ticks)))
+        a.xaxis.set_minor_locator(NullLocator())
+        a.xaxis.set_minor_formatter(NullFormatter())
+        a.set_xticks(list(scale.ticks), [number(t, 1) for t in scale.ticks])
+        a.set_yticks(rows, [_name(r.label) for r in steps], color=INK)
+        a.grid(axis="y", visible=False)
+        _head(figure, "The error, step by step")
+    return figure
+
+
+def save_figure(figure: Figure, path: str | Path, *, force: bool = False) -> Path:
+    """Write a figure as PNG or SVG by the name's ending, whole or not at all."""
+    kind = Path(path).suffix.lower().lstrip(".")
+    if kind not in ("png", "svg"):
+        raise InputError(f"cannot draw '.{kind}'", file=path, remedy="name it .png or .svg")
+    check_target(path, force=force)
+    return write_whole(figure_bytes(figure, kind), path, force=force)
+
+
+def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:
+    """The figure as PNG or SVG, the same bytes whenever it is drawn."""
+    buffer = io.BytesIO()
+    metadata = {"Date": None} if kind == "svg" else {"Software": None}
+    with mpl.rc_context(_RC):
+        figure.savefig(buffer, format=kind, dpi=dpi, facecolor="white", metadata=metadata)
+    return buffer.getvalue()
+
+
+def _name(text: str) -> str:
+    """A stranger's string as matplotlib should print it, dollars and all."""
+    return plain(text).replace("$", r"\$")
+
+
+def _grid(
+    rows: int, cols: int, size: tuple[float, float], heights: list[float] | None = None, **kwargs: Any
+) -> tuple[Figure, np.ndarray]:
+    figure = Figure(figsize=size, layout="constrained")
+    return figure, figure.subplots(rows, cols, squeeze=False, height_ratios=heights, **kwargs)
+
+
+def _curve(
+    a: Axes, dt: float, window: tuple[float, float] | None, values: np.ndarray, when: str, label: str
+) -> None:
+    first, last = (round(t / dt) for t in window) if window else (0, len(values))
+    thin, stride = min_max(np.asarray(values[first : last + 1], float), 1200)
+    a.plot(dt * (first + stride * np.arange(len(thin))), thin, label=label or None, **_STYLE[when])
+
+
+def _runs(comparison: Comparison, after: Comparison | None) -> list[tuple[str, Comparison]]:
+    return [("before", comparison)] + ([("after", after)] if after is not None else [])
+
+
+def _compared(comparison: Comparison, axis: str) -> list[tuple[Signal, str, str]]:
+    """The signals of an axis that some recording has: signal, name in print, unit."""
+    entries = [e for e in comparison.recordings if column(e, axis) is not None]
+    return [
+        (n, label, unit)
+        for (n, label), unit in zip(SIGNALS, units(comparison, axis), strict=True)
+        if any(has(e, n) for e in entries)
+    ]
+
+
+def _worst(comparison: Comparison, axis: str, name: str) -> float:
+    pairs = [(e, column(e, axis)) for e in comparison.recordings]
+    return max(
+        (rmse(e, name, k) for e, k in pairs if k is not None and np.isfinite(rmse(e, name, k))), default=1.0
+    )
+
+
+def _head(figure: Figure, title: str) -> None:
+    """Title and one legend for all panels, above them, from the left."""
+    entries = {}
+    for a in figure.axes:
+        handles, labels = a.get_legend_handles_labels()
+        entries |= dict(zip(labels, handles, strict=True))
+    figure.legend(
+        entries.values(),
+        entries.keys(),
+        loc="outside upper left",
+        ncols=4,
+        title=title,
+        title_fontsize=10,
+        alignment="left",
+    )

@@ -1,0 +1,208 @@
+"""Results as JSON: the stable schema that other programs read (keys are added at the end, never changed)."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from workbench.core import (
+    FORMAT,
+    Comparison,
+    Diagnosis,
+    EffectKey,
+    Estimate,
+    Finding,
+    Improvement,
+    RecordingError,
+    Share,
+    Step,
+)
+
+from .files import write_whole
+
+Truth = Sequence[Mapping[str, Any]]
+
+
+def comparison_dict(result: Comparison) -> dict[str, Any]:
+    """The JSON of ``workbench compare``."""
+    inverse = result.inverse_dynamics
+    return _clean(
+        {
+            "format": FORMAT,
+            "model": result.model,
+            "error": result.error,
+            "noise_error": result.noise_error,
+            "recordings": [_recording(r) for r in result.recordings],
+            "consistent": bool(result.consistent),
+            "noise_error_std": result.noise_error_std,
+            "where": _where(result.where),
+            "inverse_dynamics": None
+            if inverse is None
+            else {
+                "relative_error": inverse.relative_error,
+                "axis_relative_error": inverse.axis_relative_error,
+                "filter": inverse.filter,
+            },
+            "notes": list(result.notes),
+        }
+    )
+
+
+def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
+    """The JSON of ``workbench diagnose``."""
+    return _clean(
+        {
+            "format": FORMAT,
+            "verdict": result.verdict,
+            "error": result.error,
+            "noise_error": result.noise_error,
+            "findings": [_finding(f) for f in result.findings],
+            "unexplained": {"fraction": result.unexplained_fraction, "where": _where(result.where)},
+            "next_experiment": result.next_experiment,
+            "not_excited": _keys(result.not_excited),
+            "model": result.model,
+            "ranking": [{**_key(key), "share": share} for key, share in result.ranking],
+        }
+    )
+
+
+def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[str, Any]:
+    """The JSON of ``workbench improve``; with `truth`, of ``workbench demo``.
+
+    Args:
+        result: the way from a model to a better one.
+        truth: what the virtual hardware hid: mappings with ``effect``, ``axis`` and ``parameters``.
+            It stands after all else.
+    """
+    out: dict[str, Any] = {
+        "format": FORMAT,
+        "steps": [_step(s) for s in result.steps],
+        "error_before": result.error_before,
+        "error_after": result.error_after,
+        "holdout_error_before": result.holdout_error_before,
+        "holdout_error_after": result.holdout_error_after,
+        "noise_error": result.noise_error,
+        "verdict": result.verdict,
+        "model": result.model,
+    }
+    if truth is not None:
+        out["truth"] = [
+            {
+                "effect": t["effect"],
+                "axis": t.get("axis"),
+                "parameters": t.get("parameters", {}),
+                **{k: v for k, v in t.items() if k not in ("effect", "axis", "parameters")},
+            }
+            for t in truth
+        ]
+    return _clean(out)
+
+
+def dumps(obj: Mapping[str, Any]) -> str:
+    """`obj` as JSON text: two spaces of indent, NaN and infinity as null, a newline at the end."""
+    return json.dumps(_clean(obj), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def write_json(obj: Mapping[str, Any], path: str | Path, *, force: bool = False) -> None:
+    """Write `obj` to a file, whole or not at all, or to standard output where `path` is ``"-"``.
+
+    Raises:
+        InputError: the file exists and `force` is false, or it cannot be written.
+    """
+    text = dumps(obj)
+    if str(path) == "-":
+        sys.stdout.write(text)
+        sys.stdout.flush()
+    else:
+        write_whole(text, path, force=force)
+
+
+def _recording(r: RecordingError) -> dict[str, Any]:
+    return {
+        "name": r.recording.name,
+        "axes": list(r.recording.axes),
+        "position_rmse": r.position_rmse,
+        "torque_rmse": r.torque_rmse,
+        "position_noise": r.position_noise,
+        "torque_noise": r.torque_noise,
+        "error": r.error,
+        "noise_error": r.noise_error,
+        "units": list(r.recording.units),
+        "coordinates": r.recording.coordinates,
+    }
+
+
+def _finding(f: Finding) -> dict[str, Any]:
+    return {
+        **_key(f.key),
+        "parameters": _parameters(f.parameters),
+        "error_after": f.error_after,
+        "holdout_error_before": f.holdout_error_before,
+        "holdout_error_after": f.holdout_error_after,
+        "probability": f.probability,
+        "indistinguishable_from": _keys(f.indistinguishable_from),
+        "evidence": list(f.evidence),
+    }
+
+
+def _step(s: Step) -> dict[str, Any]:
+    return {
+        **_key(s.key),
+        "parameters": _parameters(s.parameters),
+        "error": s.error,
+        "holdout_error": s.holdout_error,
+        "indistinguishable_from": _keys(s.indistinguishable_from),
+        "evidence": list(s.evidence),
+        "removed": _keys(s.removed),
+    }
+
+
+def _key(key: EffectKey) -> dict[str, Any]:
+    return {"effect": key.effect, "axis": key.axis, "location": key.location}
+
+
+def _keys(keys: Iterable[EffectKey]) -> list[dict[str, Any]]:
+    return [_key(k) for k in keys]
+
+
+def _parameters(parameters: Mapping[str, Estimate]) -> dict[str, Any]:
+    return {name: {"value": e.value, "std": e.std, "unit": e.unit} for name, e in parameters.items()}
+
+
+def _where(shares: Iterable[Share]) -> list[dict[str, Any]]:
+    return [
+        {
+            "axis": s.axis,
+            "signal": s.signal,
+            "range": list(s.range),
+            "unit": s.unit,
+            "share": s.share,
+            "quantity": s.quantity,
+        }
+        for s in shares
+    ]
+
+
+def _clean(value: Any) -> Any:
+    """The same in plain Python types, NaN and infinities as None."""
+    if isinstance(value, Mapping):
+        return {str(k): _clean(v) for k, v in value.items()}
+    if isinstance(value, Estimate):
+        return _clean({"value": value.value, "std": value.std, "unit": value.unit})
+    if isinstance(value, np.ndarray):
+        return _clean(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [_clean(v) for v in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    return value

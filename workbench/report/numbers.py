@@ -1,0 +1,119 @@
+"""Numbers as a person reads them: the digits that mean something, a unit of handy size, a 95 % interval."""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from collections.abc import Iterable
+
+from workbench.core import Estimate
+
+#: Half a 95 % interval, in standard deviations.
+Z95 = 1.959964
+
+_MISSING = "–"
+
+
+def plain(text: object) -> str:
+    """A stranger's string as one printable line: control and direction characters become a box."""
+    return "".join("\ufffd" if unicodedata.category(c) in ("Cc", "Cf", "Cs") else c for c in str(text))
+
+
+def unit_text(unit: str) -> str:
+    """``"N*m/(rad/s)"`` as it is printed: ``"N m/(rad/s)"``; dimensionless is empty."""
+    text = plain(unit).replace("**2", "²").replace("**3", "³").replace("^2", "²").replace("^3", "³")
+    text = text.replace("*", " ").replace("·", " ")
+    return "" if text.strip() in ("1", "-", "dimensionless") else text.strip()
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """`value` to `digits` significant digits, with a true minus sign; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return _MISSING
+    if value == 0:
+        return "0"
+    size = math.floor(math.log10(abs(value)))
+    if not -5 < size < 6:
+        return _scientific(f"{value:.{digits - 1}e}")
+    return f"{value:.{max(0, digits - 1 - size)}f}".replace("-", "−")
+
+
+def short(value: float, digits: int = 3) -> str:
+    """`value` without trailing zeros, for the ends of ranges and ticks: ``"−0.5"``, ``"2"``."""
+    text = number(value, digits)
+    return text.rstrip("0").rstrip(".") if "." in text and "×" not in text else text
+
+
+def unbroken(text: str) -> str:
+    """`text` with spaces inside quantities that a line does not break at."""
+    for old, new in ((" ± ", "\u00a0±\u00a0"), (" %", "\u00a0%"), (" N m", "\u00a0N\u00a0m")):
+        text = text.replace(old, new)
+    return re.sub(r"(?<=\d) (?=[µm]?(?:rad|m|N|s|Hz)\b)", "\u00a0", text)
+
+
+def percent(share: float | None) -> str:
+    """A share of one in percent; never rounded up to certainty."""
+    if share is None or not math.isfinite(share):
+        return _MISSING
+    if 0 < share < 0.005:
+        return "< 1 %"
+    if 0.99 < share < 1:
+        return "> 99 %"
+    return f"{100 * share:.0f} %"
+
+
+def interval(estimate: Estimate) -> str:
+    """The estimate with half its 95 % interval and unit, e.g. ``"0.254 ± 0.003 N m"``."""
+    value, half, unit = estimate.value, Z95 * estimate.std, unit_text(estimate.unit)
+    tail = f" {unit}" if unit else ""
+    if not (math.isfinite(half) and half > 0 and math.isfinite(value)):
+        return number(value, 4) + tail
+    places = -math.floor(math.log10(half))
+    leading = half * 10.0**places
+    places += leading < 3  # two digits where one would round coarsely
+    size = math.floor(math.log10(max(abs(value), half)))
+    if -5 < size < 6 and places < 9:
+        digits = max(0, places)
+        return f"{value:.{digits}f} ± {half:.{digits}f}".replace("-", "−") + tail
+    digits = max(0, places + size)
+    body = f"{value / 10.0**size:.{digits}f} ± {half / 10.0**size:.{digits}f}".replace("-", "−")
+    return f"({body}) × 10{_superscript(size)}{tail}"
+
+
+def handy(values: Iterable[float], unit: str) -> tuple[float, str]:
+    """A factor and a prefixed unit that put the largest of `values` near one.
+
+    Args:
+        values: magnitudes in `unit`; NaN is passed over.
+        unit: an SI unit, e.g. ``"rad"`` or ``"N m"``.
+
+    Returns:
+        ``(factor, unit)``: number in the new unit = factor * number in `unit`.
+    """
+    top = max((abs(v) for v in values if math.isfinite(v)), default=0.0)
+    if top == 0 or top >= 0.1:
+        return 1.0, unit
+    return (1e3, f"m{unit}") if top >= 1e-4 else (1e6, f"µ{unit}")
+
+
+def quantity(value: float, unit: str, digits: int = 3) -> str:
+    """A number with a unit of handy size, e.g. ``"0.42 mrad"``."""
+    if not math.isfinite(value):
+        return _MISSING
+    factor, scaled = handy([value], unit)
+    return f"{number(factor * value, digits)} {scaled}".strip()
+
+
+def torque_unit(position_unit: str) -> str:
+    """The unit of torque that goes with a unit of position: N m with rad, N with m."""
+    return "N" if position_unit == "m" else "N m"
+
+
+def _scientific(text: str) -> str:
+    mantissa, exponent = text.split("e")
+    return f"{mantissa} × 10{_superscript(int(exponent))}".replace("-", "−")
+
+
+def _superscript(n: int) -> str:
+    return str(n).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))

@@ -1,0 +1,247 @@
+"""What the page says, section by section, as plain text and numbers ready to be laid out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from workbench.core import Comparison, Diagnosis, Estimate, Finding, Improvement, Share, Step
+
+from . import wording as w
+from .json import Truth
+from .ladder import log_axis, rungs
+from .numbers import interval, number, percent, plain, short
+from .scores import scores
+from .truth import truth_rows
+
+Result = Comparison | Diagnosis | Improvement
+_RANKED = 10
+_QUANTITIES = ("speed", "position", "frequency", "time")
+
+
+def sections(
+    result: Result, before: Comparison | None, after: Comparison | None, truth: Truth | None
+) -> dict[str, Any]:
+    """Everything in the page but its plots and how to reproduce it."""
+    diagnosis = result.diagnosis if isinstance(result, Improvement) else result
+    diagnosis = diagnosis if isinstance(diagnosis, Diagnosis) else None
+    kind = "demo" if truth is not None else type(result).__name__.lower()
+    return {
+        "kind": kind,
+        "model": plain(result.model),
+        "tone": _tone(result),
+        "sentence": sentence(result),
+        "lines": _lines(result, before),
+        "key_numbers": _key_numbers(result),
+        "ladder": _ladder(result),
+        "effects": _effects(result),
+        "ranking": _ranking(diagnosis),
+        "next_experiment": plain(diagnosis.next_experiment)
+        if diagnosis and diagnosis.next_experiment
+        else "",
+        "not_excited": [w.capital(w.effect_phrase(k)) for k in diagnosis.not_excited] if diagnosis else [],
+        "where": _where(before.where if before else ()),
+        "where_after": _where(_left(result, after)),
+        "scores": scores(before, after),
+        "inverse": _inverse(before, after),
+        "notes": [plain(n) for n in (before.notes if before else ())],
+        "truth": truth_rows(result, truth)
+        if truth is not None and not isinstance(result, Comparison)
+        else None,
+    }
+
+
+def sentence(result: Result) -> str:
+    """The verdict, in one sentence."""
+    if isinstance(result, Comparison):
+        return w.comparison_sentence(result)
+    if isinstance(result, Diagnosis):
+        return w.diagnosis_sentence(result)
+    return w.improvement_sentence(result)
+
+
+def _tone(result: Result) -> str:
+    if isinstance(result, Comparison):
+        return "consistent" if result.consistent else "missing_effect"
+    return result.verdict
+
+
+def _lines(result: Result, before: Comparison | None) -> list[str]:
+    """The one to three sentences under the verdict."""
+    out = []
+    if isinstance(result, Comparison):
+        if not result.consistent and result.where:
+            out.append(f"Of the error above the noise, {w.share_phrase(result.where[0])}.")
+        if not result.consistent:
+            out.append("Run workbench diagnose on the same files to learn which effect is missing.")
+        return out
+    if isinstance(result, Diagnosis) and result.findings:
+        best = result.findings[0]
+        out += [w.lookalike_sentence(best.indistinguishable_from)] if len(result.findings) == 1 else []
+        out.append(w.holdout_sentence(best.holdout_error_before, result.findings[-1].holdout_error_after))
+    if isinstance(result, Improvement) and result.steps:
+        out.append(w.holdout_sentence(result.holdout_error_before, result.holdout_error_after))
+    if before is not None and before.where and result.verdict == "unexplained":
+        out.append(f"Of the error above the noise, {w.share_phrase(before.where[0])}.")
+    return [line for line in out if line]
+
+
+def _key_numbers(result: Result) -> list[tuple[str, str, str]]:
+    """Label, number and remark of the few numbers that matter."""
+    if isinstance(result, Comparison):
+        spread = result.noise_error_std
+        note = f"± {number(2 * spread, 2)} from run to run" if spread > 0 else "what a perfect model scores"
+        times = w.times_noise(result.error, result.noise_error)
+        return [
+            ("Error", number(result.error), f"{times} the noise floor" if times else ""),
+            ("Noise floor", number(result.noise_error), note),
+            ("Recordings", str(len(result.recordings)), _duration(result)),
+        ]
+    last = rungs(result)[-1]
+    before = rungs(result)[0]
+    times = w.times_noise(last.error, result.noise_error)
+    out = [
+        (
+            "Error before",
+            number(before.error),
+            f"{w.times_noise(before.error, result.noise_error)} the noise floor",
+        ),
+        ("Error after", number(last.error), f"{times} the noise floor" if times else ""),
+        ("Noise floor", number(result.noise_error), "what a perfect model scores"),
+    ]
+    out = out if len(rungs(result)) > 1 else [("Error", *out[0][1:]), out[2]]
+    if isinstance(result, Diagnosis):
+        out.append(("Unexplained", percent(result.unexplained_fraction), "of the error above the noise"))
+    elif result.holdout_error_after is not None:
+        out.append(
+            (
+                "Held-out error",
+                number(result.holdout_error_after),
+                f"before {number(result.holdout_error_before)}",
+            )
+        )
+    return out
+
+
+def _duration(result: Comparison) -> str:
+    total = sum(r.recording.duration for r in result.recordings)
+    return f"{number(total)} s of data"
+
+
+def _ladder(result: Result) -> dict[str, Any] | None:
+    """Rows with their places along a log axis, in percent from the left."""
+    steps = rungs(result)
+    if len(steps) < 2:
+        return None
+    scale = log_axis([result.noise_error, *(r.error for r in steps), *(r.holdout for r in steps)])
+
+    def at(value: float | None) -> str | None:
+        share = scale.place(value)
+        return None if share is None else f"{100 * share:.2f}"
+
+    rows, previous = [], None
+    for r in steps:
+        here = scale.place(r.error)
+        fall = None if previous is None or here is None else (min(previous, here), abs(previous - here))
+        rows.append(
+            {
+                "label": r.label,
+                "error": number(r.error),
+                "at": at(r.error),
+                "fall": fall and tuple(f"{100 * x:.2f}" for x in fall),
+                "times": w.times_noise(r.error, result.noise_error).replace(" times", " ×"),
+                "holdout": number(r.holdout) if r.holdout is not None else "–",
+                "holdout_at": at(r.holdout),
+            }
+        )
+        previous = here if here is not None else previous
+    return {
+        "rows": rows,
+        "ticks": [(at(t), number(t, 1)) for t in scale.ticks],
+        "noise": number(result.noise_error),
+        "noise_at": at(result.noise_error),
+        "holdout": any(r.holdout is not None for r in steps),
+    }
+
+
+def _effects(result: Result) -> list[dict[str, Any]]:
+    if isinstance(result, Comparison):
+        return []
+    found: Iterable[Finding | Step] = result.findings if isinstance(result, Diagnosis) else result.steps
+    out = []
+    for f in found:
+        error = f.error_after if isinstance(f, Finding) else f.error
+        lines = [w.lookalike_sentence(f.indistinguishable_from)]
+        if isinstance(f, Finding) and f.holdout_error_after is not None:
+            lines.append(w.holdout_sentence(f.holdout_error_before, f.holdout_error_after))
+        lines += [w.removed_sentence(f)] if isinstance(f, Step) else []
+        out.append(
+            {
+                "title": w.capital(w.effect_phrase(f.key)),
+                "chance": percent(f.probability) if isinstance(f, Finding) else "",
+                "error": number(error),
+                "parameters": _parameters(f.parameters),
+                "evidence": [plain(e) for e in f.evidence],
+                "lines": [line for line in lines if line],
+            }
+        )
+    return out
+
+
+def _parameters(parameters: Mapping[str, Estimate]) -> list[tuple[str, str]]:
+    return [(w.parameter_name(name), interval(e)) for name, e in parameters.items()]
+
+
+def _ranking(diagnosis: Diagnosis | None) -> list[dict[str, str]]:
+    """The candidates that remove most of the excess, each alone."""
+    if diagnosis is None:
+        return []
+    return [
+        {"label": w.capital(w.effect_phrase(key)), "share": percent(share), "width": _width(share)}
+        for key, share in diagnosis.ranking[:_RANKED]
+    ]
+
+
+def _left(result: Result, after: Comparison | None) -> tuple[Share, ...]:
+    if isinstance(result, Comparison) or result.verdict == "consistent" or after is None:
+        return ()
+    return result.where if isinstance(result, Diagnosis) else after.where
+
+
+def _where(shares: Iterable[Share]) -> list[dict[str, Any]]:
+    """Shares of the excess in groups: by speed, position, frequency and time."""
+    groups: dict[str, list[dict[str, str]]] = {}
+    for s in sorted(shares, key=lambda s: -s.share):
+        low, high = s.range
+        groups.setdefault(s.quantity, []).append(
+            {
+                "axis": plain(s.axis),
+                "signal": plain(s.signal).replace("_measured", ""),
+                "range": f"{short(low)} to {short(high)} {plain(s.unit)}",
+                "share": percent(s.share),
+                "width": _width(s.share),
+            }
+        )
+    order = [q for q in _QUANTITIES if q in groups] + [q for q in groups if q not in _QUANTITIES]
+    return [{"quantity": plain(q), "rows": groups[q][:6]} for q in order]
+
+
+def _inverse(before: Comparison | None, after: Comparison | None) -> str:
+    if before is None or before.inverse_dynamics is None:
+        return ""
+    inverse = before.inverse_dynamics
+    each = ", ".join(
+        f"{plain(a)} {percent(float(e))}"
+        for a, e in zip(before.axes, inverse.axis_relative_error, strict=False)
+    )
+    text = (
+        f"The torque that the model needs for the measured motion differs from the torque measured by "
+        f"{percent(inverse.relative_error)} ({each}; filter: {plain(inverse.filter)})."
+    )
+    if after is not None and after.inverse_dynamics is not None:
+        text += f" With the effects added: {percent(after.inverse_dynamics.relative_error)}."
+    return text
+
+
+def _width(share: float) -> str:
+    return f"{100 * min(1.0, max(0.0, share if share == share else 0.0)):.1f}"

@@ -1,0 +1,195 @@
+"""Results as tables for the terminal: readable at 80 columns, without colour, and in a log file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rich import box
+from rich.console import Console, Group, RenderableType
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvement, Share
+
+from . import wording as w
+from .json import Truth
+from .ladder import rungs
+from .numbers import interval, number, percent, plain, quantity, torque_unit
+from .sections import sentence
+from .truth import truth_rows
+
+_SHARES = 5
+
+
+def compare_table(result: Comparison) -> Group:
+    """Verdict, RMSE beside the noise of each recording and axis, and where the excess sits."""
+    table = _table(
+        "recording",
+        "axis",
+        ("position", "right"),
+        ("noise", "right"),
+        ("torque", "right"),
+        ("noise", "right"),
+        ("error", "right"),
+    )
+    table.columns[0].max_width = 16
+    table.columns[0].overflow = table.columns[1].overflow = "fold"
+    for entry in result.recordings:
+        for k, axis in enumerate(entry.recording.axes):
+            unit = entry.recording.units[k]
+            torque = torque_unit(unit)
+            table.add_row(
+                _text(entry.recording.name) if k == 0 else Text(),
+                _text(axis),
+                quantity(float(entry.position_rmse[k]), unit),
+                quantity(float(entry.position_noise[k]), unit),
+                quantity(float(entry.torque_rmse[k]), torque),
+                quantity(float(entry.torque_noise[k]), torque),
+                number(entry.error) if k == 0 else "",
+            )
+    spread = f" ± {number(2 * result.noise_error_std, 2)}" if result.noise_error_std > 0 else ""
+    times = w.times_noise(result.error, result.noise_error)
+    parts: list[RenderableType] = [
+        _verdict(sentence(result), result.consistent),
+        Text(
+            f"error {number(result.error)}   noise floor {number(result.noise_error)}{spread}"
+            + (f"   {times} the noise" if times else "")
+        ),
+        table,
+    ]
+    if not result.consistent:
+        parts += _shares("Where the error above the noise sits", result.where)
+    if result.inverse_dynamics is not None:
+        inverse = percent(result.inverse_dynamics.relative_error)
+        parts.append(Text(f"Inverse-dynamics torque differs from the measured torque by {inverse}."))
+    parts += [_text(f"Note: {note}") for note in result.notes]
+    return Group(*parts)
+
+
+def diagnosis_table(result: Diagnosis) -> Group:
+    """Verdict, findings with all that supports or weakens them, and what to measure next."""
+    good = result.verdict == "consistent"
+    left = percent(result.unexplained_fraction)
+    parts: list[RenderableType] = [
+        _verdict(sentence(result), good),
+        Text(
+            f"error {number(result.error)}   noise floor {number(result.noise_error)}"
+            + ("" if good else f"   unexplained {left}")
+        ),
+    ]
+    for place, finding in enumerate(result.findings, start=1):
+        parts += [Text(), *_finding(place, finding)]
+    if not good:
+        parts += _shares("Where the unexplained rest sits", result.where)
+    if result.next_experiment:
+        parts += [Text(), Text.assemble(("Measure next: ", "bold"), plain(result.next_experiment))]
+    if result.not_excited:
+        parts += [Text(), Text.assemble(("Not excited: ", "bold"), _listed(result.not_excited, "and"))]
+    return Group(*parts)
+
+
+def improvement_table(result: Improvement) -> Group:
+    """Verdict and the error falling step by step beside the noise floor."""
+    steps = rungs(result)
+    held = any(r.holdout is not None for r in steps)
+    table = _table(
+        "model", ("error", "right"), ("x noise", "right"), *([("held-out", "right")] if held else []), ""
+    )
+    for i, r in enumerate(steps):
+        ratio = r.error / result.noise_error if result.noise_error > 0 else float("nan")
+        row: list[RenderableType] = [_text(r.label), number(r.error), number(ratio)]
+        row += [number(r.holdout)] if held else []
+        table.add_row(*row, _bar(r.error, steps[0].error))
+        parameters = result.steps[i - 1].parameters if i else {}
+        for name, e in parameters.items():
+            table.add_row(_text(f"  {w.parameter_name(name)} {interval(e)}"))
+        twins = result.steps[i - 1].indistinguishable_from if i else ()
+        if twins:
+            table.add_row(Text(f"  or {_listed(twins)}"))
+    table.add_section()
+    table.add_row(
+        "Noise floor",
+        number(result.noise_error),
+        "1",
+        *([""] if held else []),
+        _bar(result.noise_error, steps[0].error),
+    )
+    return Group(
+        _verdict(sentence(result), result.verdict == "consistent"), table, Text("± is half a 95 % interval.")
+    )
+
+
+def truth_table(result: Improvement | Diagnosis, truth: Truth) -> Group:
+    """What the virtual hardware hid beside what was found."""
+    table = _table("hidden effect", "outcome", "parameter", "true", "found (95 %)", "inside")
+    for row in truth_rows(result, truth):
+        if row.effect and table.row_count:
+            table.add_section()
+        table.add_row(
+            *(_text(c) for c in (row.effect, row.outcome, row.parameter, row.true, row.found, row.inside))
+        )
+    return Group(Text("The truth", style="bold"), table)
+
+
+def print_table(renderable: RenderableType, console: Console | None = None) -> None:
+    """Print to standard output; plain text where that is no terminal or NO_COLOR is set."""
+    (console or Console(highlight=False)).print(renderable, soft_wrap=False)
+
+
+def _table(*columns: str | tuple[str, str]) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim", show_edge=False)
+    for c in columns:
+        name, justify = c if isinstance(c, tuple) else (c, "left")
+        table.add_column(name, justify=justify, no_wrap=justify == "right")  # type: ignore[arg-type]
+    return table
+
+
+def _text(text: str) -> Text:
+    """A string as it is: no markup, no control characters of strangers."""
+    return Text(plain(text) if text.strip() == text else text)
+
+
+def _verdict(text: str, good: bool) -> Text:
+    return Text(text, style="bold green" if good else "bold")
+
+
+def _finding(place: int, f: Finding) -> list[RenderableType]:
+    head = f"{place}. {w.capital(w.effect_phrase(f.key))}"
+    rows = Table.grid(padding=(0, 2))
+    rows.add_column(no_wrap=True, style="dim")
+    rows.add_column(overflow="fold")
+    for name, e in f.parameters.items():
+        rows.add_row(Text(w.parameter_name(name)), Text(f"{interval(e)}  (95 %)"))
+    rows.add_row("error with it", number(f.error_after))
+    if f.holdout_error_before is not None and f.holdout_error_after is not None:
+        rows.add_row("held-out error", f"{number(f.holdout_error_before)} -> {number(f.holdout_error_after)}")
+    if f.indistinguishable_from:
+        rows.add_row("looks the same", Text(_listed(f.indistinguishable_from)))
+    for i, line in enumerate(f.evidence):
+        rows.add_row("evidence" if i == 0 else "", _text(line))
+    chance = f"  {percent(f.probability)} probable"
+    return [Text.assemble((head, "bold"), chance), Padding(rows, (0, 0, 0, 3))]
+
+
+def _shares(title: str, shares: Iterable[Share]) -> list[RenderableType]:
+    rows = sorted(shares, key=lambda s: -s.share)[:_SHARES]
+    if not rows:
+        return []
+    table = _table(("share", "right"), "axis", "signal", "where")
+    for s in rows:
+        table.add_row(
+            percent(s.share), _text(s.axis), plain(s.signal).replace("_measured", ""), Text(w.range_phrase(s))
+        )
+    return [Text(), Text(title, style="bold"), table]
+
+
+def _listed(keys: Iterable[EffectKey], word: str = "or") -> str:
+    return w.any_of([w.effect_phrase(k) for k in keys], word)
+
+
+def _bar(error: float, top: float, width: int = 12) -> str:
+    """A bar proportional to the error, in characters every terminal has."""
+    if not (top > 0 and error == error):
+        return ""
+    return "#" * max(1, round(width * min(1.0, error / top)))

@@ -1,0 +1,81 @@
+"""What the virtual hardware hid, beside what was found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from workbench.core import Diagnosis, EffectKey, Estimate, Finding, Improvement, Step
+
+from .json import Truth
+from .numbers import Z95, interval, number, unit_text
+from .wording import capital, effect_phrase, parameter_name
+
+
+@dataclass(frozen=True)
+class TruthRow:
+    """One parameter of one hidden effect: what it was, what was found, and whether the interval holds it."""
+
+    effect: str
+    outcome: str
+    parameter: str
+    true: str
+    found: str
+    inside: str
+
+
+def truth_rows(result: Improvement | Diagnosis, truth: Truth) -> tuple[TruthRow, ...]:
+    """A row a hidden parameter; at least one a hidden effect.
+
+    Args:
+        result: what was found.
+        truth: mappings with ``effect``, ``axis`` and ``parameters``: name to a number, to
+            ``{"value", "unit"}``, or to an `Estimate`.
+    """
+    found = result.steps if isinstance(result, Improvement) else result.findings
+    rows: list[TruthRow] = []
+    for hidden in truth:
+        key = EffectKey(hidden["effect"], hidden.get("axis"), hidden.get("location", "actuator"))
+        outcome, estimates = _match(key, found)
+        title = capital(effect_phrase(key))
+        parameters = dict(hidden.get("parameters") or {})
+        if not parameters:
+            rows.append(TruthRow(title, outcome, "", "", "", ""))
+        for name, value in parameters.items():
+            rows.append(_row(title, outcome, name, value, estimates.get(name)))
+            title = outcome = ""
+    return tuple(rows)
+
+
+def _row(title: str, outcome: str, name: str, value: Any, estimate: Estimate | None) -> TruthRow:
+    true, unit = _value(value)
+    unit = unit or (estimate.unit if estimate else "")
+    true_text = f"{number(true, 4)} {unit_text(unit)}".strip()
+    if estimate is None:
+        return TruthRow(title, outcome, parameter_name(name), true_text, "", "")
+    inside = ""
+    if math.isfinite(estimate.std) and estimate.std > 0:
+        inside = "yes" if abs(estimate.value - true) <= Z95 * estimate.std else "no"
+    return TruthRow(title, outcome, parameter_name(name), true_text, interval(estimate), inside)
+
+
+def _match(key: EffectKey, found: Iterable[Step | Finding]) -> tuple[str, Mapping[str, Estimate]]:
+    same = (key.effect, key.axis)
+    entries = list(found)
+    for entry in entries:
+        if (entry.key.effect, entry.key.axis) == same:
+            return "found", entry.parameters
+    for entry in entries:
+        if same in [(k.effect, k.axis) for k in entry.indistinguishable_from]:
+            return f"named as a look-alike of {effect_phrase(entry.key)}", {}
+    return "not found", {}
+
+
+def _value(value: Any) -> tuple[float, str]:
+    if isinstance(value, Estimate):
+        return value.value, value.unit
+    if isinstance(value, Mapping):
+        return float(value["value"]), str(value.get("unit", ""))
+    return float(value), ""

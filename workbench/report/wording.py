@@ -1,0 +1,155 @@
+"""The sentences of a report: what a result says, for a robotics engineer, in plain words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from workbench.core import Comparison, Diagnosis, EffectKey, Estimate, Finding, Improvement, Share, Step
+
+from .numbers import interval, number, percent, plain, short
+
+_NAMES = {"coulomb": "Coulomb", "stribeck": "Stribeck", "lugre": "LuGre", "dahl": "Dahl", "lpf": "low-pass"}
+_SIGNALS = {"position": "position", "torque": "torque", "torque_measured": "torque"}
+
+
+def capital(text: str) -> str:
+    """First letter upper case, the rest as it is."""
+    return text[:1].upper() + text[1:]
+
+
+def effect_name(effect: str) -> str:
+    """``"coulomb_friction"`` as words: ``"Coulomb friction"``; a common noun stays lower case."""
+    return " ".join(_NAMES.get(word, word) for word in plain(effect).split("_"))
+
+
+def place(key: EffectKey) -> str:
+    """Where an effect acts: ``"on the knee drive"``, ``"at the knee joint"``, ``"on all axes"``."""
+    if key.axis is None:
+        return "on all axes" if key.location == "actuator" else "at all joints"
+    axis = plain(key.axis)
+    return f"on the {axis} drive" if key.location == "actuator" else f"at the {axis} joint"
+
+
+def effect_phrase(key: EffectKey) -> str:
+    """Effect and place, e.g. ``"Coulomb friction on the knee drive"``."""
+    return f"{effect_name(key.effect)} {place(key)}"
+
+
+def any_of(phrases: Sequence[str], word: str = "or") -> str:
+    """``"a, b or c"``."""
+    return phrases[0] if len(phrases) == 1 else f"{', '.join(phrases[:-1])} {word} {phrases[-1]}"
+
+
+def parameter_name(name: str) -> str:
+    """``"viscous_damping"`` as words."""
+    return plain(name).replace("_", " ")
+
+
+def single_value(parameters: Mapping[str, Estimate]) -> str:
+    """``", 0.254 ± 0.003 N m (95 %)"`` where the effect has one parameter, else nothing."""
+    if len(parameters) != 1:
+        return ""
+    estimate = next(iter(parameters.values()))
+    known = math.isfinite(estimate.std) and estimate.std > 0
+    return f", {interval(estimate)}" + (" (95 %)" if known else "")
+
+
+def times_noise(error: float, noise: float) -> str:
+    """How often the noise floor goes into the error: ``"12.9 times"``."""
+    ratio = error / noise if noise > 0 else math.nan
+    if not math.isfinite(ratio):
+        return ""
+    return (
+        f"{ratio:.2f} times" if ratio < 2 else f"{ratio:.1f} times" if ratio < 100 else f"{ratio:.0f} times"
+    )
+
+
+def share_phrase(share: Share) -> str:
+    """One share of the excess: ``"64 % is in the knee torque, at speeds of −1 to 1 rad/s"``."""
+    signal = _SIGNALS.get(share.signal, plain(share.signal))
+    return f"{percent(share.share)} is in the {plain(share.axis)} {signal}, {range_phrase(share)}"
+
+
+def range_phrase(share: Share) -> str:
+    """Where, as an adverbial: ``"at speeds from −1 to 1 rad/s"``."""
+    low, high = share.range
+    unit = plain(share.unit)
+    span = f"{short(low)} to {short(high)} {unit}"
+    if low == -math.inf or high == math.inf:
+        span = f"above {short(low)} {unit}" if high == math.inf else f"below {short(high)} {unit}"
+    words = {"speed": "at speeds of", "position": "at positions of", "frequency": "at", "time": "in the time"}
+    return f"{words.get(share.quantity, plain(share.quantity))} {span}"
+
+
+def comparison_sentence(result: Comparison) -> str:
+    """What a comparison says, in one sentence."""
+    if not math.isfinite(result.error):
+        return "Nothing moves in these recordings, so there is nothing to compare."
+    if result.consistent:
+        return "The model explains the data to the noise."
+    times = times_noise(result.error, result.noise_error)
+    tail = f", {times} the noise floor of {number(result.noise_error)}" if times else ""
+    return f"The model does not explain the data: its error is {number(result.error)}{tail}."
+
+
+def diagnosis_sentence(result: Diagnosis) -> str:
+    """What a diagnosis says, in one sentence."""
+    if result.verdict == "consistent":
+        return "The model explains the data to the noise."
+    if result.verdict == "unexplained" or not result.findings:
+        rest = percent(result.unexplained_fraction)
+        return f"Something is missing that no known effect explains: {rest} of the excess error stays."
+    if len(result.findings) == 1:
+        return f"Something is missing: {_named(result.findings[0])}."
+    names = any_of([effect_phrase(f.key) for f in result.findings], "and")
+    return f"{capital(_count(len(result.findings)))} effects are missing: {names}."
+
+
+def improvement_sentence(result: Improvement) -> str:
+    """What an improvement came to, in one sentence."""
+    fall = f"the error falls from {number(result.error_before)} to {number(result.error_after)}"
+    if not result.steps:
+        if result.verdict == "consistent":
+            return "The model explains the data to the noise as it is; nothing was added."
+        return "Nothing was added: no known effect explains what is missing."
+    added = any_of([effect_phrase(s.key) for s in result.steps], "and") if len(result.steps) < 4 else ""
+    added = added or f"{_count(len(result.steps))} effects"
+    if result.verdict == "consistent":
+        return f"With {added}, the model explains the data to the noise: {fall}."
+    times = times_noise(result.error_after, result.noise_error)
+    rest = f", still {times} the noise floor" if times else ""
+    return f"With {added}, {fall}{rest}."
+
+
+def lookalike_sentence(keys: Sequence[EffectKey]) -> str:
+    """What the data cannot tell apart, or nothing."""
+    if not keys:
+        return ""
+    return f"This data cannot tell it from {any_of([effect_phrase(k) for k in keys])}."
+
+
+def holdout_sentence(before: float | None, after: float | None) -> str:
+    """What data not used for the fit says, or that there is none."""
+    if before is None or after is None:
+        return "No held-out recording: nothing checks this on data that was not used for the fit."
+    if not (math.isfinite(before) and math.isfinite(after)):
+        return "The held-out recording could not be scored."
+    verb = "falls" if after < before else "rises"
+    return f"On held-out data the error {verb} from {number(before)} to {number(after)}."
+
+
+def removed_sentence(step: Step) -> str:
+    """What a step made needless, or nothing."""
+    if not step.removed:
+        return ""
+    return f"This made {any_of([effect_phrase(k) for k in step.removed], 'and')} needless."
+
+
+def _named(finding: Finding) -> str:
+    return f"{effect_phrase(finding.key)}{single_value(finding.parameters)}"
+
+
+def _count(n: int) -> str:
+    words = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+    return words[n] if n < len(words) else str(n)
