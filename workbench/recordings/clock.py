@@ -79,7 +79,9 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
     off = float(np.abs(t - start - exact * row).max())
     tolerance = max(_STRAIGHT * exact, _rounding(t))
     if off <= tolerance:
-        exact = _short(exact, tolerance / row[-1])
+        exact = _short(exact, (2 * off + 1e-9 * exact) / row[-1])
+        plain = float(f"{exact:.4g}")  # 0.004, where its single-precision neighbour was summed up
+        exact = plain if abs(plain - exact) < 6e-8 * exact else exact
         return Clock(np.arange(row[-1] + 1) * exact, row * exact, row, kept, 0.0)
     jitter = float(np.sqrt(np.mean((step[step < _MISSING * period] / period - 1) ** 2)))
     count = int(np.floor((t[-1] - t[0]) / period * (1 + 1e-9)))

@@ -56,38 +56,59 @@ def noise_levels(recording: Recording) -> NoiseLevels:
         if np.ptp(q[valid]) > 0:
             resolution[i] = lattice_step(q[valid])
             rounding, white = resolution[i] / np.sqrt(12), white_noise(q, valid)
-            # rounding a slow motion leaves less than white noise of that size, never much more
-            position[i] = rounding if white < 1.3 * rounding else white
+            # rounding leaves at most white noise of that size; a hard-driven axis adds some of its own
+            position[i] = rounding if white < 2 * rounding else white
         if measured_velocity is not None:
-            velocity[i] = white_noise(measured_velocity[:, i], valid)
+            velocity[i] = _velocity_noise(measured_velocity[:, i], valid, command, i, recording.period)
         if measured_torque is not None:
-            asked = None if command is None else command[:, i]
+            asked = None if command is None else command[:, i : i + 1]
             torque[i] = white_noise(measured_torque[:, i], valid, asked, recording.period)
     return NoiseLevels(resolution, position, velocity, torque)
 
 
+def _velocity_noise(
+    v: np.ndarray, valid: np.ndarray, command: np.ndarray | None, axis: int, period: float
+) -> float:
+    plain = white_noise(v, valid)
+    if command is None:
+        return plain
+    # where the log is slow, hard commands move the axis up to half the row rate: take their integral
+    # out. Feedback carries this very noise in the command, so that only a clear gain is believed.
+    every = command if command.shape[1] <= 4 else command[:, axis : axis + 1]
+    driven = white_noise(v, valid, every, period, integrated=True)
+    return driven if driven < 0.7 * plain else plain
+
+
 def white_noise(
-    signal: np.ndarray, valid: np.ndarray, command: np.ndarray | None = None, period: float = 1.0
+    signal: np.ndarray,
+    valid: np.ndarray,
+    command: np.ndarray | None = None,
+    period: float = 1.0,
+    *,
+    integrated: bool = False,
 ) -> float:
     """Standard deviation of the white noise on one signal.
 
     Args:
         signal: shape (N,).
         valid: rows to trust, shape (N,) bool.
-        command: what the signal follows with some delay and lag, shape (N,), or None.
+        command: what the signal follows with some delay and lag, shape (N, m), or None.
         period: row period [s].
+        integrated: the signal follows the command's integral, and never the same row's.
 
     Returns:
         The standard deviation, in the signal's unit; NaN where there are too few rows.
     """
-    if command is None or np.ptp(command) == 0 or np.allclose(command, signal, rtol=1e-9, atol=0):
+    twice = command is not None and np.allclose(command[:, 0], signal, rtol=1e-9, atol=0)
+    if command is None or np.ptp(command) == 0 or twice:
         lags = 0  # nothing to follow, or the same column twice
     else:
         lags = int(np.clip(np.ceil(_REACH_S / period), 4, 80)) + 1
-    width = min(max(_WINDOW, 6 * lags), len(signal) - lags)
-    if width < max(16, 2 * lags):
+    columns = lags * (1 if command is None else command.shape[1])
+    width = min(max(_WINDOW, 6 * columns), len(signal) - lags)
+    if width < max(16, 3 * columns):
         return float("nan")
-    starts = np.arange(lags, len(signal) - width + 1, width)
+    starts = np.arange(lags + integrated, len(signal) - width + 1, width)
     gaps = np.concatenate([[0], np.cumsum(~valid)])
     starts = starts[gaps[starts + width] == gaps[starts - lags]]
     if len(starts) == 0:
@@ -96,7 +117,9 @@ def white_noise(
     rows = starts[:, None] + np.arange(width)
     followed = None
     if command is not None and lags:
-        followed = command[rows[:, :, None] - np.arange(lags)]  # (windows, width, lags)
+        taken = rows[:, :, None] - np.arange(lags) - (1 if integrated else 0)
+        followed = command[taken].reshape(*rows.shape, -1)  # (windows, width, lags * m)
+        followed = np.cumsum(followed, axis=1) if integrated else followed
     return min(_outside(signal[rows], followed, round(width * band)) for band in _BANDS)
 
 
@@ -106,16 +129,18 @@ def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> flo
     basis = _slow_basis(width, slow)
     rest = windows - (windows @ basis) @ basis.T
     freedom = np.full(len(windows), float(width - basis.shape[1]))
+    explained = np.zeros(len(windows))
     if followed is not None:
-        commands = followed - basis @ np.einsum("wk,bwl->bkl", basis, followed)
-        left, size, _ = np.linalg.svd(commands, full_matrices=False)
+        commands = followed - basis @ (basis.T @ followed)
+        across = np.swapaxes(commands, 1, 2)
+        size, turned = np.linalg.eigh(across @ commands)
         # directions that only rounding sets apart explain nothing
-        left = left * (size > 1e-6 * size[:, :1] + 1e-12)[:, None, :]
-        rest = rest - np.einsum("bwl,bl->bw", left, np.einsum("bwl,bw->bl", left, rest))
-        freedom -= (np.abs(left).sum(axis=1) > 0).sum(axis=1)
-    freedom = np.maximum(freedom, 1)
-    variance = (rest**2).sum(axis=1) / freedom
-    return float(np.sqrt(np.median(variance * freedom / chi2.median(freedom))))
+        told = size > 1e-11 * size[:, -1:] + 1e-24
+        along = (np.swapaxes(turned, 1, 2) @ (across @ rest[:, :, None]))[:, :, 0]
+        explained = np.where(told, along**2 / np.where(told, size, 1.0), 0.0).sum(axis=1)
+        freedom -= told.sum(axis=1)
+    left = np.maximum((rest**2).sum(axis=1) - explained, 0.0)
+    return float(np.sqrt(np.median(left / chi2.median(np.maximum(freedom, 1)))))
 
 
 def _slow_basis(width: int, count: int) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.signal import savgol_filter, welch
 
@@ -37,11 +39,13 @@ def _derive(position: np.ndarray, period: float) -> np.ndarray:
 def _bandwidth(position: np.ndarray, period: float) -> float:
     """The highest frequency with motion above the noise floor [Hz]."""
     # the difference whitens a motion that falls steeply with frequency, so that the window does not leak
-    segment = min(len(position), max(64, round(1.0 / period)))
+    segment = min(len(position) - 1, max(64, round(1.0 / period)))
     f, power = welch(np.diff(position), 1 / period, nperseg=segment)
     if not power[1:].any():
         return 0.25 / period
     power, f = power[1:] / np.sin(np.pi * f[1:] * period) ** 2, f[1:]
     floor = np.median(power[-len(power) // 4 :])
-    above = np.flatnonzero(power > 4 * floor)
-    return float(f[min(above[-1] + 1, len(f) - 1)]) if len(above) else float(f[0])
+    # medians over bands: an encoder's rounding of a steady motion makes lines far above its own floor
+    edges = np.unique(np.geomspace(1, len(f), 2 + round(6 * np.log2(len(f)))).astype(int)) - 1
+    bands = [(a, b) for a, b in pairwise(edges) if np.median(power[a:b]) > 4 * floor]
+    return float(f[bands[-1][1]]) if bands else float(f[0])

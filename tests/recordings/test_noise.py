@@ -1,0 +1,117 @@
+"""Sensor noise is found within a few per cent, whatever the motion; truth of the reference leg is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.data_helpers import leg_examples
+from workbench.core import Recording
+from workbench.recordings import load_recording, noise_levels
+from workbench.recordings.lattice import lattice_step
+
+STEP = 2 * np.pi / 16384
+
+
+def test_reference_leg() -> None:
+    found = [noise_levels(load_recording(path)) for path in leg_examples()]
+    for noise in found:
+        np.testing.assert_allclose(noise.position_resolution, STEP, rtol=1e-4)
+        np.testing.assert_allclose(noise.position_std, STEP / np.sqrt(12), rtol=1e-4)
+        np.testing.assert_allclose(noise.velocity_std, 0.015, rtol=0.08)
+        np.testing.assert_allclose(noise.torque_std, 0.02, rtol=0.08)
+    assert np.mean([n.velocity_std for n in found]) == pytest.approx(0.015, rel=0.03)
+    assert np.mean([n.torque_std for n in found]) == pytest.approx(0.02, rel=0.03)
+
+
+def drive(rate: float, hold_s: float = 0.005, seconds: float = 6.0, seed: int = 0) -> Recording:
+    """One inertia with Coulomb friction under random held torques: kinks in velocity, steps in torque."""
+    rng = np.random.default_rng(seed)
+    fine = 5
+    hold = max(1, round(hold_s * rate))
+    rows = int(seconds * rate)
+    command = np.repeat(rng.normal(0, 1.0, rows // hold + 1), hold)[:rows]
+    command += np.sin(2 * np.pi * 3 * np.arange(rows) / rate)
+    held = np.repeat(command[::hold], hold)[:rows]
+    delay = round(0.005 * rate)
+    reached = np.concatenate([np.zeros(delay), held])[:rows]
+    torque = np.empty(rows * fine)
+    state = 0.0
+    pull = 1 - np.exp(-1 / (fine * rate * 0.0008))
+    for k, target in enumerate(np.repeat(reached, fine)):
+        state += pull * (target - state)
+        torque[k] = state
+    v, q, dt = 0.0, 0.0, 1 / (rate * fine)
+    vs, qs = np.empty(rows), np.empty(rows)
+    for k in range(rows * fine):
+        if k % fine == 0:
+            vs[k // fine], qs[k // fine] = v, q
+        free = v + dt * (torque[k] - 0.2 * v - 2.0 * q) / 0.02
+        v = np.sign(free) * max(0.0, abs(free) - dt * 0.3 / 0.02)
+        q += dt * v
+    measured = {
+        "position": np.round(qs / STEP) * STEP,
+        "velocity": vs + rng.normal(0, 0.03, rows),
+        "torque_measured": torque[::fine] + rng.normal(0, 0.05, rows),
+        "torque_command": held,
+    }
+    time = np.arange(rows) / rate
+    return Recording(
+        "drive", ("a",), "actuator", time, {k: x[:, None] for k, x in measured.items()}, ("rad",)
+    )
+
+
+@pytest.mark.parametrize("rate", [200.0, 1000.0, 5000.0])
+def test_friction_steps_and_rates_do_not_count_as_noise(rate: float) -> None:
+    noise = noise_levels(drive(rate, seconds=6.0 if rate < 5000 else 2.0))
+    assert noise.position_std[0] == pytest.approx(STEP / np.sqrt(12), rel=0.01)
+    assert noise.torque_std[0] == pytest.approx(0.05, rel=0.08)
+    assert noise.velocity_std[0] == pytest.approx(0.03, rel=0.1)
+
+
+def test_signals_that_were_not_measured_are_nan() -> None:
+    r = drive(1000.0, seconds=1.0)
+    only = {k: v for k, v in r.signals.items() if k != "torque_measured"}
+    noise = noise_levels(Recording("r", ("a",), "actuator", r.time, only, ("rad",), derived=("velocity",)))
+    assert np.isnan(noise.torque_std[0]) and np.isnan(noise.velocity_std[0])
+    assert np.isfinite(noise.position_std[0])
+
+
+def test_masked_rows_do_not_count() -> None:
+    r = drive(1000.0, seconds=3.0)
+    broken = r.velocity.copy()
+    valid = np.ones(len(r), bool)
+    valid[::700] = False
+    broken[::700] = 1e3
+    masked = Recording(
+        "r", ("a",), "actuator", r.time, {**r.signals, "velocity": broken}, ("rad",), valid=valid
+    )
+    assert noise_levels(masked).velocity_std[0] == pytest.approx(0.03, rel=0.1)
+
+
+def test_an_axis_that_never_moves_is_unknown() -> None:
+    r = drive(1000.0, seconds=1.0)
+    still = r.with_signals(position=np.full((len(r), 1), 0.3))
+    assert np.isnan(noise_levels(still).position_resolution[0])
+
+
+def test_analogue_position_noise() -> None:
+    t = np.arange(4000) / 1000
+    q = np.sin(2 * np.pi * t) + np.random.default_rng(0).normal(0, 1e-3, 4000)
+    r = Recording("r", ("a",), "actuator", t, {"position": q[:, None]}, ("rad",))
+    noise = noise_levels(r)
+    assert noise.position_resolution[0] == 0.0
+    assert noise.position_std[0] == pytest.approx(1e-3, rel=0.05)
+
+
+@settings(max_examples=40)
+@given(step=st.floats(1e-6, 1e-2), start=st.floats(-10, 10), seed=st.integers(0, 99))
+def test_any_encoder_step_is_found(step: float, start: float, seed: int) -> None:
+    counts = np.cumsum(np.random.default_rng(seed).integers(-3, 4, 2000))
+    assert lattice_step(start + counts * step) == pytest.approx(step, rel=1e-3)
+
+
+def test_no_lattice_in_real_numbers() -> None:
+    assert lattice_step(np.random.default_rng(0).normal(size=3000)) == 0.0
