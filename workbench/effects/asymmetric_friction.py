@@ -24,7 +24,9 @@ class AsymmetricFriction(Effect):
         Parameter("torque_negative", "N*m"),
     )
     door = Door.FRICTION
+    dry = True
     tier = 1
+    contains = ("viscous_damping", "coulomb_friction")
     locations = ("actuator", "joint")
     source = "Janot, Gautier, Brunot, Workshop on Nonlinear System Identification Benchmarks, 2019"
     shows = "torque residual against speed has another slope or step for each direction"

@@ -83,6 +83,9 @@ class Effect:
         parameters: its parameters in the order of the catalogue.
         door: where it enters.
         tier: 0 for the basic physical groups, 1 for refinements that are tried after them.
+        contains: simpler effects in the same place that it has as special cases.
+        nonlinear: parameters that do not enter the torque linearly.
+        dry: whether it sticks, so that the model's sliding speed matters.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
         locations: where on an axis it can sit.
         source: where the equation comes from.
@@ -94,6 +97,9 @@ class Effect:
     parameters: ClassVar[tuple[Parameter, ...]] = ()
     door: ClassVar[Door]
     tier: ClassVar[int] = 0
+    contains: ClassVar[tuple[str, ...]] = ()
+    nonlinear: ClassVar[tuple[str, ...]] = ()
+    dry: ClassVar[bool] = False
     axes: ClassVar[Literal["each", "all"]] = "each"
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     source: ClassVar[str]
@@ -121,8 +127,6 @@ class Effect:
         del model, place
         linear = [p for p in self.parameters if p.name not in self.nonlinear]
         return np.array([p.lower for p in linear]), np.array([p.upper for p in linear])
-
-    nonlinear: ClassVar[tuple[str, ...]] = ()
 
     def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
         """Parameters from linear coefficients (k,) and the nonlinear values."""

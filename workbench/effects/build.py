@@ -9,10 +9,11 @@ import mujoco
 import numpy as np
 
 from workbench.core import SimulationError
-from workbench.models import Model, Placement, base_spec
+from workbench.models import Model, Placement, base_spec, joint_kinds
 
 from .catalogue import effect_named
 from .chain import Build, TorqueChain
+from .friction_constraint import set_friction_constraints
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,9 @@ def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = (
     """
     made = build(model, timestep, held)
     try:
-        return Plant(model, made.spec.compile(), made.chain)
+        compiled = made.spec.compile()
     except ValueError as error:
         effects = ", ".join(str(e.key) for e in model.effects) or "no effects"
         raise SimulationError(f"model '{model.name}' with {effects} cannot be compiled: {error}") from error
+    set_friction_constraints(compiled, made.chain, model, joint_kinds(model))
+    return Plant(model, compiled, made.chain)

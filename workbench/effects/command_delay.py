@@ -37,7 +37,7 @@ class CommandDelay(Effect):
         late_at, late_mean = held(motion.command, motion.step, motion.delay + shape["time"])
         at, mean = held(motion.command, motion.step, motion.delay)
         rows, n = motion.position.shape
-        return Response(np.zeros((0, rows, n)), offset=late_mean - mean, tap=late_at - at)
+        return Response(np.zeros((0, rows, n)), offset=(late_mean - mean) * motion.gain, tap=late_at - at)
 
     def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
         """Delay of the chain."""

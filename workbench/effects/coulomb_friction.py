@@ -17,6 +17,7 @@ class CoulombFriction(Effect):
     name = "coulomb_friction"
     parameters = (Parameter("torque", "N*m"),)
     door = Door.FRICTION
+    dry = True
     locations = ("actuator", "joint")
     source = "Coulomb 1785; Armstrong-Helouvry et al., Automatica 30(7), 1994"
     shows = "torque residual steps at each reversal, odd in speed, independent of its size"

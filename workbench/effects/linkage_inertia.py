@@ -27,6 +27,7 @@ class LinkageInertia(Effect):
     )
     door = Door.MECHANISM
     tier = 1
+    contains = ("reflected_inertia",)
     axes = "all"
     source = "paper, Eqs. 16 to 20"
     shows = "inertia of both drives and a coupling that varies with the cosine of the knee angle"

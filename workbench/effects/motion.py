@@ -19,6 +19,7 @@ class Motion:
         torque: motor torque at the tap of ``torque_measured``, the mean over the row's step, (N, n).
         command: ``torque_command`` as it stands at each row, (N, n); the chain's delay not applied.
         delay: the chain's delay [s].
+        gain: the chain's gain behind the tap, (n,).
         transmission: J with q_p = J q_s, (n, n).
         kinematics: site name -> Jacobian of the site's world position with respect to q_p, (N, 3, n).
         gravity: (3,) [m/s^2].
@@ -32,6 +33,7 @@ class Motion:
     torque: np.ndarray
     command: np.ndarray
     delay: float
+    gain: np.ndarray
     transmission: np.ndarray
     kinematics: Callable[[str], np.ndarray]
     gravity: np.ndarray

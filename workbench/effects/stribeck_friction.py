@@ -24,7 +24,9 @@ class StribeckFriction(Effect):
     )
     nonlinear = ("speed",)
     door = Door.FRICTION
+    dry = True
     tier = 1
+    contains = ("coulomb_friction",)
     locations = ("actuator", "joint")
     source = "Stribeck 1902; Armstrong-Helouvry et al., Automatica 30(7), 1994, Eq. 6"
     shows = "torque residual odd in speed, with a peak at low speed that falls to a plateau"

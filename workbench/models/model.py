@@ -79,6 +79,8 @@ class Model:
         effects: everything added to the serial tree, in order of addition.
         controller: the loop it usually runs in.
         payload_site: MJCF site that carries a payload.
+        sliding_speed: speed at which dry friction has its full value [rad/s; a tenth of it in m/s];
+            below, an axis creeps. Bearings and gears do so, and no log tells 0 from a very small one.
         source: file it was read from.
     """
 
@@ -94,6 +96,7 @@ class Model:
     effects: tuple[AppliedEffect, ...] = ()
     controller: Controller = field(default_factory=Controller)
     payload_site: str | None = None
+    sliding_speed: float = 0.0005
     source: Path | None = None
 
     @property

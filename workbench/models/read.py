@@ -145,6 +145,7 @@ def _from_table(table: ModelTable, file: Path) -> Model:
         ),
         controller=_controller(table, n, file),
         payload_site=table.payload.site if table.payload else None,
+        sliding_speed=table.friction.sliding_speed,
         source=file,
     )
 
@@ -222,6 +223,7 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
         table["linkage"] = dict(vars(model.linkage))
     if model.payload_site:
         table["payload"] = {"site": model.payload_site}
+    table["friction"] = {"sliding_speed": model.sliding_speed}
     table["effects"] = [_effect_table(e) for e in model.effects[skip:]]
     if not table["effects"]:
         del table["effects"]

@@ -67,6 +67,12 @@ class ParameterTable(_Table):
     unit: str = ""
 
 
+class FrictionTable(_Table):
+    """``[friction]``: how dry friction sets in."""
+
+    sliding_speed: PositiveFloat = 0.0005
+
+
 class EffectTable(_Table):
     """``[[effects]]``: one effect that was added."""
 
@@ -90,6 +96,7 @@ class ModelTable(_Table):
     controller: ControllerTable | None = None
     linkage: LinkageTable | None = None
     payload: PayloadTable | None = None
+    friction: FrictionTable = FrictionTable()
     effects: list[EffectTable] = Field(default_factory=list)
 
 

@@ -13,12 +13,6 @@ from workbench.core import EffectKey
 from .model import Model
 from .read import load_mjcf
 
-# Dry friction in MuJoCo is a soft constraint. This makes it creep less than the encoders resolve: a
-# time constant of two steps of 1 ms, and 99.9 % of the force that would hold the axis still.
-_FRICTION_SOLREF = (0.002, 1.0)
-_FRICTION_SOLIMP = (0.999, 0.999, 0.001, 0.5, 2.0)
-
-
 @dataclass(frozen=True)
 class Placement:
     """Where an effect sits: a row of coefficients over the serial joints, and its actuator coordinates.
@@ -78,14 +72,12 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
         joint = spec.joint(name)
         joint.armature = joint.armature + model.actuators.inertia[i]
         joint.damping[0] += model.actuators.damping[i]
-        joint.solref_friction, joint.solimp_friction = _FRICTION_SOLREF, _FRICTION_SOLIMP
     for location, matrix in (("actuator", model.transmission), ("joint", np.eye(model.size))):
         for index, row in enumerate(matrix):
             tendon = spec.add_tendon(name=axis_tendon(index, location))
             for name, coefficient in zip(model.joints, row, strict=True):
                 if coefficient and name not in held:
                     tendon.wrap_joint(name, float(coefficient))
-            tendon.solref_friction, tendon.solimp_friction = _FRICTION_SOLREF, _FRICTION_SOLIMP
     return spec
 
 

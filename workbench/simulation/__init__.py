@@ -2,6 +2,22 @@
 
 from .control import SensorNoise
 from .experiment import Experiment, check_axes, prepare
+from .linear import Loop, linearise, propagate
 from .run import Run, simulate
+from .trajectory import Track, joint_columns, motion_of, smooth_track
 
-__all__ = ["Experiment", "Run", "SensorNoise", "check_axes", "prepare", "simulate"]
+__all__ = [
+    "Experiment",
+    "Loop",
+    "Run",
+    "SensorNoise",
+    "Track",
+    "check_axes",
+    "joint_columns",
+    "linearise",
+    "motion_of",
+    "prepare",
+    "propagate",
+    "simulate",
+    "smooth_track",
+]

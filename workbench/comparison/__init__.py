@@ -1,0 +1,23 @@
+"""How far a model is from measurements, and where."""
+
+from .compare import Simulated, check_recordings, compare, evaluate, simulate_with_noise
+from .inverse import needs_inverse
+from .noise import DRAWS, NoiseModel, noise_seeds
+from .score import SCORED, Scale, normalised, scored_signals, scored_torque
+
+__all__ = [
+    "DRAWS",
+    "SCORED",
+    "NoiseModel",
+    "Scale",
+    "Simulated",
+    "check_recordings",
+    "compare",
+    "evaluate",
+    "needs_inverse",
+    "noise_seeds",
+    "normalised",
+    "scored_signals",
+    "scored_torque",
+    "simulate_with_noise",
+]

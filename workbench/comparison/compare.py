@@ -1,0 +1,157 @@
+"""Run a model the way recordings were made, and say how far it is from them and from the noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import Comparison, InputError, Recording, RecordingError
+from workbench.effects import axis_units
+from workbench.models import Model
+from workbench.simulation import Run, check_axes, simulate
+
+from .inverse import inverse_dynamics, needs_inverse, simulate_inverse
+from .noise import DRAWS, NoiseModel, noise_seeds
+from .score import Scale, normalised, pooled, scored_torque, squares
+from .where import locate
+
+# A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
+# signal's floor from a few draws to about 3 %.
+_MARGIN_TOTAL = 1.06
+_MARGIN_SIGNAL = 1.15
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """A model's runs of recordings, without noise and with it.
+
+    `clean`: one a recording. `noisy`: one list a draw. `noise`: the sensors.
+    """
+
+    recordings: tuple[Recording, ...]
+    clean: tuple[Recording, ...]
+    noisy: tuple[tuple[Recording, ...], ...]
+    noise: NoiseModel
+
+
+def simulate_with_noise(
+    model: Model, recordings: Sequence[Recording], *, draws: int = DRAWS, seed: int = 0, strict: bool = True
+) -> Simulated:
+    """Run every recording once without noise and `draws` times with it, in one batch."""
+    noise = NoiseModel.of(recordings)
+    runs = [Run(model, r) for r in recordings]
+    for seeds in noise_seeds(len(recordings), draws, seed):
+        runs += [Run(model, r, noise.draw(s)) for r, s in zip(recordings, seeds, strict=True)]
+    results = simulate(runs, strict=strict)
+    count = len(recordings)
+    noisy = tuple(tuple(results[count * (d + 1) : count * (d + 2)]) for d in range(draws))
+    return Simulated(tuple(recordings), tuple(results[:count]), noisy, noise)
+
+
+def check_recordings(model: Model, recordings: Sequence[Recording]) -> None:
+    """Refuse recordings that cannot be compared with this model.
+
+    Raises:
+        InputError: none given, other axes, or names that stand twice.
+    """
+    if not recordings:
+        raise InputError("no recordings given", remedy="name at least one recording's TOML file")
+    for r in recordings:
+        check_axes(r, model)
+
+
+def compare(
+    model: Model, recordings: Sequence[Recording], *, draws: int = DRAWS, seed: int = 0
+) -> Comparison:
+    """Hold a model against recordings.
+
+    Args:
+        model: what we believe.
+        recordings: what was measured; loops of kind ``unknown`` are compared by inverse dynamics.
+        draws: noise simulations behind the floor.
+        seed: of those.
+
+    Raises:
+        InputError: recordings that do not fit the model.
+        SimulationError: the model is unstable in the recording's loop.
+    """
+    check_recordings(model, recordings)
+    if any(needs_inverse(model, r) for r in recordings):
+        runs = simulate_inverse(model, recordings, draws=draws, seed=seed)
+        simulated = Simulated(tuple(recordings), runs.clean, runs.noisy, runs.noise)
+    else:
+        simulated = simulate_with_noise(model, recordings, draws=draws, seed=seed)
+    return evaluate(model, simulated)
+
+
+def evaluate(model: Model, simulated: Simulated) -> Comparison:
+    """Score runs that were made already."""
+    recordings = simulated.recordings
+    scale = Scale.of(recordings)
+    counts = [int(np.sum(r.valid)) for r in recordings]
+    error_sums = [squares(r, s) for r, s in zip(recordings, simulated.clean, strict=True)]
+    noise_sums = [
+        [squares(n, c) * np.isfinite(e) for n, c, e in zip(draw, simulated.clean, error_sums, strict=True)]
+        for draw in simulated.noisy
+    ]
+    entries = []
+    for i, r in enumerate(recordings):
+        error_ms = error_sums[i] / counts[i]
+        noise_ms = np.mean([draw[i] for draw in noise_sums], axis=0) / counts[i]
+        noise_ms = np.where(np.isfinite(error_ms), noise_ms, np.nan)
+        entries.append(
+            RecordingError(
+                recording=r,
+                simulated=simulated.clean[i],
+                position_rmse=np.sqrt(error_ms[0]),
+                torque_rmse=np.sqrt(error_ms[1]),
+                position_noise=np.sqrt(noise_ms[0]),
+                torque_noise=np.sqrt(noise_ms[1]),
+                error=normalised(error_ms, scale),
+                noise_error=normalised(noise_ms, scale),
+            )
+        )
+    error_ms = pooled(error_sums, counts)
+    draws_ms = np.stack([pooled(draw, counts) for draw in noise_sums])
+    floors = np.array([normalised(ms, scale) for ms in draws_ms])
+    error, floor, spread = normalised(error_ms, scale), float(floors.mean()), float(floors.std(ddof=1))
+    return Comparison(
+        model=model.name,
+        axes=model.axes,
+        recordings=tuple(entries),
+        error=error,
+        noise_error=floor,
+        noise_error_std=spread,
+        consistent=consistent(error_ms, draws_ms, error, floors),
+        where=locate(entries, axis_units(model)),
+        inverse_dynamics=inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels),
+        notes=_notes(recordings),
+    )
+
+
+def consistent(error_ms: np.ndarray, draws_ms: np.ndarray, error: float, floors: np.ndarray) -> bool:
+    """Whether the score, and every signal by itself, is no larger than noise makes it.
+
+    Args:
+        error_ms: mean squares (2, n) of measured minus simulated, pooled.
+        draws_ms: the same of each noise draw, (draws, 2, n).
+        error, floors: the scores.
+    """
+    spread = 3.0 * floors.std(ddof=1)
+    if not np.isfinite(error) or error > _MARGIN_TOTAL * floors.mean() + spread:
+        return False
+    ratio = np.sqrt(error_ms / np.where(draws_ms.mean(axis=0) > 0, draws_ms.mean(axis=0), np.nan))
+    return bool(np.all(~(ratio > _MARGIN_SIGNAL)))
+
+
+def _notes(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    notes = []
+    for r in recordings:
+        notes += [f"{r.name}: {note}" for note in r.notes]
+        if scored_torque(r) == "torque_command":
+            notes.append(f"{r.name}: torque was not measured; the command is compared instead")
+        elif scored_torque(r) is None:
+            notes.append(f"{r.name}: no torque was recorded; position alone is compared")
+    return tuple(notes)

@@ -1,0 +1,170 @@
+"""The torque a motion needs by the model, against the torque that was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from workbench.core import InputError, InverseDynamics, Recording
+from workbench.effects import Plant, compile_plant
+from workbench.models import Model
+from workbench.recordings import NoiseLevels
+from workbench.simulation import Track, joint_columns, motion_of, smooth_track
+
+from .noise import DRAWS, NoiseModel, noise_seeds
+from .score import scored_torque
+
+_ORDER = 4
+
+
+def cutoff_hz(recording: Recording) -> float:
+    """Band in which torques are compared: 50 Hz, at most a fifth of the row rate."""
+    return min(50.0, 0.2 / recording.period)
+
+
+def needs_inverse(model: Model, recording: Recording) -> bool:
+    """Whether a recording's loop is unknown, so that only inverse dynamics can be compared."""
+    known = recording.controller.kind != "unknown"
+    return not known and (model.controller.kind == "unknown" or recording.get("position_reference") is None)
+
+
+def required_torque(plant: Plant, track: Track) -> np.ndarray:
+    """Motor torque (N, n) at the tap that a track needs, actuator coordinates, by MuJoCo's inverse dynamics.
+
+    Dry friction acts against the motion with its full bound; the chain's gain and bias are undone.
+    """
+    model, m = plant.model, plant.mujoco
+    data = mujoco.MjData(m)
+    back = np.linalg.inv(model.transmission)
+    q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
+    qpos, dofs = joint_columns(m, model.joints)
+    smooth = copy_without_friction(m)
+    joint = np.empty_like(q)
+    for k in range(len(q)):
+        data.qpos[qpos], data.qvel[dofs], data.qacc[dofs] = q[k], w[k], a[k]
+        mujoco.mj_inverse(smooth, data)
+        joint[k] = data.qfrc_inverse[dofs]
+    torque = joint @ back + dry_friction(plant, track)
+    return (torque - plant.chain.bias) / plant.chain.gain
+
+
+def copy_without_friction(m: mujoco.MjModel) -> mujoco.MjModel:
+    """The same model with dry friction switched off."""
+    import copy
+
+    out = copy.copy(m)
+    out.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
+    return out
+
+
+def dry_friction(plant: Plant, track: Track) -> np.ndarray:
+    """Torque that overcomes the model's dry friction along a track, (N, n), actuator coordinates."""
+    model, m = plant.model, plant.mujoco
+    back = np.linalg.inv(model.transmission)
+    total = np.zeros_like(track.velocity)
+    for location, matrix in (("actuator", model.transmission), ("joint", np.eye(model.size))):
+        for index, row in enumerate(matrix):
+            name = f"{location}:{index}"
+            loss = np.full(len(total), float(m.tendon_frictionloss[m.tendon(name).id]))
+            speed = track.velocity @ (row @ back)
+            for term in plant.chain.friction:
+                if term.tendon == name:
+                    loss = loss + term.law(speed, np.zeros_like(speed), *term.parameters)
+            width = 0.01 * float(np.sqrt(np.mean(speed**2))) + 1e-12
+            total += (loss * np.tanh(speed / width))[:, None] * (back.T @ row)[None, :]
+    return total
+
+
+def inverse_dynamics(
+    model: Model, recordings: Sequence[Recording], prior: Sequence[Recording], levels: NoiseLevels
+) -> InverseDynamics | None:
+    """Relative torque error of the model along the measured motions; None where torque is missing."""
+    used = [(r, p) for r, p in zip(recordings, prior, strict=True) if scored_torque(r) is not None]
+    if not used or not model.size:
+        return None
+    plant = compile_plant(model)
+    top = np.zeros(model.size)
+    bottom = np.zeros(model.size)
+    for recording, simulated in used:
+        measured, needed, valid = torque_pair(plant, recording, simulated, levels)
+        top += np.sum((measured - needed)[valid] ** 2, axis=0)
+        bottom += np.sum(measured[valid] ** 2, axis=0)
+    name = f"zero-phase Butterworth, order {_ORDER}, {cutoff_hz(used[0][0]):g} Hz, on both torques"
+    with np.errstate(invalid="ignore", divide="ignore"):
+        axes = np.sqrt(top / bottom)
+    return InverseDynamics(float(np.sqrt(top.sum() / bottom.sum())), axes, name)
+
+
+def torque_pair(
+    plant: Plant, recording: Recording, simulated: Recording | None, levels: NoiseLevels
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Measured and required torque at the tap, filtered alike, (N, n) each, and the rows that count.
+
+    Torques are in actuator coordinates. The torque of a row is the mean of what acts just before and
+    just after it, since the drive holds it from tick to tick.
+    """
+    model = plant.model
+    n = model.size
+    to_actuator = np.eye(n) if recording.coordinates == "actuator" else model.transmission
+    track = smooth_track(recording, simulated, to_actuator, levels.position_std, levels.velocity_std)
+    name = scored_torque(recording)
+    assert name is not None
+    tap = recording.signals[name] @ np.linalg.inv(to_actuator)
+    if name == "torque_command":
+        tap = motion_of(track, recording, plant, to_actuator).torque
+    tap = 0.5 * (tap + np.vstack([tap[:1], tap[:-1]]))
+    needed = required_torque(plant, track)
+    measured, needed = lowpass(tap, recording), lowpass(needed, recording)
+    edge = min(len(tap) // 10, int(0.1 / recording.period))
+    valid = recording.valid.copy()
+    valid[:edge], valid[len(valid) - edge :] = False, False
+    return measured, needed, valid
+
+
+def lowpass(values: np.ndarray, recording: Recording) -> np.ndarray:
+    """Zero-phase low-pass at `cutoff_hz`."""
+    sos = butter(_ORDER, cutoff_hz(recording), fs=1.0 / recording.period, output="sos")
+    return sosfiltfilt(sos, values, axis=0, padlen=min(len(values) - 1, 3 * 10))
+
+
+@dataclass(frozen=True)
+class InverseRuns:
+    """Inverse dynamics dressed as runs: position as measured, torque as required."""
+
+    clean: tuple[Recording, ...]
+    noisy: tuple[tuple[Recording, ...], ...]
+    noise: NoiseModel
+
+
+def simulate_inverse(
+    model: Model, recordings: Sequence[Recording], *, draws: int = DRAWS, seed: int = 0
+) -> InverseRuns:
+    """Compare by inverse dynamics where the loop is not known: torque required against torque measured.
+
+    Raises:
+        InputError: no torque was recorded either.
+    """
+    noise, plant = NoiseModel.of(recordings), compile_plant(model)
+    clean, noisy = [], [[] for _ in range(draws)]
+    for r, seeds in zip(recordings, zip(*noise_seeds(len(recordings), draws, seed), strict=True), strict=True):
+        name = scored_torque(r)
+        if name is None:
+            raise InputError(
+                "neither the loop nor a torque is known", file=r.source, column="controller",
+                remedy="describe the controller, or name the column of the torque",
+            )  # fmt: skip
+        track = smooth_track(r, None, np.eye(model.size), noise.levels.position_std, noise.levels.velocity_std)
+        needed = required_torque(plant, track)
+        base = replace(r, signals={"position": r.position, "velocity": track.velocity, name: needed, "torque_command": needed})
+        clean.append(base)
+        for d, s in enumerate(seeds):
+            q, w, u = noise.draw(s).logged(track.position, track.velocity, needed)
+            seen = replace(r, signals={**r.signals, "position": q, "velocity": w})
+            again = smooth_track(seen, None, np.eye(model.size), noise.levels.position_std, noise.levels.velocity_std)
+            wobble = required_torque(plant, again) - needed
+            noisy[d].append(base.with_signals(**{"position": base.position, name: u + wobble}))
+    return InverseRuns(tuple(clean), tuple(tuple(d) for d in noisy), noise)

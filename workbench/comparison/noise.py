@@ -1,0 +1,60 @@
+"""The noise floor: what a perfect model would leave, by sending sensor noise round the sampled loop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.recordings import NoiseLevels, noise_levels
+from workbench.simulation import SensorNoise
+
+DRAWS = 4
+
+
+def rig_noise(recordings: Sequence[Recording]) -> NoiseLevels:
+    """Sensor noise of a rig: the median over its recordings, axis by axis, (n,) each."""
+    levels = [noise_levels(r) for r in recordings]
+
+    def middle(name: str) -> np.ndarray:
+        values = np.stack([getattr(level, name) for level in levels])
+        known = np.isfinite(values).any(axis=0)
+        return np.where(known, np.nanmedian(np.where(known, values, 0.0), axis=0), np.nan)
+
+    return NoiseLevels(*(middle(n) for n in ("position_resolution", "position_std", "velocity_std", "torque_std")))
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Sensor noise of a rig, ready to be drawn."""
+
+    levels: NoiseLevels
+
+    @staticmethod
+    def of(recordings: Sequence[Recording]) -> NoiseModel:
+        """From what the recordings say of their own sensors."""
+        return NoiseModel(rig_noise(recordings))
+
+    def draw(self, seed: int) -> SensorNoise:
+        """One draw; rounding by the encoder is done by rounding, all else by white noise."""
+        resolution = np.nan_to_num(self.levels.position_resolution)
+        rounding = resolution / np.sqrt(12.0)
+        white = np.nan_to_num(self.levels.position_std)
+        rest = np.sqrt(np.maximum(white**2 - rounding**2, 0.0))
+        return SensorNoise(
+            resolution=resolution,
+            # what the median of many windows leaves below a tenth of the rounding is not noise
+            position_std=np.where(rest > 0.3 * rounding, rest, 0.0),
+            velocity_std=np.nan_to_num(self.levels.velocity_std),
+            torque_std=np.nan_to_num(self.levels.torque_std),
+            seed=seed,
+        )
+
+
+def noise_seeds(recordings: int, draws: int, seed: int) -> list[list[int]]:
+    """Distinct seeds, one list a draw with one number a recording."""
+    children = np.random.SeedSequence(seed).generate_state(recordings * draws)
+    return [[int(s) for s in children[d * recordings : (d + 1) * recordings]] for d in range(draws)]
+

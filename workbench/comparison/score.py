@@ -1,0 +1,86 @@
+"""The score: normalised root mean square errors, pooled over recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import Recording
+
+#: Signals that are held against the simulation.
+SCORED = ("position", "torque_measured")
+
+
+def scored_torque(recording: Recording) -> str | None:
+    """Which torque is compared: the measured one, else the command, else none."""
+    for name in ("torque_measured", "torque_command"):
+        if recording.get(name) is not None:
+            return name
+    return None
+
+
+def scored_signals(recording: Recording) -> tuple[str, ...]:
+    """Names of the compared signals: position, and a torque where there is one."""
+    torque = scored_torque(recording)
+    return ("position",) if torque is None else ("position", torque)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Standard deviation of each measured signal, pooled over recordings; NaN where it never moves.
+
+    `position`, `torque`: (n,).
+    """
+
+    position: np.ndarray
+    torque: np.ndarray
+
+    @staticmethod
+    def of(recordings: Sequence[Recording]) -> Scale:
+        """Pool the recordings' signals."""
+        return Scale(*(pooled_std(recordings, kind) for kind in ("position", "torque")))
+
+    def stack(self) -> np.ndarray:
+        """Both kinds, (2, n)."""
+        return np.stack([self.position, self.torque])
+
+
+def pooled_std(recordings: Sequence[Recording], kind: str) -> np.ndarray:
+    """Pooled standard deviation (n,) of ``position`` or ``torque``; NaN for a signal that never moves."""
+    n = recordings[0].position.shape[1]
+    parts = []
+    for r in recordings:
+        name = "position" if kind == "position" else scored_torque(r)
+        if name is not None:
+            parts.append(r.signals[name][r.valid])
+    if not parts:
+        return np.full(n, np.nan)
+    values = np.concatenate(parts)
+    std = values.std(axis=0)
+    return np.where(np.ptp(values, axis=0) > 0, std, np.nan)
+
+
+def squares(measured: Recording, simulated: Recording) -> np.ndarray:
+    """Sums of squared differences over valid rows, (2, n): position, torque; NaN where not measured."""
+    out = np.full((2, measured.position.shape[1]), np.nan)
+    for k, name in enumerate(scored_signals(measured)):
+        difference = measured.signals[name] - simulated.signals[name]
+        out[k] = np.sum(difference[measured.valid] ** 2, axis=0)
+    return out
+
+
+def normalised(mean_squares: np.ndarray, scale: Scale) -> float:
+    """Root mean square over axes and kinds of RMSE over the signal's deviation; (2, n) -> number."""
+    ratio = mean_squares / scale.stack() ** 2
+    return float(np.sqrt(np.nanmean(ratio))) if np.isfinite(ratio).any() else float("nan")
+
+
+def pooled(sums: Sequence[np.ndarray], counts: Sequence[int]) -> np.ndarray:
+    """Mean squares pooled by samples, (2, n), from sums per recording and their counts."""
+    stacked = np.stack(sums)
+    weights = np.where(np.isfinite(stacked), np.array(counts)[:, None, None], 0)
+    total = np.nansum(stacked, axis=0)
+    count = weights.sum(axis=0)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)

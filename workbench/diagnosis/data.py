@@ -1,0 +1,141 @@
+"""What a diagnosis looks at: recordings for fitting and for judging, sensor noise, folds, weights."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.comparison import (
+    NoiseModel,
+    Scale,
+    Simulated,
+    normalised,
+    scored_signals,
+    simulate_with_noise,
+)
+from workbench.core import Recording
+from workbench.models import Model
+
+_BLOCKS = 5  # contiguous folds of a lone recording
+# Where a model cannot reach the noise, a signal with little noise would rule alone; this share of its
+# present error counts as noise when signals are weighed against each other.
+_TOLERANCE = 0.03
+
+
+@dataclass(frozen=True)
+class Fold:
+    """A piece of the training data: rows of one recording."""
+
+    recording: int
+    rows: slice
+
+
+@dataclass(frozen=True)
+class Data:
+    """Recordings (training first, then held out), their noise floor, and how residuals are weighed.
+
+    Attributes:
+        recordings: all of them.
+        training: number of those used for fitting.
+        noise: sensor noise.
+        floor: mean squares that a perfect model leaves, per recording, (R, 2, n): position, torque.
+        draws: noisy minus noise-free runs that `floor` is the mean of, per draw and recording,
+            (N, 2, n) each; used for the scatter of estimates.
+        weight: one over the deviation that residuals are divided by, (2, n); 0 for absent signals.
+    """
+
+    recordings: tuple[Recording, ...]
+    training: int
+    noise: NoiseModel
+    floor: np.ndarray
+    draws: tuple[tuple[np.ndarray, ...], ...]
+    weight: np.ndarray
+
+    @property
+    def folds(self) -> tuple[Fold, ...]:
+        """Training recordings, or contiguous blocks where there is only one."""
+        if self.training > 1:
+            return tuple(Fold(i, slice(0, len(self.recordings[i]))) for i in range(self.training))
+        edges = np.linspace(0, len(self.recordings[0]), _BLOCKS + 1).astype(int)
+        return tuple(Fold(0, slice(a, b)) for a, b in zip(edges[:-1], edges[1:], strict=True))
+
+    def residual(self, index: int, simulated: Recording) -> np.ndarray:
+        """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
+        measured = self.recordings[index]
+        out = np.zeros((len(measured), 2, len(measured.axes)))
+        for k, name in enumerate(scored_signals(measured)):
+            out[:, k] = measured.signals[name] - simulated.signals[name]
+        out[~measured.valid] = 0.0
+        return out
+
+    def mean_squares(self, simulated: Sequence[Recording]) -> np.ndarray:
+        """Mean squared residuals per recording, (R, 2, n)."""
+        return np.stack(
+            [
+                np.sum(self.residual(i, s) ** 2, axis=0) / max(int(np.sum(self.recordings[i].valid)), 1)
+                for i, s in enumerate(simulated)
+            ]
+        )
+
+    def pool(self, mean_squares: np.ndarray, held_out: bool = False) -> np.ndarray:
+        """Mean squares of the training (or held-out) recordings pooled by samples, (2, n)."""
+        part = slice(self.training, None) if held_out else slice(0, self.training)
+        counts = np.array([int(np.sum(r.valid)) for r in self.recordings])[part]
+        return np.average(mean_squares[part], axis=0, weights=counts)
+
+    def objective(self, pooled: np.ndarray) -> float:
+        """Weighted mean square of pooled residuals (2, n)."""
+        return float(np.sum(pooled * self.weight**2))
+
+    def score(self, mean_squares: np.ndarray, held_out: bool = False) -> float:
+        """`Comparison.error` of training or held-out recordings."""
+        part = self.recordings[self.training :] if held_out else self.recordings[: self.training]
+        scale = Scale.of(part)
+        return normalised(self.pool(mean_squares, held_out), scale)
+
+    def reweighed(self, mean_squares: np.ndarray, tolerance: float = _TOLERANCE) -> Data:
+        """The same data with weights for an error of this size, `tolerance` of which counts as noise."""
+        floor, error = self.pool(self.floor), self.pool(mean_squares)
+        present = (floor > 0) & np.isfinite(Scale.of(self.recordings[: self.training]).stack())
+        deviation = np.sqrt(floor + tolerance**2 * np.maximum(error - floor, 0.0))
+        weight = np.where(present, 1.0 / np.where(present, deviation, 1.0), 0.0)
+        return replace(self, weight=weight)
+
+
+def gather(
+    model: Model, training: Sequence[Recording], held_out: Sequence[Recording], seed: int
+) -> tuple[Data, Simulated]:
+    """Simulate a model with and without noise on all recordings.
+
+    Returns:
+        The data, weighed for this model's error, and the runs themselves.
+    """
+    recordings = (*training, *held_out)
+    simulated = simulate_with_noise(model, recordings, seed=seed)
+    data = floor_of(recordings, len(training), simulated)
+    return data.reweighed(data.mean_squares(simulated.clean)), simulated
+
+
+def floor_of(recordings: tuple[Recording, ...], training: int, simulated: Simulated) -> Data:
+    """Noise floor from noisy and noise-free runs of one model."""
+    draws = tuple(
+        tuple(_difference(n, c, r) for n, c, r in zip(draw, simulated.clean, recordings, strict=True))
+        for draw in simulated.noisy
+    )
+    floor = np.stack(
+        [
+            np.mean([np.mean(draw[i] ** 2, axis=0) for draw in draws], axis=0)
+            for i in range(len(recordings))
+        ]
+    )
+    n = len(recordings[0].axes)
+    return Data(recordings, training, simulated.noise, floor, draws, np.ones((2, n)))
+
+
+def _difference(noisy: Recording, clean: Recording, measured: Recording) -> np.ndarray:
+    out = np.zeros((len(measured), 2, len(measured.axes)))
+    for k, name in enumerate(scored_signals(measured)):
+        out[:, k] = noisy.signals[name] - clean.signals[name]
+    return out

@@ -1,0 +1,158 @@
+"""The motion that was really made: the simulation corrected by what the sensors say of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from workbench.core import Recording
+from workbench.effects import Motion, Plant, axis_units, held
+
+_SMOOTH = 15  # lines over which the spectrum of the correction is averaged
+
+
+@dataclass(frozen=True)
+class Track:
+    """Position, velocity, acceleration at rows, each (N, n), actuator coordinates."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+def smooth_track(
+    measured: Recording,
+    simulated: Recording | None,
+    to_actuator: np.ndarray,
+    position_std: np.ndarray,
+    velocity_std: np.ndarray,
+) -> Track:
+    """Estimate the motion by adding to a simulation the smoothed difference from the measurement.
+
+    Position and velocity are fused by their noise at each frequency, and a Wiener filter keeps of the
+    difference what stands above the noise. The smaller the difference, the less noise gets in: a right
+    model leaves its own noise-free motion. Without a simulation the measurement itself is smoothed.
+
+    Args:
+        measured, simulated: recordings in the same coordinates; `simulated` None for no prior motion.
+        to_actuator: positions of the recording to actuator coordinates, (n, n).
+        position_std, velocity_std: sensor noise (n,), recording's coordinates; NaN velocity: not measured.
+    """
+    step = measured.period
+    zero = np.zeros_like(measured.position)
+    base_q = zero if simulated is None else np.nan_to_num(simulated.position)
+    base_w = zero if simulated is None else np.nan_to_num(simulated.velocity)
+    velocity = None if "velocity" in measured.derived else measured.get("velocity")
+    dq, dw, da = np.empty_like(zero), np.empty_like(zero), np.empty_like(zero)
+    for i in range(zero.shape[1]):
+        rate = None if velocity is None or not np.isfinite(velocity_std[i]) else velocity[:, i] - base_w[:, i]
+        dq[:, i], dw[:, i], da[:, i] = _fuse(
+            measured.position[:, i] - base_q[:, i], rate, position_std[i], velocity_std[i], step
+        )
+    q, w = base_q + dq, base_w + dw
+    a = np.gradient(base_w, step, axis=0) + da
+    return Track(q @ to_actuator.T, w @ to_actuator.T, a @ to_actuator.T)
+
+
+def _fuse(
+    position: np.ndarray, velocity: np.ndarray | None, position_std: float, velocity_std: float, step: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rows = len(position)
+    pad = min(rows - 1, max(50, rows // 20))
+    # an odd reflection about the mean of the ends keeps slope and value continuous at both edges
+    long = _extend(position, pad)
+    omega = 2.0 * np.pi * np.fft.rfftfreq(len(long), step)
+    noise = np.full(len(omega), max(position_std, 1e-15) ** 2)
+    spectrum = np.fft.rfft(long)
+    if velocity is not None:
+        from_rate = np.fft.rfft(_extend_even(velocity, pad))
+        weight = omega**2 * noise / max(velocity_std, 1e-15) ** 2
+        integral = np.divide(from_rate, 1j * omega, out=np.zeros_like(from_rate), where=omega > 0)
+        spectrum = (spectrum + weight * integral) / (1.0 + weight)
+        noise = noise / (1.0 + weight)
+    power = np.abs(spectrum) ** 2 / len(long)
+    level = np.convolve(np.pad(power, _SMOOTH, mode="edge"), np.ones(2 * _SMOOTH + 1) / (2 * _SMOOTH + 1), "valid")
+    gain = np.clip(1.0 - noise / np.maximum(level, 1e-300), 0.0, 1.0)
+    # a lone bin that noise lifted above its level is not motion
+    gain = np.where(level < 1.5 * noise, 0.0, gain)
+    kept = gain * spectrum
+    return tuple(  # type: ignore[return-value]
+        np.fft.irfft(kept * (1j * omega) ** k, len(long))[pad : pad + rows] for k in range(3)
+    )
+
+
+def _extend(x: np.ndarray, pad: int) -> np.ndarray:
+    return np.concatenate([2 * x[0] - x[pad:0:-1], x, 2 * x[-1] - x[-2 : -pad - 2 : -1]])
+
+
+def _extend_even(x: np.ndarray, pad: int) -> np.ndarray:
+    return np.concatenate([x[pad:0:-1], x, x[-2 : -pad - 2 : -1]])
+
+
+def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.ndarray) -> Motion:
+    """Everything that effects need to know of a motion."""
+    model = plant.model
+    step = recording.period
+    from_log = np.linalg.inv(to_actuator).T
+    command = recording.get("torque_command")
+    measured = recording.get("torque_measured")
+    known = command if command is not None else measured
+    rows = np.zeros_like(track.position) if known is None else known @ from_log.T
+    delay = plant.chain.delay_s if command is not None and recording.timing.delay == "motor" else 0.0
+    limit = plant.chain.limit
+    mean = np.clip(held(rows, step, delay)[1], -limit, limit)
+    return Motion(
+        step=step,
+        position=track.position,
+        velocity=track.velocity,
+        acceleration=track.acceleration,
+        torque=mean,
+        command=rows,
+        delay=delay,
+        gain=plant.chain.gain,
+        transmission=model.transmission,
+        kinematics=lambda site: site_jacobian(plant, track, site),
+        gravity=np.array(plant.mujoco.opt.gravity),
+        axis_units=axis_units(model),
+    )
+
+
+def site_jacobian(plant: Plant, track: Track, site: str, stride: int = 4) -> np.ndarray:
+    """Jacobian of a site's world position with respect to q_p along a track, shape (N, 3, n).
+
+    Evaluated at every `stride`-th row and interpolated: postures change slowly beside the clock.
+    """
+    m, model = plant.mujoco, plant.model
+    data = mujoco.MjData(m)
+    joints = track.position @ np.linalg.inv(model.transmission).T
+    qpos, dofs = joint_columns(m, model.joints)
+    rows = np.unique(np.append(np.arange(0, len(joints), stride), len(joints) - 1))
+    some, full = np.empty((len(rows), 3, model.size)), np.zeros((3, m.nv))
+    ident = m.site(site).id
+    for k, row in enumerate(rows):
+        data.qpos[qpos] = joints[row]
+        mujoco.mj_kinematics(m, data)
+        mujoco.mj_comPos(m, data)
+        mujoco.mj_jacSite(m, data, full, None, ident)
+        some[k] = full[:, dofs]
+    dense = interpolate(rows, some, len(joints))
+    return dense @ np.linalg.inv(model.transmission)
+
+
+def joint_columns(m: mujoco.MjModel, joints: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Addresses of joints in qpos and qvel."""
+    return (
+        np.array([m.joint(name).qposadr[0] for name in joints]),
+        np.array([m.joint(name).dofadr[0] for name in joints]),
+    )
+
+
+def interpolate(rows: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
+    """Linear interpolation of (len(rows), ...) values given at ascending `rows` to all 0..count-1."""
+    at = np.arange(count)
+    left = np.clip(np.searchsorted(rows, at, side="right") - 1, 0, len(rows) - 2)
+    part = (at - rows[left]) / (rows[left + 1] - rows[left])
+    part = part.reshape(-1, *([1] * (values.ndim - 1)))
+    return values[left] * (1.0 - part) + values[left + 1] * part
