@@ -37,14 +37,25 @@ class Simulated:
 
 
 def simulate_with_noise(
-    model: Model, recordings: Sequence[Recording], *, draws: int = DRAWS, seed: int = 0, strict: bool = True
+    model: Model,
+    recordings: Sequence[Recording],
+    *,
+    draws: int = DRAWS,
+    seed: int = 0,
+    noise: NoiseModel | None = None,
 ) -> Simulated:
-    """Run every recording once without noise and `draws` times with it, in one batch."""
-    noise = NoiseModel.of(recordings)
+    """Run every recording once without noise and `draws` times with it, in one batch.
+
+    `noise` are the sensors, where they are known already; else the recordings say.
+
+    Raises:
+        SimulationError: the model is unstable in a recording's loop.
+    """
+    noise = noise or NoiseModel.of(recordings)
     runs = [Run(model, r) for r in recordings]
     for seeds in noise_seeds(len(recordings), draws, seed):
         runs += [Run(model, r, noise.draw(s)) for r, s in zip(recordings, seeds, strict=True)]
-    results = simulate(runs, strict=strict)
+    results = simulate(runs)
     count = len(recordings)
     noisy = tuple(tuple(results[count * (d + 1) : count * (d + 2)]) for d in range(draws))
     return Simulated(tuple(recordings), tuple(results[:count]), noisy, noise)

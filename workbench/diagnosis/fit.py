@@ -57,6 +57,27 @@ class Fit:
     agreeing: np.ndarray
 
 
+def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
+    """Training objective of hypotheses as they are; infinite where they do not run."""
+    results = simulate([Run(h.model, r) for h in hypotheses for r in data.recordings], strict=False)
+    count = len(data.recordings)
+    squares = [data.mean_squares(results[k * count : (k + 1) * count]) for k in range(len(hypotheses))]
+    return np.array([data.objective(data.pool(s)) if np.isfinite(s).all() else np.inf for s in squares])
+
+
+def widened(found: Fit, others: Sequence[Fit]) -> Fit:
+    """Deviations that also cover half the way to the estimates of rival fits of the same effects."""
+    free = []
+    for k, applied in enumerate(found.hypothesis.free):
+        parameters = {}
+        for name, estimate in applied.parameters.items():
+            away = [abs(o.hypothesis.free[k].parameters[name].value - estimate.value) for o in others]
+            spread = float(np.hypot(estimate.std, 0.5 * max(away)))
+            parameters[name] = replace(estimate, std=spread)
+        free.append(AppliedEffect(applied.key, parameters))
+    return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
+
+
 @dataclass
 class _Work:
     """One hypothesis on its way."""
@@ -144,7 +165,7 @@ def _linearise(works: list[_Work], data: Data) -> None:
 
 def _scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.ndarray:
     """Covariance (C, C) of the right side that noise causes in one recording, from its draws."""
-    flat = response.reshape(-1, response.shape[-1])
+    flat = response.reshape(draws[0].size, response.shape[-1])
     hits = np.stack([flat.T @ (d * data.weight).reshape(-1) for d in draws])
     return hits.T @ hits / len(hits)
 

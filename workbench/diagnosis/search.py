@@ -14,7 +14,7 @@ from workbench.effects import effect_named
 from workbench.models import AppliedEffect, Model, structural_effect
 
 from .data import Data, floor_of, gather
-from .fit import Fit, Hypothesis, applied_effect, fit
+from .fit import Fit, Hypothesis, applied_effect, fit, values_of, widened
 from .screen import Candidate, screen
 from .sensitivity import Scene, combine
 
@@ -24,7 +24,7 @@ HELPS = 0.05  # share of the excess that an effect must remove on data it was no
 # error at the start counts as nothing: what a first effect leaves is its own shape as often as a second one.
 _LATER = 0.05
 _LATER_TOLERANCE = 0.02
-_SLIDING = (0.0005, 0.002, 0.005, 0.01, 0.02, 0.05)  # rad/s
+SLIDING = (0.0005, 0.002, 0.005, 0.01, 0.02, 0.05)  # rad/s
 TIE = 0.03  # relative difference of judged error below which two explanations are one
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
@@ -126,7 +126,10 @@ def search(
         candidates, _ = screen(scene, data, current.simulated, current.hypothesis.free)
         screened = screened or tuple(candidates)
         stage = _next(scene, candidates, current, data, progress)
-        if stage is None or (stages and not _helps_later(stage.fit, current, start, data)):
+        if stage is None:
+            break
+        costless = effect_named(stage.added.effect).free(model) == 0
+        if stages and not costless and not _helps_later(stage.fit, current, start, data):
             break
         progress(f"found {stage.added}; simulating the noise")
         fresh = _refloor(stage.fit, data, seed)
@@ -167,7 +170,7 @@ def _floor(data: Data) -> float:
 
 
 def _refloor(found: Fit, data: Data, seed: int) -> Data:
-    simulated = simulate_with_noise(found.hypothesis.model, data.recordings, seed=seed)
+    simulated = simulate_with_noise(found.hypothesis.model, data.recordings, seed=seed, noise=data.noise)
     fresh = floor_of(data.recordings, data.training, simulated)
     return fresh.reweighed(found.mean_squares)
 
@@ -184,35 +187,38 @@ def _explained(data: Data, start: Fit, end: Fit) -> float:
 def _next(
     scene: Scene, candidates: Sequence[Candidate], current: Fit, data: Data, progress: Progress
 ) -> Stage | None:
-    """The effect to add now, or None where nothing helps."""
+    """The effect to add now, or None where nothing helps.
+
+    What the model file itself states (its drives' inertia behind the transmission, a linkage that was
+    identified) has no free parameter and cannot overfit: it comes first. Then basic effects, then
+    refinements, unless simpler ones have reached the noise.
+    """
     floor = _floor(data)
     excess = max(current.judged - floor, 1e-12)
-    promising = [c for c in candidates if c.judged < current.judged - 0.5 * HELPS * excess]
-    if not promising:
-        return None
+    stated = [c for c in candidates if effect_named(c.key.effect).free(scene.model) == 0 and not c.shape]
+    free = [c for c in candidates if c not in stated and c.judged < current.judged - 0.5 * HELPS * excess]
     # a first estimate leaves what the linearisation misses; only clear losers go unsimulated
-    best_left = max(promising[0].judged - floor, 0.0)
-    promising = [c for c in promising if c.judged - floor <= 10.0 * best_left + 0.05 * excess]
-    tiers = [[c for c in promising if effect_named(c.key.effect).tier == t] for t in (0, 1)]
+    best_left = max(min((c.judged for c in free), default=0.0) - floor, 0.0)
+    free = [c for c in free if c.judged - floor <= 10.0 * best_left + 0.05 * excess]
+    tiers = [[c for c in free if effect_named(c.key.effect).tier == t] for t in (0, 1)]
     fits: list[tuple[Candidate, Fit]] = []
-    for tier, most in zip(tiers, (_SIMPLE, _REFINED), strict=True):
+    for tier, most in ((stated, len(stated)), (tiers[0], _SIMPLE), (tiers[1], _REFINED)):
         chosen = tier[:most]
-        if not chosen or any(f.judged < AT_FLOOR * floor for _, f in fits):
+        reached = any(f.judged < AT_FLOOR * floor for _, f in fits)
+        settled = tier is tiers[1] and any(c in stated for c, f in fits if _helps(f, current, excess))
+        if not chosen or reached or settled:
             continue
         progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
-        hypotheses = [_hypothesis(scene, c, current) for c in chosen]
-        results = [settle(f, data, floor) if f else None for f in fit(hypotheses, data)]
-        fits += [(c, f) for c, f in zip(chosen, results, strict=True) if f is not None]
+        results = fit([_hypothesis(scene, c, current) for c in chosen], data)
+        fits += [(c, settle(f, data, floor)) for c, f in zip(chosen, results, strict=True) if f is not None]
     helpful = [(c, f) for c, f in fits if _helps(f, current, excess)]
     if not helpful:
         return None
-    candidate, found, rivals = _choose(helpful, floor, scene.model)
+    candidate, found, rivals = _choose(helpful, stated, floor, scene.model)
     kept, dropped = _prune(found, candidate.key, data, current)
-    agree = int(np.sum(kept.agreeing < current.agreeing)), len(kept.agreeing)
     ranking = sorted(((c.key, (current.judged - f.judged) / excess) for c, f in fits), key=lambda r: -r[1])
-    replaced = tuple(a.key for a in current.hypothesis.free if a.key not in {k.key for k in kept.hypothesis.free})
+    left = {a.key for a in kept.hypothesis.free}
     contained = effect_named(candidate.key.effect).contains
-    also = tuple(k for k in dropped if k.effect not in contained)
     return Stage(
         added=candidate.key,
         fit=kept,
@@ -220,27 +226,33 @@ def _next(
         before=current.judged / floor,
         after=kept.judged / floor,
         removed_share=(current.judged - kept.judged) / excess,
-        rivals=(*rivals, *also),
-        dropped=replaced,
+        rivals=(*rivals, *(k for k in dropped if k.effect not in contained)),
+        dropped=tuple(a.key for a in current.hypothesis.free if a.key not in left),
         ranking=tuple(ranking),
-        folds=agree,
+        folds=(int(np.sum(kept.agreeing < current.agreeing)), len(kept.agreeing)),
     )
 
 
 def settle(found: Fit, data: Data, floor: float) -> Fit:
     """Let the data say how dry friction sets in, where the rest could be due to that.
 
-    The sliding speed is a property of the contact that no catalogue lists; a grid finds it.
+    The sliding speed is a property of the contact that no catalogue lists. A grid finds it; how far the
+    parameters move from one grid point to the next is what its shape leaves open, and widens intervals.
     """
     dry = any(effect_named(a.key.effect).dry for a in found.hypothesis.free)
     if not dry or found.trained < 1.03 * floor or found.trained > 50.0 * floor:
         return found
-    base = found.hypothesis.base
-    trials = [
-        replace(found.hypothesis, base=replace(base, sliding_speed=v)) for v in _SLIDING if v != base.sliding_speed
-    ]
-    options = [f for f in fit(trials, data, iterations=2) if f is not None]
-    return min([found, *options], key=lambda f: f.trained)
+
+    def at(speed: float) -> Hypothesis:
+        return replace(found.hypothesis, base=replace(found.hypothesis.base, sliding_speed=speed))
+
+    best = int(np.argmin(values_of([at(speed) for speed in SLIDING], data)))
+    around = [k for k in (best - 1, best, best + 1) if 0 <= k < len(SLIDING)]
+    fits = [f for f in fit([at(SLIDING[k]) for k in around], data, iterations=3) if f is not None]
+    if not fits:
+        return found
+    chosen = min(fits, key=lambda f: f.trained)
+    return widened(chosen, fits) if chosen.trained < found.trained else found
 
 
 def _helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
@@ -261,7 +273,7 @@ def _helps(found: Fit, current: Fit, excess: float) -> bool:
 
 
 def _choose(
-    helpful: list[tuple[Candidate, Fit]], floor: float, model: Model
+    helpful: list[tuple[Candidate, Fit]], stated: Sequence[Candidate], floor: float, model: Model
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
     """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
 
@@ -269,15 +281,22 @@ def _choose(
         effect = effect_named(c.key.effect)
         return effect.free(model), effect.tier
 
-    best = min(f.judged for _, f in helpful)
+    known = [(c, f) for c, f in helpful if c in stated]
     reached = [(c, f) for c, f in helpful if f.judged < AT_FLOOR * floor]
-    pool = reached or [(c, f) for c, f in helpful if effect_named(c.key.effect).tier == 0] or helpful
+    basic = [(c, f) for c, f in helpful if effect_named(c.key.effect).tier == 0]
+    pool = known or reached or basic or helpful
     best = min(f.judged for _, f in pool)
     ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + TIE)]
     ties.sort(key=lambda cf: (cost(cf[0]), cf[1].judged))
     candidate, found = ties[0]
+    # whatever does as well is a rival, wherever it came from, unless it merely contains the choice
     rivals = tuple(
-        c.key for c, _ in ties[1:] if candidate.key.effect not in effect_named(c.key.effect).contains
+        c.key
+        for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
+        if c is not candidate
+        and f.judged <= found.judged * (1.0 + TIE)
+        and candidate.key.effect not in effect_named(c.key.effect).contains
+        and c not in stated
     )
     return candidate, found, rivals
 

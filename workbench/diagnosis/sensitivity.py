@@ -182,5 +182,5 @@ class Normal:
 
 def normal(response: np.ndarray, residual: np.ndarray) -> Normal:
     """Normal equations from weighted responses (N, 2, n, C) and weighted residuals (N, 2, n)."""
-    x, y = response.reshape(-1, response.shape[-1]), residual.reshape(-1)
+    x, y = response.reshape(residual.size, response.shape[-1]), residual.reshape(-1)
     return Normal(x.T @ x, x.T @ y, float(y @ y), len(residual))

@@ -33,6 +33,6 @@ def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: floa
         low = np.where(scale > 0, lower / np.where(scale > 0, scale, 1.0), -np.inf)
         high = np.where(scale > 0, upper / np.where(scale > 0, scale, 1.0), np.inf)
     if np.any(free < low) or np.any(free > high):
-        span = np.maximum(high - low, 1e-12)
-        free = lsq_linear(root.T, target, bounds=(low, low + span), method="bvls").x
+        high = np.where(high > low, high, low + 1e-12)
+        free = lsq_linear(root.T, target, bounds=(low, high), method="bvls").x
     return free * scale

@@ -127,15 +127,26 @@ def check_axes(recording: Recording, model: Model) -> None:
 def _start(
     recording: Recording, controller: Controller, reference: np.ndarray | None, to_actuator: np.ndarray, j: np.ndarray
 ) -> np.ndarray:
-    """Initial (q_s, rate): at rest at the first reference, or fitted to the first rows."""
+    """Initial (q_s, rate): at rest at the first reference, unless the first rows say otherwise."""
     back = np.linalg.inv(j)
-    if recording.timing.initial_at_rest and reference is not None and controller.kind not in ("none", "unknown"):
-        first = reference[0] if controller.coordinates == "joint" else back @ reference[0]
-        return np.stack([first, np.zeros_like(first)])
-    rows = min(len(recording), max(8, int(0.01 / recording.period)))
-    t = recording.time[:rows]
-    line = np.polynomial.polynomial.polyfit(t, recording.position[:rows], min(2, rows - 1))
-    to_joint = back @ to_actuator
-    rate = np.zeros(j.shape[0]) if recording.timing.initial_at_rest else line[1]
-    return np.stack([to_joint @ line[0], to_joint @ rate])
+    position, rate, doubt = _first_rows(recording)
+    measured = np.stack([back @ to_actuator @ position, back @ to_actuator @ rate])
+    if reference is None or controller.kind in ("none", "unknown") or not recording.timing.initial_at_rest:
+        return measured
+    first = reference[0] if controller.coordinates == "joint" else back @ reference[0]
+    rest = np.linalg.inv(to_actuator) @ j @ first
+    away = np.abs(np.stack([position - rest, rate])) > 6.0 * doubt
+    return measured if away.any() else np.stack([first, np.zeros_like(first)])
 
+
+def _first_rows(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position and rate at the first row by a parabola, and how far off they may be, (2, n)."""
+    rows = int(np.clip(0.02 / recording.period, 8, len(recording) // 2))
+    t = recording.time[:rows]
+    basis = np.stack([np.ones(rows), t, t**2], axis=1)
+    solution, *_ = np.linalg.lstsq(basis, recording.position[:rows], rcond=None)
+    steps = np.abs(np.diff(recording.position, axis=0))
+    smallest = [float(np.min(s[s > 0], initial=1e-9)) for s in steps.T]
+    scatter = np.maximum((recording.position[:rows] - basis @ solution).std(axis=0), smallest)
+    spread = np.sqrt(np.diag(np.linalg.inv(basis.T @ basis)))[:2]
+    return solution[0], solution[1], spread[:, None] * scatter[None, :] + scatter[None, :] * np.array([[1.0], [0.0]])
