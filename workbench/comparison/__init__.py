@@ -3,11 +3,10 @@
 from .compare import Simulated, check_recordings, compare, evaluate, simulate_with_noise
 from .inverse import needs_inverse
 from .noise import DRAWS, NoiseModel, noise_seeds
-from .score import SCORED, Scale, normalised, scored_signals, scored_torque
+from .score import Scale, normalised, scored_signals
 
 __all__ = [
     "DRAWS",
-    "SCORED",
     "NoiseModel",
     "Scale",
     "Simulated",
@@ -18,6 +17,5 @@ __all__ = [
     "noise_seeds",
     "normalised",
     "scored_signals",
-    "scored_torque",
     "simulate_with_noise",
 ]

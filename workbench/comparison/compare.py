@@ -10,11 +10,11 @@ import numpy as np
 from workbench.core import Comparison, InputError, Recording, RecordingError
 from workbench.effects import axis_units
 from workbench.models import Model
-from workbench.simulation import Run, check_axes, simulate
+from workbench.simulation import Run, check_axes, scored_torque, simulate
 
 from .inverse import inverse_dynamics, needs_inverse, simulate_inverse
 from .noise import DRAWS, NoiseModel, noise_seeds
-from .score import Scale, normalised, pooled, scored_torque, squares
+from .score import Scale, normalised, pooled, squares
 from .where import locate
 
 # A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
@@ -162,7 +162,7 @@ def _notes(recordings: Sequence[Recording]) -> tuple[str, ...]:
     for r in recordings:
         notes += [f"{r.name}: {note}" for note in r.notes]
         if scored_torque(r) == "torque_command":
-            notes.append(f"{r.name}: torque was not measured; the command is compared instead")
+            notes.append(f"{r.name}: torque was not measured behind the drive; the command is compared instead")
         elif scored_torque(r) is None:
             notes.append(f"{r.name}: no torque was recorded; position alone is compared")
     return tuple(notes)

@@ -13,10 +13,9 @@ from workbench.core import InputError, InverseDynamics, Recording
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
-from workbench.simulation import Track, joint_columns, motion_of, smooth_track
+from workbench.simulation import Track, joint_columns, motion_of, scored_torque, smooth_track
 
 from .noise import DRAWS, NoiseModel, noise_seeds
-from .score import scored_torque
 
 _ORDER = 4
 

@@ -8,17 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import Recording
-
-#: Signals that are held against the simulation.
-SCORED = ("position", "torque_measured")
-
-
-def scored_torque(recording: Recording) -> str | None:
-    """Which torque is compared: the measured one, else the command, else none."""
-    for name in ("torque_measured", "torque_command"):
-        if recording.get(name) is not None:
-            return name
-    return None
+from workbench.simulation import scored_torque
 
 
 def scored_signals(recording: Recording) -> tuple[str, ...]:

@@ -27,6 +27,7 @@ _LATER_TOLERANCE = 0.02
 SLIDING = (0.0005, 0.002, 0.005, 0.01, 0.02, 0.05)  # rad/s
 TIE = 0.03  # relative difference of judged error below which two explanations are one
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
+_BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
 _SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
 
 Progress = Callable[[str], None]
@@ -211,10 +212,10 @@ def _next(
         progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
         results = fit([_hypothesis(scene, c, current) for c in chosen], data)
         fits += [(c, settle(f, data, floor)) for c, f in zip(chosen, results, strict=True) if f is not None]
-    helpful = [(c, f) for c, f in fits if _helps(f, current, excess)]
+    helpful = [(c, f) for c, f in fits if _helps(f, current, excess) and _lowers_error(f, current, data)]
     if not helpful:
         return None
-    candidate, found, rivals = _choose(helpful, stated, floor, scene.model)
+    candidate, found, rivals = _choose(helpful, stated, current.judged, floor, scene.model)
     kept, dropped = _prune(found, candidate.key, data, current)
     ranking = sorted(((c.key, (current.judged - f.judged) / excess) for c, f in fits), key=lambda r: -r[1])
     left = {a.key for a in kept.hypothesis.free}
@@ -272,8 +273,14 @@ def _helps(found: Fit, current: Fit, excess: float) -> bool:
     return current.judged - found.judged > HELPS * excess and agree > 0.5
 
 
+def _lowers_error(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether the reported error falls, on what was fitted and on what was not."""
+    parts = {False, data.training < len(data.recordings)}
+    return all(data.score(found.mean_squares, p) < data.score(current.mean_squares, p) for p in parts)
+
+
 def _choose(
-    helpful: list[tuple[Candidate, Fit]], stated: Sequence[Candidate], floor: float, model: Model
+    helpful: list[tuple[Candidate, Fit]], stated: Sequence[Candidate], before: float, floor: float, model: Model
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
     """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
 
@@ -283,7 +290,8 @@ def _choose(
 
     known = [(c, f) for c, f in helpful if c in stated]
     reached = [(c, f) for c, f in helpful if f.judged < AT_FLOOR * floor]
-    basic = [(c, f) for c, f in helpful if effect_named(c.key.effect).tier == 0]
+    most = min(f.judged for _, f in helpful)
+    basic = [(c, f) for c, f in helpful if effect_named(c.key.effect).basic and before - f.judged > _BASIC * (before - most)]
     pool = known or reached or basic or helpful
     best = min(f.judged for _, f in pool)
     ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + TIE)]

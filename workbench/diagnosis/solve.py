@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear
 
 from .sensitivity import Normal
+
+_RIDGE = 1e-7  # of each unknown's own information
 
 
 def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: float = 0.0) -> np.ndarray:
@@ -23,12 +26,11 @@ def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: floa
     scale = np.where(diagonal > 0, 1.0 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 0.0)
     gram = equations.gram * scale[:, None] * scale[None, :]
     right = equations.right * scale
-    # unknowns that the data do not see, and combinations of them, stay where they are
-    values, vectors = np.linalg.eigh(gram + damping * np.diag(np.diag(gram)))
-    keep = values > 1e-9 * max(values[-1], 1e-300)
-    root = vectors[:, keep] * np.sqrt(values[keep])
-    target = (vectors[:, keep].T @ right) / np.sqrt(values[keep])
-    free = np.linalg.lstsq(root.T, target, rcond=None)[0]
+    # a small ridge keeps combinations that the data do not see where they are
+    gram = gram + np.diag(damping * np.diag(gram) + _RIDGE)
+    root = np.linalg.cholesky(gram)
+    target = solve_triangular(root, right, lower=True)
+    free = solve_triangular(root.T, target, lower=False)
     with np.errstate(divide="ignore", invalid="ignore"):
         low = np.where(scale > 0, lower / np.where(scale > 0, scale, 1.0), -np.inf)
         high = np.where(scale > 0, upper / np.where(scale > 0, scale, 1.0), np.inf)

@@ -19,6 +19,7 @@ class ActuatorInertiaCoupling(Effect):
 
     name = "actuator_inertia_coupling"
     door = Door.MECHANISM
+    basic = True
     axes = "all"
     source = "paper, Eqs. 10 to 14"
     shows = "inertia coupling between the axes at every posture; FRF off the diagonal"

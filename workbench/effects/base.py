@@ -86,6 +86,7 @@ class Effect:
         contains: simpler effects in the same place that it has as special cases.
         nonlinear: parameters that do not enter the torque linearly.
         dry: whether it sticks, so that the model's sliding speed matters.
+        basic: whether it is one of the groups to start from: inertia, viscous, Coulomb.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
         locations: where on an axis it can sit.
         source: where the equation comes from.
@@ -100,6 +101,7 @@ class Effect:
     contains: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[tuple[str, ...]] = ()
     dry: ClassVar[bool] = False
+    basic: ClassVar[bool] = False
     axes: ClassVar[Literal["each", "all"]] = "each"
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     source: ClassVar[str]

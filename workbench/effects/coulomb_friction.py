@@ -17,6 +17,7 @@ class CoulombFriction(Effect):
     name = "coulomb_friction"
     parameters = (Parameter("torque", "N*m"),)
     door = Door.FRICTION
+    basic = True
     dry = True
     locations = ("actuator", "joint")
     source = "Coulomb 1785; Armstrong-Helouvry et al., Automatica 30(7), 1994"

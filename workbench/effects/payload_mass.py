@@ -20,6 +20,7 @@ class PayloadMass(Effect):
     name = "payload_mass"
     parameters = (Parameter("mass", "kg"),)
     door = Door.MECHANISM
+    basic = True
     axes = "all"
     source = "Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8"
     shows = "inertia on all axes that move the site together with gravity of the same mass"

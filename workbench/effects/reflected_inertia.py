@@ -19,6 +19,7 @@ class ReflectedInertia(Effect):
     name = "reflected_inertia"
     parameters = (Parameter("inertia", "kg*m^2", about="added to what the model has"),)
     door = Door.MECHANISM
+    basic = True
     source = "paper, Eqs. 7 and 9"
     shows = "torque residual proportional to the drive's acceleration; FRF magnitude at high frequency"
     mujoco = "native: armature of the axis's tendon"

@@ -19,6 +19,7 @@ class ViscousDamping(Effect):
     name = "viscous_damping"
     parameters = (Parameter("damping", "N*m*s/rad", about="added to what the model has"),)
     door = Door.FRICTION
+    basic = True
     locations = ("actuator", "joint")
     source = "Newtonian lubricant film; Armstrong-Helouvry et al., Automatica 30(7), 1994"
     shows = "torque residual odd and linear in speed; FRF magnitude at low frequency"

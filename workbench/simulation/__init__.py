@@ -1,7 +1,7 @@
 """Runs a model the way a recording was made, one or thousands at once."""
 
 from .control import SensorNoise
-from .experiment import Experiment, check_axes, prepare
+from .experiment import Experiment, check_axes, prepare, scored_torque
 from .linear import Loop, linearise, propagate
 from .run import Run, simulate
 from .trajectory import Track, joint_columns, motion_of, smooth_track
@@ -18,6 +18,7 @@ __all__ = [
     "motion_of",
     "prepare",
     "propagate",
+    "scored_torque",
     "simulate",
     "smooth_track",
 ]

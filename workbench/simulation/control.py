@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .experiment import Experiment
+from .experiment import Experiment, differentiates
 
 
 @dataclass(frozen=True)
@@ -80,6 +80,12 @@ class Controllers:
         for i, (e, noise, model) in enumerate(zip(experiments, noises, models, strict=True)):
             self._fill(i, e, noise, model.transmission, eye)
         self.feedback = np.zeros((count, size))
+        # a loop without a velocity sensor differentiates its encoder from tick to tick
+        self.differentiates = np.array([differentiates(e) for e in experiments])[:, None]
+        self.period = np.array([e.controller.period_s or e.recording.period for e in experiments])[:, None]
+        start = np.stack([e.start for e in experiments])
+        before = np.einsum("wij,wj->wi", self.read, start[:, 0] - self.period * start[:, 1])
+        self.last_read = before
 
     def _fill(self, i: int, e: Experiment, noise: SensorNoise | None, j: np.ndarray, eye: np.ndarray) -> None:
         c, rows = e.controller, len(e.recording)
@@ -100,9 +106,7 @@ class Controllers:
         if noise is not None and self.noise is not None:
             draw = noise.draws(rows)
             self.noise[i, 0, :rows] = noise.position_std * draw[0]
-            # a loop that differentiates its own encoder has no noise of a velocity sensor
-            measured = "velocity" not in e.recording.derived and e.recording.get("velocity") is not None
-            self.noise[i, 1, :rows] = (noise.velocity_std if measured else 0.0) * draw[1]
+            self.noise[i, 1, :rows] = noise.velocity_std * draw[1]
             self.resolution[i] = noise.resolution
 
     def sample(self, first: int, last: int, active: int, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
@@ -122,14 +126,16 @@ class Controllers:
             y, v = y + self.noise[index, 0, row], v + self.noise[index, 1, row]
             safe = np.where(self.resolution[a] > 0, self.resolution[a], 1.0)
             y = np.where(self.resolution[a] > 0, np.round(y / safe) * safe, y)
+        tick = self.is_tick[a, first][:, None]
+        v = np.where(self.differentiates[a], (y - self.last_read[a]) / self.period[a], v)
+        self.last_read[a] = np.where(tick, y, self.last_read[a])
         z = np.einsum("wij,wj->wi", self.sense[a], y)
         zv = np.einsum("wij,wj->wi", self.sense[a], v)
         raw = self.kp[a] * (self.reference[index, row] - z) + self.kd[a] * (self.rate[index, row] - zv)
         law = self.output[a] * np.clip(raw, -self.limit[a], self.limit[a])
         fresh = np.einsum("wij,wj->wi", self.drive[a], law)
         fresh += np.where(self.per_row[a, None], 0.0, self.constant[index, row])
-        tick = self.is_tick[a, first]
-        self.feedback[a] = np.where(tick[:, None], fresh, self.feedback[a])
+        self.feedback[a] = np.where(tick, fresh, self.feedback[a])
         out = np.repeat(self.feedback[a][:, None], last - first + 1, axis=1)
         if self.per_row[a].any():
             rows = np.arange(first, last + 1)[None, :] // self.stride[a][:, None]

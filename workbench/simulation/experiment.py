@@ -108,6 +108,23 @@ def prepare(recording: Recording, model: Model) -> Experiment:
     )
 
 
+def differentiates(experiment: Experiment) -> bool:
+    """Whether the loop takes its velocity from the encoder, by the difference from tick to tick."""
+    recording = experiment.recording
+    return recording.get("velocity") is None or "velocity" in recording.derived
+
+
+def scored_torque(recording: Recording) -> str | None:
+    """Which torque is held against a simulation: the measured one, else the command, else none.
+
+    A "measured" torque that is the command itself, row for row, was not measured behind the drive.
+    """
+    command, measured = recording.get("torque_command"), recording.get("torque_measured")
+    if measured is not None and (command is None or not np.array_equal(command, measured)):
+        return "torque_measured"
+    return None if command is None else "torque_command"
+
+
 def check_axes(recording: Recording, model: Model) -> None:
     """Check that a recording's axes are the model's, in the model's order.
 

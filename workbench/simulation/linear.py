@@ -16,7 +16,7 @@ import numpy as np
 
 from workbench.effects import Plant
 
-from .experiment import Experiment
+from .experiment import Experiment, differentiates, scored_torque
 from .trajectory import Track, interpolate, joint_columns
 
 _EVERY_S = 0.004  # posture and speed change little within this time
@@ -36,6 +36,8 @@ class Loop:
         open: (N, n), False where the drive saturates and small changes are lost.
         experiment: timing.
         delay: [s].
+        differentiates: whether the loop takes its rate from positions at successive ticks.
+        at_command: whether the torque that is compared is the command, before delay and tap.
     """
 
     transition: np.ndarray
@@ -47,6 +49,8 @@ class Loop:
     open: np.ndarray
     experiment: Experiment
     delay: float
+    differentiates: bool
+    at_command: bool
 
 
 def linearise(plant: Plant, experiment: Experiment, track: Track) -> Loop:
@@ -94,6 +98,8 @@ def linearise(plant: Plant, experiment: Experiment, track: Track) -> Loop:
         open=~saturated,
         experiment=e,
         delay=plant.chain.delay_s,
+        differentiates=differentiates(e),
+        at_command=scored_torque(e.recording) == "torque_command",
     )
 
 
@@ -128,8 +134,8 @@ def propagate(
         loops: one a run; any lengths.
         torques: per run (C, N, n), disturbance torque on the mechanism, actuator coordinates, mean over
             each row's step; the same C for all runs.
-        taps: per run (C, N, n), change of the motor torque at the tap that acts on the mechanism too but
-            is not in `torques`... None where there is none.
+        taps: per run (C, N, n), change of the torque at the tap that is not caused by the motion, such
+            as a delay's; its share that drives the mechanism stands in `torques`. None for none.
 
     Returns:
         Per run ``(position, torque)``, each (N, n, C), in the recording's coordinates.
@@ -144,7 +150,7 @@ def propagate(
         q = np.einsum("ij,kjc->kic", loop.read, position[slot, :rows])
         u = tap[slot, :rows]
         extra = taps[i]
-        if extra is not None:
+        if extra is not None and not loop.at_command:
             u = u + np.moveaxis(extra, 0, -1)
         out[i] = (q, np.einsum("ij,kjc->kic", loop.tap, u))
     return [o for o in out if o is not None]
@@ -177,6 +183,9 @@ class _March:
         state, command = np.zeros((runs, 2 * n, count)), np.zeros((runs, n, count))
         transition, entry, torque, passing = self._stack()
         feedback = np.stack([loop.feedback for loop in loops])
+        period = np.array([e.controller.period_s or e.recording.period for e in (x.experiment for x in loops)])
+        rate_by_ticks = np.array([loop.differentiates for loop in loops])[:, None, None]
+        read = np.zeros((runs, n, count))
         gain = np.stack([loop.gain for loop in loops])[:, :, None]
         last = np.array([loop.experiment.substeps for loop in loops])
         ticks = np.zeros((runs, last.max() + 1), bool)
@@ -188,10 +197,16 @@ class _March:
         simple = bool((self.fraction == 0).all() and (whole == whole[0]).all())
         index = np.arange(runs)
         all_open = bool(passing.all())
+        at_command = np.array([loop.at_command for loop in loops])[:, None, None]
         for k in range(int(last[0]) + 1):
             row = k // stride
             if any_tick[k]:
-                fresh = feedback @ state
+                seen = state
+                if rate_by_ticks.any():
+                    by_ticks = (state[:, :n] - read) / period[:, None, None]
+                    seen = np.concatenate([state[:, :n], np.where(rate_by_ticks, by_ticks, state[:, n:])], axis=1)
+                    read = np.where(ticks[:, k, None, None], state[:, :n], read)
+                fresh = feedback @ seen
                 command = fresh if uniform else np.where(ticks[:, k, None, None], fresh, command)
             history[k % ring] = command
             if simple:
@@ -203,7 +218,8 @@ class _March:
             if not all_open:
                 at, mean = at * passing[:, row], mean * passing[:, row]
             if k % stride == 0:
-                position[:, row], tap[:, row] = state[:, :n], at
+                position[:, row] = state[:, :n]
+                tap[:, row] = np.where(at_command, command, at)
             state = transition[:, row] @ state + entry[:, row] @ (gain * mean + torque[:, row])
         return position, tap
 
