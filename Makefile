@@ -1,0 +1,41 @@
+# Everything from a bare checkout: needs Python 3.11 or later, git and make; each target sets up what it needs.
+PYTHON ?= python3
+WORKERS ?= 2
+DEMO_SEED ?= 1
+BIN := .venv/bin
+STAMP := .venv/.installed
+
+# Our matrices are small: BLAS threads only wait for each other where both cores are busy.
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+export MKL_NUM_THREADS := 1
+
+.PHONY: setup demo test check format clean
+
+setup: $(STAMP)
+
+$(STAMP): requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; v = sys.version_info[:3]; sys.exit(v < (3, 11) and f"workbench needs Python 3.11 or later; {sys.executable} is {v[0]}.{v[1]}: set PYTHON=")'
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+demo: setup
+	$(BIN)/workbench demo demo --seed $(DEMO_SEED) --force
+
+test: setup
+	$(BIN)/pytest -n $(WORKERS) --dist worksteal $(PYTEST_ARGS)
+
+check: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/lint-imports --no-logo
+	$(BIN)/pyright
+
+format: setup
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean:
+	rm -rf .venv demo build dist
