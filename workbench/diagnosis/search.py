@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.comparison import Scale, normalised, simulate_with_noise
+from workbench.comparison import Scale, Simulated, normalised, simulate_with_noise
 from workbench.comparison.compare import consistent
 from workbench.core import EffectKey, Recording
 from workbench.effects import effect_named
@@ -46,7 +46,9 @@ class Stage:
         rivals: effects that do as well, with the number of free parameters no smaller.
         dropped: earlier effects that it made needless.
         ranking: what every simulated candidate removed of the excess, best first.
+        margin: judged error of the best other explanation over this one's; infinite where there is none.
         folds: (agreeing, all).
+        runs: the model's runs, without and with noise; filled in when the stage is accepted.
     """
 
     added: EffectKey
@@ -58,7 +60,9 @@ class Stage:
     rivals: tuple[EffectKey, ...]
     dropped: tuple[EffectKey, ...]
     ranking: tuple[tuple[EffectKey, float], ...]
+    margin: float
     folds: tuple[int, int]
+    runs: Simulated | None = None
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,7 @@ class Search:
     model: Model
     start: Fit
     start_data: Data
+    start_runs: Simulated
     stages: tuple[Stage, ...]
     screened: tuple[Candidate, ...]
     consistent_before: bool
@@ -103,6 +108,7 @@ def search(
     *,
     seed: int = 0,
     limit: int = LIMIT,
+    survey: bool = False,
     progress: Progress = lambda text: None,
 ) -> Search:
     """Add effects one at a time until noise explains the rest or nothing helps.
@@ -113,6 +119,7 @@ def search(
         held_out: recordings for judging; without them folds of the training data judge.
         seed: of the noise simulations.
         limit: most effects to add.
+        survey: screen effects even where noise explains everything, to know what the data could show.
         progress: told what is being done.
     """
     progress("simulating the model and its noise")
@@ -121,6 +128,9 @@ def search(
     first = data
     before = is_consistent(data, start.mean_squares)
     current, stages, screened, done = start, [], (), before
+    if before and survey:
+        scene = Scene.of(model, data, start.simulated, len(data.recordings))
+        screened = tuple(screen(scene, data, start.simulated, ())[0])
     while not done and len(stages) < limit:
         progress(f"screening effects, step {len(stages) + 1}")
         scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
@@ -133,12 +143,12 @@ def search(
         if stages and not costless and not _helps_later(stage.fit, current, start, data):
             break
         progress(f"found {stage.added}; simulating the noise")
-        fresh = _refloor(stage.fit, data, seed)
-        stages.append(replace(stage, data=fresh))
+        fresh, runs = _refloor(stage.fit, data, seed)
+        stages.append(replace(stage, data=fresh, runs=runs))
         current = _rejudged(stage.fit, fresh)
         data, done = fresh, is_consistent(fresh, current.mean_squares)
     return Search(
-        model, start, first, tuple(stages), screened, before, done, _explained(first, start, current)
+        model, start, first, simulated, tuple(stages), screened, before, done, _explained(first, start, current)
     )
 
 
@@ -170,10 +180,10 @@ def _floor(data: Data) -> float:
     return data.objective(data.pool(data.floor, held_out=data.training < len(data.recordings)))
 
 
-def _refloor(found: Fit, data: Data, seed: int) -> Data:
+def _refloor(found: Fit, data: Data, seed: int) -> tuple[Data, Simulated]:
     simulated = simulate_with_noise(found.hypothesis.model, data.recordings, seed=seed, noise=data.noise)
     fresh = floor_of(data.recordings, data.training, simulated)
-    return fresh.reweighed(found.mean_squares)
+    return fresh.reweighed(found.mean_squares), simulated
 
 
 def _explained(data: Data, start: Fit, end: Fit) -> float:
@@ -219,7 +229,9 @@ def _next(
     kept, dropped = _prune(found, candidate.key, data, current)
     ranking = sorted(((c.key, (current.judged - f.judged) / excess) for c, f in fits), key=lambda r: -r[1])
     left = {a.key for a in kept.hypothesis.free}
-    contained = effect_named(candidate.key.effect).contains
+    contained, twins = effect_named(candidate.key.effect).contains, effect_named(candidate.key.effect).twins
+    same = tuple(replace(candidate.key, effect=name) for name in twins if candidate.key.location == "actuator")
+    rivals = (*rivals, *(k for k in same if k not in rivals))
     return Stage(
         added=candidate.key,
         fit=kept,
@@ -230,6 +242,7 @@ def _next(
         rivals=(*rivals, *(k for k in dropped if k.effect not in contained)),
         dropped=tuple(a.key for a in current.hypothesis.free if a.key not in left),
         ranking=tuple(ranking),
+        margin=_margin(candidate, found, fits),
         folds=(int(np.sum(kept.agreeing < current.agreeing)), len(kept.agreeing)),
     )
 
@@ -271,6 +284,18 @@ def _helps(found: Fit, current: Fit, excess: float) -> bool:
     """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
     agree = np.mean(found.agreeing < current.agreeing)
     return current.judged - found.judged > HELPS * excess and agree > 0.5
+
+
+def _margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]) -> float:
+    """How much worse the best other explanation is, leaving out those that contain this one."""
+    others = [
+        f.judged
+        for c, f in fits
+        if c is not chosen
+        and chosen.key.effect not in effect_named(c.key.effect).contains
+        and c.key.effect not in effect_named(chosen.key.effect).contains
+    ]
+    return min(others, default=float("inf")) / max(found.judged, 1e-12)
 
 
 def _lowers_error(found: Fit, current: Fit, data: Data) -> bool:

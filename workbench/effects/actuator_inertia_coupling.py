@@ -23,6 +23,7 @@ class ActuatorInertiaCoupling(Effect):
     axes = "all"
     source = "paper, Eqs. 10 to 14"
     shows = "inertia coupling between the axes at every posture; FRF off the diagonal"
+    reveal = "sum- and difference-mode multisines about one posture"
     mujoco = "native: armature and damping of the axes' tendons instead of the joints'"
 
     def applies(self, model: Model, key: EffectKey) -> bool:

@@ -26,10 +26,12 @@ class AsymmetricFriction(Effect):
     door = Door.FRICTION
     dry = True
     tier = 1
+    twins = ("torque_bias",)  # unequal Coulomb torques are equal ones and a constant torque
     contains = ("viscous_damping", "coulomb_friction")
     locations = ("actuator", "joint")
     source = "Janot, Gautier, Brunot, Workshop on Nonlinear System Identification Benchmarks, 2019"
     shows = "torque residual against speed has another slope or step for each direction"
+    reveal = "steady runs at the same speeds in both directions"
     mujoco = "torque function of the speed: the level of the axis's friction loss, step by step"
 
     def response(

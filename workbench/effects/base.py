@@ -84,6 +84,8 @@ class Effect:
         door: where it enters.
         tier: 0 for the basic physical groups, 1 for refinements that are tried after them.
         contains: simpler effects in the same place that it has as special cases.
+        twins: effects in the same place that, beside what this one contains, are a part of it under
+            another name, so that no data can tell them apart.
         nonlinear: parameters that do not enter the torque linearly.
         dry: whether it sticks, so that the model's sliding speed matters.
         basic: whether it is one of the groups to start from: inertia, viscous, Coulomb.
@@ -91,6 +93,7 @@ class Effect:
         locations: where on an axis it can sit.
         source: where the equation comes from.
         shows: against which quantity, in which band, odd or even: what evidence to look for.
+        reveal: the experiment in which it stands out.
         mujoco: how it enters the MuJoCo model that policies train in.
     """
 
@@ -99,6 +102,7 @@ class Effect:
     door: ClassVar[Door]
     tier: ClassVar[int] = 0
     contains: ClassVar[tuple[str, ...]] = ()
+    twins: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[tuple[str, ...]] = ()
     dry: ClassVar[bool] = False
     basic: ClassVar[bool] = False
@@ -106,6 +110,7 @@ class Effect:
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     source: ClassVar[str]
     shows: ClassVar[str]
+    reveal: ClassVar[str]
     mujoco: ClassVar[str]
 
     def applies(self, model: Model, key: EffectKey) -> bool:

@@ -23,6 +23,7 @@ class CommandDelay(Effect):
     axes = "all"
     source = "transport delay of bus and drive; the paper's T_d (Eq. 15)"
     shows = "measured torque late against the command; FRF phase falls with frequency"
+    reveal = "a multisine up to a quarter of the control rate"
     mujoco = "native: delay of the actuator"
 
     def shapes(self, motion: Motion, model: Model, place: Placement | None) -> Sequence[Mapping[str, float]]:

@@ -22,6 +22,7 @@ class CoulombFriction(Effect):
     locations = ("actuator", "joint")
     source = "Coulomb 1785; Armstrong-Helouvry et al., Automatica 30(7), 1994"
     shows = "torque residual steps at each reversal, odd in speed, independent of its size"
+    reveal = "a slow triangular motion with many reversals"
     mujoco = "native: friction loss of the axis's tendon"
 
     def response(

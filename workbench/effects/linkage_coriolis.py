@@ -27,6 +27,7 @@ class LinkageCoriolis(Effect):
     axes = "all"
     source = "paper, the term neglected before Eq. 21"
     shows = "torque residual even in speed, growing with its square, zero where alpha = 0"
+    reveal = "fast opposed swings with the knee bent"
     mujoco = "native: comes with linkage_inertia"
 
     def applies(self, model: Model, key: EffectKey) -> bool:

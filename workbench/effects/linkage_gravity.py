@@ -26,6 +26,7 @@ class LinkageGravity(Effect):
     axes = "all"
     source = "potential energy of the parallelogram; the paper leaves it out (after Eq. 21)"
     shows = "torque residual a sine of each drive's angle, at every speed"
+    reveal = "a slow sweep over the widest range of both drives"
     mujoco = "native: bodies on the links that have weight and next to no mass (fixed base)"
 
     def applies(self, model: Model, key: EffectKey) -> bool:

@@ -32,6 +32,7 @@ class LinkageInertia(Effect):
     axes = "all"
     source = "paper, Eqs. 16 to 20"
     shows = "inertia of both drives and a coupling that varies with the cosine of the knee angle"
+    reveal = "sum- and difference-mode multisines at several knee angles"
     mujoco = "native: weightless bodies on the links"
 
     def applies(self, model: Model, key: EffectKey) -> bool:

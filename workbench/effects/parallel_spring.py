@@ -25,6 +25,7 @@ class ParallelSpring(Effect):
     locations = ("actuator", "joint")
     source = "Hooke 1678; parallel elastic actuation"
     shows = "torque residual linear in position at every speed; FRF magnitude at low frequency"
+    reveal = "a slow sweep over the widest range of positions"
     mujoco = "native: stiffness of the axis's tendon"
 
     def response(

@@ -24,6 +24,7 @@ class PayloadMass(Effect):
     axes = "all"
     source = "Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8"
     shows = "inertia on all axes that move the site together with gravity of the same mass"
+    reveal = "a slow sweep over the whole range (weight), then a fast chirp (inertia)"
     mujoco = "native: a body of that mass at the site"
 
     def applies(self, model: Model, key: EffectKey) -> bool:

@@ -22,6 +22,7 @@ class ReflectedInertia(Effect):
     basic = True
     source = "paper, Eqs. 7 and 9"
     shows = "torque residual proportional to the drive's acceleration; FRF magnitude at high frequency"
+    reveal = "a fast chirp of this axis about one posture, the other axes held"
     mujoco = "native: armature of the axis's tendon"
 
     def response(

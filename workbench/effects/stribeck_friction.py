@@ -30,6 +30,7 @@ class StribeckFriction(Effect):
     locations = ("actuator", "joint")
     source = "Stribeck 1902; Armstrong-Helouvry et al., Automatica 30(7), 1994, Eq. 6"
     shows = "torque residual odd in speed, with a peak at low speed that falls to a plateau"
+    reveal = "very slow steady runs, from creeping upwards, in both directions"
     mujoco = "torque function of the speed: the level of the axis's friction loss, step by step"
 
     def shapes(self, motion: Motion, model: Model, place: Placement | None) -> Sequence[Mapping[str, float]]:

@@ -21,6 +21,7 @@ class TorqueBias(Effect):
     door = Door.MOTOR
     source = "current-sensor offset; Janot et al. 2019 (offset of the EMPS)"
     shows = "torque residual even in speed, the same at every position, speed and time"
+    reveal = "standing still at several positions, each approached from both sides"
     mujoco = "bias of the actuator"
 
     def response(

@@ -21,6 +21,7 @@ class TorqueConstantError(Effect):
     door = Door.MOTOR
     source = "motor torque constant, tau = k_t i; spread of magnets, temperature, saturation"
     shows = "torque residual proportional to the motor torque at every frequency"
+    reveal = "a known weight held at several positions"
     mujoco = "gain of the actuator"
 
     def response(

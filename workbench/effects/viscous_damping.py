@@ -23,6 +23,7 @@ class ViscousDamping(Effect):
     locations = ("actuator", "joint")
     source = "Newtonian lubricant film; Armstrong-Helouvry et al., Automatica 30(7), 1994"
     shows = "torque residual odd and linear in speed; FRF magnitude at low frequency"
+    reveal = "steady runs at several speeds in both directions"
     mujoco = "native: damping of the axis's tendon"
 
     def response(

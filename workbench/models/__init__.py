@@ -1,7 +1,7 @@
 """Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
 
 from .model import VARIANTS, Actuators, AppliedEffect, Linkage, Model
-from .paths import find_model, models_folder
+from .paths import find_model
 from .read import load_mjcf, read_model, structural_effect, write_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds
 
@@ -17,7 +17,6 @@ __all__ = [
     "find_model",
     "joint_kinds",
     "load_mjcf",
-    "models_folder",
     "read_model",
     "structural_effect",
     "write_model",

@@ -1,18 +1,11 @@
-"""Where the shipped models are: beside the package in a clone, inside it in an installed wheel."""
+"""Which model file is meant by a path or a name."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from workbench.core import InputError
-
-_PACKAGE = Path(__file__).resolve().parent.parent
-_ROOTS = (_PACKAGE / "_models", _PACKAGE.parent / "models")
-
-
-def models_folder() -> Path:
-    """Folder of the shipped models."""
-    return next(root for root in _ROOTS if root.is_dir())
+from workbench.core.paths import models_folder
 
 
 def find_model(path: str | Path) -> Path:

@@ -13,9 +13,10 @@ from pydantic import ValidationError
 
 from workbench.core import Controller, EffectKey, Estimate, InputError
 from workbench.core.files import write_whole
+from workbench.core.paths import models_folder
 
 from .model import VARIANTS, Actuators, AppliedEffect, Linkage, Model
-from .paths import find_model, models_folder
+from .paths import find_model
 from .schema import EffectTable, ModelTable, ParameterTable
 
 _LINKAGE_KEYS = {"linkage_inertia": ("M11", "M12", "M22"), "linkage_gravity": ("g1", "g2")}

@@ -19,7 +19,6 @@ import numpy as np
 from workbench.core import SimulationError
 
 from .closed_chain import ClosedChain, Reduced
-from .paths import closed_chain_file
 
 _TOLERANCE = 1e-9  # largest difference from Drake that counts as the same equation [SI]
 

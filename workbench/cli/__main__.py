@@ -1,0 +1,5 @@
+"""``python -m workbench.cli``."""
+
+from .app import main
+
+main()

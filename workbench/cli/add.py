@@ -1,0 +1,113 @@
+"""``workbench add``."""
+
+from __future__ import annotations
+
+import json as json_format
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from workbench.core import EffectKey, Estimate, InputError
+
+from .app import app
+from .common import ForceOption, ModelArgument, QuietOption, check_outputs
+
+
+@app.command()
+def add(
+    model: ModelArgument,
+    effect: Annotated[str | None, typer.Argument(metavar="EFFECT[@AXIS]", help="Effect, e.g. coulomb_friction@knee; @AXIS(joint) for the pin.")] = None,
+    values: Annotated[list[str] | None, typer.Argument(metavar="name=value...", help="Parameters, SI.")] = None,
+    output: Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The new model file.")] = "",
+    diagnosis: Annotated[str | None, typer.Option("--from", metavar="DIAGNOSIS", help="Take parameters (or all findings) from a diagnosis' JSON.")] = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Write a new model file with an effect in it.
+
+    Example: workbench add leg coulomb_friction@knee torque=0.25 -o leg_with_friction.toml
+    """
+    from workbench.effects import check_effect, load_model
+    from workbench.models import AppliedEffect, structural_effect, write_model
+
+    if not output:
+        raise InputError("no output file", remedy="say where the new model goes: -o NEW")
+    if effect is None and diagnosis is None:
+        raise InputError("no effect", remedy="name one, e.g. coulomb_friction@knee, or give --from DIAGNOSIS")
+    check_outputs(output, force=force)
+    loaded = load_model(model)
+    wanted = parse_place(effect) if effect else None
+    found = read_findings(diagnosis) if diagnosis else []
+    if wanted is not None:
+        match = [f for f in found if f.key == wanted]
+        base = match[0] if match else AppliedEffect(wanted, {})
+        if diagnosis and not match:
+            raise InputError(f"the diagnosis has no finding {wanted}", file=diagnosis)
+        if not base.parameters and not values:
+            base = structural_effect(wanted.effect, loaded.linkage)
+        found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
+    new = loaded
+    for applied in found:
+        if applied.key in {e.key for e in new.effects}:
+            raise InputError(f"{applied.key} is in the model already", file=model, remedy="edit its parameters there")
+        new = new.with_effect(check_effect(new, applied))
+    new = replace(new, name=Path(output).stem)
+    write_model(new, output, force=force)
+    if not quiet:
+        typer.echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
+
+
+def parse_place(text: str) -> EffectKey:
+    """``effect``, ``effect@axis`` or ``effect@axis(joint)``."""
+    name, _, axis = text.partition("@")
+    if axis.endswith("(joint)"):
+        return EffectKey(name, axis[: -len("(joint)")], "joint")
+    return EffectKey(name, axis or None)
+
+
+def parse_values(texts: list[str]) -> dict[str, Estimate]:
+    """``name=value`` words.
+
+    Raises:
+        InputError: not of that form, or not a finite number.
+    """
+    out = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            number = float("nan")
+        if not equals or number != number or number in (float("inf"), float("-inf")):
+            raise InputError(f"'{text}' is not name=value with a number", remedy="e.g. torque=0.25")
+        out[name] = Estimate(number, 0.0, "")
+    return out
+
+
+def read_findings(path: str) -> list[Any]:
+    """Findings of a diagnosis' JSON as effects.
+
+    Raises:
+        InputError: no such file, not a diagnosis, or one without findings.
+    """
+    from workbench.models import AppliedEffect
+
+    try:
+        content = json_format.loads(Path(path).read_text())
+        rows = content["findings"]
+        found = [
+            AppliedEffect(
+                EffectKey(row["effect"], row["axis"], row.get("location", "actuator")),
+                {k: Estimate(float(v["value"]), float(v["std"]), v["unit"]) for k, v in row["parameters"].items()},
+            )
+            for row in rows
+        ]
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=path) from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError("not the JSON of a diagnosis", file=path, remedy="make it with 'diagnose --json'") from error
+    if not found:
+        raise InputError("the diagnosis has no findings", file=path, remedy="nothing is to be added")
+    return found

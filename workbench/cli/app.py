@@ -1,0 +1,38 @@
+"""The program: its commands, and how errors end."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import typer
+
+app = typer.Typer(
+    name="workbench",
+    help="Compare a robot model with measurements, find the physical effect that is missing, add it, and watch the error fall.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def main() -> None:
+    """Run the command line; a `WorkbenchError` ends in one line and its exit code."""
+    # many small factorisations: the threads of a linear algebra library only get in each other's way
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    from workbench.core import WorkbenchError
+
+    from . import add, compare, demo, diagnose, improve, inspect, record  # noqa: F401
+
+    try:
+        app()
+    except WorkbenchError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        sys.exit(130)
+    except BrokenPipeError:
+        sys.exit(0)

@@ -1,0 +1,52 @@
+"""``workbench compare``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from .app import app
+from .common import (
+    ForceOption,
+    HtmlOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    RecordingsArgument,
+    SeedOption,
+    check_outputs,
+    deliver,
+    progress,
+    read_recordings,
+)
+
+
+@app.command()
+def compare(
+    model: ModelArgument,
+    recordings: RecordingsArgument,
+    json: JsonOption = None,
+    html: HtmlOption = None,
+    fail_above: Annotated[float | None, typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 where the error is larger.")] = None,
+    seed: SeedOption = 0,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Run the model the way each recording was made, and say how far it is from it and from the noise.
+
+    Example: workbench compare leg recordings/chirp_hip.toml --html report.html
+    """
+    from workbench.comparison import compare as run
+    from workbench.effects import load_model
+
+    check_outputs(json, html, force=force)
+    loaded, data = load_model(model), read_recordings(recordings)
+    with progress(quiet) as tell:
+        tell("simulating the recordings, with and without noise")
+        result = run(loaded, data, seed=seed)
+    deliver(
+        result, json=json, html=html, force=force, quiet=quiet, inputs=[model, *recordings], seeds={"noise": seed}
+    )
+    if fail_above is not None and not result.error <= fail_above:
+        raise typer.Exit(1)

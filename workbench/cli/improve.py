@@ -1,0 +1,55 @@
+"""``workbench improve``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from .app import app
+from .common import (
+    ForceOption,
+    HoldoutOption,
+    HtmlOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    RecordingsArgument,
+    SeedOption,
+    check_outputs,
+    deliver,
+    progress,
+    read_pair,
+)
+
+
+@app.command()
+def improve(
+    model: ModelArgument,
+    recordings: RecordingsArgument,
+    output: Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The improved model file.")],
+    holdout: HoldoutOption = None,
+    json: JsonOption = None,
+    html: HtmlOption = None,
+    seed: SeedOption = 0,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Diagnose and add until the data are explained; show the error falling, step by step.
+
+    Example: workbench improve leg_kin_only *.toml --holdout validation.toml -o better.toml
+    """
+    from workbench.diagnosis import improve as run
+    from workbench.effects import load_model
+    from workbench.models import write_model
+
+    check_outputs(output, json, html, force=force)
+    loaded = load_model(model)
+    training, held_out = read_pair(recordings, holdout)
+    with progress(quiet) as tell:
+        result, better = run(loaded, training, held_out, seed=seed, progress=tell)
+    write_model(better, output, force=force)
+    inputs = [model, *recordings, *(holdout or [])]
+    deliver(result, json=json, html=html, force=force, quiet=quiet, inputs=inputs, seeds={"noise": seed})
+    if not quiet and json != "-":
+        typer.echo(f"Wrote {output}.")

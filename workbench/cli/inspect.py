@@ -1,0 +1,37 @@
+"""``workbench inspect``."""
+
+from __future__ import annotations
+
+import typer
+
+from .app import app
+from .common import ForceOption, JsonOption, QuietOption, RecordingsArgument, check_outputs, read_recordings
+
+
+@app.command()
+def inspect(
+    recordings: RecordingsArgument,
+    json: JsonOption = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Say what recordings tell about themselves: swapped axes, signs, units, gains, clocks, noise.
+
+    Exit code 1 where something is wrong with them.
+
+    Example: workbench inspect recordings/*.toml
+    """
+    from workbench import report
+    from workbench.inspection import inspect as run
+    from workbench.inspection import inspection_dict
+
+    from .inspect_table import inspection_table
+
+    check_outputs(json, force=force)
+    result = run(read_recordings(recordings))
+    if json:
+        report.write_json(inspection_dict(result), json, force=force)
+    if not quiet and json != "-":
+        report.print_table(inspection_table(result))
+    if not result.sound:
+        raise typer.Exit(1)

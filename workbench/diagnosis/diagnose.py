@@ -1,0 +1,242 @@
+"""From a search to a verdict: what is missing, how sure, what else it could be, what to measure next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.comparison import Simulated, check_recordings, evaluate, needs_inverse
+from workbench.core import (
+    Comparison,
+    Diagnosis,
+    EffectKey,
+    Finding,
+    Improvement,
+    InputError,
+    Recording,
+    Step,
+    Verdict,
+)
+from workbench.effects import effect_named
+from workbench.models import AppliedEffect, Model
+
+from .search import LIMIT, Progress, Search, Stage, search
+
+#: Share of the squared error above the noise that findings must explain before they are named. True
+#: causes explain nearly all of it; the nearest wrong one seldom half.
+EXPLAINED = 0.9
+_SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
+_SUREST = 0.98
+
+
+def diagnose(
+    model: Model,
+    training: Sequence[Recording],
+    held_out: Sequence[Recording] = (),
+    *,
+    seed: int = 0,
+    progress: Progress = lambda text: None,
+) -> Diagnosis:
+    """Which physical effects are missing from a model.
+
+    Args:
+        model: what we believe.
+        training: recordings to fit.
+        held_out: recordings that judge; without them, folds of the training data do.
+        seed: of the noise simulations.
+        progress: told what is being done.
+
+    Raises:
+        InputError: recordings that do not fit the model, or whose loop is unknown.
+        SimulationError: the model is unstable in a recording's loop.
+    """
+    _check(model, training, held_out)
+    return _diagnosis(search(model, training, held_out, seed=seed, survey=True, progress=progress))
+
+
+def improve(
+    model: Model,
+    training: Sequence[Recording],
+    held_out: Sequence[Recording] = (),
+    *,
+    seed: int = 0,
+    limit: int = LIMIT,
+    progress: Progress = lambda text: None,
+) -> tuple[Improvement, Model]:
+    """Diagnose and add until the data are explained.
+
+    Returns:
+        The steps with their errors, and the improved model; the model as given where nothing that
+        explains the data was found.
+
+    Raises:
+        InputError, SimulationError: as `diagnose`.
+    """
+    _check(model, training, held_out)
+    found = search(model, training, held_out, seed=seed, limit=limit, survey=True, progress=progress)
+    diagnosis = _diagnosis(found)
+    named = diagnosis.verdict == "missing_effect"
+    stages = found.stages if named else ()
+    end = found.final if named else found.start
+    data = found.start_data
+    judged = len(held_out) > 0
+    verdict: Verdict = "consistent" if (found.consistent_after if named else found.consistent_before) else "unexplained"
+    improvement = Improvement(
+        model=model.name,
+        steps=tuple(_step(s, found, judged) for s in stages),
+        error_before=data.score(found.start.mean_squares),
+        error_after=data.score(end.mean_squares),
+        holdout_error_before=data.score(found.start.mean_squares, held_out=True) if judged else None,
+        holdout_error_after=data.score(end.mean_squares, held_out=True) if judged else None,
+        noise_error=diagnosis.after.noise_error if diagnosis.after else diagnosis.noise_error,
+        verdict=verdict,
+        before=diagnosis.before,
+        after=diagnosis.after,
+        diagnosis=diagnosis,
+    )
+    better = end.hypothesis.model
+    return improvement, replace(better, name=f"{model.name}_improved") if stages else model
+
+
+def _check(model: Model, training: Sequence[Recording], held_out: Sequence[Recording]) -> None:
+    check_recordings(model, training)
+    for r in (*training, *held_out):
+        check_recordings(model, [r])
+        if needs_inverse(model, r):
+            raise InputError(
+                "the loop is unknown, so the model cannot be run the way this was recorded", file=r.source,
+                column="controller", remedy="describe the controller, or use 'compare', which needs none",
+            )  # fmt: skip
+
+
+def _diagnosis(found: Search) -> Diagnosis:
+    verdict: Verdict = "unexplained"
+    if found.consistent_before:
+        verdict = "consistent"
+    elif found.stages and (found.consistent_after or found.explained >= EXPLAINED):
+        verdict = "missing_effect"
+    named = verdict == "missing_effect"
+    before = _comparison(found.model, found.start_runs, found)
+    after = before
+    if named and found.stages[-1].runs is not None:
+        after = _comparison(found.final.hypothesis.model, found.stages[-1].runs, found)
+    findings = _findings(found) if named else ()
+    rest = 0.0 if found.consistent_before else 1.0 - (found.explained if named else 0.0)
+    if named and found.consistent_after:
+        rest = min(rest, 1.0 - found.explained)
+    return Diagnosis(
+        model=found.model.name,
+        verdict=verdict,
+        error=before.error,
+        noise_error=(after if named else before).noise_error,
+        findings=findings,
+        unexplained_fraction=float(rest),
+        where=after.where,
+        next_experiment=_next_experiment(verdict, findings, found, after),
+        not_excited=tuple(c.key for c in found.screened if c.detectable < _SHOWN),
+        ranking=found.stages[0].ranking if found.stages else _screened_ranking(found),
+        before=before,
+        after=after,
+    )
+
+
+def _comparison(model: Model, runs: Simulated, found: Search) -> Comparison:
+    count = found.start_data.training
+    part = Simulated(
+        runs.recordings[:count], runs.clean[:count], tuple(d[:count] for d in runs.noisy), runs.noise
+    )
+    return evaluate(model, part)
+
+
+def _findings(found: Search) -> tuple[Finding, ...]:
+    """Effects of the final model, the one that explains most first."""
+    judged = found.start_data.training < len(found.start_data.recordings)
+    findings = []
+    for applied in found.final.hypothesis.free:
+        index = next(k for k, s in enumerate(found.stages) if s.added == applied.key)
+        stage = found.stages[index]
+        previous = found.stages[index - 1].fit if index else found.start
+        score = found.start_data.score
+        findings.append(
+            Finding(
+                key=applied.key,
+                parameters=dict(applied.parameters),
+                error_after=score(stage.fit.mean_squares),
+                holdout_error_before=score(previous.mean_squares, held_out=True) if judged else None,
+                holdout_error_after=score(stage.fit.mean_squares, held_out=True) if judged else None,
+                probability=_probability(stage, found),
+                indistinguishable_from=stage.rivals,
+                evidence=_evidence(stage, applied, judged),
+            )
+        )
+    return tuple(findings)
+
+
+def _probability(stage: Stage, found: Search) -> float:
+    """Chance that the name is right: by the distance of the best other explanation and what stays unexplained.
+
+    A rival that does as well shares the chance; an explanation 10 % worse leaves about a fifth to doubt.
+    """
+    alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(stage.margin - 1.0, 0.0)))
+    whole = 1.0 if found.consistent_after else found.explained
+    return float(min(alone, _SUREST) * whole / (1 + len(stage.rivals)))
+
+
+def _evidence(stage: Stage, applied: AppliedEffect, judged: bool) -> tuple[str, ...]:
+    source = "held-out recordings" if judged else "data left out of the fit"
+    agree, of = stage.folds
+    lines = [
+        f"removes {100 * stage.removed_share:.1f} % of the squared error above the noise on {source}",
+        f"helps on {agree} of {of} {'held-out recordings' if judged else 'folds'}",
+    ]
+    others = [(k, s) for k, s in stage.ranking if k != applied.key and k not in stage.rivals]
+    if others:
+        key, share = others[0]
+        lines.append(f"next best, {key}, removes {100 * max(share, 0.0):.1f} %")
+    lines.append(f"where to see it: {effect_named(applied.key.effect).shows}")
+    return tuple(lines)
+
+
+def _next_experiment(
+    verdict: Verdict, findings: Sequence[Finding], found: Search, after: Comparison
+) -> str | None:
+    for finding in findings:
+        if finding.indistinguishable_from:
+            rival = finding.indistinguishable_from[0]
+            ours, theirs = effect_named(finding.key.effect).reveal, effect_named(rival.effect).reveal
+            both = ours if ours == theirs else f"{ours}; {theirs}"
+            return f"To tell {finding.key} from {rival}: {both}."
+    if verdict == "unexplained" or (verdict == "missing_effect" and not found.consistent_after):
+        place = ""
+        if after.where:
+            w = after.where[0]
+            place = f" around {w.quantity} {w.range[0]:.3g} to {w.range[1]:.3g} {w.unit} of {w.axis}"
+        return (
+            f"The rest sits in the {after.where[0].signal if after.where else 'signals'}{place}: record slow "
+            "steady runs, reversals and a multisine there, and keep one recording for judging."
+        )
+    return None
+
+
+def _screened_ranking(found: Search) -> tuple[tuple[EffectKey, float], ...]:
+    """What a first screening promised, where nothing was accepted."""
+    if found.consistent_before or not found.screened:
+        return ()
+    start = found.start.judged
+    return tuple((c.key, float(np.clip(1.0 - c.judged / start, -1.0, 1.0))) for c in found.screened[:8])
+
+
+def _step(stage: Stage, found: Search, judged: bool) -> Step:
+    applied = next(a for a in stage.fit.hypothesis.free if a.key == stage.added)
+    score = found.start_data.score
+    return Step(
+        key=stage.added,
+        parameters=dict(applied.parameters),
+        error=score(stage.fit.mean_squares),
+        holdout_error=score(stage.fit.mean_squares, held_out=True) if judged else None,
+        indistinguishable_from=stage.rivals,
+        evidence=_evidence(stage, applied, judged),
+        removed=stage.dropped,
+    )
