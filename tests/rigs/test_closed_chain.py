@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from workbench.core import SimulationError
+from workbench.core.paths import closed_chain_file
 from workbench.rigs import ClosedChain, leg_structure
-from workbench.rigs.paths import closed_chain_file
 
 STATES = [(np.array([-0.4, 0.7]), np.array([2.0, -3.0])), (np.array([0.9, -0.3]), np.array([-5.0, 8.0]))]
 

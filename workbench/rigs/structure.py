@@ -17,6 +17,7 @@ from functools import lru_cache
 import numpy as np
 
 from workbench.core import SimulationError
+from workbench.core.paths import closed_chain_file
 
 from .closed_chain import ClosedChain, Reduced
 
