@@ -50,8 +50,6 @@ def add(
         found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
     new = loaded
     for applied in found:
-        if applied.key in {e.key for e in new.effects}:
-            raise InputError(f"{applied.key} is in the model already", file=model, remedy="edit its parameters there")
         new = new.with_effect(check_effect(new, applied))
     new = replace(new, name=Path(output).stem)
     write_model(new, output, force=force)

@@ -154,7 +154,7 @@ def _findings(found: Search) -> tuple[Finding, ...]:
     """Effects of the final model, the one that explains most first."""
     judged = found.start_data.training < len(found.start_data.recordings)
     findings = []
-    for applied in found.final.hypothesis.free:
+    for applied in found.final.hypothesis.added:
         index = next(k for k, s in enumerate(found.stages) if s.added == applied.key)
         stage = found.stages[index]
         previous = found.stages[index - 1].fit if index else found.start
@@ -229,7 +229,7 @@ def _screened_ranking(found: Search) -> tuple[tuple[EffectKey, float], ...]:
 
 
 def _step(stage: Stage, found: Search, judged: bool) -> Step:
-    applied = next(a for a in stage.fit.hypothesis.free if a.key == stage.added)
+    applied = next(a for a in stage.fit.hypothesis.added if a.key == stage.added)
     score = found.start_data.score
     return Step(
         key=stage.added,

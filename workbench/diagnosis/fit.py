@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import Estimate, Recording, SimulationError
-from workbench.effects import axis_units, check_effect, compile_plant, effect_named
+from workbench.effects import axis_units, compile_plant, effect_named
 from workbench.models import AppliedEffect, Model, Placement
 from workbench.simulation import Run, simulate
 
@@ -22,16 +22,22 @@ _ENOUGH = 0.003  # relative fall of the objective below which fitting stops
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A model and the effects whose parameters are free; these are in no other place of the model."""
+    """A model, effects that its file states without a free parameter, and effects with free parameters."""
 
     base: Model
     free: tuple[AppliedEffect, ...]
+    stated: tuple[AppliedEffect, ...] = ()
+
+    @property
+    def added(self) -> tuple[AppliedEffect, ...]:
+        """All effects over the base."""
+        return (*self.stated, *self.free)
 
     @property
     def model(self) -> Model:
-        """Base with the free effects in it."""
+        """Base with all effects in it."""
         out = self.base
-        for applied in self.free:
+        for applied in self.added:
             out = out.with_effect(applied)
         return out
 
@@ -195,9 +201,7 @@ def _blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
     out, start = [], 0
     for applied in hypothesis.free:
         effect = effect_named(applied.key.effect)
-        size = 0
-        if effect.free(hypothesis.base):
-            size = len(effect.to_coefficients(applied.values)[0]) + len(effect.nonlinear)
+        size = len(effect.to_coefficients(applied.values)[0]) + len(effect.nonlinear)
         out.append((applied, slice(start, start + size)))
         start += size
     return out
@@ -207,8 +211,6 @@ def _room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
     """How far each unknown may move: to its physical bound, nonlinear ones at most by half of themselves."""
     low, high = [np.zeros(0)], [np.zeros(0)]
     for applied, block in _blocks(hypothesis):
-        if block.start == block.stop:
-            continue
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(applied.values)
         lower, upper = effect.bounds(hypothesis.base, Placement.of(hypothesis.base, applied.key))
@@ -225,9 +227,6 @@ def _room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
 def _moved(hypothesis: Hypothesis, change: np.ndarray) -> Hypothesis:
     free = []
     for applied, block in _blocks(hypothesis):
-        if block.start == block.stop:
-            free.append(applied)
-            continue
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(applied.values)
         own = change[block]
@@ -295,9 +294,6 @@ def _with_deviations(hypothesis: Hypothesis, covariance: np.ndarray) -> Hypothes
     """Standard deviations of the parameters by the delta method."""
     free = []
     for applied, block in _blocks(hypothesis):
-        if block.start == block.stop:
-            free.append(check_effect(hypothesis.base, applied) if applied.parameters else applied)
-            continue
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(applied.values)
         unknowns = np.array([*coefficients, *(shape[name] for name in effect.nonlinear)])

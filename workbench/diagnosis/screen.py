@@ -64,7 +64,10 @@ def screen(
         columns += scene.derivatives(applied)
     kept = list(range(len(columns)))
     entries: list[_Entry] = []
+    taken = {applied.key for applied in free}
     for key in places(scene.model):
+        if key in taken:
+            continue
         effect = effect_named(key.effect)
         place = Placement.of(scene.model, key)
         for shape in effect.shapes(scene.motions[0], scene.model, place):

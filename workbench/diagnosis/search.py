@@ -139,7 +139,7 @@ def search(
         stage = _next(scene, candidates, current, data, progress)
         if stage is None:
             break
-        costless = effect_named(stage.added.effect).free(model) == 0
+        costless = any(a.key == stage.added for a in stage.fit.hypothesis.stated)
         if stages and not costless and not _helps_later(stage.fit, current, start, data):
             break
         progress(f"found {stage.added}; simulating the noise")
@@ -206,6 +206,8 @@ def _next(
     """
     floor = _floor(data)
     excess = max(current.judged - floor, 1e-12)
+    fitted = {a.key for a in current.hypothesis.free}
+    candidates = [c for c in candidates if c.key not in fitted]
     stated = [c for c in candidates if effect_named(c.key.effect).free(scene.model) == 0 and not c.shape]
     free = [c for c in candidates if c not in stated and c.judged < current.judged - 0.5 * HELPS * excess]
     # a first estimate leaves what the linearisation misses; only clear losers go unsimulated
@@ -228,7 +230,7 @@ def _next(
     candidate, found, rivals = _choose(helpful, stated, current.judged, floor, scene.model)
     kept, dropped = _prune(found, candidate.key, data, current)
     ranking = sorted(((c.key, (current.judged - f.judged) / excess) for c, f in fits), key=lambda r: -r[1])
-    left = {a.key for a in kept.hypothesis.free}
+    left = {a.key for a in kept.hypothesis.added}
     contained, twins = effect_named(candidate.key.effect).contains, effect_named(candidate.key.effect).twins
     same = tuple(replace(candidate.key, effect=name) for name in twins if candidate.key.location == "actuator")
     rivals = (*rivals, *(k for k in same if k not in rivals))
@@ -240,7 +242,7 @@ def _next(
         after=kept.judged / floor,
         removed_share=(current.judged - kept.judged) / excess,
         rivals=(*rivals, *(k for k in dropped if k.effect not in contained)),
-        dropped=tuple(a.key for a in current.hypothesis.free if a.key not in left),
+        dropped=tuple(a.key for a in current.hypothesis.added if a.key not in left),
         ranking=tuple(ranking),
         margin=_margin(candidate, found, fits),
         folds=(int(np.sum(kept.agreeing < current.agreeing)), len(kept.agreeing)),
@@ -345,7 +347,7 @@ def _hypothesis(scene: Scene, candidate: Candidate, current: Fit) -> Hypothesis:
 
     if effect.free(scene.model) == 0:
         added = structural_effect(effect.name, scene.model.linkage)
-        return Hypothesis(base, (*free, added))
+        return Hypothesis(base, free, (*current.hypothesis.stated, added))
     coefficients, shape = candidate.coefficients, candidate.shape
     given_up = [a for a in free if contained(a)]
     if given_up:
@@ -360,7 +362,7 @@ def _hypothesis(scene: Scene, candidate: Candidate, current: Fit) -> Hypothesis:
         coefficients = np.maximum(coefficients, lower)
     values = effect.to_parameters(coefficients, shape)
     added = applied_effect(scene.model, AppliedEffect(candidate.key), values)
-    return Hypothesis(base, (*(a for a in free if a not in given_up), added))
+    return Hypothesis(base, (*(a for a in free if a not in given_up), added), current.hypothesis.stated)
 
 
 def _prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, tuple[EffectKey, ...]]:

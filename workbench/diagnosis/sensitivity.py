@@ -46,18 +46,6 @@ class Scene:
             loops.append(linearise(plant, e, track))
         return Scene(model, tuple(motions), tuple(loops))
 
-    def column(self, effect: str, key: EffectKey, shape: Mapping[str, float], which: int | None) -> Column:
-        """Linear coefficient number `which` of an effect, or its fixed part (None)."""
-        place = Placement.of(self.model, key)
-        responses = [effect_named(effect).response(m, self.model, place, shape) for m in self.motions]
-        if which is None:
-            zero = [np.zeros_like(m.position) for m in self.motions]
-            return Column(
-                tuple(z if r.offset is None else r.offset for r, z in zip(responses, zero, strict=True)),
-                tuple(r.tap for r in responses),
-            )
-        return Column(tuple(r.columns[which] for r in responses), tuple(None for _ in responses))
-
     def columns(self, key: EffectKey, shape: Mapping[str, float]) -> tuple[list[Column], Column | None]:
         """All linear columns of an effect and its fixed part, evaluating it once a recording."""
         place = Placement.of(self.model, key)
@@ -74,17 +62,13 @@ class Scene:
     def total(self, applied: AppliedEffect, values: Mapping[str, float]) -> Column:
         """The torque of an effect with given parameter values."""
         effect = effect_named(applied.key.effect)
-        coefficients, shape = effect.to_coefficients(values) if values else (np.zeros(0), {})
+        coefficients, shape = effect.to_coefficients(values)
         linear, fixed = self.columns(applied.key, shape)
-        if len(linear) == 0:
-            coefficients = coefficients[:0]
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
     def derivatives(self, applied: AppliedEffect) -> list[Column]:
         """Derivative of an effect's torque by each linear coefficient, then by each nonlinear parameter."""
         effect = effect_named(applied.key.effect)
-        if effect.free(self.model) == 0:
-            return []
         coefficients, shape = effect.to_coefficients(applied.values)
         out = self.columns(applied.key, shape)[0]
         for name in effect.nonlinear:

@@ -28,7 +28,8 @@ class ActuatorInertiaCoupling(Effect):
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Where a drive moves more than its own joint."""
-        return not np.array_equal(model.transmission, np.eye(model.size)) and any(model.actuators.inertia)
+        moves_more = not np.array_equal(model.transmission, np.eye(model.size))
+        return moves_more and any(model.actuators.inertia) and not model.has(self.name)
 
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
@@ -45,7 +46,9 @@ class ActuatorInertiaCoupling(Effect):
             total -= at_drives - at_joints
         return Response(np.zeros((0, *total.shape)), offset=total)
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Move the diagonal from the joints to the drives' tendons."""
         drives = zip(model.joints, model.actuators.inertia, model.actuators.damping, strict=True)
         for index, (name, inertia, damping) in enumerate(drives):

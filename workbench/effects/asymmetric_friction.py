@@ -45,7 +45,9 @@ class AsymmetricFriction(Effect):
         rows = (-speed * up, -speed * down, -np.maximum(sign, 0.0), -np.minimum(sign, 0.0))
         return Response(np.stack([single(place, row, motion) for row in rows]))
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """A friction level of the tendon that depends on the speed."""
         assert place is not None
         parameters = tuple(values[p.name] for p in self.parameters)

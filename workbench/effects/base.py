@@ -145,7 +145,9 @@ class Effect:
         linear = [values[p.name] for p in self.parameters if p.name not in self.nonlinear]
         return np.array(linear, float), {name: values[name] for name in self.nonlinear}
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Put the effect into the MuJoCo spec and torque chain of `build`."""
         raise NotImplementedError
 
@@ -167,4 +169,3 @@ def single(place: Placement, torque: np.ndarray, motion: Motion) -> np.ndarray:
     By virtual work: tau_s = row^T torque, and tau_p = J^-T tau_s (paper, Eq. 4).
     """
     return torque[:, None] * (np.linalg.inv(motion.transmission).T @ place.row)[None, :]
-

@@ -48,12 +48,17 @@ def effect_named(name: str) -> Effect:
         InputError: there is none; lists the catalogue.
     """
     if name not in _BY_NAME:
-        raise InputError(f"no effect is called '{name}'", remedy=f"choose one of {', '.join(sorted(_BY_NAME))}")
+        raise InputError(
+            f"no effect is called '{name}'", remedy=f"choose one of {', '.join(sorted(_BY_NAME))}"
+        )
     return _BY_NAME[name]
 
 
 def places(model: Model) -> tuple[EffectKey, ...]:
-    """Every effect in every place where it could be added to this model."""
+    """Every effect in every place where it could be added to this model.
+
+    An effect that the model has may be added once more where its parameters may be wrong: increments add up.
+    """
     keys: list[EffectKey] = []
     for effect in EFFECTS:
         if effect.axes == "all":
@@ -65,8 +70,7 @@ def places(model: Model) -> tuple[EffectKey, ...]:
                 for location in effect.locations
                 if location == "actuator" or _pin_differs(model, index)
             ]
-        taken = {applied.key for applied in model.effects}
-        keys += [key for key in candidates if key not in taken and effect.applies(model, key)]
+        keys += [key for key in candidates if effect.applies(model, key)]
     return tuple(keys)
 
 

@@ -18,7 +18,10 @@ def load_model(path: str | Path) -> Model:
         InputError: anything wrong with the file or its effects, in one line.
     """
     model = read_model(path)
-    return replace(model, effects=tuple(check_effect(model, e) for e in model.effects))
+    checked = replace(model, effects=())
+    for applied in model.effects:
+        checked = checked.with_effect(check_effect(checked, applied))
+    return checked
 
 
 def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
@@ -38,7 +41,9 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
     if effect.axes == "all" and key.axis is not None:
         raise refuse(f"{effect.name} acts on all axes at once", f"leave '@{key.axis}' out")
     if key.location not in effect.locations:
-        raise refuse(f"{effect.name} cannot sit at the {key.location}", f"it sits at the {effect.locations[0]}")
+        raise refuse(
+            f"{effect.name} cannot sit at the {key.location}", f"it sits at the {effect.locations[0]}"
+        )
     if not effect.applies(model, key):
         raise refuse(f"{effect.name} does not apply to model '{model.name}'", f"it needs: {effect.shows}")
     known = {p.name: p for p in effect.parameters}

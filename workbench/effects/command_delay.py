@@ -40,6 +40,8 @@ class CommandDelay(Effect):
         rows, n = motion.position.shape
         return Response(np.zeros((0, rows, n)), offset=(late_mean - mean) * motion.gain, tap=late_at - at)
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Delay of the chain."""
         build.chain.delay_s += values["time"]

@@ -33,7 +33,9 @@ class CoulombFriction(Effect):
         _, speed, _ = motion.along(place)
         return Response(single(place, -smooth_sign(speed), motion)[None])
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Friction loss of the tendon."""
         assert place is not None
         build.spec.tendon(place.tendon).frictionloss += values["torque"]

@@ -12,7 +12,9 @@ from .chain import TorqueChain
 _STABLE = 1.5  # largest product of rate and step; Runge-Kutta 4 needs less than 2.78
 
 
-def set_friction_constraints(m: mujoco.MjModel, chain: TorqueChain, model: Model, kinds: tuple[str, ...]) -> None:
+def set_friction_constraints(
+    m: mujoco.MjModel, chain: TorqueChain, model: Model, kinds: tuple[str, ...]
+) -> None:
     """Choose the constraint's parameters of every tendon that has dry friction.
 
     Below its bound f the constraint acts like a damper: force = (b d / ((1 - d) A)) w, with A the inverse
@@ -28,13 +30,16 @@ def set_friction_constraints(m: mujoco.MjModel, chain: TorqueChain, model: Model
     """
     for ident in range(m.ntendon):
         name = m.tendon(ident).name
+        location, index = name.split(":")
+        row = model.transmission[int(index)] if location == "actuator" else np.eye(model.size)[int(index)]
+        slow = model.sliding_speed * (0.1 if kinds[int(np.argmax(np.abs(row)))] == "slide" else 1.0)
+        # a law may differ by direction, or be nothing but damping: what it is where sliding starts counts
+        around = slow * np.array([-1.0, 0.0, 1.0])
         loss = float(m.tendon_frictionloss[ident])
-        at_rest = [t for t in chain.friction if t.tendon == name]
-        loss += sum(float(np.max(t.law(np.zeros(1), np.zeros(1), *t.parameters))) for t in at_rest)
+        laws = [t for t in chain.friction if t.tendon == name]
+        loss += sum(float(np.max(t.law(around, np.zeros(3), *t.parameters))) for t in laws)
         if loss <= 0.0:
             continue
-        row = model.transmission[int(name.split(":")[1])]
-        slow = model.sliding_speed * (0.1 if kinds[int(np.argmax(np.abs(row)))] == "slide" else 1.0)
         rate = loss / slow * float(m.tendon_invweight0[ident])
         give = min(0.9, _STABLE / (rate * m.opt.timestep))
         impedance = 1.0 - give

@@ -45,5 +45,7 @@ class LinkageCoriolis(Effect):
         torque = np.stack([scale * w[:, 1] ** 2, -scale * w[:, 0] ** 2], -1)
         return Response(np.zeros((0, *torque.shape)), offset=torque)
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Nothing to do: the bodies of linkage_inertia bring the velocity terms."""

@@ -39,7 +39,7 @@ class LinkageGravity(Effect):
         """Two columns; no free coefficient where identification gave them."""
         columns = gravity_columns(motion)
         link = model.linkage
-        if link is not None and link.identified:
+        if link is not None and self.free(model) == 0:
             return Response(columns[:0], offset=np.tensordot([link.g1, link.g2], columns, axes=1))
         return Response(columns)
 
@@ -48,9 +48,12 @@ class LinkageGravity(Effect):
         return dict(zip(("g1", "g2"), map(float, coefficients), strict=False))
 
     def free(self, model: Model) -> int:
-        """None where identification gave the increments."""
-        return 0 if model.linkage and model.linkage.identified else 2
+        """None where identification gave the increments and the model has not used them yet."""
+        stated = model.linkage is not None and model.linkage.identified
+        return 0 if stated and not model.has(self.name) else 2
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Bodies that have weight and next to no mass."""
         add_gravity(build.spec, model, values["g1"], values["g2"])

@@ -45,7 +45,7 @@ class LinkageInertia(Effect):
         """Three columns; no free coefficient where identification gave them."""
         columns = inertia_columns(motion)
         link = model.linkage
-        if link is not None and link.identified:
+        if link is not None and self.free(model) == 0:
             fixed = np.tensordot([link.M11, link.M12, link.M22], columns, axes=1)
             return Response(columns[:0], offset=fixed)
         return Response(columns)
@@ -55,9 +55,12 @@ class LinkageInertia(Effect):
         return dict(zip(("M11", "M12", "M22"), map(float, coefficients), strict=False))
 
     def free(self, model: Model) -> int:
-        """None where identification gave the increments."""
-        return 0 if model.linkage and model.linkage.identified else 3
+        """None where identification gave the increments and the model has not used them yet."""
+        stated = model.linkage is not None and model.linkage.identified
+        return 0 if stated and not model.has(self.name) else 3
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Bodies that have inertia and no weight."""
         add_inertia(build.spec, model, values["M11"], values["M12"], values["M22"])

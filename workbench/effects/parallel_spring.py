@@ -46,7 +46,9 @@ class ParallelSpring(Effect):
         """k and k q0."""
         return np.array([values["stiffness"], values["stiffness"] * values["rest"]]), {}
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Stiffness of the tendon; a second spring on the same tendon adds to the first."""
         assert place is not None
         tendon = build.spec.tendon(place.tendon)

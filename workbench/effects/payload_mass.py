@@ -41,10 +41,12 @@ class PayloadMass(Effect):
         acceleration = np.einsum("kij,kj->ki", jacobian, motion.acceleration) + drift
         return Response(-np.einsum("kij,ki->kj", jacobian, acceleration - motion.gravity)[None])
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """A body at the site; no bigger than a point, but with an inertia that MuJoCo accepts."""
         site = build.spec.site(model.payload_site)
         mass = values["mass"]
-        body = site.parent.add_body(name="payload", pos=site.pos)
+        body = site.parent.add_body(pos=site.pos)
         body.explicitinertial, body.mass, body.ipos = True, mass, np.zeros(3)
         body.inertia = np.full(3, max(1e-9 * mass, 1e-14))

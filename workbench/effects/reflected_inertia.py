@@ -38,7 +38,9 @@ class ReflectedInertia(Effect):
         assert place is not None
         return np.array([-0.9 * model.actuators.inertia[place.index]]), np.array([np.inf])
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Armature of the tendon."""
         assert place is not None
         build.spec.tendon(place.tendon).armature += values["inertia"]

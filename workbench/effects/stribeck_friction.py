@@ -60,7 +60,9 @@ class StribeckFriction(Effect):
         plateau = values["coulomb"]
         return np.array([plateau, values["static"] - plateau]), {"speed": values["speed"]}
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """A friction level of the tendon that depends on the speed."""
         assert place is not None
         parameters = values["coulomb"], values["static"], values["speed"]

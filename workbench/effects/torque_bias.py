@@ -31,7 +31,9 @@ class TorqueBias(Effect):
         assert place is not None
         return Response(single(place, np.ones(len(motion.position)), motion)[None])
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Bias of the chain."""
         assert place is not None
         build.chain.bias[place.index] += values["torque"]

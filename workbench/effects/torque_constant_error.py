@@ -44,7 +44,9 @@ class TorqueConstantError(Effect):
         """The coefficient is the gain minus one."""
         return np.array([values["gain"] - 1.0]), {}
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Gain of the chain."""
         assert place is not None
         build.chain.gain[place.index] *= values["gain"]

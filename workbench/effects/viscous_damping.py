@@ -40,7 +40,9 @@ class ViscousDamping(Effect):
         own = model.actuators.damping[place.index] if place.location == "actuator" else 0.0
         return np.array([-own]), np.array([np.inf])
 
-    def install(self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]) -> None:
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
         """Damping of the tendon."""
         assert place is not None
         build.spec.tendon(place.tendon).damping[0] += values["damping"]

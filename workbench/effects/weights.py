@@ -24,21 +24,38 @@ def add_inertia(spec: mujoco.MjSpec, model: Model, m11: float, m12: float, m22: 
     A point mass m at the distance r along the shank gives m12 = m l1 r; what is missing then is rotary
     inertia of the two links. Any m between m12^2/(l1^2 m22) and m11/l1^2 does; the geometric mean is taken.
 
+    What is negative is taken from the links' own inertia.
+
     Raises:
-        SimulationError: the increments are not positive semidefinite, so no body has them.
+        SimulationError: a link would be left without inertia.
     """
     thigh, shank, along, length = _links(spec, model)
     low = (m12 / length) ** 2 / m22 if m22 > 0 else np.inf
     high = m11 / length**2
-    if not (m11 > 0 and m22 > 0 and low <= high * (1 + 1e-9)):
-        raise SimulationError(
-            f"linkage inertia M11={m11:.4g}, M12={m12:.4g}, M22={m22:.4g} kg m^2 is not positive semidefinite: "
-            "no body has it; identify it again or correct the serial tree"
-        )
-    mass = float(np.sqrt(max(low, 1e-3 * high) * high))
+    if 0 < low <= high:
+        mass = float(np.sqrt(low * high))
+    else:
+        mass = max(abs(m12) / (length * _ARM), _FEATHER)
     reach = m12 / (length * mass)
-    _body(thigh, "linkage_thigh", np.zeros(3), _FEATHER, m11 - mass * length**2, 1.0)
-    _body(shank, "linkage_shank", reach * along, mass, m22 - mass * reach**2, 1.0)
+    _turn(thigh, model.joints[0], m11 - mass * length**2)
+    _turn(shank, model.joints[1], m22 - mass * reach**2)
+    _body(shank, reach * along, mass, 0.0, 1.0)
+
+
+def _turn(link: mujoco.MjsBody, joint: str, inertia: float) -> None:
+    """Add rotary inertia to a link: as a body where it is positive, else by taking it from the link's own."""
+    if inertia >= 0.0:
+        _body(link, np.zeros(3), _FEATHER, inertia, 1.0)
+        return
+    x, y, z = np.asarray(link.inertia, float)
+    left = y + inertia
+    if not np.isfinite(left) or left <= 0.0:
+        raise SimulationError(
+            f"the linkage would take {-inertia:.4g} kg m^2 from the link of joint '{joint}', which has {y:.4g}: "
+            "no body has such an inertia; identify it again or correct the serial tree"
+        )
+    # the inertia about the other axes follows as far as a body's has to
+    link.inertia = np.array([np.clip(x, abs(left - z), left + z), left, z])
 
 
 def add_gravity(spec: mujoco.MjSpec, model: Model, g1: float, g2: float) -> None:
@@ -49,8 +66,8 @@ def add_gravity(spec: mujoco.MjSpec, model: Model, g1: float, g2: float) -> None
         raise SimulationError(f"model '{model.name}' has no gravity, so its linkage cannot have any")
     lower = g2 / _ARM
     upper = (g1 - lower * length) / _ARM
-    for parent, name, force in ((thigh, "weight_thigh", upper), (shank, "weight_shank", lower)):
-        _body(parent, name, _ARM * along, _FEATHER, 0.0, 1.0 - force / (_FEATHER * gravity))
+    for parent, force in ((thigh, upper), (shank, lower)):
+        _body(parent, _ARM * along, _FEATHER, 0.0, 1.0 - force / (_FEATHER * gravity))
 
 
 def _links(spec: mujoco.MjSpec, model: Model) -> tuple[mujoco.MjsBody, mujoco.MjsBody, np.ndarray, float]:
@@ -60,10 +77,8 @@ def _links(spec: mujoco.MjSpec, model: Model) -> tuple[mujoco.MjsBody, mujoco.Mj
     return thigh, shank, vector / length, length
 
 
-def _body(
-    parent: mujoco.MjsBody, name: str, pos: np.ndarray, mass: float, inertia: float, gravcomp: float
-) -> None:
-    body = parent.add_body(name=name, pos=pos, gravcomp=gravcomp)
+def _body(parent: mujoco.MjsBody, pos: np.ndarray, mass: float, inertia: float, gravcomp: float) -> None:
+    body = parent.add_body(pos=pos, gravcomp=gravcomp)
     body.explicitinertial, body.mass, body.ipos = True, mass, np.zeros(3)
     about = max(inertia, 1e-12)
     # a hinge feels only the inertia about its own axis; half of it about the others is a thin rod's

@@ -106,16 +106,10 @@ class Model:
 
     def has(self, effect: str, axis: str | None = None) -> bool:
         """Whether an effect of this name (on this axis, if given) is in the model."""
-        return any(
-            e.key.effect == effect and (axis is None or e.key.axis == axis) for e in self.effects
-        )
+        return any(e.key.effect == effect and (axis is None or e.key.axis == axis) for e in self.effects)
 
     def with_effect(self, effect: AppliedEffect) -> Model:
-        """A new model with this effect added; one of the same key is replaced in its place."""
-        keys = [e.key for e in self.effects]
-        if effect.key in keys:
-            kept = tuple(effect if e.key == effect.key else e for e in self.effects)
-            return replace(self, effects=kept)
+        """A new model with this effect added; effects of one key act one beside the other."""
         return replace(self, effects=(*self.effects, effect))
 
     def without_effect(self, key: EffectKey) -> Model:

@@ -64,7 +64,9 @@ def _resolve(file: Path, name: str, key: str) -> Path:
     for folder in (file.parent, models_folder()):
         if (folder / name).is_file():
             return (folder / name).resolve()
-    raise InputError(f"'{name}' does not exist", file=file, column=key, remedy="give a path relative to this file")
+    raise InputError(
+        f"'{name}' does not exist", file=file, column=key, remedy="give a path relative to this file"
+    )
 
 
 def _hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
@@ -87,7 +89,9 @@ def _hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
 def _per_axis(value: list[float] | float, n: int, file: Path, key: str) -> tuple[float, ...]:
     values = [value] * n if isinstance(value, (int, float)) else value
     if len(values) != n:
-        raise InputError(f"{len(values)} values for {n} axes", file=file, column=key, remedy="give one an axis")
+        raise InputError(
+            f"{len(values)} values for {n} axes", file=file, column=key, remedy="give one an axis"
+        )
     return tuple(float(v) for v in values)
 
 
@@ -165,7 +169,9 @@ def _effect(entry: EffectTable, axes: list[str], file: Path) -> AppliedEffect:
             remedy=f"axes are {', '.join(axes)}",
         )  # fmt: skip
     values = {
-        name: Estimate(p.value, p.std, p.unit) if isinstance(p, ParameterTable) else Estimate(float(p), 0.0, "")
+        name: Estimate(p.value, p.std, p.unit)
+        if isinstance(p, ParameterTable)
+        else Estimate(float(p), 0.0, "")
         for name, p in entry.parameters.items()
     }
     return AppliedEffect(EffectKey(entry.effect, entry.axis, entry.location), values)

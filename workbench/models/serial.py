@@ -13,6 +13,7 @@ from workbench.core import EffectKey
 from .model import Model
 from .read import load_mjcf
 
+
 @dataclass(frozen=True)
 class Placement:
     """Where an effect sits: a row of coefficients over the serial joints, and its actuator coordinates.
