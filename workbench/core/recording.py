@@ -108,7 +108,7 @@ class Recording:
     excitation: Excitation = field(default_factory=Excitation)
     timing: Timing = field(default_factory=Timing)
     rig: str = ""
-    valid: FloatArray | None = None
+    valid: FloatArray = None  # pyright: ignore[reportAssignmentType]  (None: all rows)
     derived: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     extra: Mapping[str, FloatArray] = field(default_factory=dict)
@@ -117,9 +117,7 @@ class Recording:
     def __post_init__(self) -> None:
         frozen = {k: _readonly(v) for k, v in self.signals.items()}
         object.__setattr__(self, "signals", MappingProxyType(frozen))
-        object.__setattr__(
-            self, "extra", MappingProxyType({k: _readonly(v) for k, v in self.extra.items()})
-        )
+        object.__setattr__(self, "extra", MappingProxyType({k: _readonly(v) for k, v in self.extra.items()}))
         object.__setattr__(self, "time", _readonly(self.time))
         valid = np.ones(len(self.time), bool) if self.valid is None else self.valid
         object.__setattr__(self, "valid", _readonly(np.asarray(valid, bool)))

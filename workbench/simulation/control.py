@@ -109,7 +109,9 @@ class Controllers:
             self.noise[i, 1, :rows] = noise.velocity_std * draw[1]
             self.resolution[i] = noise.resolution
 
-    def sample(self, first: int, last: int, active: int, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    def sample(
+        self, first: int, last: int, active: int, position: np.ndarray, velocity: np.ndarray
+    ) -> np.ndarray:
         """Torque command (active, last - first + 1, n) from substep `first` on, actuator coordinates.
 
         Args:

@@ -183,7 +183,9 @@ class _March:
         state, command = np.zeros((runs, 2 * n, count)), np.zeros((runs, n, count))
         transition, entry, torque, passing = self._stack()
         feedback = np.stack([loop.feedback for loop in loops])
-        period = np.array([e.controller.period_s or e.recording.period for e in (x.experiment for x in loops)])
+        period = np.array(
+            [e.controller.period_s or e.recording.period for e in (x.experiment for x in loops)]
+        )
         rate_by_ticks = np.array([loop.differentiates for loop in loops])[:, None, None]
         read = np.zeros((runs, n, count))
         gain = np.stack([loop.gain for loop in loops])[:, :, None]
@@ -191,7 +193,7 @@ class _March:
         ticks = np.zeros((runs, last.max() + 1), bool)
         for i, loop in enumerate(loops):
             ticks[i, loop.experiment.ticks] = True
-        any_tick = ticks.any(axis=0)
+        any_tick = np.any(ticks, axis=0)
         uniform = bool((ticks == ticks[0])[:, : last.min()].all())
         whole, fraction = self.whole, self.fraction[:, None, None]
         simple = bool((self.fraction == 0).all() and (whole == whole[0]).all())
@@ -204,7 +206,9 @@ class _March:
                 seen = state
                 if rate_by_ticks.any():
                     by_ticks = (state[:, :n] - read) / period[:, None, None]
-                    seen = np.concatenate([state[:, :n], np.where(rate_by_ticks, by_ticks, state[:, n:])], axis=1)
+                    seen = np.concatenate(
+                        [state[:, :n], np.where(rate_by_ticks, by_ticks, state[:, n:])], axis=1
+                    )
                     read = np.where(ticks[:, k, None, None], state[:, :n], read)
                 fresh = feedback @ seen
                 command = fresh if uniform else np.where(ticks[:, k, None, None], fresh, command)

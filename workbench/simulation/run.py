@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -41,8 +42,9 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
     """
     results: list[Recording | None] = [None] * len(runs)
     experiments = [prepare(run.recording, run.model) for run in runs]
-    for step in sorted({round(e.step, 12) for e in experiments}):
-        chosen = [i for i, e in enumerate(experiments) if round(e.step, 12) == step]
+    clocks = [(round(e.step, 12), run.model.size) for e, run in zip(experiments, runs, strict=True)]
+    for clock in sorted(set(clocks)):
+        chosen = [i for i, own in enumerate(clocks) if own == clock]
         # longest first, so that the runs still going are always a prefix
         chosen.sort(key=lambda i: -experiments[i].substeps)
         part = _march([runs[i] for i in chosen], [experiments[i] for i in chosen], strict)
@@ -56,11 +58,13 @@ def _march(runs: list[Run], experiments: list[Experiment], strict: bool) -> list
     plants = {id(r.model): r.model for r in runs}
     compiled = {key: compile_plant(model, step) for key, model in plants.items()}
     worlds = group_worlds([compiled[id(r.model)] for r in runs], experiments)
-    controllers = Controllers(runs[0].model.size, experiments, [r.noise for r in runs], [r.model for r in runs])
+    controllers = Controllers(
+        runs[0].model.size, experiments, [r.noise for r in runs], [r.model for r in runs]
+    )
     total = np.array([e.substeps for e in experiments])
     boundaries = np.unique(np.concatenate([*(e.ticks for e in experiments), np.unique(total)]))
     trace = _Trace(worlds, controllers, int(total[0]))
-    for first, last in zip(boundaries[:-1], boundaries[1:], strict=True):
+    for first, last in pairwise(boundaries):
         active = int(np.searchsorted(-total, -first, side="left"))
         trace.advance(int(first), int(last), active)
     if strict:
@@ -84,7 +88,9 @@ class _Trace:
     def advance(self, first: int, last: int, active: int) -> None:
         """Sample the controllers at substep `first` and step to `last`."""
         held = slice(self.pad + first, self.pad + last + 1)
-        now = self.controllers.sample(first, last, active, self.position[:active, first], self.velocity[:active, first])
+        now = self.controllers.sample(
+            first, last, active, self.position[:active, first], self.velocity[:active, first]
+        )
         self.command[:active, held] = now
         tap, torque = self.worlds.chain(self.command, first, last, active, self.pad)
         self.torque[:active, first : last + 1] = tap
@@ -100,8 +106,9 @@ class _Trace:
             if bad.any():
                 effects = ", ".join(str(e.key) for e in run.model.effects) or "no effects"
                 raise SimulationError(
-                    f"model '{run.model.name}' ({effects}) becomes unstable on recording '{run.recording.name}' "
-                    f"at {np.argmax(bad) * step:.3f} s; check its parameters, the controller gains and the delay"
+                    f"model '{run.model.name}' ({effects}) becomes unstable on recording "
+                    f"'{run.recording.name}' at {np.argmax(bad) * step:.3f} s; "
+                    "check its parameters, the controller gains and the delay"
                 )
 
     def recording(self, i: int, run: Run, e: Experiment) -> Recording:
@@ -123,5 +130,11 @@ class _Trace:
             "torque_measured": torque,
         }
         return replace(
-            run.recording, signals=signals, extra={}, derived=(), notes=(), name=run.recording.name, source=None
+            run.recording,
+            signals=signals,
+            extra={},
+            derived=(),
+            notes=(),
+            name=run.recording.name,
+            source=None,
         )

@@ -73,7 +73,9 @@ def _fuse(
         spectrum = (spectrum + weight * integral) / (1.0 + weight)
         noise = noise / (1.0 + weight)
     power = np.abs(spectrum) ** 2 / len(long)
-    level = np.convolve(np.pad(power, _SMOOTH, mode="edge"), np.ones(2 * _SMOOTH + 1) / (2 * _SMOOTH + 1), "valid")
+    level = np.convolve(
+        np.pad(power, _SMOOTH, mode="edge"), np.ones(2 * _SMOOTH + 1) / (2 * _SMOOTH + 1), "valid"
+    )
     gain = np.clip(1.0 - noise / np.maximum(level, 1e-300), 0.0, 1.0)
     # a lone bin that noise lifted above its level is not motion
     gain = np.where(level < 1.5 * noise, 0.0, gain)

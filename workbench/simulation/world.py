@@ -81,11 +81,13 @@ class _Group:
 class Worlds:
     """All groups behind one face; arrays are over the W runs, longest first."""
 
-    def __init__(self, groups: list[_Group], plants: Sequence[Plant], experiments: Sequence[Experiment]) -> None:
+    def __init__(
+        self, groups: list[_Group], plants: Sequence[Plant], experiments: Sequence[Experiment]
+    ) -> None:
         self.groups, self.count, self.size = groups, len(plants), plants[0].model.size
         step = experiments[0].step
-        # where the log already carries the delay it has been applied all the same, only before the log
-        delay = np.array([p.chain.delay_s for p in plants]) / step
+        # where a loop's log already carries the delay it has been applied all the same, only before the log
+        delay = np.array([e.delay(p.chain.delay_s, p.model) for p, e in zip(plants, experiments, strict=True)]) / step
         self.whole = np.floor(delay + 1e-9).astype(int)
         self.fraction = np.where(delay - self.whole > 1e-9, delay - self.whole, 0.0)[:, None, None]
         self.longest_delay = int(self.whole.max()) + 1
@@ -136,12 +138,11 @@ def group_worlds(plants: Sequence[Plant], experiments: Sequence[Experiment]) -> 
     groups: dict[tuple[object, ...], list[int]] = defaultdict(list)
     for i, plant in enumerate(plants):
         m = plant.mujoco
-        layout = (m.nq, m.nv, m.nbody, m.ngeom, m.nsite, m.ntendon, m.neq, m.nM, bool(plant.chain.friction))
+        counts = (m.nq, m.nv, m.nbody, m.ngeom, m.nsite, m.ntendon, m.neq, m.nM, bool(plant.chain.friction))
+        layout = (*counts, plant.model.serial, plant.model.joints, plant.model.transmission.tobytes())
         groups[layout].append(i)
     starts = np.stack([e.start for e in experiments])
-    made = [
-        _Group([plants[i] for i in ids], np.array(ids), starts[ids]) for ids in groups.values()
-    ]
+    made = [_Group([plants[i] for i in ids], np.array(ids), starts[ids]) for ids in groups.values()]
     return Worlds(made, plants, experiments)
 
 
@@ -160,7 +161,9 @@ def _spread(batch: Batch, models: list[mujoco.MjModel]) -> None:
 
 
 def _laws(plants: list[Plant], model: mujoco.MjModel) -> list[_Law]:
-    found: dict[tuple[str, Callable[..., np.ndarray]], list[tuple[int, tuple[float, ...]]]] = defaultdict(list)
+    found: dict[tuple[str, Callable[..., np.ndarray]], list[tuple[int, tuple[float, ...]]]] = defaultdict(
+        list
+    )
     for i, plant in enumerate(plants):
         for term in plant.chain.friction:
             found[term.tendon, term.law].append((i, term.parameters))
@@ -168,7 +171,9 @@ def _laws(plants: list[Plant], model: mujoco.MjModel) -> list[_Law]:
     for (tendon, law), entries in found.items():
         location, index = tendon.split(":")
         rows = [
-            plants[i].model.transmission[int(index)] if location == "actuator" else np.eye(plants[i].model.size)[int(index)]
+            plants[i].model.transmission[int(index)]
+            if location == "actuator"
+            else np.eye(plants[i].model.size)[int(index)]
             for i, _ in entries
         ]
         laws.append(
