@@ -14,7 +14,7 @@ from workbench.simulation import Run, check_axes, scored_torque, simulate
 
 from .inverse import inverse_dynamics, needs_inverse, simulate_inverse
 from .noise import DRAWS, NoiseModel, noise_seeds
-from .score import Scale, normalised, pooled, squares
+from .score import Scale, normalised, pooled, scored_signals, squares
 from .where import locate
 
 # A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
@@ -104,7 +104,7 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
     counts = [int(np.sum(r.valid)) for r in recordings]
     error_sums = [squares(r, s) for r, s in zip(recordings, simulated.clean, strict=True)]
     noise_sums = [
-        [squares(n, c) * np.isfinite(e) for n, c, e in zip(draw, simulated.clean, error_sums, strict=True)]
+        [squares(n, c, scored_signals(r)) for n, c, r in zip(draw, simulated.clean, recordings, strict=True)]
         for draw in simulated.noisy
     ]
     entries = []
@@ -128,6 +128,7 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
     draws_ms = np.stack([pooled(draw, counts) for draw in noise_sums])
     floors = np.array([normalised(ms, scale) for ms in draws_ms])
     error, floor, spread = normalised(error_ms, scale), float(floors.mean()), float(floors.std(ddof=1))
+    fine = consistent(error_ms, draws_ms, error, floors)
     return Comparison(
         model=model.name,
         axes=model.axes,
@@ -135,8 +136,8 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
         error=error,
         noise_error=floor,
         noise_error_std=spread,
-        consistent=consistent(error_ms, draws_ms, error, floors),
-        where=locate(entries, axis_units(model)),
+        consistent=fine,
+        where=() if fine else locate(entries, simulated.noisy, axis_units(model)),
         inverse_dynamics=inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels),
         notes=_notes(recordings),
     )

@@ -144,6 +144,9 @@ def simulate_inverse(
 ) -> InverseRuns:
     """Compare by inverse dynamics where the loop is not known: torque required against torque measured.
 
+    Acceleration is noise at high frequency, so that both are held against each other below `cutoff_hz`
+    only; above, and at the edges of a recording, the run shows the torque as it was measured.
+
     Raises:
         InputError: no torque was recorded either.
     """
@@ -156,14 +159,28 @@ def simulate_inverse(
                 "neither the loop nor a torque is known", file=r.source, column="controller",
                 remedy="describe the controller, or name the column of the torque",
             )  # fmt: skip
-        track = smooth_track(r, None, np.eye(model.size), noise.levels.position_std, noise.levels.velocity_std)
-        needed = required_torque(plant, track)
-        base = replace(r, signals={"position": r.position, "velocity": track.velocity, name: needed, "torque_command": needed})
+        to_actuator = np.eye(model.size) if r.coordinates == "actuator" else model.transmission
+        track = smooth_track(r, None, to_actuator, noise.levels.position_std, noise.levels.velocity_std)
+        back = np.linalg.inv(to_actuator).T
+        q, w = track.position @ back, track.velocity @ back
+        smooth = r.with_signals(position=q, velocity=w)
+        rest = _band_residual(plant, r, noise.levels)
+        floor = _band_residual(plant, smooth, noise.levels)
+        signals = {"position": r.position, "velocity": w, "torque_command": r.signals[name]}
+        base = replace(r, signals={**signals, name: r.signals[name] - rest})
         clean.append(base)
         for d, s in enumerate(seeds):
-            q, w, u = noise.draw(s).logged(track.position, track.velocity, needed)
-            seen = replace(r, signals={**r.signals, "position": q, "velocity": w})
-            again = smooth_track(seen, None, np.eye(model.size), noise.levels.position_std, noise.levels.velocity_std)
-            wobble = required_torque(plant, again) - needed
-            noisy[d].append(base.with_signals(**{"position": base.position, name: u + wobble}))
+            read, speed, torque = noise.draw(s).logged(q, w, r.signals[name])
+            seen = smooth.with_signals(position=read, velocity=speed)
+            if name == "torque_measured":
+                seen = seen.with_signals(torque_measured=torque)
+            wobble = _band_residual(plant, seen, noise.levels) - floor
+            noisy[d].append(base.with_signals(**{name: base.signals[name] + wobble}))
     return InverseRuns(tuple(clean), tuple(tuple(d) for d in noisy), noise)
+
+
+def _band_residual(plant: Plant, recording: Recording, levels: NoiseLevels) -> np.ndarray:
+    """Measured minus required torque below `cutoff_hz`, (N, n), recording's coordinates; zero at the edges."""
+    measured, needed, valid = torque_pair(plant, recording, None, levels)
+    to_actuator = np.eye(plant.model.size) if recording.coordinates == "actuator" else plant.model.transmission
+    return np.where(valid[:, None], measured - needed, 0.0) @ to_actuator

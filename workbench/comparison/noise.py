@@ -23,7 +23,9 @@ def rig_noise(recordings: Sequence[Recording]) -> NoiseLevels:
         known = np.isfinite(values).any(axis=0)
         return np.where(known, np.nanmedian(np.where(known, values, 0.0), axis=0), np.nan)
 
-    return NoiseLevels(*(middle(n) for n in ("position_resolution", "position_std", "velocity_std", "torque_std")))
+    return NoiseLevels(
+        *(middle(n) for n in ("position_resolution", "position_std", "velocity_std", "torque_std"))
+    )
 
 
 @dataclass(frozen=True)
@@ -57,4 +59,3 @@ def noise_seeds(recordings: int, draws: int, seed: int) -> list[list[int]]:
     """Distinct seeds, one list a draw with one number a recording."""
     children = np.random.SeedSequence(seed).generate_state(recordings * draws)
     return [[int(s) for s in children[d * recordings : (d + 1) * recordings]] for d in range(draws)]
-

@@ -52,10 +52,13 @@ def pooled_std(recordings: Sequence[Recording], kind: str) -> np.ndarray:
     return np.where(np.ptp(values, axis=0) > 0, std, np.nan)
 
 
-def squares(measured: Recording, simulated: Recording) -> np.ndarray:
-    """Sums of squared differences over valid rows, (2, n): position, torque; NaN where not measured."""
+def squares(measured: Recording, simulated: Recording, names: Sequence[str] | None = None) -> np.ndarray:
+    """Sums of squared differences over valid rows, (2, n): position, torque; NaN where not measured.
+
+    `names` are the signals to take; by default those that `measured` is scored on.
+    """
     out = np.full((2, measured.position.shape[1]), np.nan)
-    for k, name in enumerate(scored_signals(measured)):
+    for k, name in enumerate(scored_signals(measured) if names is None else names):
         difference = measured.signals[name] - simulated.signals[name]
         out[k] = np.sum(difference[measured.valid] ** 2, axis=0)
     return out

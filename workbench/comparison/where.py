@@ -7,86 +7,110 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import welch
 
-from workbench.core import RecordingError, Share
+from workbench.core import Recording, RecordingError, Share
 
 from .score import scored_signals
 
 _BINS = 8
-_SPEEDS = "speed"
+_SMALLEST = 0.02  # share worth a line
 
 
-def locate(errors: Sequence[RecordingError], units: Sequence[str], keep: int = 8) -> tuple[Share, ...]:
+def locate(
+    errors: Sequence[RecordingError],
+    noisy: Sequence[Sequence[Recording]],
+    units: Sequence[str],
+    keep: int = 8,
+) -> tuple[Share, ...]:
     """The intervals that hold most of the excess squared error of each axis and signal.
 
-    Shares are of all squared error above the noise, position and torque each normalised by its noise, so
-    that they can be added up over axes and signals within one quantity.
+    Position and torque are each normalised by their noise, and what the noisy simulations leave in the
+    same interval is subtracted, so that within one quantity shares add up to 1 over axes and signals.
 
     Args:
         errors: recordings with their simulations and noise.
+        noisy: simulations with noise, one list a draw.
         units: ``rad`` or ``m`` per axis.
         keep: number of shares to return, largest first.
     """
     axes = errors[0].recording.axes
+    edges = _bands(max(1.0 / e.recording.period for e in errors))
     tables: dict[tuple[str, str, str], tuple[np.ndarray, np.ndarray]] = {}
-    total = 0.0
-    for kind, name in enumerate(("position", "torque")):
+    for kind, signal in enumerate(("position", "torque")):
         for i, axis in enumerate(axes):
-            parts = [_series(e, kind, i) for e in errors]
+            draws = [[draw[k] for draw in noisy] for k in range(len(errors))]
+            parts = [_Series.of(e, made, kind, i) for e, made in zip(errors, draws, strict=True)]
             parts = [p for p in parts if p is not None]
             if not parts:
                 continue
-            residual2 = np.concatenate([p[0] ** 2 - 1.0 for p in parts])
-            total += max(float(residual2.sum()), 0.0)
-            for quantity, column in ((_SPEEDS, 1), ("position", 2), ("time", 3)):
-                values = np.concatenate([p[column] for p in parts])
-                tables[axis, name, quantity] = _bins(values, residual2)
-            tables[axis, name, "frequency"] = _spectrum([(p[0], e) for p, e in zip(parts, errors, strict=False)])
-    if total <= 0.0:
-        return ()
+            above = np.concatenate([p.above for p in parts])
+            for quantity in ("speed", "position", "time"):
+                values = np.concatenate([getattr(p, quantity) for p in parts])
+                tables[axis, signal, quantity] = _bins(values, above)
+            tables[axis, signal, "frequency"] = edges, sum((p.spectrum(edges) for p in parts), np.zeros(_BINS))
     shares = []
-    for (axis, name, quantity), (edges, excess) in tables.items():
-        unit = units[list(axes).index(axis)]
-        label = {_SPEEDS: f"{unit}/s", "position": unit, "time": "s", "frequency": "Hz"}[quantity]
-        for k in np.flatnonzero(excess > 0.02 * total):
-            shares.append(
-                Share(axis, name, quantity, (float(edges[k]), float(edges[k + 1])), label, float(excess[k] / total))
-            )
-    # one line a quantity first, then the rest by size
+    for chosen in ("speed", "position", "time", "frequency"):
+        one = {key: table for key, table in tables.items() if key[2] == chosen}
+        total = sum(float(np.maximum(excess, 0.0).sum()) for _, excess in one.values())
+        for (axis, signal, quantity), (at, excess) in one.items():
+            unit = units[list(axes).index(axis)]
+            label = {"speed": f"{unit}/s", "position": unit, "time": "s", "frequency": "Hz"}[quantity]
+            for k in np.flatnonzero(excess > _SMALLEST * total):
+                between = float(at[k]), float(at[k + 1])
+                shares.append(Share(axis, signal, quantity, between, label, float(excess[k] / total)))
     shares.sort(key=lambda s: -s.share)
     return tuple(shares[:keep])
 
 
-def _series(e: RecordingError, kind: int, axis: int) -> tuple[np.ndarray, ...] | None:
-    names = scored_signals(e.recording)
-    if kind >= len(names):
-        return None
-    noise = (e.position_noise, e.torque_noise)[kind][axis]
-    valid = e.recording.valid
-    residual = (e.recording.signals[names[kind]] - e.simulated.signals[names[kind]])[valid, axis]
-    if not np.isfinite(noise) or noise <= 0:
-        return None
-    speed = e.simulated.signals["velocity"][valid, axis]
-    return residual / noise, speed, e.recording.position[valid, axis], e.recording.time[valid]
+class _Series:
+    """One axis and signal of one recording: squared residual above the noise, row by row.
+
+    `residual` (N,) and `wobbles` (draws, N) are in units of the noise's root mean square; `speed`,
+    `position`, `time`, each (N,), say where a row lies.
+    """
+
+    def __init__(self, e: RecordingError, residual: np.ndarray, wobbles: np.ndarray, axis: int) -> None:
+        valid = e.recording.valid
+        self.residual, self.wobbles = residual, wobbles
+        self.rate = 1.0 / e.recording.period
+        self.speed = e.simulated.signals["velocity"][valid, axis]
+        self.position = e.recording.position[valid, axis]
+        self.time = e.recording.time[valid]
+        self.above = residual**2 - np.mean(wobbles**2, axis=0)
+
+    @staticmethod
+    def of(e: RecordingError, noisy: Sequence[Recording], kind: int, axis: int) -> _Series | None:
+        """None where the signal was not measured or has no noise to be held against."""
+        names = scored_signals(e.recording)
+        if kind >= len(names):
+            return None
+        noise = (e.position_noise, e.torque_noise)[kind][axis]
+        if not np.isfinite(noise) or noise <= 0:
+            return None
+        valid, name = e.recording.valid, names[kind]
+        clean = e.simulated.signals[name][valid, axis]
+        wobbles = np.stack([n.signals[name][valid, axis] - clean for n in noisy])
+        return _Series(e, (e.recording.signals[name][valid, axis] - clean) / noise, wobbles / noise, axis)
+
+    def spectrum(self, edges: np.ndarray) -> np.ndarray:
+        """Squared residual above the noise in each frequency band, (bands,)."""
+        noise = np.mean([self._power(w, edges) for w in self.wobbles], axis=0)
+        return self._power(self.residual, edges) - noise
+
+    def _power(self, values: np.ndarray, edges: np.ndarray) -> np.ndarray:
+        f, density = welch(values, fs=self.rate, nperseg=min(len(values), 4096), detrend=False)
+        index = np.clip(np.searchsorted(edges, f, side="right") - 1, 0, _BINS - 1)
+        return np.bincount(index, weights=density * (f[1] - f[0]) * len(values), minlength=_BINS)
+
+
+def _bands(rate: float) -> np.ndarray:
+    """Edges of the frequency bands [Hz], from zero to half the row rate."""
+    return np.concatenate([[0.0], np.geomspace(rate / 2000.0, rate / 2.0, _BINS)])
 
 
 def _bins(values: np.ndarray, excess: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Edges between intervals that hold equally many rows, and the excess in each."""
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
     if len(edges) < 2:
         return np.array([values[0], values[0]]), np.array([excess.sum()])
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
     return edges, np.bincount(index, weights=excess, minlength=len(edges) - 1)
-
-
-def _spectrum(parts: list[tuple[np.ndarray, RecordingError]]) -> tuple[np.ndarray, np.ndarray]:
-    rate = 1.0 / parts[0][1].recording.period
-    edges = np.concatenate([[0.0], np.geomspace(rate / 2000.0, rate / 2.0, _BINS)])
-    excess = np.zeros(_BINS)
-    for residual, _ in parts:
-        length = min(len(residual), 4096)
-        f, density = welch(residual, fs=rate, nperseg=length, detrend=False)
-        power = density * (f[1] - f[0]) * len(residual)
-        index = np.clip(np.searchsorted(edges, f, side="right") - 1, 0, _BINS - 1)
-        excess += np.bincount(index, weights=power, minlength=_BINS)
-    # noise is taken as spread over the band; it is small where excess is worth naming
-    excess -= np.diff(edges) / edges[-1] * sum(len(r) for r, _ in parts)
-    return edges, np.maximum(excess, 0.0)

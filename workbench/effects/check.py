@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from workbench.core import Estimate, InputError
-from workbench.models import AppliedEffect, Model, joint_kinds, read_model
+from workbench.models import AppliedEffect, Model, Placement, joint_kinds, read_model
 
 from .catalogue import effect_named
 
@@ -58,11 +60,19 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
         estimate = applied.parameters[name]
         lower = parameter.lower if name not in ("damping", "inertia") else -float("inf")
         if not lower <= estimate.value <= parameter.upper:
+            allowed = f"{lower:g} to {parameter.upper:g} {unit}"
             raise refuse(
-                f"{effect.name}: {name} = {estimate.value:g} lies outside {lower:g} to {parameter.upper:g} {unit}",
+                f"{effect.name}: {name} = {estimate.value:g} lies outside {allowed}",
                 "give a value that a body can have",
             )
         checked[name] = Estimate(estimate.value, estimate.std, unit)
+    coefficients, _ = effect.to_coefficients({name: e.value for name, e in checked.items()})
+    low, high = effect.bounds(model, Placement.of(model, key))
+    slack = 1e-9 * np.maximum(1.0, np.abs(coefficients))
+    if np.any(coefficients < low - slack) or np.any(coefficients > high + slack):
+        given = ", ".join(f"{name} = {e.value:g}" for name, e in checked.items())
+        limits = ", ".join(f"{a:g} to {b:g}" for a, b in zip(low, high, strict=True))
+        raise refuse(f"{effect.name}: {given} is beyond what a body can have", f"limits are {limits}")
     return AppliedEffect(key, checked)
 
 

@@ -30,7 +30,9 @@ def set_friction_constraints(
     """
     for ident in range(m.ntendon):
         name = m.tendon(ident).name
-        location, index = name.split(":")
+        location, _, index = name.partition(":")
+        if location not in ("actuator", "joint") or not index.isdecimal():
+            continue  # a tendon of the MJCF's own
         row = model.transmission[int(index)] if location == "actuator" else np.eye(model.size)[int(index)]
         slow = model.sliding_speed * (0.1 if kinds[int(np.argmax(np.abs(row)))] == "slide" else 1.0)
         # a law may differ by direction, or be nothing but damping: what it is where sliding starts counts

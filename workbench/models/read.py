@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -57,13 +58,16 @@ def load_mjcf(path: Path) -> mujoco.MjSpec:
     try:
         return mujoco.MjSpec.from_file(str(path))
     except (ValueError, mujoco.FatalError) as error:
-        raise InputError(f"MuJoCo cannot read this MJCF: {error}", file=path) from error
+        raise InputError(
+            f"MuJoCo cannot read this MJCF: {error}", file=path, remedy="correct what it names"
+        ) from error
 
 
 def _resolve(file: Path, name: str, key: str) -> Path:
     for folder in (file.parent, models_folder()):
-        if (folder / name).is_file():
-            return (folder / name).resolve()
+        with contextlib.suppress(OSError):  # a name longer than the system allows
+            if (folder / name).is_file():
+                return (folder / name).resolve()
     raise InputError(
         f"'{name}' does not exist", file=file, column=key, remedy="give a path relative to this file"
     )
@@ -82,7 +86,13 @@ def _hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
             raise InputError("a joint has no name", file=file, remedy="name every joint")
         names.append(joint.name)
     if not names:
-        raise InputError("the MJCF has no joints", file=file)
+        raise InputError("the MJCF has no joints", file=file, remedy="give a tree with hinge or slide joints")
+    try:
+        spec.compile()
+    except ValueError as error:
+        raise InputError(
+            f"MuJoCo cannot compile this MJCF: {error}", file=file, remedy="correct what it names"
+        ) from error
     return names
 
 
@@ -111,16 +121,23 @@ def _from_table(table: ModelTable, file: Path) -> Model:
     if len(set(axes)) != n or len(set(joints)) != len(joints):
         raise InputError("a name stands twice", file=file, column="axes", remedy="name each axis once")
     given = table.transmission.matrix if table.transmission else None
-    matrix = np.eye(n) if given is None else np.array([row + [0.0] * (len(row) == 0) for row in given], float)
-    if len(joints) != n or matrix.shape != (n, n):
+    rows = np.eye(n).tolist() if given is None else given
+    if n == 0 or len(joints) != n or len(rows) != n or any(len(row) != n for row in rows):
         raise InputError(
-            f"{n} axes, {len(joints)} joints and a matrix of shape {matrix.shape}", file=file,
+            f"{n} axes, {len(joints)} joints and matrix rows of {[len(row) for row in rows]} numbers", file=file,
             column="transmission", remedy="the matrix must be square, one row an axis and one column a joint",
         )  # fmt: skip
-    if np.linalg.cond(matrix) > 1e9:
-        raise InputError("the transmission matrix is singular", file=file, column="transmission.matrix")
+    matrix = np.array(rows, float)
+    if not np.linalg.cond(matrix) < 1e9:
+        raise InputError(
+            "the transmission matrix is singular", file=file, column="transmission.matrix",
+            remedy="its rows must be independent: each drive moves what no mixture of the others does",
+        )  # fmt: skip
     if table.payload and all(site.name != table.payload.site for site in spec.sites):
-        raise InputError(f"the MJCF has no site '{table.payload.site}'", file=file, column="payload.site")
+        raise InputError(
+            f"the MJCF has no site '{table.payload.site}'", file=file, column="payload.site",
+            remedy=f"sites are {', '.join(s.name for s in spec.sites if s.name) or 'none: add one'}",
+        )  # fmt: skip
     linkage = Linkage(**table.linkage.model_dump()) if table.linkage else None
     structural = VARIANTS[table.variant]
     if linkage is None and set(structural) & set(_LINKAGE_KEYS):
@@ -186,6 +203,13 @@ def _controller(table: ModelTable, n: int, file: Path) -> Controller:
         for key in ("kp", "kd", "kv", "gain", "limit")
         if getattr(c, key) != []
     }
+    needed = {"pd": ("kp", "kd"), "cascade_pv": ("kp", "kv", "gain")}.get(c.kind, ())
+    for key in needed:
+        if key not in per_axis:
+            raise InputError(
+                f"controller of kind '{c.kind}' has no {key}", file=file, column=f"controller.{key}",
+                remedy=f"give {', '.join(needed)}, one value an axis",
+            )  # fmt: skip
     return Controller(kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, **per_axis)
 
 
@@ -203,12 +227,15 @@ def write_model(model: Model, path: str | Path, *, force: bool = False) -> None:
 
 def model_table(model: Model, folder: Path) -> dict[str, Any]:
     """The model as the nested tables of a model file that lies in `folder`."""
-    skip = len(VARIANTS[model.variant])
+    # a structural effect that was taken out or given other values makes it no longer that variant
+    inside = tuple(structural_effect(name, model.linkage) for name in VARIANTS[model.variant])
+    variant = model.variant if model.effects[: len(inside)] == inside else "kin_only"
+    skip = len(VARIANTS[variant])
     table: dict[str, Any] = {
         "format": 1,
         "name": model.name,
         "serial": _relative(model.serial, folder),
-        "variant": model.variant,
+        "variant": variant,
         "axes": list(model.axes),
         "transmission": {"joints": list(model.joints), "matrix": model.transmission.tolist()},
         "actuators": {
@@ -249,6 +276,7 @@ def _effect_table(effect: AppliedEffect) -> dict[str, Any]:
 def _relative(path: Path, folder: Path) -> str:
     """A path that is found again: in the shipped models, beside the new file, or absolute."""
     for root in (models_folder().resolve(), folder):
-        if path.is_relative_to(root):
+        # one of the same name beside the new file would be found first
+        if path.is_relative_to(root) and (root == folder or not (folder / path.relative_to(root)).exists()):
             return path.relative_to(root).as_posix()
     return path.as_posix()

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeFloat, PositiveFloat
 
 from .model import VARIANTS
+
+
+_Quantity = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+_Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
 class _Table(BaseModel):
@@ -23,10 +27,10 @@ class TransmissionTable(_Table):
 class ActuatorTable(_Table):
     """``[actuators]``: one value an axis, or one for all."""
 
-    inertia: list[NonNegativeFloat] | NonNegativeFloat = 0.0
-    damping: list[NonNegativeFloat] | NonNegativeFloat = 0.0
+    inertia: list[_Quantity] | _Quantity = 0.0
+    damping: list[_Quantity] | _Quantity = 0.0
     torque_limit: list[PositiveFloat] | PositiveFloat = float("inf")
-    delay_s: NonNegativeFloat = 0.0
+    delay_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
 
 
 class ControllerTable(_Table):
@@ -39,7 +43,7 @@ class ControllerTable(_Table):
     kv: list[FiniteFloat] | FiniteFloat = []
     gain: list[FiniteFloat] | FiniteFloat = []
     limit: list[PositiveFloat] | PositiveFloat = []
-    period_s: PositiveFloat | None = None
+    period_s: _Positive | None = None
 
 
 class LinkageTable(_Table):
@@ -70,7 +74,7 @@ class ParameterTable(_Table):
 class FrictionTable(_Table):
     """``[friction]``: how dry friction sets in."""
 
-    sliding_speed: PositiveFloat = 0.0005
+    sliding_speed: _Positive = 0.0005
 
 
 class EffectTable(_Table):

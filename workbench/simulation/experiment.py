@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -26,6 +27,8 @@ class Experiment:
         reference, reference_rate: (N, n) in controller coordinates (zeros for an open loop).
         feedforward: (N, n) in actuator coordinates.
         replayed: (N, n) torque command in actuator coordinates for an open loop, else None.
+        behind: which delays the replayed torque has behind it already: ``"none"``, the model's own
+            (``"motor"``), or ``"all"`` (it was measured at the drive).
         start: initial q_s and its rate, (2, n).
         to_actuator: (n, n), recording coordinates to actuator coordinates for positions.
     """
@@ -41,11 +44,17 @@ class Experiment:
     replayed: np.ndarray | None
     start: np.ndarray
     to_actuator: np.ndarray
+    behind: Literal["none", "motor", "all"] = "none"
 
     @property
     def substeps(self) -> int:
         """Number of substeps K from the first row to the last."""
         return (len(self.recording) - 1) * self.stride
+
+    def delay(self, total: float, model: Model) -> float:
+        """What of the chain's `total` delay [s] still lies between the replayed torque and the mechanism."""
+        gone = {"none": 0.0, "motor": model.actuators.delay_s, "all": total}[self.behind]
+        return max(total - gone, 0.0)
 
 
 def prepare(recording: Recording, model: Model) -> Experiment:
@@ -71,14 +80,16 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         values = recording.get(signal)
         return None if values is None else values @ torque_to_actuator.T
 
-    replayed = None
+    replayed, behind = None, "none"
     feedforward = torque("torque_feedforward")
     reference = recording.get("position_reference")
     if controller.kind == "none":
         replayed = torque("torque_command")
+        behind = "motor" if recording.timing.delay == "loop" else "none"
         if replayed is None:
-            replayed = torque("torque_measured")
+            replayed, behind = torque("torque_measured"), "all"
         if replayed is None:
+            behind = "none"
             replayed = feedforward
         if replayed is None:
             raise InputError(
@@ -105,6 +116,7 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         replayed=replayed,
         start=_start(recording, controller, reference, to_actuator, j),
         to_actuator=to_actuator,
+        behind=behind,
     )
 
 
@@ -162,8 +174,12 @@ def _first_rows(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarra
     t = recording.time[:rows]
     basis = np.stack([np.ones(rows), t, t**2], axis=1)
     solution, *_ = np.linalg.lstsq(basis, recording.position[:rows], rcond=None)
+    # how far the motion is from a parabola shows in what half of the rows say
+    half, *_ = np.linalg.lstsq(basis[: rows // 2], recording.position[: rows // 2], rcond=None)
+    bent = np.abs(solution - half)[:2]
     steps = np.abs(np.diff(recording.position, axis=0))
     smallest = [float(np.min(s[s > 0], initial=1e-9)) for s in steps.T]
     scatter = np.maximum((recording.position[:rows] - basis @ solution).std(axis=0), smallest)
     spread = np.sqrt(np.diag(np.linalg.inv(basis.T @ basis)))[:2]
-    return solution[0], solution[1], spread[:, None] * scatter[None, :] + scatter[None, :] * np.array([[1.0], [0.0]])
+    doubt = spread[:, None] * scatter[None, :] + scatter[None, :] * np.array([[1.0], [0.0]])
+    return solution[0], solution[1], doubt + bent
