@@ -1,7 +1,7 @@
 # Everything from a bare checkout: needs Python 3.11 or later, git and make; each target sets up what it needs.
 PYTHON ?= python3
 WORKERS ?= 2
-DEMO_SEED ?= 1
+DEMO_SEED ?= 0
 BIN := .venv/bin
 STAMP := .venv/.installed
 

@@ -1,0 +1,67 @@
+"""Every command in the documentation runs, in order, and prints what the page shows.
+
+In a ``console`` block a line that begins with ``$`` is run; ``# exit 1`` behind it says how it ends. Lines
+below it are found in what it prints, spaces and line breaks aside; ``…`` stands for anything. A ``toml NAME``
+or ``xml NAME`` block is written to that file first. All blocks of a page share one empty folder.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workbench.core.paths import models_folder
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+BLOCK = re.compile(r"^```(?P<kind>\w+)(?: (?P<name>\S+))?\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def blocks(page: Path) -> list[tuple[str, str | None, str]]:
+    found = [(b["kind"], b["name"], b["text"]) for b in BLOCK.finditer(page.read_text(encoding="utf-8"))]
+    return [b for b in found if b[0] == "console" or (b[0] in ("toml", "xml") and b[1])]
+
+
+@pytest.mark.parametrize(
+    "page", [p for p in PAGES if any(b[0] == "console" for b in blocks(p))], ids=lambda p: p.name
+)
+def test_commands_of_a_page_run_in_order(page: Path, tmp_path: Path) -> None:
+    for kind, name, text in blocks(page):
+        if kind != "console":
+            assert name is not None
+            (tmp_path / name).write_text(text, encoding="utf-8")
+            continue
+        for step in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
+            command, _, shown = step.partition("\n")
+            run(command, shown, tmp_path)
+
+
+def run(command: str, shown: str, folder: Path) -> None:
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    # documented commands are ours: the shell expands their patterns as a reader's does
+    done = subprocess.run(
+        ["bash", "-c", command],
+        cwd=folder,
+        env={**os.environ, "PATH": path, "COLUMNS": "120", "OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+    )
+    expected = re.search(r"# exit (\d)", command)
+    said = f"{command}\n{done.stdout}\n{done.stderr}"
+    assert done.returncode == (int(expected[1]) if expected else 0), said
+    printed = " ".join((done.stdout + done.stderr).split())
+    wanted = [" ".join(line.split()) for line in shown.splitlines() if line.strip()]
+    pattern = " ?".join(re.escape(line).replace("…", ".*?") for line in wanted)
+    assert re.search(pattern, printed), f"the page shows:\n{shown}\nbut it is:\n{said}"
+
+
+def test_names_in_the_pages_exist() -> None:
+    """Links lead to files, and shipped models that a page names are there."""
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"
+    assert (models_folder() / "leg_kin_only.toml").is_file()
