@@ -35,8 +35,8 @@ def set_friction_constraints(
             continue  # a tendon of the MJCF's own
         row = model.transmission[int(index)] if location == "actuator" else np.eye(model.size)[int(index)]
         slow = model.sliding_speed * (0.1 if kinds[int(np.argmax(np.abs(row)))] == "slide" else 1.0)
-        # a law may differ by direction, or be nothing but damping: what it is where sliding starts counts
-        around = slow * np.array([-1.0, 0.0, 1.0])
+        # a law may differ by direction, or be nothing but damping, which the constraint must not soften
+        around = 10.0 * slow * np.array([-1.0, 0.0, 1.0])
         loss = float(m.tendon_frictionloss[ident])
         laws = [t for t in chain.friction if t.tendon == name]
         loss += sum(float(np.max(t.law(around, np.zeros(3), *t.parameters))) for t in laws)
