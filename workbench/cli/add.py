@@ -18,10 +18,22 @@ from .common import ForceOption, ModelArgument, QuietOption, check_outputs
 @app.command()
 def add(
     model: ModelArgument,
-    effect: Annotated[str | None, typer.Argument(metavar="EFFECT[@AXIS]", help="Effect, e.g. coulomb_friction@knee; @AXIS(joint) for the pin.")] = None,
-    values: Annotated[list[str] | None, typer.Argument(metavar="name=value...", help="Parameters, SI.")] = None,
+    effect: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="EFFECT[@AXIS]", help="Effect, e.g. coulomb_friction@knee; @AXIS(joint) for the pin."
+        ),
+    ] = None,
+    values: Annotated[
+        list[str] | None, typer.Argument(metavar="name=value...", help="Parameters, SI.")
+    ] = None,
     output: Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The new model file.")] = "",
-    diagnosis: Annotated[str | None, typer.Option("--from", metavar="DIAGNOSIS", help="Take parameters (or all findings) from a diagnosis' JSON.")] = None,
+    diagnosis: Annotated[
+        str | None,
+        typer.Option(
+            "--from", metavar="DIAGNOSIS", help="Take parameters (or all findings) from a diagnosis' JSON."
+        ),
+    ] = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -98,14 +110,19 @@ def read_findings(path: str) -> list[Any]:
         found = [
             AppliedEffect(
                 EffectKey(row["effect"], row["axis"], row.get("location", "actuator")),
-                {k: Estimate(float(v["value"]), float(v["std"]), v["unit"]) for k, v in row["parameters"].items()},
+                {
+                    k: Estimate(float(v["value"]), float(v["std"]), v["unit"])
+                    for k, v in row["parameters"].items()
+                },
             )
             for row in rows
         ]
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=path) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError("not the JSON of a diagnosis", file=path, remedy="make it with 'diagnose --json'") from error
+        raise InputError(
+            "not the JSON of a diagnosis", file=path, remedy="make it with 'diagnose --json'"
+        ) from error
     if not found:
         raise InputError("the diagnosis has no findings", file=path, remedy="nothing is to be added")
     return found

@@ -13,13 +13,23 @@ import typer
 from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording
 from workbench.core.files import check_free
 
-ModelArgument = Annotated[str, typer.Argument(metavar="MODEL", help="Model file (.toml or .xml), or a shipped model's name.")]
+ModelArgument = Annotated[
+    str, typer.Argument(metavar="MODEL", help="Model file (.toml or .xml), or a shipped model's name.")
+]
 RecordingsArgument = Annotated[list[str], typer.Argument(metavar="REC...", help="Recording files (.toml).")]
 HoldoutOption = Annotated[
-    list[str] | None, typer.Option("--holdout", metavar="REC", help="Recording that judges and is not fitted; may be given again.")
+    list[str] | None,
+    typer.Option(
+        "--holdout", metavar="REC", help="Recording that judges and is not fitted; may be given again."
+    ),
 ]
-JsonOption = Annotated[str | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output.")]
-HtmlOption = Annotated[str | None, typer.Option("--html", metavar="FILE", help="Write the result as a self-contained page.")]
+JsonOption = Annotated[
+    str | None,
+    typer.Option("--json", metavar="FILE", help="Write the result as JSON; - for standard output."),
+]
+HtmlOption = Annotated[
+    str | None, typer.Option("--html", metavar="FILE", help="Write the result as a self-contained page.")
+]
 ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite outputs that exist.")]
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the noise simulations.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
@@ -40,7 +50,9 @@ def read_recordings(paths: Sequence[str]) -> list[Recording]:
     return load_recordings(list(paths))
 
 
-def read_pair(training: Sequence[str], held_out: Sequence[str] | None) -> tuple[list[Recording], list[Recording]]:
+def read_pair(
+    training: Sequence[str], held_out: Sequence[str] | None
+) -> tuple[list[Recording], list[Recording]]:
     """Recordings to fit and to judge by.
 
     Raises:

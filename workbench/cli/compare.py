@@ -28,7 +28,10 @@ def compare(
     recordings: RecordingsArgument,
     json: JsonOption = None,
     html: HtmlOption = None,
-    fail_above: Annotated[float | None, typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 where the error is larger.")] = None,
+    fail_above: Annotated[
+        float | None,
+        typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 where the error is larger."),
+    ] = None,
     seed: SeedOption = 0,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -46,7 +49,13 @@ def compare(
         tell("simulating the recordings, with and without noise")
         result = run(loaded, data, seed=seed)
     deliver(
-        result, json=json, html=html, force=force, quiet=quiet, inputs=[model, *recordings], seeds={"noise": seed}
+        result,
+        json=json,
+        html=html,
+        force=force,
+        quiet=quiet,
+        inputs=[model, *recordings],
+        seeds={"noise": seed},
     )
     if fail_above is not None and not result.error <= fail_above:
         raise typer.Exit(1)

@@ -14,9 +14,15 @@ from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver
 
 @app.command()
 def demo(
-    output: Annotated[str, typer.Argument(metavar="FOLDER", help="Folder for recordings, model, page and figures.")] = "demo",
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Draws the hidden effect, its size and all noise.")] = 0,
-    clean: Annotated[bool, typer.Option("--clean", help="Hide nothing: the answer has to be that nothing is missing.")] = False,
+    output: Annotated[
+        str, typer.Argument(metavar="FOLDER", help="Folder for recordings, model, page and figures.")
+    ] = "demo",
+    seed: Annotated[
+        int, typer.Option("--seed", min=0, help="Draws the hidden effect, its size and all noise.")
+    ] = 0,
+    clean: Annotated[
+        bool, typer.Option("--clean", help="Hide nothing: the answer has to be that nothing is missing.")
+    ] = False,
     json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -40,8 +46,12 @@ def demo(
     check_outputs(json, force=force)
     say = (lambda text: None) if quiet or json == "-" else typer.echo
     hidden = () if clean else (draw_hidden(seed),)
-    say("A virtual parallel leg with something hidden in it is recorded: two chirps, two multisines, a slow sweep, a validation motion.")
-    files = VirtualLeg(hidden, seed=seed).record_to(folder / "recordings", demo_experiments(seed), force=force)
+    say(
+        "A virtual parallel leg with something hidden in it is recorded: two chirps, two multisines, a slow sweep, a validation motion."
+    )
+    files = VirtualLeg(hidden, seed=seed).record_to(
+        folder / "recordings", demo_experiments(seed), force=force
+    )
     names = [str(f) for f in files]
     held_out = [n for n in names if Path(n).stem == "validation"]
     training = [n for n in names if n not in held_out]
@@ -52,11 +62,19 @@ def demo(
         )
     write_model(replace(better, name="leg_improved"), folder / "improved.toml", force=force)
     truth = [
-        {"effect": h.effect, "axis": h.axis, "location": h.location, "parameters": dict(h.parameters)} for h in hidden
+        {"effect": h.effect, "axis": h.axis, "location": h.location, "parameters": dict(h.parameters)}
+        for h in hidden
     ]
     page = str(folder / "report.html")
     deliver(
-        result, json=json, html=page, force=force, quiet=quiet, inputs=names, seeds={"demo": seed}, truth=truth
+        result,
+        json=json,
+        html=page,
+        force=force,
+        quiet=quiet,
+        inputs=names,
+        seeds={"demo": seed},
+        truth=truth,
     )
     draw_figures(result, folder, force=force)
     say(f"\nLook at {page}; recordings, figures and improved.toml lie beside it.")

@@ -22,5 +22,9 @@ def inspection_table(inspection: Inspection) -> Group:
         for remark in sorted(entry.remarks, key=lambda r: _ORDER[r.severity]):
             table.add_row(remark.severity, remark.topic, remark.axis or "", Text(remark.text))
         parts.append(table)
-    sound = "Nothing is wrong with these recordings." if inspection.sound else "Something is wrong: see the problems above."
+    sound = (
+        "Nothing is wrong with these recordings."
+        if inspection.sound
+        else "Something is wrong: see the problems above."
+    )
     return Group(*parts, Text(sound))

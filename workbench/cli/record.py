@@ -16,10 +16,23 @@ from .common import ForceOption, QuietOption
 @app.command()
 def record(
     rig: Annotated[str, typer.Argument(metavar="RIG", help="The rig: 'leg', the virtual parallel leg.")],
-    experiments: Annotated[list[str] | None, typer.Argument(metavar="EXPERIMENT...", help="Which of its experiments; all where none is named.")] = None,
-    output: Annotated[str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.")] = "",
-    hide: Annotated[str | None, typer.Option("--hide", metavar="EFFECT[@AXIS]", help="Hide an effect in the virtual hardware.")] = None,
-    set_: Annotated[list[str] | None, typer.Option("--set", metavar="name=value", help="Parameter of the hidden effect; may be given again.")] = None,
+    experiments: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="EXPERIMENT...", help="Which of its experiments; all where none is named."),
+    ] = None,
+    output: Annotated[
+        str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.")
+    ] = "",
+    hide: Annotated[
+        str | None,
+        typer.Option("--hide", metavar="EFFECT[@AXIS]", help="Hide an effect in the virtual hardware."),
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="name=value", help="Parameter of the hidden effect; may be given again."
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the sensors' noise.")] = 0,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -45,7 +58,9 @@ def record(
         numbers = {k: v.value for k, v in parse_values(set_ or []).items()}
         hidden = [HiddenEffect(key.effect, key.axis, key.location, numbers)]
     elif set_:
-        raise InputError("--set without --hide", remedy="name the effect to hide, e.g. --hide viscous_damping@hip")
+        raise InputError(
+            "--set without --hide", remedy="name the effect to hide, e.g. --hide viscous_damping@hip"
+        )
     files = VirtualLeg(hidden, seed=seed).record_to(output, chosen, force=force)
     if not quiet:
         typer.echo(f"Wrote {len(files)} recordings to {output}.")

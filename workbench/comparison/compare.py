@@ -20,7 +20,7 @@ from .where import locate
 # A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
 # signal's floor from a few draws to about 3 %.
 _MARGIN_TOTAL = 1.06
-_MARGIN_SIGNAL = 1.15
+_MARGIN_SIGNAL = 1.3
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -59,7 +60,7 @@ class Data:
         if self.training > 1:
             return tuple(Fold(i, slice(0, len(self.recordings[i]))) for i in range(self.training))
         edges = np.linspace(0, len(self.recordings[0]), _BLOCKS + 1).astype(int)
-        return tuple(Fold(0, slice(a, b)) for a, b in zip(edges[:-1], edges[1:], strict=True))
+        return tuple(Fold(0, slice(a, b)) for a, b in pairwise(edges))
 
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
         """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
@@ -125,10 +126,7 @@ def floor_of(recordings: tuple[Recording, ...], training: int, simulated: Simula
         for draw in simulated.noisy
     )
     floor = np.stack(
-        [
-            np.mean([np.mean(draw[i] ** 2, axis=0) for draw in draws], axis=0)
-            for i in range(len(recordings))
-        ]
+        [np.mean([np.mean(draw[i] ** 2, axis=0) for draw in draws], axis=0) for i in range(len(recordings))]
     )
     n = len(recordings[0].axes)
     return Data(recordings, training, simulated.noise, floor, draws, np.ones((2, n)))

@@ -82,7 +82,9 @@ def improve(
     end = found.final if named else found.start
     data = found.start_data
     judged = len(held_out) > 0
-    verdict: Verdict = "consistent" if (found.consistent_after if named else found.consistent_before) else "unexplained"
+    verdict: Verdict = (
+        "consistent" if (found.consistent_after if named else found.consistent_before) else "unexplained"
+    )
     improvement = Improvement(
         model=model.name,
         steps=tuple(_step(s, found, judged) for s in stages),
@@ -136,7 +138,7 @@ def _diagnosis(found: Search) -> Diagnosis:
         where=after.where,
         next_experiment=_next_experiment(verdict, findings, found, after),
         not_excited=tuple(c.key for c in found.screened if c.detectable < _SHOWN),
-        ranking=found.stages[0].ranking if found.stages else _screened_ranking(found),
+        ranking=_ranking(found),
         before=before,
         after=after,
     )
@@ -220,12 +222,17 @@ def _next_experiment(
     return None
 
 
-def _screened_ranking(found: Search) -> tuple[tuple[EffectKey, float], ...]:
-    """What a first screening promised, where nothing was accepted."""
+def _ranking(found: Search) -> tuple[tuple[EffectKey, float], ...]:
+    """Share of the excess that each effect removes by itself: simulated where it was, else as screened."""
     if found.consistent_before or not found.screened:
         return ()
+    simulated = found.stages[0].ranking if found.stages else ()
+    done = {key for key, _ in simulated}
     start = found.start.judged
-    return tuple((c.key, float(np.clip(1.0 - c.judged / start, -1.0, 1.0))) for c in found.screened[:8])
+    rest = [
+        (c.key, float(np.clip(1.0 - c.judged / start, 0.0, 1.0))) for c in found.screened if c.key not in done
+    ]
+    return tuple(sorted((*simulated, *rest), key=lambda r: -r[1])[:12])
 
 
 def _step(stage: Stage, found: Search, judged: bool) -> Step:

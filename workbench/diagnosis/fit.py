@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from workbench.core import Estimate, Recording, SimulationError
-from workbench.effects import axis_units, compile_plant, effect_named
+from workbench.effects import Effect, axis_units, compile_plant, effect_named
 from workbench.models import AppliedEffect, Model, Placement
 from workbench.simulation import Run, simulate
 
@@ -17,7 +18,9 @@ from .sensitivity import Normal, Scene, normal, respond
 from .solve import solve
 
 _ITERATIONS = 6
-_ENOUGH = 0.003  # relative fall of the objective below which fitting stops
+ENOUGH = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
+_STEP_SHARE = 0.005  # of a row's period
+PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
 
 @dataclass(frozen=True)
@@ -71,14 +74,19 @@ def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
     return np.array([data.objective(data.pool(s)) if np.isfinite(s).all() else np.inf for s in squares])
 
 
-def widened(found: Fit, others: Sequence[Fit]) -> Fit:
-    """Deviations that also cover half the way to the estimates of rival fits of the same effects."""
+def widened(found: Fit, others: Sequence[Fit], share: float = 0.5) -> Fit:
+    """Deviations no smaller than those of rival fits of the same effects.
+
+    They also cover a `share` of the way to the rivals' estimates.
+    """
     free = []
     for k, applied in enumerate(found.hypothesis.free):
         parameters = {}
         for name, estimate in applied.parameters.items():
-            away = [abs(o.hypothesis.free[k].parameters[name].value - estimate.value) for o in others]
-            spread = float(np.hypot(estimate.std, 0.5 * max(away)))
+            rivals = [o.hypothesis.free[k].parameters[name] for o in others]
+            away = max(abs(r.value - estimate.value) for r in rivals)
+            least = max(estimate.std, *(r.std for r in rivals))
+            spread = float(np.hypot(least, share * away))
             parameters[name] = replace(estimate, std=spread)
         free.append(AppliedEffect(applied.key, parameters))
     return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
@@ -100,8 +108,16 @@ class _Work:
     done: bool = False
 
 
-def fit(hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS) -> list[Fit | None]:
+def fit(
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS, enough: float = ENOUGH
+) -> list[Fit | None]:
     """Fit all hypotheses to the training recordings, simulating them side by side.
+
+    Args:
+        hypotheses: where to start from.
+        data: recordings, floor, weights.
+        iterations: most simulations of each.
+        enough: relative fall of the objective at which to stop.
 
     Returns:
         One fit a hypothesis; None where it never ran (unstable, or a body that cannot be).
@@ -111,15 +127,15 @@ def fit(hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATI
         active = [w for w in works if not w.done]
         if not active:
             break
-        _simulate(active, data)
+        _simulate(active, data, enough)
         moved = [w for w in active if not w.done]
         _linearise([w for w in moved if w.pieces is None], data)
         for work in moved:
-            _step(work, data)
+            _step(work, data, enough)
     return [_finish(w, data) if np.isfinite(w.value) else None for w in works]
 
 
-def _simulate(works: list[_Work], data: Data) -> None:
+def _simulate(works: list[_Work], data: Data, enough: float) -> None:
     """Run what is to be tried; keep it where it is better, else shorten the next step."""
     runnable = []
     for work in works:
@@ -139,7 +155,7 @@ def _simulate(works: list[_Work], data: Data) -> None:
             gain = (work.value - value) / work.value if np.isfinite(work.value) else 1.0
             work.best, work.runs, work.mean_squares, work.value = work.tried, runs, mean_squares, value
             work.pieces, work.damping = None, work.damping / 10.0 if work.damping > 1e-4 else 0.0
-            if gain < _ENOUGH:
+            if gain < enough:
                 work.done = True
                 _linearise([work], data)
         else:
@@ -176,14 +192,14 @@ def _scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.nd
     return hits.T @ hits / len(hits)
 
 
-def _step(work: _Work, data: Data) -> None:
+def _step(work: _Work, data: Data, enough: float) -> None:
     """The next values to try; done where they would change nothing."""
     assert work.pieces is not None
     total = _total(work.pieces)
     low, high = _room(work.best)
     change = solve(total, low, high, work.damping)
     fall = total.square - total.after(change)
-    if len(change) == 0 or fall < _ENOUGH * total.square:
+    if len(change) == 0 or fall < enough * total.square:
         work.done = True
         return
     work.tried = _moved(work.best, change)
@@ -210,7 +226,7 @@ def _blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
 def _room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
     """How far each unknown may move: to its physical bound, nonlinear ones at most by half of themselves."""
     low, high = [np.zeros(0)], [np.zeros(0)]
-    for applied, block in _blocks(hypothesis):
+    for applied, _ in _blocks(hypothesis):
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(applied.values)
         lower, upper = effect.bounds(hypothesis.base, Placement.of(hypothesis.base, applied.key))
@@ -241,7 +257,11 @@ def applied_effect(model: Model, like: AppliedEffect, values: dict[str, float]) 
     units = axis_units(model)
     parameters = {}
     for parameter in effect_named(like.key.effect).parameters:
-        unit = parameter.unit if like.key.axis is None else parameter.unit_on(units[model.axes.index(like.key.axis)])
+        unit = (
+            parameter.unit
+            if like.key.axis is None
+            else parameter.unit_on(units[model.axes.index(like.key.axis)])
+        )
         if parameter.name in values:
             parameters[parameter.name] = Estimate(float(values[parameter.name]), 0.0, unit)
     return AppliedEffect(like.key, parameters)
@@ -265,7 +285,7 @@ def _finish(work: _Work, data: Data) -> Fit:
         folds = np.array([data.objective(ms) for ms in work.mean_squares[data.training :]])
     covariance = _covariance(total, work.noise, np.array(changes), work.value, data)
     return Fit(
-        _with_deviations(work.best, covariance), work.runs, work.mean_squares, work.value, judged, folds
+        _with_deviations(work.best, covariance, data), work.runs, work.mean_squares, work.value, judged, folds
     )
 
 
@@ -290,7 +310,7 @@ def _covariance(
     return from_noise * excess + jackknife
 
 
-def _with_deviations(hypothesis: Hypothesis, covariance: np.ndarray) -> Hypothesis:
+def _with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) -> Hypothesis:
     """Standard deviations of the parameters by the delta method."""
     free = []
     for applied, block in _blocks(hypothesis):
@@ -299,19 +319,26 @@ def _with_deviations(hypothesis: Hypothesis, covariance: np.ndarray) -> Hypothes
         unknowns = np.array([*coefficients, *(shape[name] for name in effect.nonlinear)])
         own = covariance[block, block]
 
-        def values(x: np.ndarray, effect=effect, k=len(coefficients)) -> np.ndarray:  # noqa: ANN001
-            named = effect.to_parameters(x[:k], dict(zip(effect.nonlinear, x[k:], strict=True)))
-            return np.array([named[p.name] for p in effect.parameters])
-
+        values = partial(_values, effect, len(coefficients))
         middle = values(unknowns)
         slopes = np.empty((len(middle), len(unknowns)))
         for i in range(len(unknowns)):
             step = 1e-4 * max(abs(unknowns[i]), 1e-6)
             slopes[:, i] = (values(unknowns + step * (np.arange(len(unknowns)) == i)) - middle) / step
         deviation = np.sqrt(np.maximum(np.diag(slopes @ own @ slopes.T), 0.0))
+        # inside a step a delay acts through means, which are right to this part of it
+        fine = [_STEP_SHARE * data.recordings[0].period if p.unit == "s" else 0.0 for p in effect.parameters]
+        deviation = np.hypot(deviation, fine)
         parameters = {
             p.name: Estimate(float(middle[i]), float(deviation[i]), applied.parameters[p.name].unit)
             for i, p in enumerate(effect.parameters)
         }
         free.append(AppliedEffect(applied.key, parameters))
     return replace(hypothesis, free=tuple(free))
+
+
+def _values(effect: Effect, count: int, unknowns: np.ndarray) -> np.ndarray:
+    """Parameters of an effect from its `count` linear coefficients and its nonlinear parameters."""
+    shape = dict(zip(effect.nonlinear, unknowns[count:], strict=True))
+    named = effect.to_parameters(unknowns[:count], shape)
+    return np.array([named[p.name] for p in effect.parameters])

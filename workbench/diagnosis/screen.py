@@ -79,7 +79,9 @@ def screen(
                 where = len(columns)
                 columns.append(fixed)
             own = [*linear, *([fixed] if fixed else [])]
-            entries.append(_Entry(key, shape, list(range(start, start + len(linear))), where, _strength(scene, own)))
+            entries.append(
+                _Entry(key, shape, list(range(start, start + len(linear))), where, _strength(scene, own))
+            )
     pieces, held_out = _equations(scene, columns, data, simulated)
     without = _judge(pieces, held_out, kept, None, (np.full(len(kept), -np.inf), np.full(len(kept), np.inf)))
     best: dict[EffectKey, Candidate] = {}
@@ -100,9 +102,7 @@ def _candidate(
     open_low, open_high = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
     bounds = np.concatenate([open_low, lower]), np.concatenate([open_high, upper])
     judged, solution = _judge(pieces, held_out, [*kept, *entry.linear], entry.fixed, bounds)
-    return Candidate(
-        entry.key, solution[len(kept) :], entry.shape, judged, _detectable(pieces, entry, kept)
-    )
+    return Candidate(entry.key, solution[len(kept) :], entry.shape, judged, _detectable(pieces, entry, kept))
 
 
 def _equations(
@@ -173,6 +173,8 @@ def _detectable(pieces: list[Normal], entry: _Entry, kept: list[int]) -> float:
     seen = gram[k, k]
     others = [*kept, *own[:-1]]
     if others:
-        block = gram[np.ix_(others, others)] + 1e-12 * np.trace(gram[np.ix_(others, others)]) * np.eye(len(others))
+        block = gram[np.ix_(others, others)] + 1e-12 * np.trace(gram[np.ix_(others, others)]) * np.eye(
+            len(others)
+        )
         seen -= gram[k, others] @ np.linalg.solve(block, gram[others, k])
     return float(np.sqrt(max(seen, 0.0)) * 0.02 / entry.strength)

@@ -10,11 +10,11 @@ import numpy as np
 from workbench.comparison import Scale, Simulated, normalised, simulate_with_noise
 from workbench.comparison.compare import consistent
 from workbench.core import EffectKey, Recording
-from workbench.effects import effect_named
+from workbench.effects import contains, effect_named
 from workbench.models import AppliedEffect, Model, structural_effect
 
 from .data import Data, floor_of, gather
-from .fit import Fit, Hypothesis, applied_effect, fit, values_of, widened
+from .fit import PRECISE, Fit, Hypothesis, applied_effect, fit, values_of, widened
 from .screen import Candidate, screen
 from .sensitivity import Scene, combine
 
@@ -93,9 +93,7 @@ class Search:
 def is_consistent(data: Data, mean_squares: np.ndarray) -> bool:
     """Whether the training error is no larger than noise makes it."""
     scale = Scale.of(data.recordings[: data.training])
-    draws = np.stack(
-        [data.pool(np.stack([np.mean(x**2, axis=0) for x in draw])) for draw in data.draws]
-    )
+    draws = np.stack([data.pool(np.stack([np.mean(x**2, axis=0) for x in draw])) for draw in data.draws])
     pooled = data.pool(mean_squares)
     floors = np.array([normalised(d, scale) for d in draws])
     return consistent(pooled, draws, normalised(pooled, scale), floors)
@@ -131,7 +129,7 @@ def search(
     if before and survey:
         scene = Scene.of(model, data, start.simulated, len(data.recordings))
         screened = tuple(screen(scene, data, start.simulated, ())[0])
-    while not done and len(stages) < limit:
+    while not done and len(stages) < limit and not (stages and _as_good_as_done(current, start, data)):
         progress(f"screening effects, step {len(stages) + 1}")
         scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
         candidates, _ = screen(scene, data, current.simulated, current.hypothesis.free)
@@ -148,13 +146,22 @@ def search(
         current = _rejudged(stage.fit, fresh)
         data, done = fresh, is_consistent(fresh, current.mean_squares)
     return Search(
-        model, start, first, simulated, tuple(stages), screened, before, done, _explained(first, start, current)
+        model,
+        start,
+        first,
+        simulated,
+        tuple(stages),
+        screened,
+        before,
+        done,
+        _explained(first, start, current),
     )
 
 
 def _start(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
     return _rejudged(
-        Fit(Hypothesis(model, ()), tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0)), data
+        Fit(Hypothesis(model, ()), tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0)),
+        data,
     )
 
 
@@ -167,7 +174,12 @@ def _rejudged(old: Fit, data: Data) -> Fit:
     else:
         folds = np.array(
             [
-                np.mean(np.sum((data.residual(f.recording, old.simulated[f.recording])[f.rows] * data.weight) ** 2, (1, 2)))
+                np.mean(
+                    np.sum(
+                        (data.residual(f.recording, old.simulated[f.recording])[f.rows] * data.weight) ** 2,
+                        (1, 2),
+                    )
+                )
                 for f in data.folds
             ]
         )
@@ -223,16 +235,24 @@ def _next(
             continue
         progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
         results = fit([_hypothesis(scene, c, current) for c in chosen], data)
-        fits += [(c, settle(f, data, floor)) for c, f in zip(chosen, results, strict=True) if f is not None]
+        own = sorted(
+            ((c, f) for c, f in zip(chosen, results, strict=True) if f is not None), key=lambda cf: cf[1].trained
+        )
+        # how friction sets in matters where the choice is made, not for those that are far behind
+        fits += [(c, settle(f, data, floor) if f.trained < 1.5 * own[0][1].trained else f) for c, f in own[:2]]
+        fits += own[2:]
     helpful = [(c, f) for c, f in fits if _helps(f, current, excess) and _lowers_error(f, current, data)]
     if not helpful:
         return None
     candidate, found, rivals = _choose(helpful, stated, current.judged, floor, scene.model)
     kept, dropped = _prune(found, candidate.key, data, current)
+    kept = _polished(kept, data)
     ranking = sorted(((c.key, (current.judged - f.judged) / excess) for c, f in fits), key=lambda r: -r[1])
     left = {a.key for a in kept.hypothesis.added}
-    contained, twins = effect_named(candidate.key.effect).contains, effect_named(candidate.key.effect).twins
-    same = tuple(replace(candidate.key, effect=name) for name in twins if candidate.key.location == "actuator")
+    twins = effect_named(candidate.key.effect).twins
+    same = tuple(
+        replace(candidate.key, effect=name) for name in twins if candidate.key.location == "actuator"
+    )
     rivals = (*rivals, *(k for k in same if k not in rivals))
     return Stage(
         added=candidate.key,
@@ -241,12 +261,20 @@ def _next(
         before=current.judged / floor,
         after=kept.judged / floor,
         removed_share=(current.judged - kept.judged) / excess,
-        rivals=(*rivals, *(k for k in dropped if k.effect not in contained)),
+        rivals=(*rivals, *(k for k in dropped if not contains(candidate.key, k))),
         dropped=tuple(a.key for a in current.hypothesis.added if a.key not in left),
         ranking=tuple(ranking),
         margin=_margin(candidate, found, fits),
         folds=(int(np.sum(kept.agreeing < current.agreeing)), len(kept.agreeing)),
     )
+
+
+def _polished(found: Fit, data: Data) -> Fit:
+    """The same effects with their parameters to the last digit that noise leaves."""
+    if not found.hypothesis.free:
+        return found
+    better = fit([found.hypothesis], data, iterations=4, enough=PRECISE)[0]
+    return found if better is None or better.trained > found.trained else widened(better, [found], share=0.0)
 
 
 def settle(found: Fit, data: Data, floor: float) -> Fit:
@@ -271,6 +299,13 @@ def settle(found: Fit, data: Data, floor: float) -> Fit:
     return widened(chosen, fits) if chosen.trained < found.trained else found
 
 
+def _as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
+    """Whether even a perfect further effect could not lower the whole error by enough."""
+    plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
+    floor, now = plain.pool(plain.floor), plain.pool(current.mean_squares)
+    return bool(np.sqrt(plain.objective(floor)) > (1.0 - _LATER) * np.sqrt(plain.objective(now)))
+
+
 def _helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     """Whether an effect after the first lowers the whole error, not only what the first left of its own."""
     plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
@@ -285,7 +320,7 @@ def _helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
 def _helps(found: Fit, current: Fit, excess: float) -> bool:
     """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
     agree = np.mean(found.agreeing < current.agreeing)
-    return current.judged - found.judged > HELPS * excess and agree > 0.5
+    return bool(current.judged - found.judged > HELPS * excess and agree > 0.5)
 
 
 def _margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]) -> float:
@@ -293,9 +328,7 @@ def _margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]
     others = [
         f.judged
         for c, f in fits
-        if c is not chosen
-        and chosen.key.effect not in effect_named(c.key.effect).contains
-        and c.key.effect not in effect_named(chosen.key.effect).contains
+        if c is not chosen and not contains(c.key, chosen.key) and not contains(chosen.key, c.key)
     ]
     return min(others, default=float("inf")) / max(found.judged, 1e-12)
 
@@ -307,7 +340,11 @@ def _lowers_error(found: Fit, current: Fit, data: Data) -> bool:
 
 
 def _choose(
-    helpful: list[tuple[Candidate, Fit]], stated: Sequence[Candidate], before: float, floor: float, model: Model
+    helpful: list[tuple[Candidate, Fit]],
+    stated: Sequence[Candidate],
+    before: float,
+    floor: float,
+    model: Model,
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
     """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
 
@@ -318,7 +355,11 @@ def _choose(
     known = [(c, f) for c, f in helpful if c in stated]
     reached = [(c, f) for c, f in helpful if f.judged < AT_FLOOR * floor]
     most = min(f.judged for _, f in helpful)
-    basic = [(c, f) for c, f in helpful if effect_named(c.key.effect).basic and before - f.judged > _BASIC * (before - most)]
+    basic = [
+        (c, f)
+        for c, f in helpful
+        if effect_named(c.key.effect).basic and before - f.judged > _BASIC * (before - most)
+    ]
     pool = known or reached or basic or helpful
     best = min(f.judged for _, f in pool)
     ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + TIE)]
@@ -330,7 +371,7 @@ def _choose(
         for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
         if c is not candidate
         and f.judged <= found.judged * (1.0 + TIE)
-        and candidate.key.effect not in effect_named(c.key.effect).contains
+        and not contains(c.key, candidate.key)
         and c not in stated
     )
     return candidate, found, rivals
@@ -341,19 +382,16 @@ def _hypothesis(scene: Scene, candidate: Candidate, current: Fit) -> Hypothesis:
     effect = effect_named(candidate.key.effect)
     base, free = current.hypothesis.base, current.hypothesis.free
 
-    def contained(a: AppliedEffect) -> bool:
-        same = (a.key.axis, a.key.location) == (candidate.key.axis, candidate.key.location)
-        return a.key.effect in effect.contains and (same or effect.axes == "all")
-
     if effect.free(scene.model) == 0:
         added = structural_effect(effect.name, scene.model.linkage)
         return Hypothesis(base, free, (*current.hypothesis.stated, added))
     coefficients, shape = candidate.coefficients, candidate.shape
-    given_up = [a for a in free if contained(a)]
+    given_up = [a for a in free if contains(candidate.key, a.key)]
     if given_up:
         linear, _ = scene.columns(candidate.key, shape)
         target = combine(
-            [*linear, *(scene.total(a, a.values) for a in given_up)], [*coefficients, *(1.0 for _ in given_up)]
+            [*linear, *(scene.total(a, a.values) for a in given_up)],
+            [*coefficients, *(1.0 for _ in given_up)],
         )
         x = np.stack([np.concatenate([t.ravel() for t in c.torque]) for c in linear], axis=1)
         y = np.concatenate([t.ravel() for t in target.torque])
@@ -373,7 +411,8 @@ def _prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit,
         if not rest:
             return found, dropped
         trials = [
-            replace(found.hypothesis, free=tuple(b for b in found.hypothesis.free if b.key != a.key)) for a in rest
+            replace(found.hypothesis, free=tuple(b for b in found.hypothesis.free if b.key != a.key))
+            for a in rest
         ]
         fits = fit(trials, data, iterations=3)
         options = [(f.judged, a.key, f) for a, f in zip(rest, fits, strict=True) if f is not None]

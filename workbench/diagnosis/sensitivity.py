@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -67,22 +67,27 @@ class Scene:
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
     def derivatives(self, applied: AppliedEffect) -> list[Column]:
-        """Derivative of an effect's torque by each linear coefficient, then by each nonlinear parameter."""
+        """Derivative of an installed effect's torque by each linear coefficient, then each nonlinear parameter.
+
+        The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
+        """
         effect = effect_named(applied.key.effect)
+        scene = replace(self, motions=tuple(effect.before(m, applied.values) for m in self.motions))
         coefficients, shape = effect.to_coefficients(applied.values)
-        out = self.columns(applied.key, shape)[0]
+        out = scene.columns(applied.key, shape)[0]
         for name in effect.nonlinear:
             parameter = next(p for p in effect.parameters if p.name == name)
             step = max(0.05 * abs(shape[name]), 1e-12)
             if name == "time":
-                step = 0.2 * self.motions[0].step
+                step = 0.2 * scene.motions[0].step
             low = max(shape[name] - step, parameter.lower)
             high = min(shape[name] + step, parameter.upper)
             pair = [
-                self.total(applied, effect.to_parameters(coefficients, {**shape, name: value}))
+                scene.total(applied, effect.to_parameters(coefficients, {**shape, name: value}))
                 for value in (low, high)
             ]
-            out.append(combine(pair, [-1.0 / (high - low), 1.0 / (high - low)]))
+            slope = combine(pair, [-1.0 / (high - low), 1.0 / (high - low)])
+            out.append(Column(slope.torque, tuple(None for _ in slope.tap)))
         return out
 
 
@@ -97,7 +102,9 @@ def combine(columns: Sequence[Column], factors: Sequence[float]) -> Column:
     return Column(tuple(torque), tuple(tap))
 
 
-def respond(scenes: Sequence[Scene], columns: Sequence[Sequence[Column]], data: Data) -> list[list[np.ndarray]]:
+def respond(
+    scenes: Sequence[Scene], columns: Sequence[Sequence[Column]], data: Data
+) -> list[list[np.ndarray]]:
     """Send columns round the loops of their scenes; all scenes march together.
 
     Args:
@@ -110,7 +117,9 @@ def respond(scenes: Sequence[Scene], columns: Sequence[Sequence[Column]], data: 
     """
     width = max((len(c) for c in columns), default=0)
     if width == 0:
-        return [[np.zeros((*m.position.shape[:1], 2, m.position.shape[1], 0)) for m in s.motions] for s in scenes]
+        return [
+            [np.zeros((*m.position.shape[:1], 2, m.position.shape[1], 0)) for m in s.motions] for s in scenes
+        ]
     loops, torques, taps = [], [], []
     for scene, own in zip(scenes, columns, strict=True):
         for i, motion in enumerate(scene.motions):

@@ -2,7 +2,7 @@
 
 from .base import Door, Effect, Parameter, Response
 from .build import Plant, build, compile_plant
-from .catalogue import EFFECTS, effect_named, places
+from .catalogue import EFFECTS, contains, effect_named, places
 from .chain import Build, FrictionTerm, TorqueChain
 from .check import axis_units, check_effect, load_model
 from .motion import Motion, held
@@ -22,6 +22,7 @@ __all__ = [
     "build",
     "check_effect",
     "compile_plant",
+    "contains",
     "effect_named",
     "held",
     "load_model",

@@ -129,6 +129,11 @@ class Effect:
         """The effect's torque along a motion, given the nonlinear parameters in `shape`."""
         raise NotImplementedError
 
+    def before(self, motion: Motion, values: Mapping[str, float]) -> Motion:
+        """The motion as the chain saw it before this effect was installed with these values."""
+        del values
+        return motion
+
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
         """Physical bounds of the linear coefficients, two arrays (k,)."""
         del model, place

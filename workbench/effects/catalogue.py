@@ -78,3 +78,10 @@ def _pin_differs(model: Model, index: int) -> bool:
     """Whether the pin of an axis moves otherwise than its drive."""
     row = model.transmission[index]
     return bool((row != [float(j == index) for j in range(model.size)]).any())
+
+
+def contains(general: EffectKey, special: EffectKey) -> bool:
+    """Whether an effect has another one as a special case in the same place."""
+    effect = effect_named(general.effect)
+    same = (general.axis, general.location) == (special.axis, special.location)
+    return special.effect in effect.contains and (same or effect.axes == "all")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,6 +40,10 @@ class CommandDelay(Effect):
         at, mean = held(motion.command, motion.step, motion.delay)
         rows, n = motion.position.shape
         return Response(np.zeros((0, rows, n)), offset=(late_mean - mean) * motion.gain, tap=late_at - at)
+
+    def before(self, motion: Motion, values: Mapping[str, float]) -> Motion:
+        """Without this delay in the chain."""
+        return replace(motion, delay=motion.delay - values["time"])
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

@@ -22,6 +22,7 @@ class ParallelSpring(Effect):
         Parameter("rest", "rad", lower=-INF),
     )
     door = Door.MECHANISM
+    contains = ("torque_bias",)
     locations = ("actuator", "joint")
     source = "Hooke 1678; parallel elastic actuation"
     shows = "torque residual linear in position at every speed; FRF magnitude at low frequency"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -222,7 +223,14 @@ def write_model(model: Model, path: str | Path, *, force: bool = False) -> None:
     target = Path(path)
     text = tomli_w.dumps(model_table(model, target.resolve().parent))
     header = f"# {model.name}: written by workbench.\n"
-    write_whole(target, header + text, force=force)
+    write_whole(target, header + _arrays_on_one_line(text), force=force)
+
+
+def _arrays_on_one_line(text: str) -> str:
+    """Innermost arrays as a person would write them; nothing else changes."""
+    return re.sub(
+        r"\[\n([^\[\]{}]*?),?\n\s*\]", lambda m: "[" + ", ".join(x.strip() for x in m[1].split(",\n")) + "]", text
+    )
 
 
 def model_table(model: Model, folder: Path) -> dict[str, Any]:
@@ -241,10 +249,11 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
         "actuators": {
             "inertia": list(model.actuators.inertia),
             "damping": list(model.actuators.damping),
-            "torque_limit": list(model.actuators.torque_limit),
             "delay_s": model.actuators.delay_s,
         },
     }
+    if any(np.isfinite(model.actuators.torque_limit)):
+        table["actuators"]["torque_limit"] = list(model.actuators.torque_limit)
     if model.closed_chain:
         table["closed_chain"] = _relative(model.closed_chain, folder)
     if model.controller.kind != "unknown":

@@ -41,6 +41,7 @@ class _Group:
         self.dofs = np.array([models[0].joint(name).dofadr[0] for name in names])
         self.batch.bind("qpos")[:, self.columns] = start[:, 0]
         self.batch.bind("qvel")[:, self.dofs] = start[:, 1]
+        self.give = np.stack([_give(m, self.dofs) for m in models])
         self.laws = _laws(plants, models[0])
         self.before = start[:, 1].copy()
         if self.laws:
@@ -66,6 +67,12 @@ class _Group:
             q[:, k], w[:, k] = qpos[:count][:, self.columns], qvel[:count][:, self.dofs]
         return q, w
 
+    def shift(self, torque: np.ndarray, count: int) -> np.ndarray:
+        """Move the first `count` runs by M^-1 `torque` (count, n) [N m s^2]; returns their positions."""
+        qpos = self.batch.bind("qpos")
+        qpos[:count, self.columns] += np.einsum("wij,wj->wi", self.give[:count], torque)
+        return qpos[:count][:, self.columns]
+
     def _set_friction(self, speed: np.ndarray, torque: np.ndarray) -> None:
         """Friction bounds at the middle of the coming step, by extrapolating the speed half a step."""
         count = len(speed)
@@ -85,7 +92,8 @@ class Worlds:
         self, groups: list[_Group], plants: Sequence[Plant], experiments: Sequence[Experiment]
     ) -> None:
         self.groups, self.count, self.size = groups, len(plants), plants[0].model.size
-        step = experiments[0].step
+        step = self.step_s = experiments[0].step
+        self.early: np.ndarray | None = None
         # where a loop's log already carries the delay it has been applied all the same, only before the log
         delay = np.array([e.delay(p.chain.delay_s, p.model) for p, e in zip(plants, experiments, strict=True)]) / step
         self.whole = np.floor(delay + 1e-9).astype(int)
@@ -119,6 +127,12 @@ class Worlds:
         tap = np.clip(np.where(fraction > 0, older, newer), -limit, limit)
         mean = np.clip(newer, -limit, limit) * (1 - fraction) + np.clip(older, -limit, limit) * fraction
         shaft = self.gain[:active] * mean[:, :-1] + self.bias[:active]
+        self.early = None
+        if fraction.any():
+            # a mean torque has the right impulse, but a step edge inside a step also moves the position
+            edge = (np.clip(older, -limit, limit) - np.clip(newer, -limit, limit))[:, :-1].sum(axis=1)
+            share = 0.5 * self.step_s**2 * (fraction * (1.0 - fraction))[:, 0]
+            self.early = np.einsum("wi,wij->wj", share * self.gain[:active, 0] * edge, self.transmission[:active])
         return tap, shaft @ self.transmission[:active]
 
     def step(self, torque: np.ndarray, active: int) -> tuple[np.ndarray, np.ndarray]:
@@ -130,6 +144,8 @@ class Worlds:
                 continue
             members = group.members[:count]
             q[members], w[members] = group.step(torque[members], count)
+            if self.early is not None:
+                q[members, -1] = group.shift(self.early[members], count)
         return q, w
 
 
@@ -158,6 +174,14 @@ def _spread(batch: Batch, models: list[mujoco.MjModel]) -> None:
             own = batch.expand(name)
             for i, model in enumerate(models):
                 own[i] = getattr(model, name)
+
+
+def _give(model: mujoco.MjModel, dofs: np.ndarray) -> np.ndarray:
+    """Inverse mass matrix of some joints at the model's initial posture."""
+    data, full = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, full)
+    return np.linalg.inv(full)[np.ix_(dofs, dofs)]
 
 
 def _laws(plants: list[Plant], model: mujoco.MjModel) -> list[_Law]:
