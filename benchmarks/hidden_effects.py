@@ -1,8 +1,8 @@
 """How often the demonstration names the effect that is hidden: one line a seed, and a summary.
 
-    python benchmarks/hidden_effects.py --seeds 100 120          # hidden effects
-    python benchmarks/hidden_effects.py --seeds 100 120 --clean  # nothing hidden
-    python benchmarks/hidden_effects.py --seeds 0 8 --outsider   # effects that no catalogue lists
+python benchmarks/hidden_effects.py --seeds 100 120          # hidden effects
+python benchmarks/hidden_effects.py --seeds 100 120 --clean  # nothing hidden
+python benchmarks/hidden_effects.py --seeds 0 8 --outsider   # effects that no catalogue lists
 """
 
 from __future__ import annotations
@@ -16,14 +16,16 @@ from workbench.core import EffectKey
 from workbench.diagnosis import improve
 from workbench.effects import load_model
 from workbench.recordings import load_recordings
-from workbench.rigs import OUTSIDERS, HiddenEffect, VirtualLeg, demo_experiments, draw_hidden
+from workbench.rigs import HiddenEffect, VirtualLeg, demo_experiments, draw_hidden
 
 #: Outsiders at sizes that raise the error severalfold.
 _OUTSIDE = (
     HiddenEffect("periodic_disturbance", "knee", parameters={"torque": 0.4, "frequency": 3.7, "phase": 0.3}),
     HiddenEffect("cubic_spring", "hip", parameters={"stiffness": 8.0}),
     HiddenEffect("random_walk_torque", "hip", parameters={"rate": 0.5, "seed": 3}),
-    HiddenEffect("position_dependent_friction", "knee", parameters={"torque": 0.3, "amplitude": 0.25, "order": 6.0}),
+    HiddenEffect(
+        "position_dependent_friction", "knee", parameters={"torque": 0.3, "amplitude": 0.25, "order": 6.0}
+    ),
 )
 
 
@@ -62,8 +64,15 @@ def one(seed: int, hidden: tuple[HiddenEffect, ...], *, known: bool) -> bool:
         f"{seed:5d} {'ok  ' if right else 'MISS'} {result.verdict:12s} "
         f"{result.error_before / result.noise_error:6.2f} -> {result.error_after / result.noise_error:5.2f} x noise  "
         f"truth {', '.join(map(str, truth)) or 'nothing'} {[dict(h.parameters) for h in hidden]}  found "
-        + "; ".join(f"{s.key} { {k: f'{e.value:.4g}+-{e.std:.2g}' for k, e in s.parameters.items()} }" for s in result.steps)
-        + (f"  look-alikes {[str(k) for s in steps for k in s.indistinguishable_from]}" if named - set(truth) else "")
+        + "; ".join(
+            f"{s.key} { {k: f'{e.value:.4g}+-{e.std:.2g}' for k, e in s.parameters.items()} }"
+            for s in result.steps
+        )
+        + (
+            f"  look-alikes {[str(k) for s in steps for k in s.indistinguishable_from]}"
+            if named - set(truth)
+            else ""
+        )
     )
     if not result.steps and result.diagnosis:
         print("      ranking", [(str(k), round(v, 3)) for k, v in result.diagnosis.ranking[:6]])

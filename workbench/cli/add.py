@@ -57,7 +57,7 @@ def add(
         base = match[0] if match else AppliedEffect(wanted, {})
         if diagnosis and not match:
             raise InputError(f"the diagnosis has no finding {wanted}", file=diagnosis)
-        if not base.parameters and not values:
+        if not base.parameters and not values and wanted.effect in ("linkage_inertia", "linkage_gravity"):
             base = structural_effect(wanted.effect, loaded.linkage)
         found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
     new = loaded

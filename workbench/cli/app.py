@@ -9,7 +9,10 @@ import typer
 
 app = typer.Typer(
     name="workbench",
-    help="Compare a robot model with measurements, find the physical effect that is missing, add it, and watch the error fall.",
+    help=(
+        "Compare a robot model with measurements, find the physical effect that is missing, add it, "
+        "and watch the error fall."
+    ),
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,

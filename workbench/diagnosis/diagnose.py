@@ -177,7 +177,7 @@ def _findings(found: Search) -> tuple[Finding, ...]:
 
 
 def _probability(stage: Stage, found: Search) -> float:
-    """Chance that the name is right: by the distance of the best other explanation and what stays unexplained.
+    """Chance that the name is right: by the distance of the next explanation and what stays unexplained.
 
     A rival that does as well shares the chance; an explanation 10 % worse leaves about a fifth to doubt.
     """

@@ -157,7 +157,7 @@ def _sum(parts: Sequence[Normal]) -> Normal:
 
 
 def _strength(scene: Scene, columns: list[Column]) -> float:
-    """Root mean square of the largest column over that of the motor torque: what a coefficient of one does."""
+    """Root mean square of the largest column over that of the motor torque: what one unit does."""
     motor = np.sqrt(np.mean([np.mean(m.torque**2) for m in scene.motions]))
     sizes = [np.sqrt(np.mean([np.mean(t**2) for t in c.torque])) for c in columns]
     return float(max(sizes, default=0.0) / max(motor, 1e-300))

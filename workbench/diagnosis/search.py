@@ -236,10 +236,13 @@ def _next(
         progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
         results = fit([_hypothesis(scene, c, current) for c in chosen], data)
         own = sorted(
-            ((c, f) for c, f in zip(chosen, results, strict=True) if f is not None), key=lambda cf: cf[1].trained
+            ((c, f) for c, f in zip(chosen, results, strict=True) if f is not None),
+            key=lambda cf: cf[1].trained,
         )
         # how friction sets in matters where the choice is made, not for those that are far behind
-        fits += [(c, settle(f, data, floor) if f.trained < 1.5 * own[0][1].trained else f) for c, f in own[:2]]
+        fits += [
+            (c, settle(f, data, floor) if f.trained < 1.5 * own[0][1].trained else f) for c, f in own[:2]
+        ]
         fits += own[2:]
     helpful = [(c, f) for c, f in fits if _helps(f, current, excess) and _lowers_error(f, current, data)]
     if not helpful:

@@ -67,7 +67,7 @@ class Scene:
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
     def derivatives(self, applied: AppliedEffect) -> list[Column]:
-        """Derivative of an installed effect's torque by each linear coefficient, then each nonlinear parameter.
+        """Derivative of an installed effect's torque by each coefficient, then each nonlinear parameter.
 
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """

@@ -1,0 +1,128 @@
+"""The program as a user runs it: outputs, exit codes, one clear line for each mistake."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workbench.recordings import save_recording
+from workbench.rigs import HiddenEffect, VirtualLeg, chirp, validation
+
+
+def run(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """The command line in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "workbench.cli", *map(str, words)], capture_output=True, text=True, cwd=cwd
+    )
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two short recordings of a leg with a bias on the knee drive."""
+    folder = tmp_path_factory.mktemp("data")
+    leg = VirtualLeg([HiddenEffect("torque_bias", "knee", parameters={"torque": 0.5})], seed=4)
+    for recording in leg.run([chirp("knee", duration=3.0), validation(2, duration=2.0)]):
+        save_recording(recording, folder / f"{recording.name}.toml")
+    return folder
+
+
+def test_the_loop_from_compare_to_compare(data: Path, tmp_path: Path) -> None:
+    chirp_file, judge = data / "chirp_knee.toml", data / "validation.toml"
+    before = run("compare", "leg", chirp_file, judge, "--json", "-")
+    assert before.returncode == 0, before.stderr
+    first = json.loads(before.stdout)
+    assert first["format"] == 1 and first["error"] > 1.5 * first["noise_error"]
+
+    told = run("diagnose", "leg", chirp_file, "--holdout", judge, "--json", tmp_path / "d.json")
+    assert told.returncode == 0, told.stderr
+    finding = json.loads((tmp_path / "d.json").read_text())
+    assert finding["verdict"] == "missing_effect"
+    assert (finding["findings"][0]["effect"], finding["findings"][0]["axis"]) == ("torque_bias", "knee")
+
+    added = run("add", "leg", "--from", tmp_path / "d.json", "-o", tmp_path / "new.toml")
+    assert added.returncode == 0, added.stderr
+    after = json.loads(run("compare", tmp_path / "new.toml", chirp_file, judge, "--json", "-").stdout)
+    assert after["error"] < 1.1 * after["noise_error"]
+
+    better = run(
+        "improve", "leg", chirp_file, "--holdout", judge, "-o", tmp_path / "better.toml", "--json", "-"
+    )
+    steps = json.loads(better.stdout)
+    assert [s["effect"] for s in steps["steps"]] == ["torque_bias"] and steps["verdict"] == "consistent"
+    confirmed = json.loads(run("compare", tmp_path / "better.toml", chirp_file, "--json", "-").stdout)
+    assert confirmed["error"] == pytest.approx(steps["error_after"], rel=1e-6)
+
+
+def test_answers_of_no_end_with_one(data: Path) -> None:
+    assert run("compare", "leg", data / "chirp_knee.toml", "--fail-above", "0.001", "-q").returncode == 1
+    assert run("compare", "leg", data / "chirp_knee.toml", "--fail-above", "10", "-q").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("compare", "no_such_model", "{data}/chirp_knee.toml"), "no such model file"),
+        (("compare", "leg", "{data}/nothing.toml"), "nothing.toml"),
+        (("compare", "emps", "{data}/chirp_knee.toml"), "axis 'hip' is not one of model 'emps'"),
+        (("compare", "leg", "{data}/chirp_knee.toml", "{data}/chirp_knee.toml"), "given twice"),
+        (("add", "leg", "magic@knee", "-o", "x.toml"), "no effect is called 'magic'"),
+        (("add", "leg", "coulomb_friction@elbow", "torque=1", "-o", "x.toml"), "coulomb_friction@hip"),
+        (("add", "leg", "coulomb_friction@knee", "torque=nan", "-o", "x.toml"), "torque=nan"),
+        (("add", "leg", "coulomb_friction@knee", "torque=-1", "-o", "x.toml"), "outside"),
+        (("add", "leg", "coulomb_friction@knee", "-o", "x.toml"), "needs the parameter 'torque'"),
+        (("add", "leg", "coulomb_friction@knee", "torque=1"), "-o NEW"),
+        (("record", "arm", "-o", "out"), "the built-in rig is 'leg'"),
+        (("record", "leg", "dance", "-o", "out"), "no experiment is called 'dance'"),
+    ],
+)
+def test_mistakes_end_in_one_line_and_two(
+    words: tuple[str, ...], says: str, data: Path, tmp_path: Path
+) -> None:
+    done = run(*(w.format(data=data) for w in words), cwd=tmp_path)
+    assert done.returncode == 2
+    assert says in done.stderr and "Traceback" not in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
+    words = ("add", "leg", "torque_bias@hip", "torque=0.1", "-o", tmp_path / "m.toml")
+    assert run(*words).returncode == 0
+    first = (tmp_path / "m.toml").read_text()
+    again = run(*words)
+    assert again.returncode == 2 and "--force" in again.stderr
+    assert run(*words, "--force").returncode == 0
+    assert (tmp_path / "m.toml").read_text() == first
+
+
+def test_inspect_sees_swapped_columns(data: Path, tmp_path: Path) -> None:
+    assert run("inspect", data / "chirp_knee.toml").returncode == 0
+    text = (data / "chirp_knee.toml").read_text()
+    wrong = data / "wrong.toml"
+    lines = [
+        line.replace("position", "position", 1) if not line.startswith("velocity =") else _swapped(line)
+        for line in text.splitlines()
+    ]
+    wrong.write_text("\n".join(lines))
+    done = run("inspect", wrong, "--json", tmp_path / "i.json")
+    assert done.returncode == 1
+    assert "swap" in (tmp_path / "i.json").read_text()
+
+
+def _swapped(line: str) -> str:
+    """A column list of two with its entries exchanged."""
+    name, _, rest = line.partition("=")
+    first, second = rest.strip().strip("[]").rstrip(",").split(",")
+    return f"{name}= [{second.strip()}, {first.strip()}]"
+
+
+def test_help_of_every_command_has_an_example() -> None:
+    commands = ("compare", "diagnose", "improve", "add", "inspect", "record", "demo")
+    listing = run("--help").stdout
+    for command in commands:
+        assert command in listing
+        assert "Example: workbench" in run(command, "--help").stdout

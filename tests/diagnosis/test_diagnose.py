@@ -1,0 +1,150 @@
+"""Hidden effects are named, with their size; what is not in the catalogue is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench.core import EffectKey, Estimate, InputError
+from workbench.diagnosis import diagnose, improve
+from workbench.effects import load_model
+from workbench.models import AppliedEffect, Linkage
+from workbench.recordings import load_recordings
+from workbench.rigs import HiddenEffect
+
+from ..data_helpers import data_folder
+from .rig import recordings
+
+#: Effects through each door, small enough to need a good model, and what may be named beside them.
+HIDDEN = [
+    HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.25}),
+    HiddenEffect("viscous_damping", "knee", "joint", {"damping": 0.15}),
+    HiddenEffect("torque_bias", "hip", parameters={"torque": -0.4}),
+    HiddenEffect("torque_constant_error", "knee", parameters={"gain": 0.85}),
+    HiddenEffect("command_delay", parameters={"time": 0.0007}),
+    HiddenEffect("reflected_inertia", "hip", parameters={"inertia": 0.008}),
+    HiddenEffect("payload_mass", parameters={"mass": 0.08}),
+    HiddenEffect("parallel_spring", "hip", parameters={"stiffness": 2.0, "rest": -0.2}),
+    HiddenEffect("linkage_gravity", parameters={"g1": 0.4, "g2": 0.25}),
+]
+
+
+@pytest.mark.parametrize("hidden", HIDDEN, ids=lambda h: f"{h.effect}@{h.axis}")
+def test_names_the_hidden_effect_and_its_size(hidden: HiddenEffect) -> None:
+    training, held_out = recordings(hidden)
+    found = diagnose(load_model("leg"), training, held_out)
+    key = EffectKey(hidden.effect, hidden.axis, hidden.location)
+    assert found.verdict == "missing_effect"
+    first = found.findings[0]
+    assert len(found.findings) == 1
+    assert key in (first.key, *first.indistinguishable_from)
+    assert first.holdout_error_before is not None and first.holdout_error_after is not None
+    assert first.holdout_error_after < 0.6 * first.holdout_error_before
+    assert found.after is not None and found.after.error < 1.1 * found.noise_error
+    if first.key == key:
+        for name, value in hidden.parameters.items():
+            estimate = first.parameters[name]
+            assert abs(estimate.value - value) < max(4 * estimate.std, 0.03 * abs(value)), (name, estimate)
+            assert 0 < estimate.std < 0.2 * abs(value)
+
+
+def test_a_leg_without_hidden_effect_is_consistent() -> None:
+    training, held_out = recordings()
+    result, model = improve(load_model("leg"), training, held_out)
+    assert (result.verdict, result.steps) == ("consistent", ())
+    assert model.effects == load_model("leg").effects
+    assert result.diagnosis is not None and result.diagnosis.unexplained_fraction == 0.0
+
+
+@pytest.mark.parametrize(
+    "outsider",
+    [
+        HiddenEffect(
+            "periodic_disturbance", "knee", parameters={"torque": 0.4, "frequency": 3.7, "phase": 0.3}
+        ),
+        HiddenEffect("random_walk_torque", "hip", parameters={"rate": 0.5, "seed": 3}),
+    ],
+    ids=lambda h: h.effect,
+)
+def test_what_no_catalogue_lists_is_unexplained(outsider: HiddenEffect) -> None:
+    training, held_out = recordings(outsider)
+    found = diagnose(load_model("leg"), training, held_out)
+    assert (found.verdict, found.findings) == ("unexplained", ())
+    assert found.unexplained_fraction > 0.1
+    assert found.where[0].axis in (outsider.axis, "hip", "knee") and found.next_experiment
+
+
+def test_the_ladder_from_kin_only() -> None:
+    training, held_out = recordings()
+    model = load_model("leg_kin_only")
+    result, better = improve(model, training, held_out)
+    names = [s.key.effect for s in result.steps]
+    assert names == ["actuator_inertia_coupling", "linkage_inertia", "linkage_gravity"]
+    errors = [result.error_before, *(s.error for s in result.steps)]
+    held = [result.holdout_error_before, *(s.holdout_error for s in result.steps)]
+    assert all(np.diff(errors) < 0) and all(np.diff([h for h in held if h is not None]) < 0)
+    assert result.verdict == "consistent"
+    lookalikes = {k.effect for s in result.steps for k in s.indistinguishable_from}
+    assert lookalikes & {"payload_mass", "reflected_inertia"}
+    assert [e.key.effect for e in better.effects] == names
+
+
+def test_a_linkage_that_was_not_identified_is_fitted() -> None:
+    training, held_out = recordings()
+    act = load_model("leg_s3n_act")
+    unknown = replace(act, linkage=Linkage(identified=False))
+    result, better = improve(unknown, training, held_out)
+    fitted = [e for e in better.effects if e.key.effect == "linkage_inertia"]
+    rivals = {k.effect for s in result.steps for k in s.indistinguishable_from}
+    assert result.error_after < 0.3 * result.error_before
+    assert fitted or "linkage_inertia" in rivals or "payload_mass" in {s.key.effect for s in result.steps}
+
+
+def test_effects_of_an_axis_that_stands_still_are_not_excited() -> None:
+    training, held_out = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.2}))
+    still = [_held(r) for r in training]
+    model = load_model("leg")
+    found = diagnose(model, still, [_held(held_out[0])])
+    silent = {(k.effect, k.axis) for k in found.not_excited}
+    assert ("stribeck_friction", "hip") in silent or found.verdict == "consistent"
+
+
+def _held(recording):  # noqa: ANN001, ANN202
+    """The same recording with only its first second, in which little moves."""
+    rows = 1000
+    return replace(
+        recording,
+        time=recording.time[:rows],
+        signals={k: v[:rows] for k, v in recording.signals.items()},
+        valid=recording.valid[:rows],
+    )
+
+
+def test_an_unknown_loop_is_refused_with_a_remedy() -> None:
+    training, _ = recordings()
+    strange = replace(training[0], controller=replace(training[0].controller, kind="unknown"))
+    blind = replace(strange, signals={k: v for k, v in strange.signals.items() if k != "position_reference"})
+    with pytest.raises(InputError, match="describe the controller"):
+        diagnose(load_model("leg"), [blind])
+
+
+def test_a_wrong_parameter_is_corrected_by_an_increment() -> None:
+    hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.5})
+    training, held_out = recordings(hidden)
+    guess = AppliedEffect(EffectKey("coulomb_friction", "knee"), {"torque": Estimate(0.2, 0.0, "N*m")})
+    found = diagnose(load_model("leg").with_effect(guess), training, held_out)
+    assert found.findings[0].key == guess.key
+    assert found.findings[0].parameters["torque"].value == pytest.approx(0.3, rel=0.03)
+
+
+def test_friction_in_data_from_an_independent_simulator() -> None:
+    folder = data_folder("leg_examples") / "friction"
+    training = load_recordings([folder / "chirp_knee.toml", folder / "slow.toml"])
+    held_out = load_recordings([folder / "validation.toml"])
+    found = diagnose(load_model("leg"), training, held_out)
+    torque = found.findings[0].parameters["torque"]
+    assert found.findings[0].key == EffectKey("coulomb_friction", "knee")
+    assert abs(torque.value - 0.25447) < 1.96 * torque.std
+    assert torque.std < 0.005
