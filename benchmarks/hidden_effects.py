@@ -62,7 +62,8 @@ def one(seed: int, hidden: tuple[HiddenEffect, ...], *, known: bool) -> bool:
     right = set(truth) <= named and len(steps) == len(truth) if known else not steps
     print(
         f"{seed:5d} {'ok  ' if right else 'MISS'} {result.verdict:12s} "
-        f"{result.error_before / result.noise_error:6.2f} -> {result.error_after / result.noise_error:5.2f} x noise  "
+        f"{result.error_before / result.noise_error:6.2f} -> "
+        f"{result.error_after / result.noise_error:5.2f} x noise  "
         f"truth {', '.join(map(str, truth)) or 'nothing'} {[dict(h.parameters) for h in hidden]}  found "
         + "; ".join(
             f"{s.key} { {k: f'{e.value:.4g}+-{e.std:.2g}' for k, e in s.parameters.items()} }"

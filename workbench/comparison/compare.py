@@ -163,7 +163,9 @@ def _notes(recordings: Sequence[Recording]) -> tuple[str, ...]:
     for r in recordings:
         notes += [f"{r.name}: {note}" for note in r.notes]
         if scored_torque(r) == "torque_command":
-            notes.append(f"{r.name}: torque was not measured behind the drive; the command is compared instead")
+            notes.append(
+                f"{r.name}: torque was not measured behind the drive; the command is compared instead"
+            )
         elif scored_torque(r) is None:
             notes.append(f"{r.name}: no torque was recorded; position alone is compared")
     return tuple(notes)

@@ -152,7 +152,9 @@ def simulate_inverse(
     """
     noise, plant = NoiseModel.of(recordings), compile_plant(model)
     clean, noisy = [], [[] for _ in range(draws)]
-    for r, seeds in zip(recordings, zip(*noise_seeds(len(recordings), draws, seed), strict=True), strict=True):
+    for r, seeds in zip(
+        recordings, zip(*noise_seeds(len(recordings), draws, seed), strict=True), strict=True
+    ):
         name = scored_torque(r)
         if name is None:
             raise InputError(
@@ -180,7 +182,9 @@ def simulate_inverse(
 
 
 def _band_residual(plant: Plant, recording: Recording, levels: NoiseLevels) -> np.ndarray:
-    """Measured minus required torque below `cutoff_hz`, (N, n), recording's coordinates; zero at the edges."""
+    """Measured minus required torque below `cutoff_hz`, (N, n), own coordinates; zero at the edges."""
     measured, needed, valid = torque_pair(plant, recording, None, levels)
-    to_actuator = np.eye(plant.model.size) if recording.coordinates == "actuator" else plant.model.transmission
+    to_actuator = (
+        np.eye(plant.model.size) if recording.coordinates == "actuator" else plant.model.transmission
+    )
     return np.where(valid[:, None], measured - needed, 0.0) @ to_actuator

@@ -46,7 +46,10 @@ def locate(
             for quantity in ("speed", "position", "time"):
                 values = np.concatenate([getattr(p, quantity) for p in parts])
                 tables[axis, signal, quantity] = _bins(values, above)
-            tables[axis, signal, "frequency"] = edges, sum((p.spectrum(edges) for p in parts), np.zeros(_BINS))
+            tables[axis, signal, "frequency"] = (
+                edges,
+                sum((p.spectrum(edges) for p in parts), np.zeros(_BINS)),
+            )
     shares = []
     for chosen in ("speed", "position", "time", "frequency"):
         one = {key: table for key, table in tables.items() if key[2] == chosen}
@@ -97,7 +100,7 @@ class _Series:
         return self._power(self.residual, edges) - noise
 
     def _power(self, values: np.ndarray, edges: np.ndarray) -> np.ndarray:
-        f, density = welch(values, fs=self.rate, nperseg=min(len(values), 4096), detrend=False)
+        f, density = welch(values, fs=self.rate, nperseg=min(len(values), 4096), detrend=False)  # pyright: ignore[reportArgumentType]
         index = np.clip(np.searchsorted(edges, f, side="right") - 1, 0, _BINS - 1)
         return np.bincount(index, weights=density * (f[1] - f[0]) * len(values), minlength=_BINS)
 

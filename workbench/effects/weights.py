@@ -32,10 +32,8 @@ def add_inertia(spec: mujoco.MjSpec, model: Model, m11: float, m12: float, m22: 
     thigh, shank, along, length = _links(spec, model)
     low = (m12 / length) ** 2 / m22 if m22 > 0 else np.inf
     high = m11 / length**2
-    if 0 < low <= high:
-        mass = float(np.sqrt(low * high))
-    else:
-        mass = max(abs(m12) / (length * _ARM), _FEATHER)
+    possible = 0 < low <= high
+    mass = float(np.sqrt(low * high)) if possible else max(abs(m12) / (length * _ARM), _FEATHER)
     reach = m12 / (length * mass)
     _turn(thigh, model.joints[0], m11 - mass * length**2)
     _turn(shank, model.joints[1], m22 - mass * reach**2)
@@ -51,8 +49,8 @@ def _turn(link: mujoco.MjsBody, joint: str, inertia: float) -> None:
     left = y + inertia
     if not np.isfinite(left) or left <= 0.0:
         raise SimulationError(
-            f"the linkage would take {-inertia:.4g} kg m^2 from the link of joint '{joint}', which has {y:.4g}: "
-            "no body has such an inertia; identify it again or correct the serial tree"
+            f"the linkage would take {-inertia:.4g} kg m^2 from the link of joint '{joint}', "
+            f"which has {y:.4g}: no body has such an inertia; identify it again or correct the serial tree"
         )
     # the inertia about the other axes follows as far as a body's has to
     link.inertia = np.array([np.clip(x, abs(left - z), left + z), left, z])

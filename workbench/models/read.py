@@ -125,8 +125,9 @@ def _from_table(table: ModelTable, file: Path) -> Model:
     rows = np.eye(n).tolist() if given is None else given
     if n == 0 or len(joints) != n or len(rows) != n or any(len(row) != n for row in rows):
         raise InputError(
-            f"{n} axes, {len(joints)} joints and matrix rows of {[len(row) for row in rows]} numbers", file=file,
-            column="transmission", remedy="the matrix must be square, one row an axis and one column a joint",
+            f"{n} axes, {len(joints)} joints and matrix rows of {[len(row) for row in rows]} numbers",
+            file=file, column="transmission",
+            remedy="the matrix must be square, one row an axis and one column a joint",
         )  # fmt: skip
     matrix = np.array(rows, float)
     if not np.linalg.cond(matrix) < 1e9:
@@ -229,7 +230,9 @@ def write_model(model: Model, path: str | Path, *, force: bool = False) -> None:
 def _arrays_on_one_line(text: str) -> str:
     """Innermost arrays as a person would write them; nothing else changes."""
     return re.sub(
-        r"\[\n([^\[\]{}]*?),?\n\s*\]", lambda m: "[" + ", ".join(x.strip() for x in m[1].split(",\n")) + "]", text
+        r"\[\n([^\[\]{}]*?),?\n\s*\]",
+        lambda m: "[" + ", ".join(x.strip() for x in m[1].split(",\n")) + "]",
+        text,
     )
 
 

@@ -65,7 +65,11 @@ def prepare(recording: Recording, model: Model) -> Experiment:
     """
     check_axes(recording, model)
     controller = recording.controller
-    if controller.kind == "unknown" and model.controller.kind != "unknown" and recording.get("position_reference") is not None:
+    if (
+        controller.kind == "unknown"
+        and model.controller.kind != "unknown"
+        and recording.get("position_reference") is not None
+    ):
         controller = model.controller
     rows, n = recording.position.shape
     period = controller.period_s or recording.period
@@ -100,7 +104,8 @@ def prepare(recording: Recording, model: Model) -> Experiment:
     elif controller.kind != "unknown" and reference is None:
         raise InputError(
             "a closed loop without a reference cannot be run", file=recording.source,
-            column="position_reference", remedy="name its column, or state controller kind 'none' or 'unknown'",
+            column="position_reference",
+            remedy="name its column, or state controller kind 'none' or 'unknown'",
         )  # fmt: skip
     count = int(np.floor((rows - 1) * stride * step / period + 1e-9)) + 1
     ticks = np.unique(np.ceil(np.arange(count) * (period / step) - 1e-6).astype(int))
@@ -111,7 +116,9 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         stride=stride,
         ticks=ticks[ticks < (rows - 1) * stride],
         reference=zero if reference is None else reference,
-        reference_rate=zero if recording.get("velocity_reference") is None else recording.signals["velocity_reference"],
+        reference_rate=zero
+        if recording.get("velocity_reference") is None
+        else recording.signals["velocity_reference"],
         feedforward=zero if feedforward is None else feedforward,
         replayed=replayed,
         start=_start(recording, controller, reference, to_actuator, j),
@@ -146,7 +153,11 @@ def check_axes(recording: Recording, model: Model) -> None:
     if tuple(recording.axes) == tuple(model.axes):
         return
     unknown = [axis for axis in recording.axes if axis not in model.axes]
-    problem = f"axis '{unknown[0]}' is not one of model '{model.name}'" if unknown else "axes differ from the model's"
+    problem = (
+        f"axis '{unknown[0]}' is not one of model '{model.name}'"
+        if unknown
+        else "axes differ from the model's"
+    )
     raise InputError(
         problem, file=recording.source, column="axes",
         remedy=f"the model has {', '.join(model.axes)}, in this order",
@@ -154,7 +165,11 @@ def check_axes(recording: Recording, model: Model) -> None:
 
 
 def _start(
-    recording: Recording, controller: Controller, reference: np.ndarray | None, to_actuator: np.ndarray, j: np.ndarray
+    recording: Recording,
+    controller: Controller,
+    reference: np.ndarray | None,
+    to_actuator: np.ndarray,
+    j: np.ndarray,
 ) -> np.ndarray:
     """Initial (q_s, rate): at rest at the first reference, unless the first rows say otherwise."""
     back = np.linalg.inv(j)
