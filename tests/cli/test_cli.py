@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+import tomli_w
 
 from workbench.recordings import save_recording
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, validation
@@ -101,23 +103,13 @@ def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:
 
 def test_inspect_sees_swapped_columns(data: Path, tmp_path: Path) -> None:
     assert run("inspect", data / "chirp_knee.toml").returncode == 0
-    text = (data / "chirp_knee.toml").read_text()
+    description = tomllib.loads((data / "chirp_knee.toml").read_text())
+    description["columns"]["velocity"].reverse()
     wrong = data / "wrong.toml"
-    lines = [
-        line.replace("position", "position", 1) if not line.startswith("velocity =") else _swapped(line)
-        for line in text.splitlines()
-    ]
-    wrong.write_text("\n".join(lines))
+    wrong.write_text(tomli_w.dumps(description))
     done = run("inspect", wrong, "--json", tmp_path / "i.json")
     assert done.returncode == 1
     assert "swap" in (tmp_path / "i.json").read_text()
-
-
-def _swapped(line: str) -> str:
-    """A column list of two with its entries exchanged."""
-    name, _, rest = line.partition("=")
-    first, second = rest.strip().strip("[]").rstrip(",").split(",")
-    return f"{name}= [{second.strip()}, {first.strip()}]"
 
 
 def test_help_of_every_command_has_an_example() -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.core import EffectKey, Estimate, InputError
+from workbench.core import EffectKey, Estimate, InputError, Recording
 from workbench.diagnosis import diagnose, improve
 from workbench.effects import load_model
 from workbench.models import AppliedEffect, Linkage
@@ -111,7 +111,7 @@ def test_effects_of_an_axis_that_stands_still_are_not_excited() -> None:
     assert ("stribeck_friction", "hip") in silent or found.verdict == "consistent"
 
 
-def _held(recording):  # noqa: ANN001, ANN202
+def _held(recording: Recording) -> Recording:
     """The same recording with only its first second, in which little moves."""
     rows = 1000
     return replace(

@@ -46,11 +46,8 @@ def demo(
     check_outputs(json, force=force)
     say = (lambda text: None) if quiet or json == "-" else typer.echo
     hidden = () if clean else (draw_hidden(seed),)
-    say(
-        "A virtual parallel leg with something hidden in it is recorded:
-"
-        "two chirps, two multisines, a slow sweep, and a validation motion that judges."
-    )
+    say("A virtual parallel leg with something hidden in it is recorded: two chirps, two multisines,")
+    say("a slow sweep, and a validation motion that judges.")
     files = VirtualLeg(hidden, seed=seed).record_to(
         folder / "recordings", demo_experiments(seed), force=force
     )
