@@ -1,11 +1,11 @@
 """workbench: compare a robot model with measurements, find what is missing, add it, watch the error fall.
 
-    import workbench as wb
+import workbench as wb
 
-    model = wb.load_model("leg")
-    recordings = wb.load_recordings(["chirp.toml", "slow.toml"])
-    wb.compare(model, recordings)
-    better = wb.improve(model, recordings)[1]
+model = wb.load_model("leg")
+recordings = wb.load_recordings(["chirp.toml", "slow.toml"])
+wb.compare(model, recordings)
+better = wb.improve(model, recordings)[1]
 """
 
 from __future__ import annotations
