@@ -154,8 +154,13 @@ def consistent(error_ms: np.ndarray, draws_ms: np.ndarray, error: float, floors:
     spread = 3.0 * floors.std(ddof=1)
     if not np.isfinite(error) or error > _MARGIN_TOTAL * floors.mean() + spread:
         return False
-    ratio = np.sqrt(error_ms / np.where(draws_ms.mean(axis=0) > 0, draws_ms.mean(axis=0), np.nan))
-    return bool(np.all(~(ratio > _MARGIN_SIGNAL)))
+    floor = np.where(draws_ms.mean(axis=0) > 0, draws_ms.mean(axis=0), np.nan)
+    # noise that went round the loop is slow: in a short recording there is little of it to average over.
+    # A deviation from a few draws says little by itself, so axes share one.
+    scatter = np.sqrt(draws_ms / floor).std(axis=0, ddof=1)
+    shared = np.sqrt(np.mean(np.nan_to_num(scatter) ** 2, axis=1, keepdims=True))
+    limit = np.maximum(_MARGIN_SIGNAL, 1.1 + 3.0 * shared)
+    return bool(np.all(~(np.sqrt(error_ms / floor) > limit)))
 
 
 def _notes(recordings: Sequence[Recording]) -> tuple[str, ...]:

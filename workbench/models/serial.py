@@ -67,6 +67,8 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
     spec.option.timestep = timestep
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     spec.option.iterations, spec.option.tolerance = 50, 1e-12
+    # a run that diverges shall be seen to, not started afresh
+    spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     for i, name in enumerate(model.joints):
         if name in held:
             continue

@@ -62,13 +62,17 @@ def _fuse(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rows = len(position)
     pad = min(rows - 1, max(50, rows // 20))
-    # an odd reflection about the mean of the ends keeps slope and value continuous at both edges
-    long = _extend(position, pad)
+    # an odd reflection about the ends keeps slope and value there; faded out, it leaves no step where the
+    # Fourier transform joins the last row to the first, whose leakage would drown the noise
+    centre = 0.5 * (position[0] + position[-1])
+    fade, slope = _fade(rows, pad, step)
+    away = _extend(position, pad) - centre
+    long = away * fade
     omega = 2.0 * np.pi * np.fft.rfftfreq(len(long), step)
     noise = np.full(len(omega), max(position_std, 1e-15) ** 2)
     spectrum = np.fft.rfft(long)
     if velocity is not None:
-        from_rate = np.fft.rfft(_extend_even(velocity, pad))
+        from_rate = np.fft.rfft(_extend_even(velocity, pad) * fade + away * slope)
         weight = omega**2 * noise / max(velocity_std, 1e-15) ** 2
         integral = np.divide(from_rate, 1j * omega, out=np.zeros_like(from_rate), where=omega > 0)
         spectrum = (spectrum + weight * integral) / (1.0 + weight)
@@ -81,9 +85,16 @@ def _fuse(
     # a lone bin that noise lifted above its level is not motion
     gain = np.where(level < 1.5 * noise, 0.0, gain)
     kept = gain * spectrum
-    return tuple(  # type: ignore[return-value]
-        np.fft.irfft(kept * (1j * omega) ** k, len(long))[pad : pad + rows] for k in range(3)
-    )
+    q, w, a = (np.fft.irfft(kept * (1j * omega) ** k, len(long))[pad : pad + rows] for k in range(3))
+    return q + centre, w, a
+
+
+def _fade(rows: int, pad: int, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Weight 1 over the rows and falling smoothly to 0 over the reflections, and its slope [1/s]."""
+    part = (np.arange(pad) + 1) / (pad + 1)
+    rise, steep = np.sin(0.5 * np.pi * part) ** 2, 0.5 * np.pi * np.sin(np.pi * part) / ((pad + 1) * step)
+    weight = np.concatenate([rise, np.ones(rows), rise[::-1]])
+    return weight, np.concatenate([steep, np.zeros(rows), -steep[::-1]])
 
 
 def _extend(x: np.ndarray, pad: int) -> np.ndarray:

@@ -15,6 +15,7 @@ from workbench.effects import Plant
 from .experiment import Experiment
 
 _APPLIED = mujoco.mjtState.mjSTATE_QFRC_APPLIED.value
+_TOO_FAST = 1e4  # rad/s or m/s: a run that goes faster is lost
 
 
 @dataclass
@@ -73,6 +74,11 @@ class _Group:
         qpos[:count, self.columns] += np.einsum("wij,wj->wi", self.give[:count], torque)
         return qpos[:count][:, self.columns]
 
+    def rest(self, lost: np.ndarray) -> None:
+        """Put runs (indices) to rest, where they do no harm."""
+        self.batch.bind("qpos")[lost] = self.batch.model.qpos0
+        self.batch.bind("qvel")[lost] = 0.0
+
     def _set_friction(self, speed: np.ndarray, torque: np.ndarray) -> None:
         """Friction bounds at the middle of the coming step, by extrapolating the speed half a step."""
         count = len(speed)
@@ -104,6 +110,7 @@ class Worlds:
             np.stack([getattr(p.chain, name) for p in plants])[:, None] for name in ("limit", "gain", "bias")
         )
         self.transmission = np.stack([p.model.transmission for p in plants])
+        self.lost = np.zeros(len(plants), bool)
 
     def chain(
         self, command: np.ndarray, first: int, last: int, active: int, pad: int
@@ -138,6 +145,7 @@ class Worlds:
     def step(self, torque: np.ndarray, active: int) -> tuple[np.ndarray, np.ndarray]:
         """Advance the first `active` runs; returns joint positions and rates after each substep."""
         q, w = np.full_like(torque, np.nan), np.full_like(torque, np.nan)
+        torque = np.where(self.lost[:active, None, None], 0.0, torque)
         for group in self.groups:
             count = int(np.searchsorted(group.members, active))
             if count == 0:
@@ -146,6 +154,10 @@ class Worlds:
             q[members], w[members] = group.step(torque[members], count)
             if self.early is not None:
                 q[members, -1] = group.shift(self.early[members], count)
+            self.lost[members] |= ~(np.abs(w[members]) < _TOO_FAST).all(axis=(1, 2))
+            if self.lost[members].any():
+                group.rest(np.flatnonzero(self.lost[members]))
+        q[self.lost[:active]], w[self.lost[:active]] = np.nan, np.nan
         return q, w
 
 

@@ -1,0 +1,276 @@
+"""A comparison knows the noise: a right model is consistent, a wrong one is not, and it says where."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tests.data_helpers import data_folder
+from tests.simulation.make import LEG_LOOP, having, leg_experiment
+from workbench.comparison import Simulated, compare, evaluate, simulate_with_noise
+from workbench.core import Controller, EffectKey, InputError, Recording
+from workbench.effects import load_model
+from workbench.models import Model
+from workbench.recordings import load_recordings
+from workbench.rigs import Experiment, VirtualLeg
+from workbench.simulation import Run, SensorNoise, simulate
+
+LEG = load_model("leg")
+ENCODER = 2 * np.pi / 2**14
+UNKNOWN = replace(LEG, controller=Controller())
+
+
+def sensors(seed: int) -> SensorNoise:
+    return SensorNoise(np.full(2, ENCODER), np.zeros(2), np.full(2, 0.015), np.full(2, 0.02), seed)
+
+
+def measured(model: Model, asked: Recording, seeds: range) -> list[Recording]:
+    """What the noisy log of each seed shows of one experiment."""
+    runs = simulate([Run(model, asked, sensors(seed)) for seed in seeds])
+    return [asked.with_signals(**run.signals) for run in runs]
+
+
+def score(logs: list[Recording], clean: Recording) -> float:
+    """Root mean square over axes and signals of RMSE over deviation, by the definition, pooled."""
+    parts = []
+    for name in ("position", "torque_measured"):
+        difference = np.concatenate([log.signals[name] - clean.signals[name] for log in logs])
+        deviation = np.concatenate([log.signals[name] for log in logs]).std(axis=0)
+        parts.append(np.mean(difference**2, axis=0) / deviation**2)
+    return float(np.sqrt(np.mean(parts)))
+
+
+@cache
+def logs() -> tuple[Recording, ...]:
+    return tuple(measured(LEG, leg_experiment(1.5), range(20)))
+
+
+@pytest.mark.parametrize("period", [0.001, 0.005])
+def test_the_noise_error_is_what_many_noisy_runs_give(period: float) -> None:
+    loop = LEG_LOOP if period == 0.001 else replace(LEG_LOOP, period_s=period)
+    asked = leg_experiment(3.0 if period == 0.001 else 10.0, period, loop)
+    (clean,) = simulate([Run(LEG, asked)])
+    many = measured(LEG, asked, range(12))
+    result = compare(LEG, many[:1], draws=6)
+    assert result.noise_error == pytest.approx(score(many, clean), rel=0.05)
+    assert result.error == pytest.approx(score(many[:1], clean), rel=1e-6)
+
+
+def test_a_perfect_model_is_consistent_whatever_the_noise() -> None:
+    results = [compare(LEG, [log], seed=k) for k, log in enumerate(logs())]
+    assert all(r.consistent for r in results)
+    assert all(r.where == () for r in results)
+    ratios = [r.error / r.noise_error for r in results]
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.03)
+
+
+def test_the_virtual_leg_is_consistent_with_the_shipped_model() -> None:
+    experiments = [Experiment.replay(leg_experiment(2.0, seed=seed)) for seed in (1, 2)]
+    for seed in range(3):
+        assert compare(LEG, VirtualLeg(seed=seed).run(experiments)).consistent
+
+
+def test_the_measured_leg_is_consistent_with_the_shipped_model() -> None:
+    recordings = load_recordings(sorted((data_folder("leg_examples") / "clean").glob("*.toml")))
+    result = compare(LEG, recordings)
+    assert result.consistent
+    assert result.error == pytest.approx(result.noise_error, rel=0.05)
+
+
+WRONG = {
+    "friction": (EffectKey("coulomb_friction", "knee"), {"torque": 0.1}),
+    "damping": (EffectKey("viscous_damping", "hip"), {"damping": 0.05}),
+    "inertia": (EffectKey("reflected_inertia", "knee"), {"inertia": 0.002}),
+    "payload": (EffectKey("payload_mass", None), {"mass": 0.02}),
+    "gain": (EffectKey("torque_constant_error", "hip"), {"gain": 0.95}),
+    "bias": (EffectKey("torque_bias", "knee"), {"torque": 0.1}),
+    "delay": (EffectKey("command_delay", None), {"time": 0.001}),
+    "spring": (EffectKey("parallel_spring", "knee"), {"stiffness": 0.3, "rest": 0.0}),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_model_is_not_consistent(name: str) -> None:
+    key, values = WRONG[name]
+    (log,) = measured(having(LEG, key, **values), leg_experiment(1.5), range(1))
+    result = compare(LEG, [log])
+    assert result.error > 1.5 * result.noise_error
+    assert not result.consistent
+    assert result.where
+    for quantity in ("speed", "position", "time", "frequency"):
+        assert sum(s.share for s in result.where if s.quantity == quantity) <= 1.0 + 1e-9
+    if key.axis is not None:
+        largest = max((s for s in result.where if s.signal == "position"), key=lambda s: s.share)
+        assert largest.axis == key.axis or key.axis == "hip"  # a push at the hip moves both
+
+
+def test_where_names_the_axis_that_rubs() -> None:
+    for axis in ("hip", "knee"):
+        sticky = having(LEG, EffectKey("coulomb_friction", axis), torque=0.3)
+        (log,) = measured(sticky, leg_experiment(2.0), range(1))
+        assert compare(LEG, [log]).where[0].axis == axis
+
+
+def test_where_names_the_band_of_a_tone() -> None:
+    asked = leg_experiment(3.0)
+    tone = 0.4 * np.sin(2 * np.pi * 20.0 * asked.time)
+    pushed = asked.signals["torque_feedforward"] + np.stack([np.zeros_like(tone), tone], axis=1)
+    (log,) = measured(LEG, asked.with_signals(torque_feedforward=pushed), range(1))
+    hidden = log.with_signals(torque_feedforward=asked.signals["torque_feedforward"])
+    shares = [s for s in compare(LEG, [hidden]).where if s.quantity == "frequency"]
+    assert shares[0].axis == "knee"
+    assert shares[0].unit == "Hz"
+    assert shares[0].range[0] < 20.0 < shares[0].range[1]
+
+
+def test_where_names_the_time_of_a_disturbance() -> None:
+    asked = leg_experiment(2.0)
+    pushed = asked.signals["torque_feedforward"].copy()
+    pushed[1000:1200, 0] += 1.0
+    (log,) = measured(LEG, asked.with_signals(torque_feedforward=pushed), range(1))
+    hidden = log.with_signals(torque_feedforward=asked.signals["torque_feedforward"])
+    first = next(s for s in compare(LEG, [hidden]).where if s.quantity == "time")
+    assert first.axis == "hip"
+    assert first.range[0] < 1.25
+    assert first.range[1] > 1.0
+
+
+def halves(recording: Recording) -> list[Recording]:
+    middle = len(recording) // 3
+    return [
+        replace(
+            recording,
+            time=recording.time[part] - recording.time[part][0],
+            signals={k: v[part] for k, v in recording.signals.items()},
+            valid=None,
+        )
+        for part in (slice(0, middle), slice(middle, None))
+    ]
+
+
+def test_the_error_does_not_depend_on_order_or_on_where_a_recording_is_cut() -> None:
+    wrong = having(LEG, EffectKey("viscous_damping", "hip"), damping=0.05)
+    recordings = [measured(wrong, leg_experiment(s, seed=k), range(1))[0] for k, s in enumerate((0.6, 1.0))]
+    whole = simulate_with_noise(LEG, recordings)
+    result = evaluate(LEG, whole)
+
+    def pieces(runs: tuple[Recording, ...]) -> tuple[Recording, ...]:
+        return tuple(piece for run in runs[::-1] for piece in halves(run))
+
+    cut = Simulated(
+        pieces(whole.recordings), pieces(whole.clean), tuple(pieces(d) for d in whole.noisy), whole.noise
+    )
+    again = evaluate(LEG, cut)
+    assert again.error == pytest.approx(result.error, rel=1e-12)
+    assert again.noise_error == pytest.approx(result.noise_error, rel=1e-12)
+    assert again.consistent == result.consistent
+
+
+def test_masked_rows_do_not_count() -> None:
+    log = logs()[0]
+    valid = np.ones(len(log), bool)
+    valid[400:500] = False
+    spoilt = np.array(log.position)
+    spoilt[400:500] += 0.5
+    result = compare(LEG, [replace(log.with_signals(position=spoilt), valid=valid)])
+    assert result.consistent
+    assert not compare(LEG, [log.with_signals(position=spoilt)]).consistent
+
+
+def test_a_signal_that_never_moves_is_left_out() -> None:
+    log = logs()[0]
+    frozen = np.array(log.position)
+    frozen[:, 1] = frozen[0, 1]
+    result = compare(LEG, [log.with_signals(position=frozen)])
+    entry = result.recordings[0]
+    deviation = np.array([log.position[:, 0].std(), *log.signals["torque_measured"].std(axis=0)])
+    errors = np.array([entry.position_rmse[0], *entry.torque_rmse])
+    assert result.error == pytest.approx(np.sqrt(np.mean((errors / deviation) ** 2)))
+
+
+def without(recording: Recording, *names: str) -> Recording:
+    return replace(recording, signals={k: v for k, v in recording.signals.items() if k not in names})
+
+
+def test_without_torque_the_position_is_compared() -> None:
+    bare = without(logs()[0], "torque_measured", "torque_command")
+    result = compare(LEG, [bare])
+    assert result.consistent
+    assert np.isnan(result.recordings[0].torque_rmse).all()
+    assert result.inverse_dynamics is None
+    assert any("no torque" in note for note in result.notes)
+
+
+def test_without_a_torque_sensor_the_command_is_compared() -> None:
+    result = compare(LEG, [without(logs()[0], "torque_measured")])
+    assert result.consistent
+    assert result.noise_error == pytest.approx(result.error, rel=0.1)
+    assert any("command is compared" in note for note in result.notes)
+    late = having(LEG, EffectKey("torque_constant_error", "knee"), gain=0.9)
+    assert not compare(late, [without(logs()[0], "torque_measured")]).consistent
+
+
+def test_recordings_with_and_without_torque_are_pooled_apart() -> None:
+    mixed = [logs()[0], *(without(log, "torque_measured", "torque_command") for log in logs()[1:4])]
+    result = compare(LEG, mixed)
+    assert result.consistent
+    assert result.noise_error == pytest.approx(compare(LEG, list(logs()[:4])).noise_error, rel=0.05)
+
+
+def with_unknown_loop(recording: Recording) -> Recording:
+    return replace(recording, controller=Controller())
+
+
+def test_an_unknown_loop_is_compared_by_inverse_dynamics() -> None:
+    recordings = [with_unknown_loop(log) for log in logs()[:3]]
+    result = compare(UNKNOWN, recordings)
+    assert result.consistent
+    assert result.error < 0.03
+    np.testing.assert_array_equal(result.recordings[0].position_rmse, 0.0)
+    assert result.inverse_dynamics is not None
+    assert result.inverse_dynamics.relative_error < 0.03
+    heavy = having(UNKNOWN, EffectKey("reflected_inertia", "knee"), inertia=0.003)
+    wrong = compare(heavy, recordings)
+    assert not wrong.consistent
+    assert wrong.recordings[0].torque_rmse[1] > 3 * wrong.recordings[0].torque_noise[1]
+    assert wrong.where[0].axis == "knee"
+
+
+def test_inverse_dynamics_in_joint_coordinates_is_the_same_comparison() -> None:
+    log, j = logs()[0], LEG.transmission
+    back = np.linalg.inv(j).T
+    joint = replace(log, coordinates="joint").with_signals(
+        position=log.position @ back,
+        velocity=log.velocity @ back,
+        torque_measured=log.signals["torque_measured"] @ j,
+        torque_command=log.signals["torque_command"] @ j,
+    )
+    first, second = compare(UNKNOWN, [with_unknown_loop(log)]), compare(UNKNOWN, [with_unknown_loop(joint)])
+    assert first.inverse_dynamics is not None
+    assert second.inverse_dynamics is not None
+    assert second.inverse_dynamics.relative_error == pytest.approx(
+        first.inverse_dynamics.relative_error, rel=0.5
+    )
+    assert second.consistent
+    residual = first.recordings[0].residual("torque_measured") @ j
+    np.testing.assert_allclose(second.recordings[0].residual("torque_measured"), residual, atol=0.15)
+
+
+def test_a_loop_that_the_recording_does_not_state_is_the_models() -> None:
+    result = compare(LEG, [with_unknown_loop(logs()[0])])
+    assert result.consistent
+    assert result.recordings[0].position_rmse.min() > 0
+
+
+def test_what_cannot_be_compared_is_refused() -> None:
+    log = logs()[0]
+    with pytest.raises(InputError, match="no recordings"):
+        compare(LEG, [])
+    with pytest.raises(InputError, match=r"'ankle'.*hip, knee"):
+        compare(LEG, [replace(log, axes=("hip", "ankle"))])
+    bare = without(with_unknown_loop(log), "torque_measured", "torque_command")
+    with pytest.raises(InputError, match="neither the loop nor a torque"):
+        compare(UNKNOWN, [bare])
