@@ -1,11 +1,13 @@
 """workbench: compare a robot model with measurements, find what is missing, add it, watch the error fall.
 
-import workbench as wb
+In short:
 
-model = wb.load_model("leg")
-recordings = wb.load_recordings(["chirp.toml", "slow.toml"])
-wb.compare(model, recordings)
-better = wb.improve(model, recordings)[1]
+    import workbench as wb
+
+    model = wb.load_model("leg")
+    recordings = wb.load_recordings(["chirp.toml", "slow.toml"])
+    wb.compare(model, recordings)
+    better = wb.improve(model, recordings)[1]
 """
 
 from __future__ import annotations
