@@ -101,7 +101,8 @@ class Worlds:
         step = self.step_s = experiments[0].step
         self.early: np.ndarray | None = None
         # where a loop's log already carries the delay it has been applied all the same, only before the log
-        delay = np.array([e.delay(p.chain.delay_s, p.model) for p, e in zip(plants, experiments, strict=True)]) / step
+        pairs = zip(plants, experiments, strict=True)
+        delay = np.array([e.delay(p.chain.delay_s, p.model) for p, e in pairs]) / step
         self.whole = np.floor(delay + 1e-9).astype(int)
         self.fraction = np.where(delay - self.whole > 1e-9, delay - self.whole, 0.0)[:, None, None]
         self.longest_delay = int(self.whole.max()) + 1
@@ -139,7 +140,8 @@ class Worlds:
             # a mean torque has the right impulse, but a step edge inside a step also moves the position
             edge = (np.clip(older, -limit, limit) - np.clip(newer, -limit, limit))[:, :-1].sum(axis=1)
             share = 0.5 * self.step_s**2 * (fraction * (1.0 - fraction))[:, 0]
-            self.early = np.einsum("wi,wij->wj", share * self.gain[:active, 0] * edge, self.transmission[:active])
+            moved = share * self.gain[:active, 0] * edge
+            self.early = np.einsum("wi,wij->wj", moved, self.transmission[:active])
         return tap, shaft @ self.transmission[:active]
 
     def step(self, torque: np.ndarray, active: int) -> tuple[np.ndarray, np.ndarray]:
