@@ -42,6 +42,7 @@ def smooth_track(
         position_std, velocity_std: sensor noise (n,), recording's coordinates; NaN velocity: not measured.
     """
     step = measured.period
+    position_std = np.nan_to_num(position_std)  # of an axis that never moves nothing is known
     zero = np.zeros_like(measured.position)
     base_q = zero if simulated is None else np.nan_to_num(simulated.position)
     base_w = zero if simulated is None else np.nan_to_num(simulated.velocity)

@@ -1,0 +1,71 @@
+"""Errors are one line each, and outputs appear whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from workbench.core import EffectKey, InputError, SimulationError, WorkbenchError
+from workbench.core.files import check_free, write_whole
+from workbench.core.units import to_si
+
+
+def test_an_input_error_says_where_what_and_how() -> None:
+    error = InputError("is\n empty", file="a.toml", column="t", row=3, remedy="fill it")
+    assert str(error) == "a.toml, column 't', row 3: is empty; fill it"
+    assert (error.file, error.column, error.row, error.remedy) == ("a.toml", "t", 3, "fill it")
+    assert str(InputError("nothing given")) == "nothing given"
+
+
+def test_all_errors_have_one_root_and_one_exit_code() -> None:
+    for kind in (InputError, SimulationError):
+        assert issubclass(kind, WorkbenchError)
+        assert kind("x").exit_code == 2
+
+
+def test_a_file_is_replaced_only_by_force(tmp_path: Path) -> None:
+    target = tmp_path / "deep" / "file.txt"
+    write_whole(target, "one")
+    with pytest.raises(InputError, match=r"exists.*--force"):
+        write_whole(target, "two")
+    with pytest.raises(InputError, match=r"exists.*--force"):
+        check_free(target, force=False)
+    assert target.read_text() == "one"
+    write_whole(target, b"two", force=True)
+    assert target.read_text() == "two"
+    assert [p.name for p in target.parent.iterdir()] == ["file.txt"]
+
+
+def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot write"):
+        write_whole(tmp_path / "file" / "inside.txt", "x")
+
+
+@pytest.mark.parametrize(
+    ("unit", "kind", "expected"),
+    [
+        ("deg", "position", (0.017453292519943295, 0.0, "rad")),
+        ("mm", "position", (0.001, 0.0, "m")),
+        ("rpm", "velocity", (0.10471975511965977, 0.0, "rad/s")),
+        ("ms", "time", (0.001, 0.0, "s")),
+        ("degC", "temperature", (1.0, 273.15, "K")),
+        ("mN*m", "torque", (0.001, 0.0, "N*m")),
+    ],
+)
+def test_units_become_si(unit: str, kind: str, expected: tuple[float, float, str]) -> None:
+    scale, offset, si = to_si(unit, kind)
+    assert (scale, offset) == pytest.approx(expected[:2])
+    assert si == expected[2]
+
+
+def test_units_of_another_kind_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"'kg'.*torque"):
+        to_si("kg", "torque")
+    with pytest.raises(ValueError, match="unknown unit 'furlongs_per'"):
+        to_si("furlongs_per", "velocity")
+
+
+def test_a_key_reads_as_it_is_typed() -> None:
+    assert str(EffectKey("coulomb_friction", "knee")) == "coulomb_friction@knee"
+    assert str(EffectKey("coulomb_friction", "knee", "joint")) == "coulomb_friction@knee(joint)"
+    assert str(EffectKey("payload_mass", None)) == "payload_mass"
