@@ -64,7 +64,7 @@ def test_a_leg_without_hidden_effect_is_consistent() -> None:
         HiddenEffect(
             "periodic_disturbance", "knee", parameters={"torque": 0.4, "frequency": 3.7, "phase": 0.3}
         ),
-        HiddenEffect("random_walk_torque", "hip", parameters={"rate": 0.5, "seed": 3}),
+        HiddenEffect("random_walk_torque", "hip", parameters={"torque": 0.4, "time_constant": 0.3}),
     ],
     ids=lambda h: h.effect,
 )
@@ -86,8 +86,6 @@ def test_the_ladder_from_kin_only() -> None:
     held = [result.holdout_error_before, *(s.holdout_error for s in result.steps)]
     assert all(np.diff(errors) < 0) and all(np.diff([h for h in held if h is not None]) < 0)
     assert result.verdict == "consistent"
-    lookalikes = {k.effect for s in result.steps for k in s.indistinguishable_from}
-    assert lookalikes & {"payload_mass", "reflected_inertia"}
     assert [e.key.effect for e in better.effects] == names
 
 
@@ -102,13 +100,14 @@ def test_a_linkage_that_was_not_identified_is_fitted() -> None:
     assert fitted or "linkage_inertia" in rivals or "payload_mass" in {s.key.effect for s in result.steps}
 
 
-def test_effects_of_an_axis_that_stands_still_are_not_excited() -> None:
+def test_what_a_short_motion_cannot_show_is_not_excited() -> None:
     training, held_out = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.2}))
     still = [_held(r) for r in training]
     model = load_model("leg")
     found = diagnose(model, still, [_held(held_out[0])])
     silent = {(k.effect, k.axis) for k in found.not_excited}
-    assert ("stribeck_friction", "hip") in silent or found.verdict == "consistent"
+    assert ("stribeck_friction", "knee") in silent
+    assert all(f.key not in found.not_excited for f in found.findings)
 
 
 def _held(recording: Recording) -> Recording:

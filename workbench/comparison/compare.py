@@ -143,13 +143,17 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
     )
 
 
-def consistent(error_ms: np.ndarray, draws_ms: np.ndarray, error: float, floors: np.ndarray) -> bool:
-    """Whether the score, and every signal by itself, is no larger than noise makes it.
+def consistent(
+    error_ms: np.ndarray, draws_ms: np.ndarray, error: float, floors: np.ndarray, *, by_signal: bool = True
+) -> bool:
+    """Whether the score is no larger than noise makes it, and (`by_signal`) no single signal's error either.
 
     Args:
         error_ms: mean squares (2, n) of measured minus simulated, pooled.
         draws_ms: the same of each noise draw, (draws, 2, n).
         error, floors: the scores.
+        by_signal: look at each axis and kind by itself too, which finds effects that the score, ruled by
+            the noisiest signal, would hide.
     """
     spread = 3.0 * floors.std(ddof=1)
     if not np.isfinite(error) or error > _MARGIN_TOTAL * floors.mean() + spread:
@@ -160,7 +164,7 @@ def consistent(error_ms: np.ndarray, draws_ms: np.ndarray, error: float, floors:
     scatter = np.sqrt(draws_ms / floor).std(axis=0, ddof=1)
     shared = np.sqrt(np.mean(np.nan_to_num(scatter) ** 2, axis=1, keepdims=True))
     limit = np.maximum(_MARGIN_SIGNAL, 1.1 + 3.0 * shared)
-    return bool(np.all(~(np.sqrt(error_ms / floor) > limit)))
+    return not by_signal or bool(np.all(~(np.sqrt(error_ms / floor) > limit)))
 
 
 def _notes(recordings: Sequence[Recording]) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ from .search import LIMIT, Progress, Search, Stage, search
 
 #: Share of the squared error above the noise that findings must explain before they are named. True
 #: causes explain nearly all of it; the nearest wrong one seldom half.
-EXPLAINED = 0.9
+EXPLAINED = 0.95
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
 _SUREST = 0.98
 

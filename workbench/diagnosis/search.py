@@ -16,7 +16,7 @@ from workbench.models import AppliedEffect, Model, structural_effect
 from .data import Data, floor_of, gather
 from .fit import PRECISE, Fit, Hypothesis, applied_effect, fit, values_of, widened
 from .screen import Candidate, screen
-from .sensitivity import Scene, combine
+from .sensitivity import Column, Scene, combine
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
 HELPS = 0.05  # share of the excess that an effect must remove on data it was not fitted on
@@ -27,6 +27,7 @@ _LATER_TOLERANCE = 0.02
 SLIDING = (0.0005, 0.002, 0.005, 0.01, 0.02, 0.05)  # rad/s
 TIE = 0.03  # relative difference of judged error below which two explanations are one
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
+_CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
 _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
 _SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
 
@@ -90,13 +91,13 @@ class Search:
         return self.stages[-1].data if self.stages else self.start_data
 
 
-def is_consistent(data: Data, mean_squares: np.ndarray) -> bool:
-    """Whether the training error is no larger than noise makes it."""
+def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = True) -> bool:
+    """Whether the training error is no larger than noise makes it (and, `by_signal`, that of each signal)."""
     scale = Scale.of(data.recordings[: data.training])
     draws = np.stack([data.pool(np.stack([np.mean(x**2, axis=0) for x in draw])) for draw in data.draws])
     pooled = data.pool(mean_squares)
     floors = np.array([normalised(d, scale) for d in draws])
-    return consistent(pooled, draws, normalised(pooled, scale), floors)
+    return consistent(pooled, draws, normalised(pooled, scale), floors, by_signal=by_signal)
 
 
 def search(
@@ -145,6 +146,8 @@ def search(
         stages.append(replace(stage, data=fresh, runs=runs))
         current = _rejudged(stage.fit, fresh)
         data, done = fresh, is_consistent(fresh, current.mean_squares)
+    # a signal that is a little off after all that could be found is no sign of one more effect
+    done = done or (len(stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
     return Search(
         model,
         start,
@@ -199,12 +202,15 @@ def _refloor(found: Fit, data: Data, seed: int) -> tuple[Data, Simulated]:
 
 
 def _explained(data: Data, start: Fit, end: Fit) -> float:
-    """Share of the training excess at the start that is gone at the end, per signal, averaged."""
-    floor = data.pool(data.floor)
-    first, last = data.pool(start.mean_squares), data.pool(end.mean_squares)
-    before = data.objective(np.maximum(first - floor, 0.0))
-    after = data.objective(np.maximum(last - 1.03 * floor, 0.0))
-    return float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0
+    """Share of the excess at the start that is gone at the end, of fitted or held-out data, the smaller."""
+    shares = []
+    for held_out in {False, data.training < len(data.recordings)}:
+        floor = data.pool(data.floor, held_out)
+        first, last = data.pool(start.mean_squares, held_out), data.pool(end.mean_squares, held_out)
+        before = data.objective(np.maximum(first - floor, 0.0))
+        after = data.objective(np.maximum(last - 1.03 * floor, 0.0))
+        shares.append(float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0)
+    return min(shares)
 
 
 def _next(
@@ -250,6 +256,8 @@ def _next(
     candidate, found, rivals = _choose(helpful, stated, current.judged, floor, scene.model)
     kept, dropped = _prune(found, candidate.key, data, current)
     kept = _polished(kept, data)
+    if _cancels(scene, kept):
+        return None
     ranking = sorted(((c.key, (current.judged - f.judged) / excess) for c, f in fits), key=lambda r: -r[1])
     left = {a.key for a in kept.hypothesis.added}
     twins = effect_named(candidate.key.effect).twins
@@ -270,6 +278,18 @@ def _next(
         margin=_margin(candidate, found, fits),
         folds=(int(np.sum(kept.agreeing < current.agreeing)), len(kept.agreeing)),
     )
+
+
+def _cancels(scene: Scene, found: Fit) -> bool:
+    """Whether effects mostly undo each other: two smooth curves that mimic a third, not two causes."""
+    totals = [scene.total(a, a.values) for a in found.hypothesis.free]
+    if len(totals) < 2:
+        return False
+
+    def size(column: Column) -> float:
+        return float(np.sqrt(sum(np.sum(t**2) for t in column.torque)))
+
+    return sum(map(size, totals)) > _CANCELLING * size(combine(totals, [1.0] * len(totals)))
 
 
 def _polished(found: Fit, data: Data) -> Fit:
