@@ -23,7 +23,9 @@ _OUTSIDE = (
     HiddenEffect("periodic_disturbance", "knee", parameters={"torque": 0.4, "frequency": 3.7, "phase": 0.3}),
     HiddenEffect("cubic_spring", "hip", parameters={"stiffness": 3.0, "rest": -0.2}),
     HiddenEffect("random_walk_torque", "hip", parameters={"torque": 0.4, "time_constant": 0.3}),
-    HiddenEffect("position_dependent_friction", "knee", parameters={"torque": 0.3, "order": 6.0, "phase": 0.4}),
+    HiddenEffect(
+        "position_dependent_friction", "knee", parameters={"torque": 0.3, "order": 6.0, "phase": 0.4}
+    ),
 )
 
 

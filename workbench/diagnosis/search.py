@@ -24,7 +24,7 @@ HELPS = 0.05  # share of the excess that an effect must remove on data it was no
 # error at the start counts as nothing: what a first effect leaves is its own shape as often as a second one.
 _LATER = 0.05
 _LATER_TOLERANCE = 0.02
-SLIDING = (0.0005, 0.002, 0.005, 0.01, 0.02, 0.05)  # rad/s
+SLIDING = (0.0005, 0.003, 0.01, 0.03)  # rad/s
 TIE = 0.03  # relative difference of judged error below which two explanations are one
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
@@ -315,7 +315,7 @@ def settle(found: Fit, data: Data, floor: float) -> Fit:
 
     best = int(np.argmin(values_of([at(speed) for speed in SLIDING], data)))
     around = [k for k in (best - 1, best, best + 1) if 0 <= k < len(SLIDING)]
-    fits = [f for f in fit([at(SLIDING[k]) for k in around], data, iterations=3) if f is not None]
+    fits = [f for f in fit([at(SLIDING[k]) for k in around], data, iterations=2) if f is not None]
     if not fits:
         return found
     chosen = min(fits, key=lambda f: f.trained)

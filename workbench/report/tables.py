@@ -61,8 +61,13 @@ def compare_table(result: Comparison) -> Group:
     if not result.consistent:
         parts += _shares("Where the error above the noise sits", result.where)
     if result.inverse_dynamics is not None:
-        inverse = percent(result.inverse_dynamics.relative_error)
-        parts.append(Text(f"Inverse-dynamics torque differs from the measured torque by {inverse}."))
+        inverse = 100.0 * result.inverse_dynamics.relative_error
+        parts.append(
+            Text(
+                f"The torque that the model needs for the motion differs from the recorded one by {inverse:.3g} %"
+                f" ({result.inverse_dynamics.filter})."
+            )
+        )
     parts += [_text(f"Note: {note}") for note in result.notes]
     return Group(*parts)
 
@@ -122,6 +127,8 @@ def improvement_table(result: Improvement) -> Group:
 
 def truth_table(result: Improvement | Diagnosis, truth: Truth) -> Group:
     """What the virtual hardware hid beside what was found."""
+    if not truth:
+        return Group(Text("The truth", style="bold"), Text("Nothing was hidden."))
     table = _table("hidden effect", "outcome", "parameter", "true", "found (95 %)", "inside")
     for row in truth_rows(result, truth):
         if row.effect and table.row_count:

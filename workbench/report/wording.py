@@ -90,7 +90,26 @@ def comparison_sentence(result: Comparison) -> str:
         return "The model explains the data to the noise."
     times = times_noise(result.error, result.noise_error)
     tail = f", {times} the noise floor of {number(result.noise_error)}" if times else ""
+    if result.error <= 1.06 * result.noise_error:
+        worst = _worst_signal(result)
+        return f"The model does not explain the data: {worst}, though the error as a whole is at the floor."
     return f"The model does not explain the data: its error is {number(result.error)}{tail}."
+
+
+def _worst_signal(result: Comparison) -> str:
+    """The signal that stands furthest above its own noise: ``"the knee position misses by 1.4 times …"``."""
+    ratios = [
+        (float(ratio), plain(axis), kind)
+        for e in result.recordings
+        for kind, rmse, noise in (
+            ("position", e.position_rmse, e.position_noise),
+            ("torque", e.torque_rmse, e.torque_noise),
+        )
+        for axis, ratio in zip(result.axes, rmse / noise, strict=True)
+        if math.isfinite(ratio)
+    ]
+    ratio, axis, kind = max(ratios)
+    return f"the {axis} {kind} misses by {short(ratio)} times its own noise"
 
 
 def diagnosis_sentence(result: Diagnosis) -> str:
