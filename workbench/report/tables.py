@@ -64,7 +64,7 @@ def compare_table(result: Comparison) -> Group:
         inverse = 100.0 * result.inverse_dynamics.relative_error
         parts.append(
             Text(
-                f"The torque that the model needs for the motion differs from the recorded one by {inverse:.3g} %"
+                f"The torque that the model needs for the motion is {inverse:.3g} % off the recorded one"
                 f" ({result.inverse_dynamics.filter})."
             )
         )
