@@ -20,6 +20,7 @@ from .solve import solve
 _ITERATIONS = 6
 ENOUGH = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
 _STEP_SHARE = 0.005  # of a row's period
+_FAR_BEHIND = 8.0
 PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
 
@@ -123,7 +124,11 @@ def fit(
         One fit a hypothesis; None where it never ran (unstable, or a body that cannot be).
     """
     works = [_Work(h, h) for h in hypotheses]
-    for _ in range(iterations):
+    for turn in range(iterations):
+        best = min(w.value for w in works)
+        for work in works:
+            # what is far behind after two tries needs no better estimate to lose
+            work.done |= turn > 1 and work.value > _FAR_BEHIND * best
         active = [w for w in works if not w.done]
         if not active:
             break
