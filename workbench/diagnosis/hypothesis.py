@@ -1,0 +1,110 @@
+"""What is believed while it is being tried: a model with effects, and how well it fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.core import Estimate, Recording
+from workbench.effects import axis_units, effect_named
+from workbench.models import AppliedEffect, Model, Placement
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A model, effects that its file states without a free parameter, and effects with free parameters."""
+
+    base: Model
+    free: tuple[AppliedEffect, ...]
+    stated: tuple[AppliedEffect, ...] = ()
+
+    @property
+    def added(self) -> tuple[AppliedEffect, ...]:
+        """All effects over the base."""
+        return (*self.stated, *self.free)
+
+    @property
+    def model(self) -> Model:
+        """Base with all effects in it."""
+        out = self.base
+        for applied in self.added:
+            out = out.with_effect(applied)
+        return out
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A hypothesis after fitting.
+
+    Attributes:
+        hypothesis: with the estimates and their deviations.
+        simulated: its runs of all recordings.
+        mean_squares: (R, 2, n).
+        trained: weighted mean square on the training data.
+        judged: the same on held-out data, or across folds with each fold left out of the fit.
+        agreeing: per fold (or held-out recording) weighted mean square, to be held against another's.
+    """
+
+    hypothesis: Hypothesis
+    simulated: tuple[Recording, ...]
+    mean_squares: np.ndarray
+    trained: float
+    judged: float
+    agreeing: np.ndarray
+
+
+def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
+    """Which unknowns belong to which free effect: linear coefficients, then nonlinear parameters."""
+    out, start = [], 0
+    for applied in hypothesis.free:
+        effect = effect_named(applied.key.effect)
+        size = len(effect.to_coefficients(applied.values)[0]) + len(effect.nonlinear)
+        out.append((applied, slice(start, start + size)))
+        start += size
+    return out
+
+
+def room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
+    """How far each unknown may move: to its physical bound, nonlinear ones at most by half of themselves."""
+    low, high = [np.zeros(0)], [np.zeros(0)]
+    for applied, _ in blocks(hypothesis):
+        effect = effect_named(applied.key.effect)
+        coefficients, shape = effect.to_coefficients(applied.values)
+        lower, upper = effect.bounds(hypothesis.base, Placement.of(hypothesis.base, applied.key))
+        reach = np.array([0.5 * abs(shape[name]) + 1e-5 for name in effect.nonlinear])
+        now = np.array([shape[name] for name in effect.nonlinear])
+        own = {p.name: p for p in effect.parameters}
+        floor = np.array([own[name].lower for name in effect.nonlinear])
+        ceiling = np.array([own[name].upper for name in effect.nonlinear])
+        low += [lower - coefficients, np.maximum(-reach, floor - now)]
+        high += [upper - coefficients, np.minimum(reach, ceiling - now)]
+    return np.concatenate(low), np.concatenate(high)
+
+
+def moved(hypothesis: Hypothesis, change: np.ndarray) -> Hypothesis:
+    """The hypothesis with its unknowns changed by `change`, in the order of `blocks`."""
+    free = []
+    for applied, block in blocks(hypothesis):
+        effect = effect_named(applied.key.effect)
+        coefficients, shape = effect.to_coefficients(applied.values)
+        own = change[block]
+        shape = {name: shape[name] + own[len(coefficients) + k] for k, name in enumerate(effect.nonlinear)}
+        values = effect.to_parameters(coefficients + own[: len(coefficients)], shape)
+        free.append(applied_effect(hypothesis.base, applied, values))
+    return replace(hypothesis, free=tuple(free))
+
+
+def applied_effect(model: Model, like: AppliedEffect, values: dict[str, float]) -> AppliedEffect:
+    """The same effect with other values."""
+    units = axis_units(model)
+    parameters = {}
+    for parameter in effect_named(like.key.effect).parameters:
+        unit = (
+            parameter.unit
+            if like.key.axis is None
+            else parameter.unit_on(units[model.axes.index(like.key.axis)])
+        )
+        if parameter.name in values:
+            parameters[parameter.name] = Estimate(float(values[parameter.name]), 0.0, unit)
+    return AppliedEffect(like.key, parameters)

@@ -1,0 +1,156 @@
+"""The rules by which an explanation is accepted, judged on data that were not fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import contains, effect_named
+from workbench.models import Model
+
+from .data import Data
+from .hypothesis import Fit
+from .screen import Candidate
+from .sensitivity import Column, Scene, combine
+
+HELPS = 0.05  # share of the excess that an effect must remove on data it was not fitted on
+# A later effect must also lower the whole error by this much, fitted and judged, where a fiftieth of the
+# error at the start counts as nothing: what a first effect leaves is its own shape as often as a second one.
+_LATER = 0.05
+_LATER_TOLERANCE = 0.02
+TIE = 0.03  # relative difference of judged error below which two explanations are one
+AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
+_CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
+_BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
+
+
+def floor_of_judging(data: Data) -> float:
+    """Judged error that a perfect model would have."""
+    return data.objective(data.pool(data.floor, held_out=data.training < len(data.recordings)))
+
+
+def rejudged(old: Fit, data: Data) -> Fit:
+    """The same fit under new weights; its parameters stay, so folds are judged as they are."""
+    trained = data.objective(data.pool(old.mean_squares))
+    if data.training < len(data.recordings):
+        folds = np.array([data.objective(ms) for ms in old.mean_squares[data.training :]])
+        judged = data.objective(data.pool(old.mean_squares, held_out=True))
+    else:
+        folds = np.array(
+            [
+                np.mean(
+                    np.sum(
+                        (data.residual(f.recording, old.simulated[f.recording])[f.rows] * data.weight) ** 2,
+                        (1, 2),
+                    )
+                )
+                for f in data.folds
+            ]
+        )
+        judged = trained
+    return replace(old, trained=trained, judged=judged, agreeing=folds)
+
+
+def explained(data: Data, start: Fit, end: Fit) -> float:
+    """Share of the excess at the start that is gone at the end, of fitted or held-out data, the smaller."""
+    shares = []
+    for held_out in {False, data.training < len(data.recordings)}:
+        floor = data.pool(data.floor, held_out)
+        first, last = data.pool(start.mean_squares, held_out), data.pool(end.mean_squares, held_out)
+        before = data.objective(np.maximum(first - floor, 0.0))
+        after = data.objective(np.maximum(last - 1.03 * floor, 0.0))
+        shares.append(float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0)
+    return min(shares)
+
+
+def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
+    """Whether even a perfect further effect could not lower the whole error by enough."""
+    plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
+    floor, now = plain.pool(plain.floor), plain.pool(current.mean_squares)
+    return bool(np.sqrt(plain.objective(floor)) > (1.0 - _LATER) * np.sqrt(plain.objective(now)))
+
+
+def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
+    """Whether an effect after the first lowers the whole error, not only what the first left of its own."""
+    plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
+    for held_out in {False, data.training < len(data.recordings)}:
+        before = plain.objective(plain.pool(current.mean_squares, held_out))
+        after = plain.objective(plain.pool(found.mean_squares, held_out))
+        if np.sqrt(after) > (1.0 - _LATER) * np.sqrt(before):
+            return False
+    return True
+
+
+def helps(found: Fit, current: Fit, excess: float) -> bool:
+    """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
+    agree = np.mean(found.agreeing < current.agreeing)
+    return bool(current.judged - found.judged > HELPS * excess and agree > 0.5)
+
+
+def lowers_error(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether the reported error falls, on what was fitted and on what was not."""
+    parts = {False, data.training < len(data.recordings)}
+    return all(data.score(found.mean_squares, p) < data.score(current.mean_squares, p) for p in parts)
+
+
+def cancels(scene: Scene, found: Fit) -> bool:
+    """Whether effects mostly undo each other: two smooth curves that mimic a third, not two causes."""
+    totals = [scene.total(a, a.values) for a in found.hypothesis.free]
+    if len(totals) < 2:
+        return False
+
+    def size(column: Column) -> float:
+        return float(np.sqrt(sum(np.sum(t**2) for t in column.torque)))
+
+    return sum(map(size, totals)) > _CANCELLING * size(combine(totals, [1.0] * len(totals)))
+
+
+def choose(
+    helpful: list[tuple[Candidate, Fit]],
+    stated: Sequence[Candidate],
+    before: float,
+    floor: float,
+    model: Model,
+) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
+    """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
+
+    def cost(c: Candidate) -> tuple[int, int]:
+        effect = effect_named(c.key.effect)
+        return effect.free(model), effect.tier
+
+    known = [(c, f) for c, f in helpful if c in stated]
+    reached = [(c, f) for c, f in helpful if f.judged < AT_FLOOR * floor]
+    most = min(f.judged for _, f in helpful)
+    basic = [
+        (c, f)
+        for c, f in helpful
+        if effect_named(c.key.effect).basic and before - f.judged > _BASIC * (before - most)
+    ]
+    pool = known or reached or basic or helpful
+    best = min(f.judged for _, f in pool)
+    ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + TIE)]
+    ties.sort(key=lambda cf: (cost(cf[0]), cf[1].judged))
+    candidate, found = ties[0]
+    # whatever does as well is a rival, wherever it came from, unless it merely contains the choice
+    rivals = tuple(
+        c.key
+        for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
+        if c is not candidate
+        and f.judged <= found.judged * (1.0 + TIE)
+        and not contains(c.key, candidate.key)
+        and c not in stated
+    )
+    return candidate, found, rivals
+
+
+def margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]) -> float:
+    """How much worse the best other explanation is, leaving out those that contain this one."""
+    others = [
+        f.judged
+        for c, f in fits
+        if c is not chosen and not contains(c.key, chosen.key) and not contains(chosen.key, c.key)
+    ]
+    return min(others, default=float("inf")) / max(found.judged, 1e-12)

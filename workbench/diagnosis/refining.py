@@ -1,0 +1,97 @@
+"""From a candidate to a finished fit: what it replaces, how friction sets in, what becomes needless."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import contains, effect_named
+from workbench.models import AppliedEffect, structural_effect
+
+from .data import Data
+from .fit import PRECISE, fit, values_of
+from .hypothesis import Fit, Hypothesis, applied_effect
+from .judging import TIE
+from .screen import Candidate
+from .sensitivity import Scene, combine
+from .uncertainty import widened
+
+_SLIDING = (0.0005, 0.003, 0.01, 0.03)  # rad/s
+
+
+def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothesis:
+    """The current model with a candidate; effects that it contains in the same place make room for it."""
+    effect = effect_named(candidate.key.effect)
+    base, free = current.hypothesis.base, current.hypothesis.free
+
+    if effect.free(scene.model) == 0:
+        added = structural_effect(effect.name, scene.model.linkage)
+        return Hypothesis(base, free, (*current.hypothesis.stated, added))
+    coefficients, shape = candidate.coefficients, candidate.shape
+    given_up = [a for a in free if contains(candidate.key, a.key)]
+    if given_up:
+        linear, _ = scene.columns(candidate.key, shape)
+        target = combine(
+            [*linear, *(scene.total(a, a.values) for a in given_up)],
+            [*coefficients, *(1.0 for _ in given_up)],
+        )
+        x = np.stack([np.concatenate([t.ravel() for t in c.torque]) for c in linear], axis=1)
+        y = np.concatenate([t.ravel() for t in target.torque])
+        coefficients = np.linalg.lstsq(x, y, rcond=None)[0]
+        lower = np.array([p.lower for p in effect.parameters if p.name not in effect.nonlinear])
+        coefficients = np.maximum(coefficients, lower)
+    values = effect.to_parameters(coefficients, shape)
+    added = applied_effect(scene.model, AppliedEffect(candidate.key), values)
+    return Hypothesis(base, (*(a for a in free if a not in given_up), added), current.hypothesis.stated)
+
+
+def settle(found: Fit, data: Data, floor: float) -> Fit:
+    """Let the data say how dry friction sets in, where the rest could be due to that.
+
+    The sliding speed is a property of the contact that no catalogue lists. A grid finds it; how far the
+    parameters move from one grid point to the next is what its shape leaves open, and widens intervals.
+    """
+    dry = any(effect_named(a.key.effect).dry for a in found.hypothesis.free)
+    if not dry or found.trained < 1.03 * floor or found.trained > 50.0 * floor:
+        return found
+
+    def at(speed: float) -> Hypothesis:
+        return replace(found.hypothesis, base=replace(found.hypothesis.base, sliding_speed=speed))
+
+    best = int(np.argmin(values_of([at(speed) for speed in _SLIDING], data)))
+    around = [k for k in (best - 1, best, best + 1) if 0 <= k < len(_SLIDING)]
+    fits = [f for f in fit([at(_SLIDING[k]) for k in around], data, iterations=2) if f is not None]
+    if not fits:
+        return found
+    chosen = min(fits, key=lambda f: f.trained)
+    return widened(chosen, fits) if chosen.trained < found.trained else found
+
+
+def polished(found: Fit, data: Data) -> Fit:
+    """The same effects with their parameters to the last digit that noise leaves."""
+    if not found.hypothesis.free:
+        return found
+    better = fit([found.hypothesis], data, iterations=4, enough=PRECISE)[0]
+    return found if better is None or better.trained > found.trained else widened(better, [found], share=0.0)
+
+
+def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, tuple[EffectKey, ...]]:
+    """Drop effects that the new one made needless, as long as judging does not suffer."""
+    dropped: tuple[EffectKey, ...] = ()
+    while True:
+        rest = [a for a in found.hypothesis.free if a.key != added]
+        if not rest:
+            return found, dropped
+        trials = [
+            replace(found.hypothesis, free=tuple(b for b in found.hypothesis.free if b.key != a.key))
+            for a in rest
+        ]
+        fits = fit(trials, data, iterations=3)
+        options = [(f.judged, a.key, f) for a, f in zip(rest, fits, strict=True) if f is not None]
+        options = [o for o in options if o[0] <= found.judged * (1.0 + 0.3 * TIE) and o[0] < current.judged]
+        if not options:
+            return found, dropped
+        _, key, found = min(options, key=lambda o: o[0])
+        dropped = (*dropped, key)
