@@ -58,7 +58,7 @@ def test_figures_are_saved_whole_and_reproducibly(tmp_path, improvement):
         one = save_figure(ladder_figure(improvement), tmp_path / f"a{ending}")
         two = save_figure(ladder_figure(improvement), tmp_path / f"b{ending}")
         assert one.read_bytes().startswith(magic) and one.read_bytes() == two.read_bytes()
-    with pytest.raises(InputError, match="exists already"):
+    with pytest.raises(InputError, match="the file exists"):
         save_figure(ladder_figure(improvement), tmp_path / "a.png")
     with pytest.raises(InputError, match=r"name it \.png or \.svg"):
         save_figure(ladder_figure(improvement), tmp_path / "a.bmp")

@@ -85,7 +85,7 @@ def test_write_json_is_whole_and_does_not_overwrite(tmp_path, comparison):
     write_json(comparison_dict(comparison), path)
     text = path.read_text()
     assert json.loads(text)["format"] == 1
-    with pytest.raises(InputError, match="exists already"):
+    with pytest.raises(InputError, match="the file exists"):
         write_json({}, path)
     assert path.read_text() == text
     write_json({"a": float("nan")}, path, force=True)
@@ -106,6 +106,8 @@ def test_dash_is_standard_output(capsys):
     assert json.loads(capsys.readouterr().out) == {"format": 1}
 
 
-def test_a_missing_folder_is_one_clear_line(tmp_path):
-    with pytest.raises(InputError, match="folder does not exist"):
-        write_json({}, tmp_path / "nowhere" / "out.json")
+def test_a_missing_folder_is_made_and_a_folder_is_no_file(tmp_path):
+    write_json({"format": 1}, tmp_path / "new" / "out.json")
+    assert json.loads((tmp_path / "new" / "out.json").read_text()) == {"format": 1}
+    with pytest.raises(InputError, match="is a folder"):
+        write_json({}, tmp_path / "new", force=True)

@@ -147,7 +147,7 @@ def test_results_without_comparisons_or_torque_have_pages(diagnosis, improvement
 def test_it_is_written_whole_or_not_at_all(tmp_path, comparison):
     path = write_page(comparison, tmp_path / "page.html", command=COMMAND)
     before = path.read_bytes()
-    with pytest.raises(InputError, match="exists already"):
+    with pytest.raises(InputError, match="the file exists"):
         write_page(comparison, path, command=COMMAND)
     with pytest.raises(InputError, match="cannot read"):
         write_page(comparison, path, command=COMMAND, inputs=[tmp_path / "gone"], force=True)

@@ -1,14 +1,12 @@
 """Results for people and programs: terminal tables, JSON, figures, and one self-contained page."""
 
 from .figures import ladder_figure, overlay_figure, residual_figure, save_figure, spectrum_figure
-from .files import check_target, write_whole
 from .json import comparison_dict, diagnosis_dict, improvement_dict, write_json
 from .page import render_page, write_page
 from .sections import sentence
 from .tables import compare_table, diagnosis_table, improvement_table, print_table, truth_table
 
 __all__ = [
-    "check_target",
     "compare_table",
     "comparison_dict",
     "diagnosis_dict",
@@ -26,5 +24,4 @@ __all__ = [
     "truth_table",
     "write_json",
     "write_page",
-    "write_whole",
 ]

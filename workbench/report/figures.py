@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from workbench.core import Comparison, Diagnosis, Improvement, InputError
+from workbench.core.files import check_free, write_whole
 
-from .files import check_target, write_whole
 from .ladder import log_axis, rungs
 from .numbers import handy, number, plain
 from .pack import partner
@@ -201,8 +201,8 @@ def save_figure(figure: Figure, path: str | Path, *, force: bool = False) -> Pat
     kind = Path(path).suffix.lower().lstrip(".")
     if kind not in ("png", "svg"):
         raise InputError(f"cannot draw '.{kind}'", file=path, remedy="name it .png or .svg")
-    check_target(path, force=force)
-    return write_whole(figure_bytes(figure, kind), path, force=force)
+    check_free(path, force=force)
+    return write_whole(path, figure_bytes(figure, kind), force=force)
 
 
 def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:

@@ -23,8 +23,7 @@ from workbench.core import (
     Share,
     Step,
 )
-
-from .files import write_whole
+from workbench.core.files import write_whole
 
 Truth = Sequence[Mapping[str, Any]]
 
@@ -120,7 +119,7 @@ def write_json(obj: Mapping[str, Any], path: str | Path, *, force: bool = False)
         sys.stdout.write(text)
         sys.stdout.flush()
     else:
-        write_whole(text, path, force=force)
+        write_whole(path, text, force=force)
 
 
 def _recording(r: RecordingError) -> dict[str, Any]:

@@ -13,9 +13,9 @@ from pathlib import Path
 import jinja2
 
 from workbench.core import Comparison, Diagnosis, Improvement, InputError
+from workbench.core.files import check_free, write_whole
 
 from .figures import figure_bytes, overlay_figure
-from .files import check_target, write_whole
 from .json import Truth
 from .numbers import plain, unbroken
 from .pack import compress, plots, worst_view
@@ -49,9 +49,9 @@ def write_page(
     Raises:
         InputError: the file exists and `force` is false, or an input cannot be read.
     """
-    check_target(path, force=force)
+    check_free(path, force=force)
     page = render_page(result, command=command, seeds=seeds, inputs=inputs, truth=truth)
-    return write_whole(page, path, force=force)
+    return write_whole(path, page, force=force)
 
 
 def render_page(
