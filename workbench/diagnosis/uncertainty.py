@@ -17,6 +17,7 @@ from .hypothesis import Fit, Hypothesis, blocks
 from .sensitivity import Normal
 
 _STEP_SHARE = 0.005  # of a row's period: how well a delay inside a step is known
+_ONSET_SHARE = 0.003  # of a dry friction's parameters: what a hard stop and a short creep differ by
 
 
 def widened(found: Fit, others: Sequence[Fit], share: float = 0.5) -> Fit:
@@ -74,8 +75,12 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
             step = 1e-4 * max(abs(unknowns[i]), 1e-6)
             slopes[:, i] = (values(unknowns + step * (np.arange(len(unknowns)) == i)) - middle) / step
         deviation = np.sqrt(np.maximum(np.diag(slopes @ own @ slopes.T), 0.0))
-        # inside a step a delay acts through means, which are right to this part of it
-        fine = [_STEP_SHARE * data.recordings[0].period if p.unit == "s" else 0.0 for p in effect.parameters]
+        # a delay acts inside a step through means; dry friction sets in some way that no log shows whole
+        late = np.array(
+            [_STEP_SHARE * data.recordings[0].period * (p.unit == "s") for p in effect.parameters]
+        )
+        onset = (_ONSET_SHARE if effect.dry else 0.0) * np.abs(middle)
+        fine = np.hypot(late, onset)
         deviation = np.hypot(deviation, fine)
         parameters = {
             p.name: Estimate(float(middle[i]), float(deviation[i]), applied.parameters[p.name].unit)
