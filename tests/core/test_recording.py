@@ -32,7 +32,9 @@ def test_nothing_in_it_can_be_changed(recording: Recording) -> None:
 def test_the_callers_arrays_stay_writable() -> None:
     own = np.zeros((5, 1))
     Recording("made", ("a",), "actuator", np.arange(5) * 0.1, {"position": own}, ("rad",))
+    assert own.flags.writeable
     own[0] = 1.0
+    assert own[0, 0] == 1.0
 
 
 def test_a_copy_with_other_signals_leaves_the_first_alone(recording: Recording) -> None:

@@ -202,7 +202,8 @@ def test_a_held_axis_whose_command_answers_noise_is_no_error(tmp_path: Path) -> 
     data = two_axes() | {"q_b": [0.1] * 400, "ref_b": [0.1] * 400, "w_b": rng.normal(0, 0.01, 400)}
     data |= {"cmd_a": data["tau_a"], "cmd_b": -0.5 * np.asarray(data["w_b"])}
     columns = with_columns(torque_command=["cmd_a", "cmd_b"])
-    load_recording(write_recording(tmp_path, data, columns=columns))
+    held = load_recording(write_recording(tmp_path, data, columns=columns))
+    assert np.ptp(held.position[:, 1]) == 0 and np.ptp(held.signals["torque_command"][:, 1]) > 0
 
 
 def test_extras_are_kept(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 from .compare import Simulated, check_recordings, compare, evaluate, simulate_with_noise
 from .inverse import needs_inverse
-from .noise import DRAWS, NoiseModel, noise_seeds
+from .noise import DRAWS, NoiseModel
 from .score import Scale, normalised, scored_signals
 
 __all__ = [
@@ -14,7 +14,6 @@ __all__ = [
     "compare",
     "evaluate",
     "needs_inverse",
-    "noise_seeds",
     "normalised",
     "scored_signals",
     "simulate_with_noise",

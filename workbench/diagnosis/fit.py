@@ -13,7 +13,7 @@ from workbench.simulation import Run, simulate
 
 from .data import Data
 from .hypothesis import Fit, Hypothesis, moved, room
-from .sensitivity import Normal, Scene, normal, respond
+from .sensitivity import Normal, Scene, normal, respond, total
 from .solve import solve
 from .uncertainty import covariance_of, with_deviations
 
@@ -138,32 +138,25 @@ def _scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.nd
 def _step(work: _Work, data: Data, enough: float) -> None:
     """The next values to try; done where they would change nothing."""
     assert work.pieces is not None
-    total = _total(work.pieces)
+    whole = total(work.pieces)
     low, high = room(work.best)
-    change = solve(total, low, high, work.damping)
-    fall = total.square - total.after(change)
-    if len(change) == 0 or fall < enough * total.square:
+    change = solve(whole, low, high, work.damping)
+    fall = whole.square - whole.after(change)
+    if len(change) == 0 or fall < enough * whole.square:
         work.done = True
         return
     work.tried = moved(work.best, change)
-
-
-def _total(pieces: Sequence[Normal]) -> Normal:
-    out = pieces[0]
-    for piece in pieces[1:]:
-        out = out + piece
-    return out
 
 
 def _finish(work: _Work, data: Data) -> Fit:
     if work.pieces is None:
         _linearise([work], data)
     assert work.pieces is not None and work.mean_squares is not None and work.noise is not None
-    total = _total(work.pieces)
+    whole = total(work.pieces)
     low, high = room(work.best)
     changes = []
     for piece in work.pieces:
-        rest = Normal(total.gram - piece.gram, total.right - piece.right, total.square - piece.square, 0)
+        rest = whole - piece
         changes.append(solve(rest, low, high))
     folds = np.array([p.after(c) / p.samples for p, c in zip(work.pieces, changes, strict=True)])
     weights = np.array([p.samples for p in work.pieces])
@@ -171,7 +164,7 @@ def _finish(work: _Work, data: Data) -> Fit:
     if data.training < len(data.recordings):
         judged = data.objective(data.pool(work.mean_squares, held_out=True))
         folds = np.array([data.objective(ms) for ms in work.mean_squares[data.training :]])
-    covariance = covariance_of(total, work.noise, np.array(changes), work.value, data)
+    covariance = covariance_of(whole, work.noise, np.array(changes), work.value, data)
     return Fit(
         with_deviations(work.best, covariance, data), work.runs, work.mean_squares, work.value, judged, folds
     )

@@ -12,7 +12,7 @@ from workbench.effects import effect_named, places
 from workbench.models import AppliedEffect, Placement
 
 from .data import Data
-from .sensitivity import Column, Normal, Scene, normal, respond
+from .sensitivity import Column, Normal, Scene, normal, respond, total
 from .solve import solve
 
 
@@ -128,16 +128,16 @@ def _judge(
 ) -> tuple[float, np.ndarray]:
     """Mean square left on held-out data (or across folds), and the solution on all training data."""
     parts = [_shifted(p, index, fixed) for p in pieces]
-    total = _sum(parts)
-    solution = solve(total, *bounds)
+    whole = total(parts)
+    solution = solve(whole, *bounds)
     if held_out is not None:
         other = _shifted(held_out, index, fixed)
         return other.after(solution) / other.samples, solution
     left = 0.0
     for part in parts:
-        rest = Normal(total.gram - part.gram, total.right - part.right, total.square - part.square, 0)
+        rest = whole - part
         left += part.after(solve(rest, *bounds))
-    return left / total.samples, solution
+    return left / whole.samples, solution
 
 
 def _shifted(piece: Normal, index: list[int], fixed: int | None) -> Normal:
@@ -147,13 +147,6 @@ def _shifted(piece: Normal, index: list[int], fixed: int | None) -> Normal:
     right = piece.right - piece.gram[:, fixed]
     square = piece.square - 2.0 * piece.right[fixed] + piece.gram[fixed, fixed]
     return Normal(piece.gram, right, float(square), piece.samples).pick(index)
-
-
-def _sum(parts: Sequence[Normal]) -> Normal:
-    total = parts[0]
-    for part in parts[1:]:
-        total = total + part
-    return total
 
 
 def _strength(scene: Scene, columns: list[Column]) -> float:
@@ -168,7 +161,7 @@ def _detectable(pieces: list[Normal], entry: _Entry, kept: list[int]) -> float:
     own = entry.linear or ([entry.fixed] if entry.fixed is not None else [])
     if not own or entry.strength == 0.0:
         return 0.0
-    gram = _sum(pieces).gram
+    gram = total(pieces).gram
     k = own[-1]
     seen = gram[k, k]
     others = [*kept, *own[:-1]]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -163,6 +165,14 @@ class Normal:
             self.samples + other.samples,
         )
 
+    def __sub__(self, part: Normal) -> Normal:
+        return Normal(
+            self.gram - part.gram,
+            self.right - part.right,
+            self.square - part.square,
+            self.samples - part.samples,
+        )
+
     def pick(self, index: Sequence[int]) -> Normal:
         """Only these unknowns."""
         i = np.asarray(index, int)
@@ -177,3 +187,8 @@ def normal(response: np.ndarray, residual: np.ndarray) -> Normal:
     """Normal equations from weighted responses (N, 2, n, C) and weighted residuals (N, 2, n)."""
     x, y = response.reshape(residual.size, response.shape[-1]), residual.reshape(-1)
     return Normal(x.T @ x, x.T @ y, float(y @ y), len(residual))
+
+
+def total(pieces: Sequence[Normal]) -> Normal:
+    """Normal equations of all pieces together."""
+    return reduce(add, pieces)
