@@ -65,6 +65,8 @@ def test_a_leg_without_hidden_effect_is_consistent() -> None:
             "periodic_disturbance", "knee", parameters={"torque": 0.4, "frequency": 3.7, "phase": 0.3}
         ),
         HiddenEffect("random_walk_torque", "hip", parameters={"torque": 0.4, "time_constant": 0.3}),
+        # without the rule against effects that cancel each other, gravity and a spring would be named
+        HiddenEffect("cubic_spring", "hip", parameters={"stiffness": 3.0, "rest": -0.2}),
     ],
     ids=lambda h: h.effect,
 )
