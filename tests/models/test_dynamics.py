@@ -53,7 +53,7 @@ def test_the_exact_leg_has_the_gravity_of_the_linkage() -> None:
 def test_the_exact_leg_is_drakes_closed_chain() -> None:
     leg = load_model("leg")
     assert leg.closed_chain is not None
-    chain = ClosedChain(leg.closed_chain)
+    chain = ClosedChain(leg.closed_chain.file)
     generator = np.random.default_rng(2)
     for _ in range(20):
         q, v, a = generator.uniform(-1.5, 1.5, 2), generator.normal(0, 8, 2), generator.normal(0, 200, 2)

@@ -1,6 +1,7 @@
 """Types, units and errors that everything else is built from; imports nothing of workbench."""
 
 from .errors import InputError, SimulationError, WorkbenchError
+from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Timing
 from .results import (
     FORMAT,
@@ -30,6 +31,7 @@ __all__ = [
     "Improvement",
     "InputError",
     "InverseDynamics",
+    "Mechanism",
     "Recording",
     "RecordingError",
     "Share",

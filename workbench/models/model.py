@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.core import Controller, EffectKey, Estimate
+from workbench.core import Controller, EffectKey, Estimate, Mechanism
 
 #: Structural effects that each S3N variant already contains (paper, Sec. III).
 VARIANTS: Mapping[str, tuple[str, ...]] = {
@@ -73,7 +73,8 @@ class Model:
         joints: MJCF joints of the serial coordinates q_s, length n.
         transmission: matrix J (n, n) with q_p = J q_s (paper, Eq. 1).
         actuators: the drives.
-        closed_chain: SDF file of the closed chain, if there is one.
+        closed_chain: the real mechanism with its loops, if it is known.
+        posture_dependent: J changes with the posture, and `transmission` is its value at the start posture.
         linkage: what the serial tree leaves out of a parallelogram, if this is one.
         variant: name in `VARIANTS`; its structural effects stand first in `effects`.
         effects: everything added to the serial tree, in order of addition.
@@ -90,7 +91,8 @@ class Model:
     joints: tuple[str, ...]
     transmission: np.ndarray
     actuators: Actuators
-    closed_chain: Path | None = None
+    closed_chain: Mechanism | None = None
+    posture_dependent: bool = False
     linkage: Linkage | None = None
     variant: str = "kin_only"
     effects: tuple[AppliedEffect, ...] = ()

@@ -13,7 +13,7 @@ import numpy as np
 import tomli_w
 from pydantic import ValidationError
 
-from workbench.core import Controller, EffectKey, Estimate, InputError
+from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
 from workbench.core.files import write_whole
 from workbench.core.paths import models_folder
 
@@ -160,7 +160,8 @@ def _from_table(table: ModelTable, file: Path) -> Model:
             _per_axis(a.torque_limit, n, file, "actuators.torque_limit"),
             a.delay_s,
         ),
-        closed_chain=_resolve(file, table.closed_chain, "closed_chain") if table.closed_chain else None,
+        closed_chain=_mechanism(table, n, file),
+        posture_dependent=bool(table.transmission and table.transmission.posture_dependent),
         linkage=linkage,
         variant=table.variant,
         effects=(
@@ -171,6 +172,34 @@ def _from_table(table: ModelTable, file: Path) -> Model:
         payload_site=table.payload.site if table.payload else None,
         sliding_speed=table.friction.sliding_speed,
         source=file,
+    )
+
+
+def _mechanism(table: ModelTable, n: int, file: Path) -> Mechanism | None:
+    chain = table.closed_chain
+    if chain is None:
+        return None
+    if isinstance(chain, str):
+        return Mechanism(_resolve(file, chain, "closed_chain"))
+    for key, count in (("drives", len(chain.drives)), ("joints", len(chain.joints))):
+        if count != n:
+            raise InputError(
+                f"{count} names for {n} axes", file=file, column=f"closed_chain.{key}",
+                remedy="name one joint of the closed chain an axis",
+            )  # fmt: skip
+    if chain.limits and (len(chain.limits) != n or any(low >= high for low, high in chain.limits)):
+        raise InputError(
+            f"limits are not {n} pairs of a lower and a higher number", file=file,
+            column="closed_chain.limits", remedy="give one pair a serial joint",
+        )  # fmt: skip
+    return Mechanism(
+        _resolve(file, chain.file, "closed_chain.file"),
+        tuple(chain.drives),
+        tuple(chain.joints),
+        tuple(chain.loops),
+        chain.foot,
+        tuple(chain.start.items()),
+        tuple(chain.limits),
     )
 
 
@@ -248,7 +277,11 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
         "serial": _relative(model.serial, folder),
         "variant": variant,
         "axes": list(model.axes),
-        "transmission": {"joints": list(model.joints), "matrix": model.transmission.tolist()},
+        "transmission": {
+            "joints": list(model.joints),
+            "matrix": model.transmission.tolist(),
+            **({"posture_dependent": True} if model.posture_dependent else {}),
+        },
         "actuators": {
             "inertia": list(model.actuators.inertia),
             "damping": list(model.actuators.damping),
@@ -258,7 +291,7 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
     if any(np.isfinite(model.actuators.torque_limit)):
         table["actuators"]["torque_limit"] = list(model.actuators.torque_limit)
     if model.closed_chain:
-        table["closed_chain"] = _relative(model.closed_chain, folder)
+        table["closed_chain"] = _closed_chain_table(model.closed_chain, folder)
     if model.controller.kind != "unknown":
         c = model.controller
         entries = {k: list(getattr(c, k)) for k in ("kp", "kd", "kv", "gain", "limit") if getattr(c, k)}
@@ -273,6 +306,22 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
     table["effects"] = [_effect_table(e) for e in model.effects[skip:]]
     if not table["effects"]:
         del table["effects"]
+    return table
+
+
+def _closed_chain_table(chain: Mechanism, folder: Path) -> dict[str, Any]:
+    table: dict[str, Any] = {
+        "file": _relative(chain.file, folder),
+        "drives": list(chain.drives),
+        "joints": list(chain.joints),
+        "loops": [list(pair) for pair in chain.loops],
+    }
+    if chain.foot:
+        table["foot"] = chain.foot
+    if chain.start:
+        table["start"] = dict(chain.start)
+    if chain.limits:
+        table["limits"] = [list(pair) for pair in chain.limits]
     return table
 
 

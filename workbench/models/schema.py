@@ -21,6 +21,19 @@ class TransmissionTable(_Table):
 
     joints: list[str]
     matrix: list[list[FiniteFloat]] | None = None
+    posture_dependent: bool = False
+
+
+class ClosedChainTable(_Table):
+    """``[closed_chain]``: the real mechanism; what is left out is the reference leg's."""
+
+    file: str
+    drives: list[str] = ["hip", "crank_pin"]
+    joints: list[str] = ["hip", "knee"]
+    loops: list[tuple[str, str]] = [("coupler_end", "rear_arm_end")]
+    foot: str | None = None
+    start: dict[str, FiniteFloat] = Field(default_factory=dict)
+    limits: list[tuple[FiniteFloat, FiniteFloat]] = []
 
 
 class ActuatorTable(_Table):
@@ -91,7 +104,7 @@ class ModelTable(_Table):
     format: Literal[1]
     name: str
     serial: str
-    closed_chain: str | None = None
+    closed_chain: str | ClosedChainTable | None = None
     variant: Literal["kin_only", "s3n_act", "s3n_full", "exact"] = "kin_only"
     axes: list[str] | None = None
     transmission: TransmissionTable | None = None

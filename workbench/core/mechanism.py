@@ -1,0 +1,30 @@
+"""What has to be said about a closed chain beside its SDF or URDF file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """A mechanism with loops: the tree in the file, and where its loops close.
+
+    Attributes:
+        file: SDF or URDF of the tree that is left when every loop is cut.
+        drives: joints of the file that the motors turn, in the order of a model's axes.
+        joints: joints of the file that are the serial coordinates, in the order of a model's joints.
+        loops: pairs of frames whose origins coincide where the loops are closed.
+        foot: frame at the end of the leg, if one is named.
+        start: angles of the file's joints near a closed posture [rad or m], where assembly begins and which
+            picks the branch; zero for joints not named.
+        limits: lower and upper limit of each serial coordinate [rad or m], in the order of `joints`.
+    """
+
+    file: Path
+    drives: tuple[str, ...] = ("hip", "crank_pin")
+    joints: tuple[str, ...] = ("hip", "knee")
+    loops: tuple[tuple[str, str], ...] = (("coupler_end", "rear_arm_end"),)
+    foot: str | None = "foot"
+    start: tuple[tuple[str, float], ...] = ()
+    limits: tuple[tuple[float, float], ...] = ()

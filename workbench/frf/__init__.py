@@ -1,0 +1,1 @@
+"""Frequency responses: excitation, estimation with uncertainty, parametric fits."""

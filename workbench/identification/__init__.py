@@ -1,0 +1,1 @@
+"""Actuator and leg parameters from frequency responses (paper, Algorithm 1)."""

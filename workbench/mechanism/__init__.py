@@ -1,0 +1,1 @@
+"""The closed chain in Drake: the reference dynamics."""

@@ -1,0 +1,1 @@
+"""The serial tree in Pinocchio: inertia, gravity, Coriolis, Jacobians, regressor."""

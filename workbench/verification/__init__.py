@@ -1,0 +1,1 @@
+"""Whether the closed chain, the serial tree and S3N agree."""
