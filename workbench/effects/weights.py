@@ -14,7 +14,7 @@ import numpy as np
 from workbench.core import SimulationError
 from workbench.models import Model
 
-_FEATHER = 1e-7  # kg: 1e-9 kg m^2 at the links' lengths, a ten-millionth of the rotors' inertia
+_FEATHER = 1e-12  # kg: 1e-14 kg m^2 at the links' lengths, below rounding of what the links have
 _ARM = 0.1  # m, where the weights hang; only the product with their force matters
 
 
