@@ -17,10 +17,12 @@ from .results import (
     Step,
     Verdict,
 )
+from .verification import Check, Verification
 
 __all__ = [
     "AXIS_SIGNALS",
     "FORMAT",
+    "Check",
     "Comparison",
     "Controller",
     "Diagnosis",
@@ -39,5 +41,6 @@ __all__ = [
     "Step",
     "Timing",
     "Verdict",
+    "Verification",
     "WorkbenchError",
 ]

@@ -1,10 +1,12 @@
 """Results for people and programs: terminal tables, JSON, figures, and one self-contained page."""
 
 from .figures import ladder_figure, overlay_figure, residual_figure, save_figure, spectrum_figure
-from .json import comparison_dict, diagnosis_dict, improvement_dict, write_json
+from .json import comparison_dict, diagnosis_dict, improvement_dict, verification_dict, write_json
+from .layout import print_table
 from .page import render_page, write_page
 from .sections import sentence
-from .tables import compare_table, diagnosis_table, improvement_table, print_table, truth_table
+from .tables import compare_table, diagnosis_table, improvement_table, truth_table
+from .verification import verification_table
 
 __all__ = [
     "compare_table",
@@ -22,6 +24,8 @@ __all__ = [
     "sentence",
     "spectrum_figure",
     "truth_table",
+    "verification_dict",
+    "verification_table",
     "write_json",
     "write_page",
 ]

@@ -22,6 +22,7 @@ from workbench.core import (
     RecordingError,
     Share,
     Step,
+    Verification,
 )
 from workbench.core.files import write_whole
 
@@ -101,6 +102,36 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
             for t in truth
         ]
     return _clean(out)
+
+
+def verification_dict(result: Verification) -> dict[str, Any]:
+    """The JSON of ``workbench check``."""
+    return _clean(
+        {
+            "format": FORMAT,
+            "passed": result.passed,
+            "checks": [
+                {
+                    "name": c.name,
+                    "value": c.value,
+                    "tolerance": c.tolerance,
+                    "passed": c.passed,
+                    "unit": c.unit,
+                    "about": c.about,
+                    "hint": c.hint,
+                }
+                for c in result.checks
+            ],
+            "variants": {name: {"M_at_90deg": list(m)} for name, m in result.variants.items()},
+            "explicit_spectral_radius": {"alpha_deg": result.alpha_deg, "radius": result.radius},
+            "model": result.model,
+            "facts": {
+                name: {"value": value, "unit": unit, "about": about}
+                for name, (value, unit, about) in result.facts.items()
+            },
+            "not_checked": list(result.not_checked),
+        }
+    )
 
 
 def dumps(obj: Mapping[str, Any]) -> str:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from rich import box
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
@@ -15,6 +14,9 @@ from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvemen
 from . import wording as w
 from .json import Truth
 from .ladder import rungs
+from .layout import table as _table
+from .layout import text as _text
+from .layout import verdict as _verdict
 from .numbers import interval, number, percent, plain, quantity, torque_unit
 from .sections import sentence
 from .truth import truth_rows
@@ -137,28 +139,6 @@ def truth_table(result: Improvement | Diagnosis, truth: Truth) -> Group:
             *(_text(c) for c in (row.effect, row.outcome, row.parameter, row.true, row.found, row.inside))
         )
     return Group(Text("The truth", style="bold"), table)
-
-
-def print_table(renderable: RenderableType, console: Console | None = None) -> None:
-    """Print to standard output; plain text where that is no terminal or NO_COLOR is set."""
-    (console or Console(highlight=False)).print(renderable, soft_wrap=False)
-
-
-def _table(*columns: str | tuple[str, str]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim", show_edge=False)
-    for c in columns:
-        name, justify = c if isinstance(c, tuple) else (c, "left")
-        table.add_column(name, justify=justify, no_wrap=justify == "right")  # type: ignore[arg-type]
-    return table
-
-
-def _text(text: str) -> Text:
-    """A string as it is: no markup, no control characters of strangers."""
-    return Text(plain(text) if text.strip() == text else text)
-
-
-def _verdict(text: str, good: bool) -> Text:
-    return Text(text, style="bold green" if good else "bold")
 
 
 def _finding(place: int, f: Finding) -> list[RenderableType]:

@@ -1,0 +1,34 @@
+"""How tables look in the terminal: readable at 80 columns, without colour, and in a log file."""
+
+from __future__ import annotations
+
+from rich import box
+from rich.console import Console, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from .numbers import plain
+
+
+def print_table(renderable: RenderableType, console: Console | None = None) -> None:
+    """Print to standard output; plain text where that is no terminal or NO_COLOR is set."""
+    (console or Console(highlight=False)).print(renderable, soft_wrap=False)
+
+
+def table(*columns: str | tuple[str, str]) -> Table:
+    """An empty table with these columns; a column may be ``(name, justify)``."""
+    out = Table(box=box.SIMPLE_HEAD, pad_edge=False, header_style="dim", show_edge=False)
+    for c in columns:
+        name, justify = c if isinstance(c, tuple) else (c, "left")
+        out.add_column(name, justify=justify, no_wrap=justify == "right")  # type: ignore[arg-type]
+    return out
+
+
+def text(content: str) -> Text:
+    """A string as it is: no markup, no control characters of strangers."""
+    return Text(plain(content) if content.strip() == content else content)
+
+
+def verdict(sentence: str, good: bool) -> Text:
+    """The sentence above a table; green where nothing is to be done."""
+    return Text(sentence, style="bold green" if good else "bold")

@@ -1,0 +1,59 @@
+"""The table of ``workbench check``."""
+
+from __future__ import annotations
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from workbench.core import Check, Verification
+
+from .layout import table, text, verdict
+from .numbers import number, unit_text
+
+
+def verification_table(result: Verification) -> Group:
+    """Verdict, every quantity with its difference and tolerance, the variants' inertia, what is stated."""
+    checks = table("", "quantity", ("difference", "right"), ("allowed", "right"), "of")
+    for check in result.checks:
+        unit = f" {unit_text(check.unit)}" if check.unit else ""
+        checks.add_row(
+            "ok" if check.passed else Text("FAIL", style="bold red"),
+            text(check.name.replace("_", " ")),
+            number(check.value, 2) + unit,
+            number(check.tolerance, 2) + unit,
+            text(check.about),
+        )
+    parts: list[RenderableType] = [verdict(sentence(result), result.passed), checks]
+    parts += [Text.assemble((f"{c.name}: ", "bold"), text(c.hint)) for c in result.checks if _told(c)]
+    if result.variants:
+        inertia = table("variant", ("M11", "right"), ("M12", "right"), ("M22 [kg m²]", "right"))
+        for name, values in result.variants.items():
+            inertia.add_row(name, *(f"{v:.5f}" for v in values))
+        parts += [Text(), Text("Mass matrix at alpha = 90°, serial coordinates", style="bold"), inertia]
+    if len(result.radius):
+        low, high = float(result.radius.min()), float(result.radius.max())
+        parts += [
+            Text(),
+            text(
+                f"Explicit injection: spectral radius {low:.3f} to {high:.3f} over alpha"
+                + (" (unstable at 1 and above)." if high >= 1 else ".")
+            ),
+        ]
+    parts += [
+        text(f"{about}: {number(value)} {unit_text(unit)}".rstrip() + ".")
+        for value, unit, about in result.facts.values()
+    ]
+    parts += [text(f"Not checked: {line}") for line in result.not_checked]
+    return Group(*parts)
+
+
+def sentence(result: Verification) -> str:
+    """The verdict in one sentence."""
+    broken = [c.name for c in result.checks if not c.passed]
+    if not broken:
+        return f"{result.model}: all {len(result.checks)} quantities agree."
+    return f"{result.model}: {len(broken)} of {len(result.checks)} disagree: {', '.join(broken)}."
+
+
+def _told(check: Check) -> bool:
+    return bool(check.hint) and not check.passed
