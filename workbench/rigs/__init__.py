@@ -1,6 +1,7 @@
 """Where measurements come from: virtual hardware, a closed chain in Drake with effects hidden in it."""
 
-from .closed_chain import ClosedChain, Reduced
+from workbench.mechanism import ClosedChain, Reduced
+
 from .draw import draw_hidden, hidden_effect
 from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
 from .hidden import EFFECTS, OUTSIDERS, HiddenEffect

@@ -18,8 +18,7 @@ import numpy as np
 
 from workbench.core import SimulationError
 from workbench.core.paths import closed_chain_file
-
-from .closed_chain import ClosedChain, Reduced
+from workbench.mechanism import ClosedChain, Reduced
 
 _TOLERANCE = 1e-9  # largest difference from Drake that counts as the same equation [SI]
 

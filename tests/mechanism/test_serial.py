@@ -1,0 +1,74 @@
+"""Serial coordinates of a closed chain: positions there and back, J and its rate, virtual work."""
+
+import numpy as np
+import pytest
+
+from workbench.core import Mechanism, SimulationError
+from workbench.core.paths import closed_chain_file
+from workbench.mechanism import ClosedChain, constant_transmission
+
+LIMITS = ((-1.6, 1.6), (0.35, 2.6))
+STATES = [
+    (np.array([-0.55, np.pi / 3]), np.array([2.0, -3.0])),
+    (np.array([0.9, 2.1]), np.array([-5.0, 8.0])),
+]
+
+
+@pytest.fixture(scope="module")
+def leg() -> ClosedChain:
+    return ClosedChain(Mechanism(closed_chain_file("leg"), limits=LIMITS))
+
+
+def test_a_parallelogram_has_the_papers_transmission(leg: ClosedChain) -> None:
+    found = constant_transmission(leg)
+    assert found.constant
+    assert found.deviation < 1e-12
+    np.testing.assert_array_equal(found.matrix, [[1.0, 0.0], [1.0, 1.0]])
+
+
+def test_assembly_of_the_straight_leg_goes_inside_the_limits(leg: ClosedChain) -> None:
+    np.testing.assert_allclose(leg.start[1], np.mean(LIMITS, axis=1), atol=1e-12)
+
+
+@pytest.mark.parametrize(("joints", "_speeds"), STATES)
+def test_positions_there_and_back(leg: ClosedChain, joints: np.ndarray, _speeds: np.ndarray) -> None:
+    drives = leg.drive_position(joints)
+    np.testing.assert_allclose(drives, [joints[0], joints.sum()], atol=1e-13)
+    np.testing.assert_allclose(leg.serial_position(drives), joints, atol=1e-13)
+
+
+@pytest.mark.parametrize(("joints", "speeds"), STATES)
+def test_serial_dynamics_are_the_pulled_back_ones(
+    leg: ClosedChain, joints: np.ndarray, speeds: np.ndarray
+) -> None:
+    """M_s = J^T M_p J, and the bias carries J' (paper, Eq. 18)."""
+    jacobian, rate = leg.jacobian(joints), leg.jacobian_bias(joints, speeds)
+    drives = leg.reduced_dynamics(leg.drive_position(joints), jacobian @ speeds)
+    serial = leg.serial_dynamics(joints, speeds)
+    np.testing.assert_allclose(serial.mass, jacobian.T @ drives.mass @ jacobian, atol=1e-14)
+    np.testing.assert_allclose(serial.bias, jacobian.T @ (drives.bias + drives.mass @ rate), atol=1e-12)
+    np.testing.assert_allclose(serial.gravity, jacobian.T @ drives.gravity, atol=1e-13)
+
+
+def test_the_foot_is_where_the_two_links_put_it(leg: ClosedChain) -> None:
+    hip, knee = STATES[0][0]
+    expected = [0.175 * np.sin(hip) + 0.24 * np.sin(hip + knee), 0.0]
+    expected += [-0.175 * np.cos(hip) - 0.24 * np.cos(hip + knee)]
+    np.testing.assert_allclose(leg.foot_position(STATES[0][0]), expected, atol=1e-14)
+    h = 1e-6
+    columns = [
+        (leg.foot_position(STATES[0][0] + h * e) - leg.foot_position(STATES[0][0] - h * e)) / (2 * h)
+        for e in np.eye(2)
+    ]
+    np.testing.assert_allclose(leg.foot_jacobian(STATES[0][0]), np.transpose(columns), atol=1e-9)
+
+
+def test_the_margin_falls_towards_the_dead_point(leg: ClosedChain) -> None:
+    bent, nearly_straight = (leg.margin(np.array([0.2, 0.2 + knee])).drives for knee in (1.2, 0.05))
+    assert bent > 5 * nearly_straight > 0
+    assert leg.margin(np.array([0.2, 0.2])).drives < 1e-9
+
+
+def test_a_dead_point_in_serial_coordinates_is_refused(leg: ClosedChain) -> None:
+    with pytest.raises(SimulationError, match=r"dead point at hip = 0.4, knee = 0"):
+        leg.jacobian(np.array([0.4, 0.0]))

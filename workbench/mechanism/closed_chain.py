@@ -1,0 +1,238 @@
+"""A mechanism with loops in Drake, projected onto the coordinates that its motors drive, or on serial ones.
+
+The loops are cut, which leaves a tree with coordinates theta; closing them makes theta a function of the
+drives' positions q, with theta_dot = L q_dot and theta_ddot = L q_ddot + gamma (see `closure`). By virtual
+work
+
+    M = L^T M_tree L,   bias = L^T (C_tree theta_dot + M_tree gamma),   gravity = L^T g_tree.
+
+The same projection with the serial joints q_s as independent coordinates gives J^T M J and its like, where
+q_p = q_p(q_s) and J = d q_p / d q_s (paper, Eqs. 1, 4 and 18; there J is constant, here it need not be).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import InputError, Mechanism, SimulationError
+
+from .assembly import assemble
+from .closure import DEAD, Closure
+from .tree import Tree
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """Equation of motion in n coordinates: ``mass @ a + bias = gravity + torque``.
+
+    Attributes:
+        mass: (n, n) [kg m^2].
+        bias: Coriolis and centrifugal torque (n,) [N m].
+        gravity: torque of gravity (n,) [N m].
+    """
+
+    mass: np.ndarray
+    bias: np.ndarray
+    gravity: np.ndarray
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How far a posture is from both kinds of dead point: 1 at best, 0 at the dead point.
+
+    Attributes:
+        drives: smallest over largest singular value of the loops' equations in the passive coordinates;
+            at zero the drives no longer determine the posture.
+        joints: the same of d q_s / d q_p; at zero the drives move while the serial joints do not (a leg
+            stretched out), and J does not exist.
+    """
+
+    drives: float
+    joints: float
+
+
+class ClosedChain:
+    """A mechanism with n drives and any number of loops, links only (no rotors, no damping).
+
+    Args:
+        mechanism: what is known of it beside its file; a path alone is taken as a leg like the reference leg.
+        payload: point mass [kg] at the foot.
+
+    Raises:
+        InputError: the file cannot be read, a name in `mechanism` is not in it, its loops do not close near
+            the start posture, they leave other freedoms than the drives, or its mass matrix is singular.
+    """
+
+    def __init__(self, mechanism: Mechanism | Path, payload: float = 0.0) -> None:
+        if isinstance(mechanism, Path):
+            mechanism = Mechanism(mechanism)
+        self.mechanism = mechanism
+        _check_names(mechanism)
+        self._tree = Tree(mechanism, payload)
+        drives = [self._tree.index(name, "drives") for name in mechanism.drives]
+        self._joints = [self._tree.index(name, "joints") for name in mechanism.joints]
+        start = assemble(self._tree, drives)
+        self._driven = Closure(self._tree, drives, start)
+        self._serial = Closure(self._tree, self._joints, start)
+        self._start = self._inside_limits(start)
+        self._check_mass()
+
+    @property
+    def size(self) -> int:
+        """Number of drives n."""
+        return len(self.mechanism.drives)
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the tree's coordinates, length N, in the order of theta."""
+        return self._tree.names
+
+    @property
+    def start(self) -> tuple[np.ndarray, np.ndarray]:
+        """q_p (n,) and q_s (n,) [rad or m] of the posture it was assembled in."""
+        return self._start[self._driven.independent], self._start[self._joints]
+
+    def tree_position(self, q: np.ndarray) -> np.ndarray:
+        """Tree coordinates theta (N,) [rad or m] that close the loops at drive positions `q` (n,).
+
+        Followed from the start posture, so that the branch is the start posture's.
+
+        Raises:
+            SimulationError: the loops cannot be closed there.
+        """
+        return self._driven.at(q).theta.copy()
+
+    def loop_residual(self, q: np.ndarray) -> float:
+        """Largest gap [m] of a loop at drive positions `q` (n,) after closing."""
+        self._driven.at(q)
+        return float(np.linalg.norm(self._tree.gap().reshape(-1, 3), axis=1).max(initial=0.0))
+
+    def projection(self, q: np.ndarray) -> np.ndarray:
+        """L (N, n), d theta / d q at drive positions `q` (n,).
+
+        Raises:
+            SimulationError: the loops cannot be closed there, or are at a dead point.
+        """
+        return self._driven.regular(q)[1]
+
+    def reduced_dynamics(self, q: np.ndarray, v: np.ndarray) -> Reduced:
+        """The equation of motion at drive positions `q` (n,) [rad or m] and speeds `v` (n,) [rad/s or m/s].
+
+        Raises:
+            SimulationError: the loops cannot be closed, or are at a dead point (links of a loop in line).
+        """
+        return self._project(self._driven, q, v)
+
+    def energy(self, q: np.ndarray, v: np.ndarray) -> float:
+        """Kinetic plus potential energy [J] at drive positions `q` (n,) and speeds `v` (n,)."""
+        projection = self.projection(q)
+        self._tree.speed(projection @ v)
+        return self._tree.energy()
+
+    def margin(self, q: np.ndarray) -> Margin:
+        """How far drive positions `q` (n,) are from a dead point.
+
+        Raises:
+            SimulationError: the loops cannot be closed there.
+        """
+        posture = self._driven.at(q)
+        if posture.slope is None:
+            return Margin(0.0, 0.0)
+        return Margin(posture.margin, _ratio(posture.slope[self._joints]))
+
+    def serial_position(self, q: np.ndarray) -> np.ndarray:
+        """Serial joint positions q_s (n,) at drive positions `q` (n,) [rad or m]."""
+        return self._driven.at(q).theta[self._joints]
+
+    def drive_position(self, joints: np.ndarray) -> np.ndarray:
+        """Drive positions q_p (n,) at serial joint positions `joints` (n,) [rad or m].
+
+        Raises:
+            SimulationError: the loops cannot be closed there.
+        """
+        return self._serial.at(joints).theta[self._driven.independent]
+
+    def jacobian(self, joints: np.ndarray) -> np.ndarray:
+        """J (n, n), d q_p / d q_s at serial joint positions `joints` (n,) (paper, Eq. 1).
+
+        Raises:
+            SimulationError: the loops cannot be closed there, or a dead point: the joints do not determine
+                the drives, or the drives not the posture.
+        """
+        jacobian = self._serial.regular(joints)[1][self._driven.independent]
+        if _ratio(jacobian) < DEAD:
+            raise SimulationError(f"the drives are at a dead point at {self._serial.say(joints)}")
+        return jacobian
+
+    def jacobian_bias(self, joints: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+        """J' q_s' (n,) [rad/s^2 or m/s^2]: what the drives accelerate by when the joints move evenly."""
+        _, projection, inverse = self._serial.regular(joints)
+        self._tree.speed(projection @ speeds)
+        return self._serial.gamma(inverse)[self._driven.independent]
+
+    def serial_dynamics(self, joints: np.ndarray, speeds: np.ndarray) -> Reduced:
+        """The equation of motion in serial coordinates, torque J^T tau_p: positions and speeds (n,).
+
+        Raises:
+            SimulationError: the loops cannot be closed there, or are at a dead point.
+        """
+        return self._project(self._serial, joints, speeds)
+
+    def foot_position(self, joints: np.ndarray) -> np.ndarray:
+        """Foot in the world (3,) [m] at serial joint positions `joints` (n,)."""
+        self._serial.at(joints)
+        return self._tree.foot()
+
+    def foot_jacobian(self, joints: np.ndarray) -> np.ndarray:
+        """d foot / d q_s (3, n) [m/rad or 1] at serial joint positions `joints` (n,)."""
+        projection = self._serial.regular(joints)[1]
+        return self._tree.foot_jacobian() @ projection
+
+    def _inside_limits(self, start: np.ndarray) -> np.ndarray:
+        """The start posture, or the middle of the limits where it lies outside and the middle is reached."""
+        limits, joints = np.array(self.mechanism.limits).reshape(-1, 2), start[self._joints]
+        if not len(limits) or np.all((joints >= limits[:, 0]) & (joints <= limits[:, 1])):
+            return start
+        try:
+            middle = self._serial.at(limits.mean(axis=1))
+            return self._driven.at(middle.theta[self._driven.independent]).theta
+        except SimulationError:
+            return start
+
+    def _project(self, closure: Closure, q: np.ndarray, v: np.ndarray) -> Reduced:
+        _, projection, inverse = closure.regular(q)
+        self._tree.speed(projection @ v)
+        mass = self._tree.mass()
+        bias = self._tree.bias() + mass @ closure.gamma(inverse)
+        gravity = self._tree.gravity()
+        return Reduced(projection.T @ mass @ projection, projection.T @ bias, projection.T @ gravity)
+
+    def _check_mass(self) -> None:
+        mass = self.reduced_dynamics(self.start[0], np.zeros(self.size)).mass
+        if _ratio(mass) > 1e-12:
+            return
+        links = ", ".join(self._tree.massless_links()) or "none"
+        raise InputError(
+            f"the mass matrix is singular; links without mass: {links}", file=self.mechanism.file,
+            column="inertial", remedy="give every link that a drive moves a mass and an inertia",
+        )  # fmt: skip
+
+
+def _check_names(mechanism: Mechanism) -> None:
+    """One serial joint a drive, each named once."""
+    n = len(mechanism.drives)
+    for key, names in (("drives", mechanism.drives), ("joints", mechanism.joints)):
+        if not n or len(names) != n or len(set(names)) != n:
+            raise InputError(
+                f"{n} drives, and {key} are {', '.join(names) or 'none'}", file=mechanism.file,
+                column=f"closed_chain.{key}", remedy="name one serial joint a drive, each once",
+            )  # fmt: skip
+
+
+def _ratio(matrix: np.ndarray) -> float:
+    """Smallest over largest singular value."""
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return float(values[-1] / values[0]) if values[0] > 0.0 else 0.0

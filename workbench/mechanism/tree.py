@@ -1,0 +1,142 @@
+"""The tree that is left when every loop is cut, in Drake: its dynamics, and how far its loops gape.
+
+Coordinates are those of the file's joints, theta (N,); a joint with more than one (a universal joint) has
+coordinates named after it with Drake's suffix, ``rod_qx`` and ``rod_qy``. Links only: no rotors, and
+damping and springs that the file gives its joints are left out.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.tree import JacobianWrtVariable, SpatialInertia, UnitInertia
+
+from workbench.core import InputError, Mechanism
+
+from .loops import find_frame, loop_pairs
+from .parse import finished, parse
+
+_ORIGIN: Any = np.zeros(3)
+
+
+class Tree:
+    """The cut mechanism at one posture and speed; `move` and `speed` set them, everything else reads them.
+
+    Args:
+        mechanism: file, loops and foot.
+        payload: point mass [kg] at the foot.
+
+    Raises:
+        InputError: the file cannot be read, or has no frame of a name that `mechanism` gives.
+    """
+
+    def __init__(self, mechanism: Mechanism, payload: float = 0.0) -> None:
+        self.mechanism = mechanism
+        plant, model = parse(mechanism.file)
+        self._plant, self._model = plant, model
+        self._pairs = loop_pairs(plant, model, mechanism)
+        self._foot = find_frame(plant, model, mechanism, mechanism.foot, "foot") if mechanism.foot else None
+        if payload:
+            body = plant.AddRigidBody(
+                "payload", model, SpatialInertia(payload, _ORIGIN, UnitInertia(0.0, 0.0, 0.0))
+            )
+            plant.WeldFrames(self._needed_foot(), body.body_frame())
+        finished(plant, mechanism.file)
+        self._context = plant.CreateDefaultContext()
+        self._world = plant.world_frame()
+        self.names = _coordinate_names(plant)
+
+    def index(self, coordinate: str, key: str) -> int:
+        """Position of a coordinate in theta; `key` is where a model file names it.
+
+        Raises:
+            InputError: the file has none.
+        """
+        if coordinate in self.names:
+            return self.names.index(coordinate)
+        raise InputError(
+            f"the file has no joint '{coordinate}' with one coordinate", file=self.mechanism.file,
+            column=f"closed_chain.{key}", remedy=f"coordinates are {', '.join(self.names)}",
+        )  # fmt: skip
+
+    def massless_links(self) -> list[str]:
+        """Names of links without mass."""
+        bodies = [self._plant.get_body(i) for i in self._plant.GetBodyIndices(self._model)]
+        return [body.name() for body in bodies if body.default_mass() == 0.0]
+
+    def move(self, theta: np.ndarray) -> None:
+        """To the posture theta (N,) [rad or m]."""
+        self._plant.SetPositions(self._context, theta)
+
+    def speed(self, rates: np.ndarray) -> None:
+        """To the speeds d theta / dt (N,) [rad/s or m/s]."""
+        self._plant.SetVelocities(self._context, rates)
+
+    def gap(self) -> np.ndarray:
+        """From the second point of each loop to the first [m], shape (3 m,) for m loops."""
+        points = ([end.CalcPoseInWorld(self._context).translation() for end in pair] for pair in self._pairs)
+        return np.array([first - second for first, second in points]).ravel()
+
+    def gap_jacobian(self) -> np.ndarray:
+        """d gap / d theta (3 m, N) [m/rad or 1]."""
+        blocks = [self._point_jacobian(a) - self._point_jacobian(b) for a, b in self._pairs]
+        return np.array(blocks).reshape(-1, len(self.names))
+
+    def gap_bias(self) -> np.ndarray:
+        """Second derivative of the gap at zero tree acceleration (3 m,) [m/s^2]."""
+        return np.array([self._point_bias(a) - self._point_bias(b) for a, b in self._pairs]).ravel()
+
+    def mass(self) -> np.ndarray:
+        """Mass matrix (N, N)."""
+        return self._plant.CalcMassMatrix(self._context)
+
+    def bias(self) -> np.ndarray:
+        """Coriolis and centrifugal forces (N,), on the side of the accelerations."""
+        return self._plant.CalcBiasTerm(self._context)
+
+    def gravity(self) -> np.ndarray:
+        """Forces of gravity (N,)."""
+        return self._plant.CalcGravityGeneralizedForces(self._context)
+
+    def energy(self) -> float:
+        """Kinetic plus potential energy [J]."""
+        kinetic = self._plant.CalcKineticEnergy(self._context)
+        return float(kinetic + self._plant.CalcPotentialEnergy(self._context))
+
+    def foot(self) -> np.ndarray:
+        """Position of the foot in the world (3,) [m]."""
+        return self._needed_foot().CalcPoseInWorld(self._context).translation()
+
+    def foot_jacobian(self) -> np.ndarray:
+        """d foot / d theta (3, N)."""
+        return self._point_jacobian(self._needed_foot())
+
+    def _needed_foot(self) -> Any:
+        if self._foot is None:
+            raise InputError(
+                "the mechanism has no foot", file=self.mechanism.file, column="closed_chain.foot",
+                remedy="name the frame at its end",
+            )  # fmt: skip
+        return self._foot
+
+    def _point_jacobian(self, frame: Any) -> np.ndarray:
+        return self._plant.CalcJacobianTranslationalVelocity(
+            self._context, JacobianWrtVariable.kV, frame, _ORIGIN, self._world, self._world
+        )
+
+    def _point_bias(self, frame: Any) -> np.ndarray:
+        bias = self._plant.CalcBiasTranslationalAcceleration(
+            self._context, JacobianWrtVariable.kV, frame, _ORIGIN, self._world, self._world
+        )
+        return bias.ravel()
+
+
+def _coordinate_names(plant: Any) -> tuple[str, ...]:
+    names = [""] * plant.num_positions()
+    for index in plant.GetJointIndices():
+        joint, count = plant.get_joint(index), plant.get_joint(index).num_positions()
+        for i in range(count):
+            suffix = f"_{joint.position_suffix(i)}" if count > 1 else ""
+            names[joint.position_start() + i] = joint.name() + suffix
+    return tuple(names)
