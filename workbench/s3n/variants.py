@@ -1,0 +1,75 @@
+"""The variants of S3N: which of them a plain MJCF holds, and a model turned into each."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from workbench.core import InputError
+from workbench.effects.structure import is_parallelogram
+from workbench.models import VARIANTS, Linkage, Model, structural_effect
+
+#: Variants that no plain MJCF holds, or that are another mechanism; each with the plain one it starts from.
+PER_STEP = {
+    "s3n_full_paper": "s3n_full",  # the paper's equation to the letter: no velocity terms of the linkage
+    "explicit": "kin_only",  # the paper's implementation: torques from the preceding step's acceleration
+    "constraint": "exact",  # the loop closed by equality constraints
+}
+VARIANT_NAMES = (*VARIANTS, *PER_STEP)
+_STRUCTURAL = tuple(dict.fromkeys(name for names in VARIANTS.values() for name in names))
+
+
+def with_variant(model: Model, variant: str) -> Model:
+    """The model as one of the plain variants; effects that are not structural stay.
+
+    A structural effect that the model has keeps its own parameters; one that it lacks gets the linkage's.
+
+    Raises:
+        InputError: no such variant, or one that needs a linkage the model does not state.
+    """
+    if variant not in VARIANTS:
+        raise InputError(
+            f"no plain variant is called '{variant}'", file=model.source,
+            remedy=f"choose one of {', '.join(VARIANTS)}",
+        )  # fmt: skip
+    wanted = VARIANTS[variant]
+    if any(name.startswith("linkage") for name in wanted):
+        need_parallelogram(model, variant)
+    inside = tuple(
+        effect
+        for name in wanted
+        for effect in (
+            tuple(e for e in model.effects if e.key.effect == name)
+            or (structural_effect(name, model.linkage),)
+        )
+    )
+    others = tuple(e for e in model.effects if e.key.effect not in _STRUCTURAL)
+    return replace(model, variant=variant, effects=(*inside, *others))
+
+
+def need_parallelogram(model: Model, what: str) -> Linkage:
+    """The model's linkage.
+
+    Raises:
+        InputError: it states none, or its transmission is not the parallelogram's.
+    """
+    if model.linkage is None or not is_parallelogram(model):
+        raise InputError(
+            f"'{what}' needs a parallelogram with a [linkage] table", file=model.source,
+            remedy="give its increments and the transmission [[1, 0], [1, 1]]",
+        )  # fmt: skip
+    return model.linkage
+
+
+def linkage_inertia(model: Model) -> Linkage:
+    """Increments M11, M12, M22 that the model's linkage has over its serial tree.
+
+    The sum of its ``linkage_inertia`` effects where it has any, else what its linkage states.
+
+    Raises:
+        InputError: it has no parallelogram.
+    """
+    stated = need_parallelogram(model, "linkage_inertia")
+    own = [e.values for e in model.effects if e.key.effect == "linkage_inertia"]
+    if not own:
+        return stated
+    return replace(stated, **{k: sum(v[k] for v in own) for k in ("M11", "M12", "M22")})
