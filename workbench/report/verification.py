@@ -13,14 +13,16 @@ from .numbers import number, unit_text
 
 def verification_table(result: Verification) -> Group:
     """Verdict, every quantity with its difference and tolerance, the variants' inertia, what is stated."""
-    checks = table("", "quantity", ("difference", "right"), ("allowed", "right"), "of")
+    checks = table("", "quantity", ("difference", "right"), ("allowed", "right"), "unit", "between")
+    for column in (1, 4):
+        checks.columns[column].no_wrap = True
     for check in result.checks:
-        unit = f" {unit_text(check.unit)}" if check.unit else ""
         checks.add_row(
             "ok" if check.passed else Text("FAIL", style="bold red"),
             text(check.name.replace("_", " ")),
-            number(check.value, 2) + unit,
-            number(check.tolerance, 2) + unit,
+            f"{check.value:.1e}",
+            f"{check.tolerance:.0e}",
+            unit_text(check.unit),
             text(check.about),
         )
     parts: list[RenderableType] = [verdict(sentence(result), result.passed), checks]

@@ -124,7 +124,8 @@ class SerialTree:
         out = np.empty((len(q), 3, self.size))
         for i, position in enumerate(self._positions(q)):
             jacobian = pin.computeFrameJacobian(self._tree.model, self._data, position, frame, along)
-            out[i] = jacobian[:3][:, self._back]
+            # of a single joint Pinocchio gives a plain column
+            out[i] = jacobian.reshape(6, -1)[:3][:, self._back]
         return out
 
     @property

@@ -1,0 +1,50 @@
+"""``workbench check``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from .app import app
+from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, progress
+
+
+@app.command()
+def check(
+    model: ModelArgument,
+    json: JsonOption = None,
+    samples: Annotated[
+        int, typer.Option("--samples", min=3, max=100_000, help="Random postures and speeds.")
+    ] = 50,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of postures and speeds.")] = 0,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            "--tolerance", min=0.0, help="Relative difference allowed between [linkage] and the closed chain."
+        ),
+    ] = 1e-9,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Hold the serial tree, the closed chain and every S3N variant against each other; exit 1 on a breach.
+
+    Drake, Pinocchio, MuJoCo and the closed forms of the method are compared over random postures and speeds.
+
+    Example: workbench check leg --json check.json
+    """
+    from workbench import report
+    from workbench.models import read_model
+    from workbench.verification import verify
+
+    check_outputs(json, force=force)
+    loaded = read_model(model)
+    with progress(quiet) as tell:
+        tell("comparing engines over random postures")
+        result = verify(loaded, samples=samples, seed=seed, tolerance=tolerance)
+    if not quiet and json != "-":
+        report.print_table(report.verification_table(result))
+    if json:
+        report.write_json(report.verification_dict(result), json, force=force)
+    if not result.passed:
+        raise typer.Exit(1)

@@ -1,0 +1,81 @@
+"""All checks of one model, in the order in which one would look for a fault."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.core import InputError, Verification
+from workbench.effects.structure import is_parallelogram
+from workbench.models import Model
+from workbench.s3n import explicit_spectral_radius, reduced, variant_dynamics
+
+from .kinematics import kinematic_checks
+from .power import power_checks
+from .structure import actuator_checks, engine_checks, exact_checks, linkage_checks
+from .subject import Subject
+
+_ALPHA = np.arange(0.0, 181.0, 15.0)  # deg
+
+
+def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float = 1e-9) -> Verification:
+    """Hold a model's serial tree, its variants and its closed chain against each other.
+
+    Args:
+        model: the model; effects that are not structural are left out.
+        samples: random postures and speeds within the limits.
+        seed: of these.
+        tolerance: largest relative difference between [linkage] and the closed chain: near rounding where
+            both are the same mechanism, more where one is CAD and the other was identified.
+
+    Raises:
+        InputError: the closed chain cannot be read.
+    """
+    subject = Subject.of(model, samples, seed, tolerance)
+    checks, skipped = kinematic_checks(subject), []
+    if subject.left_out:
+        skipped.append(f"{', '.join(subject.left_out)}: what is no structure of S3N plays no part here")
+    right = all(c.passed for c in checks if c.name == "transmission")
+    checks += engine_checks(subject)
+    checks += power_checks(subject)
+    if not right:
+        skipped.append("inertia and gravity of the closed chain: the transmission is wrong")
+        return Verification(model.name, tuple(checks), not_checked=tuple(skipped))
+    checks += actuator_checks(subject)
+    if subject.chain is None:
+        skipped.append("the closed chain: the model names none ([closed_chain])")
+    elif not is_parallelogram(subject.model):
+        skipped.append("linkage inertia and gravity: the model states no parallelogram ([linkage])")
+    else:
+        checks += linkage_checks(subject)
+        q, v = subject.states.position, subject.states.velocity
+        checks += exact_checks(subject, reduced(subject.plants["exact"], q, v))
+    alpha, radius = _explicit(subject.model)
+    return Verification(
+        model.name,
+        tuple(checks),
+        variants=_variants(subject),
+        alpha_deg=alpha,
+        radius=radius,
+        not_checked=tuple(skipped),
+    )
+
+
+def _variants(subject: Subject) -> dict[str, tuple[float, float, float]]:
+    """Mass matrix of two-axis variants at alpha = 90 degrees."""
+    if subject.model.size != 2:
+        return {}
+    names = [*subject.plants, *(["s3n_full_paper"] if "s3n_full" in subject.plants else [])]
+    q, v = np.array([[0.0, np.pi / 2]]), np.zeros((1, 2))
+    out = {}
+    for name in names:
+        mass = variant_dynamics(subject.model, name, q, v).mass[0]
+        out[name] = (float(mass[0, 0]), float(mass[0, 1]), float(mass[1, 1]))
+    return out
+
+
+def _explicit(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Knee angles [deg] and the explicit variant's radius there; empty where there is no such variant."""
+    try:
+        return _ALPHA, explicit_spectral_radius(model, np.radians(_ALPHA))
+    except InputError:
+        return np.zeros(0), np.zeros(0)
