@@ -10,6 +10,7 @@ from workbench.models import Model
 from workbench.s3n import explicit_spectral_radius, reduced, variant_dynamics
 
 from .kinematics import kinematic_checks
+from .motion import frf_check, motion_check
 from .power import power_checks
 from .structure import actuator_checks, engine_checks, exact_checks, linkage_checks
 from .subject import Subject
@@ -49,6 +50,7 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
         checks += linkage_checks(subject)
         q, v = subject.states.position, subject.states.velocity
         checks += exact_checks(subject, reduced(subject.plants["exact"], q, v))
+        checks += [frf_check(subject), motion_check(subject, seed)]
     alpha, radius = _explicit(subject.model)
     return Verification(
         model.name,
