@@ -45,8 +45,8 @@ report.print_table(report.verification_table(checked))
 
 # %% [markdown]
 # **Answer.** More than half of what is missing are the drives themselves, behind the transmission. Under the
-# same torque, Kin-Only accelerates more than twice as fast as the leg in the worst direction (hip and knee turning
-# the same way, so that the knee's drive turns with both), at every posture: no choice of posture hides it.
+# same torque, Kin-Only accelerates more than twice as fast as the leg in the worst direction (hip and knee
+# turning the same way, so that the knee's drive turns with both), at every posture: no posture hides it.
 
 # %%
 assert checked.passed
