@@ -1,0 +1,104 @@
+"""From a mechanism with loops to a model file and its serial tree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import InputError, Mechanism
+from workbench.core.files import check_free, write_whole
+from workbench.mechanism import ClosedChain, constant_transmission
+from workbench.models import Actuators, Model, write_model
+
+from .linkage import parallelogram_linkage
+from .serial_tree import serial_mjcf
+
+
+@dataclass(frozen=True)
+class Drives:
+    """The motors, one value a drive.
+
+    Attributes:
+        gear: ratio N from rotor to output.
+        rotor_inertia: J_m at the rotor [kg m^2]; N^2 J_m counts at the output (paper, Eq. 7).
+        rotor_damping: B_m at the rotor [N m s/rad].
+        torque_limit: at the output [N m].
+        delay_s: from command to torque [s].
+    """
+
+    gear: tuple[float, ...]
+    rotor_inertia: tuple[float, ...]
+    rotor_damping: tuple[float, ...]
+    torque_limit: tuple[float, ...]
+    delay_s: float = 0.0
+
+    @property
+    def at_output(self) -> Actuators:
+        """What a model holds."""
+        square = np.square(self.gear)
+        return Actuators(
+            tuple(map(float, square * self.rotor_inertia)),
+            tuple(map(float, square * self.rotor_damping)),
+            self.torque_limit,
+            self.delay_s,
+        )
+
+
+def import_model(
+    mechanism: Mechanism,
+    drives: Drives,
+    output: str | Path,
+    *,
+    axes: Sequence[str] | None = None,
+    force: bool = False,
+) -> Model:
+    """Write ``output`` (TOML) and the serial tree beside it (MJCF), from a mechanism with loops.
+
+    The transmission is found from the loops and its constancy tested; where the mechanism is a
+    parallelogram, so are the linkage's inertia and weight. The model is as normalised as it can be.
+
+    Args:
+        mechanism: file, drives, serial joints, loops, foot.
+        drives: the motors.
+        output: the model file; ``leg.toml`` comes with ``leg.xml``.
+        axes: names of the axes; the drives' joints if not given.
+        force: overwrite.
+
+    Raises:
+        InputError: the file cannot be read, its loops do not close or leave other freedoms than the
+            drives, the serial joints are not the way to the foot, or an output exists.
+        SimulationError: no posture within the limits can be reached.
+    """
+    target = Path(output)
+    if target.suffix != ".toml":
+        raise InputError("the model file has to end in .toml", file=target, remedy="e.g. -o leg.toml")
+    tree = target.with_suffix(".xml")
+    for file in (target, tree):
+        check_free(file, force=force)
+    names = tuple(axes) if axes else mechanism.drives
+    if len(names) != len(mechanism.drives) or len(set(names)) != len(names):
+        raise InputError(
+            f"{len(names)} axis names for {len(mechanism.drives)} drives", remedy="name each axis once"
+        )
+    chain = ClosedChain(mechanism)
+    transmission = constant_transmission(chain)
+    write_whole(tree, serial_mjcf(mechanism, target.stem), force=force)
+    model = Model(
+        name=target.stem,
+        serial=tree.resolve(),
+        axes=names,
+        joints=mechanism.joints,
+        transmission=transmission.matrix,
+        actuators=drives.at_output,
+        closed_chain=replace(mechanism, file=mechanism.file.resolve()),
+        posture_dependent=not transmission.constant,
+        payload_site=mechanism.foot,
+    )
+    linkage = parallelogram_linkage(chain, model)
+    if linkage is not None:
+        model = replace(model, linkage=linkage)
+    write_model(model, target, force=force)
+    return model

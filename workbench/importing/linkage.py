@@ -1,0 +1,45 @@
+"""What the closed chain has and its serial tree has not, of a parallelogram (paper, Eqs. 14 to 19)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.effects.structure import PARALLELOGRAM
+from workbench.mechanism import ClosedChain, sample_joints
+from workbench.models import Linkage, Model
+from workbench.serial_tree import SerialTree
+
+_SAMPLES = 60
+_SAME = 1e-9  # relative: the form of a parallelogram, to rounding
+
+
+def parallelogram_linkage(chain: ClosedChain, model: Model) -> Linkage | None:
+    """M11, M12 (factor of cos alpha), M22, g1 and g2 over the serial tree; None for another mechanism.
+
+    Angles have to be measured from straight down, as everywhere: alpha is zero where the leg is stretched.
+
+    Args:
+        chain: the closed chain.
+        model: with its serial tree and transmission.
+    """
+    if not np.allclose(model.transmission, PARALLELOGRAM, atol=_SAME):
+        return None
+    q = sample_joints(chain, _SAMPLES)
+    real = [chain.serial_dynamics(row, np.zeros(2)) for row in q]
+    tree, back = SerialTree(model), np.linalg.inv(model.transmission)
+    masses = np.array([r.mass for r in real])
+    missing = back.T @ (masses - tree.link_mass_matrix(q)) @ back
+    weights = np.array([r.gravity for r in real])
+    pull = (weights - tree.gravity(q)) @ back
+    cosine, sine = np.cos(q[:, 1]), np.sin(q @ model.transmission.T)
+    m11, m22 = missing[:, 0, 0].mean(), missing[:, 1, 1].mean()
+    m12 = missing[:, 0, 1] @ cosine / (cosine @ cosine)
+    g1, g2 = -np.sum(pull * sine, axis=0) / np.sum(sine**2, axis=0)
+    form = np.empty_like(missing)
+    form[:, 0, 0], form[:, 1, 1] = m11, m22
+    form[:, 0, 1] = form[:, 1, 0] = m12 * cosine
+    off_mass = np.abs(form - missing).max() / np.abs(masses).max()
+    off_pull = np.abs(pull + np.array([g1, g2]) * sine).max() / max(np.abs(weights).max(), 1e-12)
+    if max(off_mass, off_pull) > _SAME:
+        return None
+    return Linkage(float(m11), float(m12), float(m22), float(g1), float(g2), identified=True)
