@@ -61,7 +61,7 @@ def loop_spec(
         floating: the tree hangs on a massless body ``base`` that is free, not on the world.
 
     Raises:
-        InputError: the model names no closed chain, or its file is not a tree of hinges and slides.
+        InputError: the model names no closed chain, or its file is not a tree of joints that MuJoCo has.
     """
     mechanism = mechanism_of(model)
     tree = read_sdf(mechanism.file)
@@ -161,13 +161,13 @@ def _grow(spec: mujoco.MjSpec, tree: SdfTree, base: mujoco.MjsBody, parent: str 
             body.explicitinertial, body.mass, body.ipos = True, link.mass, link.centre
             i = link.inertia
             body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
-        if joint.kind != "fixed":
-            slide = joint.kind == "prismatic"
+        slide = joint.kind == "prismatic"
+        for name, axis in joint.coordinates:
             body.add_joint(
-                name=joint.name,
+                name=name,
                 type=mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE,
                 pos=joint.place.at,
-                axis=joint.place.turn @ joint.axis,
+                axis=joint.place.turn @ axis,
             )
         _grow(spec, tree, body, link.name, link.place)
 

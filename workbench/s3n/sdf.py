@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from workbench.core import InputError
 
 _WORLD = ("world", "__model__", "")
-_KINDS = ("revolute", "continuous", "prismatic", "fixed")
+_KINDS = ("revolute", "continuous", "prismatic", "universal", "fixed")
 
 
 @dataclass(frozen=True)
@@ -50,14 +50,18 @@ class Link:
 
 @dataclass(frozen=True)
 class Joint:
-    """A joint: `kind` as in SDF, `place` in the child's frame, `axis` (3,) in the joint's frame."""
+    """A joint: `kind` as in SDF, `place` in the child's frame.
+
+    `coordinates`: (name, axis) of each, the parent's first, axis (3,) in the joint's frame; a joint with more
+    than one (a universal joint) has coordinates named after it, ``rod_qx`` and ``rod_qy``.
+    """
 
     name: str
     kind: str
     parent: str | None
     child: str
     place: Pose
-    axis: np.ndarray
+    coordinates: tuple[tuple[str, np.ndarray], ...]
 
 
 @dataclass(frozen=True)
@@ -170,12 +174,18 @@ class _Reader:
             )  # fmt: skip
         parent, child = _text(element, "parent"), _text(element, "child")
         place = self._place(child).back().then(self._place(name))
-        xyz = element.find("axis/xyz")
-        axis = np.array([float(x) for x in (_text(element, "axis/xyz", "0 0 1")).split()])
+        suffixes = {"universal": (("_qx", "axis"), ("_qy", "axis2")), "fixed": ()}.get(kind, (("", "axis"),))
+        coordinates = tuple((name + suffix, self._axis(element, key)) for suffix, key in suffixes)
+        return Joint(name, kind, None if parent in _WORLD else parent, child, place, coordinates)
+
+    def _axis(self, element: ElementTree.Element, key: str) -> np.ndarray:
+        """An axis (3,) in the joint's frame."""
+        xyz = element.find(f"{key}/xyz")
+        axis = np.array([float(x) for x in (_text(element, f"{key}/xyz", "0 0 1")).split()])
         expressed = xyz.get("expressed_in") if xyz is not None else None
-        if expressed is not None:
-            axis = self._place(name).turn.T @ self._place(expressed).turn @ axis
-        return Joint(name, kind, None if parent in _WORLD else parent, child, place, axis)
+        if expressed is None:
+            return axis
+        return self._place(element.get("name") or "").turn.T @ self._place(expressed).turn @ axis
 
     def _frame(self, element: ElementTree.Element) -> Frame:
         name, carrier = element.get("name") or "", element.get("attached_to") or ""
