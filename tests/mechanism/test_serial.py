@@ -27,7 +27,10 @@ def test_a_parallelogram_has_the_papers_transmission(leg: ClosedChain) -> None:
 
 
 def test_assembly_of_the_straight_leg_goes_inside_the_limits(leg: ClosedChain) -> None:
-    np.testing.assert_allclose(leg.start[1], np.mean(LIMITS, axis=1), atol=1e-12)
+    """At zero the leg is straight, a dead point from which a folded linkage goes on as well."""
+    assert all(low < x < high for x, (low, high) in zip(leg.start[1], LIMITS, strict=True))
+    narrow = ClosedChain(Mechanism(closed_chain_file("leg"), limits=((-1.6, 1.6), (1.4, 2.6))))
+    np.testing.assert_allclose(narrow.start[1], [0.0, 2.0], atol=1e-12)
 
 
 @pytest.mark.parametrize(("joints", "_speeds"), STATES)

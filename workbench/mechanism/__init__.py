@@ -1,13 +1,23 @@
 """The closed chain in Drake: the reference dynamics."""
 
 from .closed_chain import ClosedChain, Margin, Reduced
+from .discrete import DiscreteChain, Ground, simulate_discrete
+from .linear import LinearPlant, linearise
+from .simulate import Motion, simulate
 from .transmission import Transmission, constant_transmission, sample_joints
 
 __all__ = [
     "ClosedChain",
+    "DiscreteChain",
+    "Ground",
+    "LinearPlant",
     "Margin",
+    "Motion",
     "Reduced",
     "Transmission",
     "constant_transmission",
+    "linearise",
     "sample_joints",
+    "simulate",
+    "simulate_discrete",
 ]

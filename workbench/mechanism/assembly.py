@@ -131,23 +131,30 @@ def _leave_dead_point(tree: Tree, closure: Closure, theta: np.ndarray) -> np.nda
     whose joints go on most evenly is taken, which is the parallelogram; to get another, give `start`.
     """
     generator = np.random.default_rng(_SEED)
-    best, least = None, np.inf
     alternating = 1.0 - 2.0 * (np.arange(len(closure.independent)) % 2)
-    for attempt in range(40):
+    for direction in (-alternating, alternating, np.abs(alternating), -np.abs(alternating)):
         way = np.zeros(len(theta))
-        random = generator.choice((-1.0, 1.0), len(closure.independent))
-        way[closure.independent] = 0.25 * (random if attempt % 2 else -alternating)
-        way[closure.dependent] = generator.uniform(-0.6, 0.6, len(closure.dependent))
-        first = closure.solve(theta + way)
-        second = None if first is None else closure.solve(2.0 * first - theta)
-        if first is None or second is None:
+        way[closure.independent] = 0.25 * direction
+        found = []
+        for _ in range(20):
+            way[closure.dependent] = generator.uniform(-0.6, 0.6, len(closure.dependent))
+            found += _branch(closure, theta, theta + way)
+        if not found:
             continue
-        uneven = np.abs(second - 2.0 * first + theta).max()
-        if uneven < 0.5 * least and least > 1e-9:  # the first of those that are as even as can be
-            best, least = first, uneven
-    if best is None or least > 0.1:
-        raise InputError(
-            f"the start posture is a dead point: {closure.say(theta[closure.independent])}",
-            file=tree.mechanism.file, column="closed_chain.start", remedy="give angles away from it",
-        )  # fmt: skip
-    return best
+        # loops that are independent of each other fold over one by one, so each coordinate votes alone
+        most_even = np.argmin([uneven for _, uneven in found], axis=0)
+        voted = np.array([posture for posture, _ in found])[most_even, np.arange(len(theta))]
+        best, uneven = min(found + _branch(closure, theta, voted), key=lambda entry: entry[1].max())
+        if uneven.max() < 0.1:
+            return best
+    raise InputError(
+        f"the start posture is a dead point: {closure.say(theta[closure.independent])}",
+        file=tree.mechanism.file, column="closed_chain.start", remedy="give angles away from it",
+    )  # fmt: skip
+
+
+def _branch(closure: Closure, theta: np.ndarray, guess: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The closed posture at `guess`, and how uneven the way from `theta` through it is; none if it fails."""
+    first = closure.solve(guess)
+    second = None if first is None else closure.solve(2.0 * first - theta)
+    return [] if first is None or second is None else [(first, np.abs(second - 2.0 * first + theta))]

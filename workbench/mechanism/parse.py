@@ -29,21 +29,23 @@ class BallLoop:
     points: tuple[tuple[float, float, float], tuple[float, float, float]]
 
 
-def parse(file: Path, step: float = 0.0, *, hold_base: bool = True) -> tuple[Any, Any]:
+def parse(file: Path, plant: Any = None, *, hold_base: bool = True) -> tuple[Any, Any]:
     """A Drake plant of the file, not yet finalised, and its model instance.
 
     Args:
         file: SDF or URDF with one model.
-        step: Drake's time step [s]; zero for continuous.
+        plant: the empty plant to fill; a continuous one if not given.
         hold_base: weld a base that hangs free in the file to the world where the file places it.
 
     Raises:
         InputError: Drake cannot read it; its own reason is kept.
     """
-    plant, model = _read(file, step)
+    plant = MultibodyPlant(0.0) if plant is None else plant
+    model = _read(file, plant)
     if not hold_base:
         return plant, model
-    probe, _ = _read(file, 0.0)
+    probe: Any = MultibodyPlant(0.0)  # Any: Drake's stubs misuse numpy's type parameters
+    _read(file, probe)
     _finalize(probe, file)
     for body in probe.GetFloatingBaseBodies():
         pose = probe.GetDefaultFloatingBaseBodyPose(probe.get_body(body))
@@ -62,7 +64,7 @@ def finished(plant: Any, file: Path) -> Any:
     _finalize(plant, file)
     for index in plant.GetJointIndices():
         joint = plant.get_joint(index)
-        if joint.type_name() in ("ball_rpy", "quaternion_floating", "rpy_floating"):
+        if joint.type_name() == "ball_rpy":
             raise InputError(
                 f"joint '{joint.name()}' is of type {joint.type_name()}",
                 file=file,
@@ -110,12 +112,12 @@ def _attribute(node: ElementTree.Element) -> str:
     return next((node.attrib[key] for key in ("name", "value") if key in node.attrib), "")
 
 
-def _read(file: Path, step: float) -> tuple[Any, Any]:
+def _read(file: Path, plant: Any) -> Any:
+    """Fills the plant from the file; returns the model instance."""
     if not Path(file).is_file():
         raise InputError("the file does not exist", file=file, remedy="give the path of an SDF or URDF file")
-    plant: Any = MultibodyPlant(step)  # Any: Drake's stubs misuse numpy's type parameters
     try:
-        with _quiet():
+        with quiet():
             models = Parser(plant).AddModels(Path(file))
     except RuntimeError as error:
         raise InputError(
@@ -123,12 +125,12 @@ def _read(file: Path, step: float) -> tuple[Any, Any]:
         ) from error
     if len(models) != 1:
         raise InputError(f"it holds {len(models)} models", file=file, remedy="give a file with one model")
-    return plant, models[0]
+    return models[0]
 
 
 def _finalize(plant: Any, file: Path) -> None:
     try:
-        with _quiet():
+        with quiet():
             plant.Finalize()
     except RuntimeError as error:
         looped = "loop" in str(error)
@@ -142,7 +144,7 @@ def _finalize(plant: Any, file: Path) -> None:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def quiet() -> Iterator[None]:
     """Without Drake's log on the terminal: what matters in it comes as an error."""
     log = logging.getLogger("drake")
     level = log.level

@@ -1,0 +1,242 @@
+"""Drake's own discrete simulation of a mechanism, its loops as constraints, for contact with a ground.
+
+The projection of `closed_chain` is exact but knows no contact. Here the loops are ball constraints of the SAP
+solver, which keeps them nearly closed; how nearly, and how far the motion is from the exact one, falls with
+the step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.geometry import HalfSpace, Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import (
+    AddMultibodyPlantSceneGraph,
+    CoulombFriction,
+    DiscreteContactApproximation,
+)
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+
+from workbench.core import InputError, Mechanism
+
+from .closed_chain import ClosedChain
+from .loops import find_frame, loop_pairs
+from .parse import finished, parse, quiet
+from .simulate import Motion
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A level ground at z = 0, and the spheres that touch it.
+
+    Attributes:
+        feet: frames that carry a sphere.
+        radius: of the spheres [m].
+        friction: coefficient of dry friction, static and sliding.
+    """
+
+    feet: tuple[str, ...] = ("foot",)
+    radius: float = 0.02
+    friction: float = 0.8
+
+
+class DiscreteChain:
+    """A mechanism in Drake's discrete simulation, with rotors and damping at its drives.
+
+    With a ground, a base that hangs free in the file falls; without one it is held.
+
+    Args:
+        mechanism: what is known of it beside its file.
+        inertia: of each actuator at its output (n,) [kg m^2].
+        damping: of each actuator at its output (n,) [N m s/rad].
+        step: of the simulation [s].
+        ground: what it stands on, if anything.
+
+    Raises:
+        InputError: as for `ClosedChain`.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        inertia: Sequence[float],
+        damping: Sequence[float],
+        step: float,
+        ground: Ground | None = None,
+    ) -> None:
+        self.mechanism, self.step, self.ground = mechanism, step, ground
+        self._chain = ClosedChain(mechanism)
+        builder: Any = DiagramBuilder()
+        plant, _ = AddMultibodyPlantSceneGraph(builder, step)
+        self.plant: Any = plant
+        self.plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
+        _, model = parse(mechanism.file, self.plant, hold_base=ground is None)
+        self._pairs = loop_pairs(self.plant, model, mechanism)
+        if mechanism.loops:  # those that the file declares are constraints already
+            for first, second in self._pairs:
+                self.plant.AddBallConstraint(first.body(), _point(first), second.body(), _point(second))
+        _equip(self.plant, mechanism, inertia, damping)
+        self._feet = _stand(self.plant, model, mechanism, ground) if ground else []
+        finished(self.plant, mechanism.file)
+        joints = [self.plant.GetJointByName(name, model) for name in mechanism.drives]
+        self._positions = [joint.position_start() for joint in joints]
+        self._velocities = [joint.velocity_start() for joint in joints]
+        self._model = model
+        with quiet():  # a half space is not for deformable bodies, which nobody has here
+            self._simulator: Any = Simulator(builder.Build())
+        self._context = self.plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
+        self._force = self.plant.get_applied_generalized_force_input_port()
+        self.reset(self._chain.start[0])
+
+    def reset(self, q: np.ndarray, v: np.ndarray | None = None, base: np.ndarray | None = None) -> None:
+        """Back to time zero with closed loops.
+
+        Args:
+            q: drive positions (n,).
+            v: drive speeds (n,), zero if not given.
+            base: pose of a floating base (7,), quaternion w x y z and position [m]; at rest.
+
+        Raises:
+            SimulationError: the loops cannot be closed at `q`.
+        """
+        self._done = 0
+        self._simulator.get_mutable_context().SetTime(0.0)
+        theta = self._chain.tree_position(q)
+        rates = np.zeros_like(theta) if v is None else self._chain.projection(q) @ v
+        positions, velocities = self._whole(base)
+        plant = self.plant
+        for index in plant.GetJointIndices(self._model):
+            joint = plant.get_joint(index)
+            names = _names(joint)
+            if names and names[0] in self._chain.coordinates:
+                at = [self._chain.coordinates.index(name) for name in names]
+                positions[joint.position_start() : joint.position_start() + len(at)] = theta[at]
+                velocities[joint.velocity_start() : joint.velocity_start() + len(at)] = rates[at]
+        plant.SetPositions(self._context, positions)
+        plant.SetVelocities(self._context, velocities)
+        self._simulator.Initialize()
+
+    def advance(self, torque: np.ndarray) -> None:
+        """One step with drive torques (n,) [N m]."""
+        forces = np.zeros(self.plant.num_velocities())
+        forces[self._velocities] = torque
+        self._force.FixValue(self._context, forces)
+        self._done += 1
+        self._simulator.AdvanceTo(self._done * self.step)  # a sum of steps would drift off Drake's own times
+
+    @property
+    def position(self) -> np.ndarray:
+        """Drive positions (n,) [rad or m]."""
+        return self.plant.GetPositions(self._context)[self._positions]
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Drive speeds (n,) [rad/s or m/s]."""
+        return self.plant.GetVelocities(self._context)[self._velocities]
+
+    @property
+    def base(self) -> np.ndarray:
+        """Pose of the floating base (7,), quaternion w x y z and position [m]; empty if it is held."""
+        bodies = self.plant.GetFloatingBaseBodies()
+        start = [self.plant.get_body(i).floating_positions_start() for i in bodies]
+        return self.plant.GetPositions(self._context)[start[0] : start[0] + 7] if start else np.zeros(0)
+
+    @property
+    def loop_gap(self) -> float:
+        """Largest distance [m] between the two frames of a loop."""
+        ends = ([f.CalcPoseInWorld(self._context).translation() for f in pair] for pair in self._pairs)
+        return max((float(np.linalg.norm(first - second)) for first, second in ends), default=0.0)
+
+    @property
+    def ground_force(self) -> np.ndarray:
+        """Force of the ground on each foot (F, 3) [N], in the order of `Ground.feet`, in the last step."""
+        results = self.plant.get_contact_results_output_port().Eval(self._context)
+        forces = np.zeros((len(self._feet), 3))
+        for i in range(results.num_point_pair_contacts()):
+            contact = results.point_pair_contact_info(i)
+            for body, sign in ((contact.bodyB_index(), 1.0), (contact.bodyA_index(), -1.0)):
+                if body in self._feet:
+                    forces[self._feet.index(body)] += sign * contact.contact_force()
+        return forces
+
+    def _whole(self, base: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+        """All positions, with the base where it is wanted or where the file has it, and all speeds, zero."""
+        positions = self.plant.GetPositions(self.plant.CreateDefaultContext())
+        if base is not None:
+            bodies = self.plant.GetFloatingBaseBodies()
+            if not bodies:
+                raise InputError(
+                    "the base is held", file=self.mechanism.file, remedy="give a ground, or no base pose"
+                )
+            start = self.plant.get_body(next(iter(bodies))).floating_positions_start()
+            positions[start : start + 7] = base
+        return positions, np.zeros(self.plant.num_velocities())
+
+
+def simulate_discrete(
+    mechanism: Mechanism,
+    inertia: Sequence[float],
+    damping: Sequence[float],
+    torque: np.ndarray,
+    step: float,
+    q0: np.ndarray,
+    v0: np.ndarray | None = None,
+    *,
+    substeps: int = 1,
+) -> Motion:
+    """The motion that `simulate` gives, from Drake's discrete simulation; arguments as there."""
+    chain = DiscreteChain(mechanism, inertia, damping, step / substeps)
+    chain.reset(q0, v0)
+    positions, velocities = [chain.position], [chain.velocity]
+    for held in np.asarray(torque, float):
+        for _ in range(substeps):
+            chain.advance(held)
+        positions.append(chain.position)
+        velocities.append(chain.velocity)
+    return Motion(step * np.arange(len(positions)), np.array(positions), np.array(velocities))
+
+
+def _point(frame: Any) -> np.ndarray:
+    return frame.GetFixedPoseInBodyFrame().translation()
+
+
+def _names(joint: Any) -> list[str]:
+    """The coordinates of a joint as `ClosedChain.coordinates` names them."""
+    count = joint.num_positions()
+    return (
+        [joint.name()] if count == 1 else [f"{joint.name()}_{joint.position_suffix(i)}" for i in range(count)]
+    )
+
+
+def _equip(plant: Any, mechanism: Mechanism, inertia: Sequence[float], damping: Sequence[float]) -> None:
+    """Rotors and damping at the drives, and damping nowhere else."""
+    actuators = {a.joint().name(): a for a in map(plant.get_joint_actuator, plant.GetJointActuatorIndices())}
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        if joint.num_velocities():
+            joint.set_default_damping_vector(np.zeros(joint.num_velocities()))
+    for name, rotor, drag in zip(mechanism.drives, inertia, damping, strict=True):
+        joint = plant.GetJointByName(name)
+        joint.set_default_damping_vector(np.array([drag]))
+        actuator = actuators.get(name) or plant.AddJointActuator(f"{name}_drive", joint)
+        actuator.set_default_rotor_inertia(rotor)
+        actuator.set_default_gear_ratio(1.0)
+
+
+def _stand(plant: Any, model: Any, mechanism: Mechanism, ground: Ground) -> list[Any]:
+    """The ground and the feet's spheres; returns the feet's bodies."""
+    friction: Any = CoulombFriction(ground.friction, ground.friction)
+    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction)
+    bodies: list[Any] = []
+    for name in ground.feet:
+        frame = find_frame(plant, model, mechanism, name, "foot")
+        centre: Any = _point(frame)
+        at = RigidTransform(centre)
+        plant.RegisterCollisionGeometry(frame.body(), at, Sphere(ground.radius), f"{name}_sphere", friction)
+        bodies.append(frame.body().index())
+    return bodies
