@@ -2,22 +2,37 @@
 
 from .chirp import chirp
 from .design_file import load_design, save_design
+from .distortion import Distortion, distortion
+from .estimate import estimate
 from .excitation import Design, Trial
 from .limits import Limit, Scaled, scale_to_limits
 from .lines import detection_lines, select_lines
+from .local_polynomial import local_polynomial
 from .mixing import mixing_matrix
 from .multisine import multisine
+from .period import find_period
 from .phases import crest_factor, low_crest_phases, random_phases, schroeder_phases
+from .postures import estimate_postures, group_by_posture
+from .response import Channel, Frf
 
 __all__ = [
+    "Channel",
     "Design",
+    "Distortion",
+    "Frf",
     "Limit",
     "Scaled",
     "Trial",
     "chirp",
     "crest_factor",
     "detection_lines",
+    "distortion",
+    "estimate",
+    "estimate_postures",
+    "find_period",
+    "group_by_posture",
     "load_design",
+    "local_polynomial",
     "low_crest_phases",
     "mixing_matrix",
     "multisine",

@@ -1,0 +1,269 @@
+"""Responses from periodic excitation: right on average, and as sure as they say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import control
+import numpy as np
+import pytest
+from scipy import stats
+
+from workbench.core import Excitation, InputError
+from workbench.frf import estimate, estimate_postures, group_by_posture, local_polynomial
+
+from .make import (
+    design,
+    loop_recordings,
+    mimo_plant,
+    mimo_recordings,
+    mimo_truth,
+    recording,
+    siso_loop,
+    truth,
+)
+
+
+def binomial(hits: np.ndarray, chance: float, alpha: float = 1e-4) -> bool:
+    """Whether a share of independent hits is compatible with a chance."""
+    n = hits.size
+    low, high = stats.binom.ppf([alpha / 2, 1 - alpha / 2], n, chance)
+    return bool(low <= hits.sum() <= high)
+
+
+def test_without_noise_the_response_is_exact() -> None:
+    frf = estimate(loop_recordings(design(periods=3, transient_periods=3), noise=0.0, gain=1.0))
+    assert frf.frequency == pytest.approx(np.arange(1.0, 101.0))
+    assert np.abs(frf.response[:, 0, 0] / truth(frf.frequency) - 1).max() < 1e-6
+    assert frf.coherence.min() > 1 - 1e-9
+
+
+@pytest.mark.parametrize("periods", [2, 4, 9])
+def test_intervals_hold_the_truth_as_often_as_they_say(periods) -> None:
+    hits, inside, phases = [], [], []
+    for seed in range(12):
+        d = design(periods=periods)
+        (r,) = loop_recordings(d, noise=0.05, gain=0.8, seed=seed)
+        frf = estimate([r], transient_periods=1)
+        g, true = frf.response[:, 0, 0], truth(frf.frequency)
+        hits.append(np.abs(g - true) < frf.radius(0.9)[:, 0, 0])
+        low, high = (x[:, 0, 0] for x in frf.magnitude_interval(0.9))
+        inside.append((low <= np.abs(true)) & (np.abs(true) <= high))
+        low, high = (x[:, 0, 0] for x in frf.phase_interval(0.9))
+        turn = np.angle(true / g)
+        phases.append((low - np.angle(g) <= turn) & (turn <= high - np.angle(g)))
+        assert frf.dof == pytest.approx(periods - 1) and frf.periods == periods
+    assert binomial(np.array(hits), 0.9)
+    assert binomial(np.array(inside), 0.9)
+    assert binomial(np.array(phases), 0.9)
+
+
+def test_feedback_biases_the_plain_quotient_and_not_the_one_through_the_reference() -> None:
+    """Noise that goes round the loop pulls Y U^H / (U U^H) towards -1 / controller."""
+    d = design(f_max_hz=60, realisations=40, phases="random", periods=2, transient_periods=1, rms=0.5)
+    recordings = loop_recordings(d, noise=0.5, gain=3.0)
+    good = estimate(recordings, transient_periods=1)
+    plain = estimate(recordings, transient_periods=1, reference=None, lines=good.frequency.astype(int))
+    true = truth(good.frequency)
+    pull = np.conj(-1 / 3.0 - true) / np.abs(-1 / 3.0 - true)
+
+    def bias(frf) -> float:
+        along = np.real((frf.response[:, 0, 0] - true) * pull) / frf.std[:, 0, 0]
+        return float(np.mean(along) * np.sqrt(2 * len(along)))  # in its own standard deviations
+
+    assert abs(bias(good)) < 4.0
+    assert bias(plain) > 8.0
+
+
+def test_several_inputs_in_a_loop() -> None:
+    for n, phases in ((2, "schroeder"), (3, "random")):
+        plant = mimo_plant(n)
+        d = design(axes=list("abcd")[:n], phases=phases, periods=5, f_max_hz=60)
+        chances = []
+        for seed in range(6):
+            frf = estimate(mimo_recordings(d, plant, noise=0.3, gain=0.02, seed=seed), transient_periods=1)
+            assert frf.response.shape == (60, n, n) and frf.method == "noise"
+            assert frf.dof == pytest.approx(4 * n)
+            chances.append(frf.distance(mimo_truth(plant, frf.frequency))[1])
+        chances = np.concatenate(chances)
+        # p-values of the truth are uniform
+        assert binomial(chances < 0.1, 0.1) and binomial(chances < 0.5, 0.5)
+        hits = np.abs(frf.response - mimo_truth(plant, frf.frequency)) < frf.radius(0.9)
+        assert hits.mean() > 0.8
+
+
+def test_an_orthogonal_set_needs_no_reference_and_one_axis_at_a_time_does_worse() -> None:
+    plant = mimo_plant(2, seed=3)
+    stds = {}
+    for mixing in ("orthogonal", "single"):
+        d = design(axes=["a", "b"], mixing=mixing, f_max_hz=40)
+        with_it = estimate(mimo_recordings(d, plant, noise=0.1, gain=0.0))
+        without = estimate(mimo_recordings(d, plant, noise=0.1, gain=0.0), reference=None)
+        assert with_it.response == pytest.approx(without.response, rel=1e-9)
+        stds[mixing] = np.median(with_it.std)
+    assert stds["orthogonal"] == pytest.approx(stds["single"] / np.sqrt(2), rel=0.1)
+
+
+def test_realisations_are_found_whatever_the_order() -> None:
+    plant = mimo_plant(2)
+    d = design(axes=["a", "b"], phases="random", realisations=3, f_max_hz=40)
+    recordings = mimo_recordings(d, plant, noise=0.1)
+    frf = estimate(recordings)
+    assert frf.method == "robust" and frf.realisations == 3 and frf.dof == pytest.approx(2)
+    by_mode = estimate([*recordings[0::2], *recordings[1::2]])
+    assert by_mode.covariance == pytest.approx(frf.covariance)
+    assert by_mode.response == pytest.approx(frf.response)
+
+
+def test_total_variance_of_a_linear_system_is_that_of_its_noise() -> None:
+    d = design(phases="random", realisations=30, periods=3)
+    frf = estimate(loop_recordings(d, noise=0.1, gain=0.5), transient_periods=1)
+    ratio = np.mean(frf.std**2) / np.mean(frf.noise_std**2)
+    assert ratio == pytest.approx(1.0, abs=0.1)
+
+
+def test_the_robust_method_sees_what_a_nonlinearity_adds() -> None:
+    """Behind a cubic the response scatters between realisations, and hits its mean as often as it says."""
+    d = design(phases="random", realisations=8, periods=2, transient_periods=1, grid="odd")
+    generator = np.random.default_rng(5)
+    many = design(phases="random", realisations=150, periods=2, transient_periods=1, grid="odd", seed=77)
+
+    def play(chosen, noise):
+        out = []
+        for e in range(len(chosen.trials)):
+            r = chosen.play(e)[1]["torque_feedforward"][:, 0]
+            _, y = siso_loop(r, np.zeros(len(r)), 0.0)
+            y = y + 0.3 * y**3 + noise * generator.normal(size=len(y))
+            out.append(recording(y, r, r, design=chosen, experiment=e))
+        return out
+
+    frf = estimate(play(d, 0.01))
+    best = estimate(play(many, 0.0)).response[:, 0, 0]  # the best linear approximation
+    assert np.median(frf.std / frf.noise_std) > 2
+    hits = np.abs(frf.response[:, 0, 0] - best) < frf.radius(0.9)[:, 0, 0]
+    assert binomial(hits, 0.9, 1e-3)
+
+
+def test_transient_periods_are_found() -> None:
+    slow = ((0.0, 0.002), (1.0, -0.998))  # a time constant of one period
+    d = design(periods=10, transient_periods=0)
+    r = d.play(0)[1]["torque_feedforward"][:, 0]
+    for noise, least in ((1e-5, 4), (3e-3, 0)):
+        generator = np.random.default_rng(1)
+        u, y = siso_loop(r, noise * generator.normal(size=len(r)), 0.0, slow)
+        frf = estimate([recording(y + 0.1 * 0.998 ** np.arange(len(y)), u, r, design=d)])
+        dropped = 10 - frf.periods
+        assert least <= dropped <= 7 if noise < 1e-4 else dropped >= 2
+        assert any("transient" in n or "settle" in n for n in frf.notes)
+        hits = np.abs(frf.response[:, 0, 0] - truth(frf.frequency, slow)) < frf.radius(0.95)[:, 0, 0]
+        assert hits.mean() > 0.85
+    assert not any("transient" in n for n in estimate(loop_recordings(design(), 0.05)).notes)
+
+
+def test_rest_and_fade_before_the_excitation_are_left_out() -> None:
+    d = design(periods=4, fade_s=0.7)
+    (made,) = loop_recordings(d, noise=0.0)
+    rest = np.zeros((333, 1))
+    padded = replace(
+        made,
+        time=np.arange(len(made) + 2 * 333) / 500.0,
+        signals={k: np.concatenate([rest + v[0], v, rest]) for k, v in made.signals.items()},
+        valid=None,
+    )
+    frf = estimate([padded], transient_periods=1)
+    assert frf.periods == 3
+    assert np.abs(frf.response[:, 0, 0] / truth(frf.frequency) - 1).max() < 1e-3
+
+
+def test_period_and_lines_are_found_where_nothing_is_stated() -> None:
+    d = design(grid="odd", f_min_hz=5)
+    (r,) = loop_recordings(d, noise=0.02, gain=0.3)
+    stated = estimate([r])
+    silent = replace(r, excitation=Excitation())
+    assert estimate([silent]).response == pytest.approx(stated.response)
+    bare = replace(silent, signals={k: v for k, v in r.signals.items() if k != "torque_feedforward"})
+    frf = estimate([bare])
+    assert np.isin(stated.frequency.round(), frf.frequency.round()).all()
+    assert np.abs(frf.response[:, 0, 0] / truth(frf.frequency) - 1).max() < 0.3
+
+
+def test_a_clock_that_does_not_divide_the_period() -> None:
+    """A period of 500.3 rows: the response is right to a part in a thousand up to a third of the rate."""
+    d = design(periods=8, transient_periods=0)
+    rate = 500.3
+    t = np.arange(4000) / rate
+    wave = np.cos(2 * np.pi * np.outer(t, d.frequency) + d.phases[0, :, 0]) @ d.amplitudes[0, :, 0]
+    late = np.cos(2 * np.pi * np.outer(t - 0.004, d.frequency) + d.phases[0, :, 0]) @ d.amplitudes[0, :, 0]
+    made = recording(2 * late, wave, rate=rate, design=d)
+    frf = estimate([made])
+    assert any("interpolated" in n for n in frf.notes)
+    true = 2 * np.exp(-2j * np.pi * frf.frequency * 0.004)
+    assert frf.frequency == pytest.approx(d.frequency)
+    assert np.abs(frf.response[:, 0, 0] - true).max() < 4e-3
+
+
+def test_postures_are_told_apart() -> None:
+    d = design(periods=3)
+    made = loop_recordings(d, noise=0.01)
+    moved = [replace(r, signals={**r.signals, "position": r.position + 1.0}) for r in made]
+    groups = group_by_posture([*made, *moved, *made])
+    assert [len(g) for g in groups] == [2, 1]
+    frfs = estimate_postures([*made, *moved])
+    assert frfs[1].posture[0] - frfs[0].posture[0] == pytest.approx(1.0, abs=0.01)
+
+
+def test_some_axes_and_several_outputs() -> None:
+    plant = mimo_plant(2)
+    d = design(axes=["a", "b"], f_max_hz=40)
+    frf = estimate(mimo_recordings(d, plant, noise=0.01), output=("velocity", "position"))
+    assert [str(c) for c in frf.outputs] == ["velocity_a", "velocity_b", "position_a", "position_b"]
+    assert frf.outputs[2].unit == "rad" and frf.inputs[0].unit == "N m"
+    one = frf.select(["velocity_b"], ["a"])
+    assert one.response[:, 0, 0] == pytest.approx(frf.response[:, 1, 0])
+    assert one.std[:, 0, 0] == pytest.approx(frf.std[:, 1, 0])
+    with pytest.raises(InputError, match="several"):
+        frf.select(["b"], ["a"])
+    band = frf.within(10, 20)
+    assert band.frequency[[0, -1]].tolist() == [10, 20] and band.covariance.shape == (11, 8, 8)
+
+
+def test_the_response_for_python_control() -> None:
+    plant = mimo_plant(2)
+    frf = estimate(mimo_recordings(design(axes=["a", "b"], f_max_hz=40), plant, noise=0.0))
+    theirs = frf.to_control()
+    assert isinstance(theirs, control.FrequencyResponseData)
+    assert theirs.frdata[0, 1, 7] == frf.response[7, 0, 1]
+    assert theirs.omega == pytest.approx(2 * np.pi * frf.frequency)
+    assert theirs.input_labels == ["torque_measured_a", "torque_measured_b"]
+
+
+def test_other_coordinates() -> None:
+    plant = mimo_plant(2)
+    d = design(axes=["a", "b"], f_max_hz=40)
+    frf = estimate(mimo_recordings(d, plant, noise=0.1))
+    j = np.array([[1.0, 0.0], [1.0, 1.0]])
+    there = frf.transformed(j, j.T, outputs=frf.outputs, inputs=frf.inputs)
+    assert there.response[5] == pytest.approx(j @ frf.response[5] @ j.T)
+    back = there.transformed(np.linalg.inv(j), np.linalg.inv(j.T), outputs=frf.outputs, inputs=frf.inputs)
+    assert back.covariance == pytest.approx(frf.covariance, abs=1e-12)
+    # distances do not depend on coordinates
+    model = 1.01 * frf.response
+    assert there.distance(j @ model @ j.T)[0] == pytest.approx(frf.distance(model)[0])
+
+
+def test_smoothing_pools_residuals() -> None:
+    (r,) = loop_recordings(design(periods=3), noise=0.1, gain=0.3)
+    frf = estimate([r], transient_periods=1)
+    smooth = frf.smoothed(5)
+    assert smooth.dof[50] == pytest.approx(11 * 2) and smooth.dof[0] == pytest.approx(6 * 2)
+    assert np.std(np.log(smooth.std[5:95])) < 0.6 * np.std(np.log(frf.std[5:95]))
+    assert np.mean(smooth.std**2) == pytest.approx(np.mean(frf.std**2), rel=0.25)
+
+
+def test_local_polynomial_and_periods_agree() -> None:
+    (r,) = loop_recordings(design(periods=5, transient_periods=0, phases="random"), noise=0.02)
+    by_periods = estimate([r], transient_periods=0)
+    assert by_periods.method == "noise"
+    with pytest.raises(InputError, match="whole period"):
+        estimate([replace(r, excitation=Excitation("multisine", period_s=4.0))])
+    assert len(local_polynomial([r], f_min_hz=2, f_max_hz=90, reference=None)) > 5

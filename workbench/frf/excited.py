@@ -1,0 +1,137 @@
+"""Which lines of a recording were excited, and which experiments belong to one realisation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import stats
+
+from workbench.core import InputError, Recording
+
+from .records import Choice
+from .spectra import period_spectra
+
+_SILENT = 1e-4  # a reference's line below this part of the largest was not put there on purpose
+
+
+def excited_lines(
+    recording: Recording, choice: Choice, columns: np.ndarray, rows: int, lines: Sequence[int] | None
+) -> np.ndarray:
+    """Excited harmonics of one experiment, ascending, shape (F,).
+
+    Those given; else those of the noise-free reference; else those at which the input repeats far above its
+    own scatter. The last two within the band and the grid that the recording states.
+
+    Args:
+        recording, choice: the experiment.
+        columns: its whole periods, (P rows, nz).
+        rows: rows a period.
+        lines: the lines, if they are known.
+
+    Raises:
+        InputError: a line that does not exist, or none that was excited.
+    """
+    highest = (rows - 1) // 2
+    if lines is not None:
+        wanted = np.unique(np.asarray(lines, int))
+        if len(wanted) == 0 or wanted[0] < 1 or wanted[-1] > highest:
+            raise InputError(
+                f"lines must lie between 1 and {highest}, half the rate",
+                file=recording.source,
+                column="lines",
+                remedy="give harmonics of the period, below half of its rows",
+            )
+        return wanted
+    n = len(choice.axes)
+    every = np.arange(1, highest + 1)
+    if choice.reference is not None:
+        size = np.abs(period_spectra(columns[-rows:, -n:], rows, every)[0]).max(axis=1)
+        found = every[size > _SILENT * size.max()]
+    else:
+        start = n * len(choice.outputs)
+        spectra = period_spectra(columns[:, start : start + n], rows, every)
+        found = every[_repeats(spectra)]
+    found = found[_stated(found, recording, rows)]
+    if len(found) == 0:
+        raise InputError(
+            f"no line of {choice.reference or choice.input} stands out in {recording.name}",
+            file=recording.source,
+            column="excitation",
+            remedy="check its period and band, or name the lines",
+        )
+    return found
+
+
+def common_lines(found: Sequence[np.ndarray], recordings: Sequence[Recording]) -> np.ndarray:
+    """Lines excited in every experiment.
+
+    Raises:
+        InputError: there are none.
+    """
+    lines = found[0]
+    for other in found[1:]:
+        lines = np.intersect1d(lines, other)
+    if len(lines) == 0:
+        remedy = "give experiments that excite the same lines"
+        raise InputError("the experiments have no line in common", file=recordings[0].source, remedy=remedy)
+    return lines
+
+
+def realisations(reference: np.ndarray | None, inputs: int, experiments: int) -> list[list[int]]:
+    """Experiments put into whole sets of as many as there are inputs.
+
+    Experiments of one set share their phases: on some axis their spectra are equal up to one factor. Where
+    that does not say it (one axis driven at a time, no reference) they are taken in the order given.
+
+    Args:
+        reference: spectra (E, F, nr) at the excited lines, or None.
+        inputs: number nu of inputs.
+        experiments: number E.
+
+    Returns:
+        Sets of nu experiments; a single set of all where E is no multiple of nu.
+    """
+    if experiments % inputs:
+        return [list(range(experiments))]
+    in_order = [list(range(k, k + inputs)) for k in range(0, experiments, inputs)]
+    if reference is None or inputs == 1 or experiments == inputs:
+        return in_order
+    size = np.linalg.norm(reference, axis=1)
+    product = np.abs(np.einsum("efi,gfi->egi", reference.conj(), reference))
+    both = size[:, None] * size[None]
+    alike = np.where(both > 0, product / np.where(both > 0, both, 1.0), 0.0).max(axis=2) > 0.999
+    sets, left = [], list(range(experiments))
+    while left:
+        mine = [e for e in left if alike[left[0], e]]
+        if len(mine) != inputs:
+            return in_order
+        sets.append(mine)
+        left = [e for e in left if e not in mine]
+    return sets
+
+
+def _repeats(spectra: np.ndarray) -> np.ndarray:
+    """Lines (L,) bool at which periods (P, L, n) agree far better than noise would."""
+    count = len(spectra)
+    mean = spectra.mean(axis=0)
+    variance = np.sum(np.abs(spectra - mean) ** 2, axis=0) / (count - 1)
+    ratio = count * np.abs(mean) ** 2 / np.maximum(variance, 1e-300)
+    sure = ratio > stats.f.ppf(1 - 1e-4 / mean.size, 2, 2 * (count - 1))
+    large = np.abs(mean) > 0.01 * np.abs(mean).max(axis=0)
+    return np.any(sure & large, axis=1)
+
+
+def _stated(lines: np.ndarray, recording: Recording, rows: int) -> np.ndarray:
+    """Which lines lie in the band and on the grid that the recording states, (F,) bool."""
+    e = recording.excitation
+    frequency = lines / (rows * recording.period)
+    half = 0.5 / (rows * recording.period)
+    keep = np.ones(len(lines), bool)
+    if e.f_min_hz is not None:
+        keep &= frequency > e.f_min_hz - half
+    if e.f_max_hz is not None:
+        keep &= frequency < e.f_max_hz + half
+    if e.lines in ("odd", "odd_random"):
+        keep &= lines % 2 == 1
+    return keep

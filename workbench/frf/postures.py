@@ -1,0 +1,43 @@
+"""Many postures: recordings grouped by where they were made, one response each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.core import Recording
+
+from .estimate import estimate
+from .response import Frf
+
+
+def group_by_posture(recordings: Sequence[Recording], tolerance: float = 0.05) -> list[list[Recording]]:
+    """Recordings whose mean measured positions agree, in the order in which the postures first appear.
+
+    Args:
+        recordings: with the same axes.
+        tolerance: largest difference on any axis from the first of a group [rad or m].
+    """
+    groups: list[tuple[np.ndarray, list[Recording]]] = []
+    for recording in recordings:
+        mean = recording.position[recording.valid].mean(axis=0)
+        for posture, members in groups:
+            if posture.shape == mean.shape and np.abs(mean - posture).max() <= tolerance:
+                members.append(recording)
+                break
+        else:
+            groups.append((mean, [recording]))
+    return [members for _, members in groups]
+
+
+def estimate_postures(
+    recordings: Sequence[Recording], *, tolerance: float = 0.05, **options: object
+) -> list[Frf]:
+    """One response a posture; `options` are those of `estimate`.
+
+    Raises:
+        InputError: as `estimate`, for any of the postures.
+    """
+    groups = group_by_posture(recordings, tolerance)
+    return [estimate(group, **options) for group in groups]  # type: ignore[arg-type]

@@ -1,0 +1,264 @@
+"""A measured frequency response: the numbers, how sure they are, and where they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from workbench.core import InputError
+
+from .statistics import distance, entry_radius, real_halfwidth
+
+if TYPE_CHECKING:
+    from control import FrequencyResponseData
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One input or output: `signal` of a recording, its `axis`, and the SI `unit`."""
+
+    signal: str
+    axis: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.signal}_{self.axis}"
+
+
+@dataclass(frozen=True, eq=False)
+class Frf:
+    """Frequency response of ny outputs to nu inputs at F frequencies, with its covariance.
+
+    ``response[k, i, j]`` is output i over input j at ``frequency[k]``; python-control holds the same number
+    as ``frdata[i, j, k]``. The vector of a response is its rows one after another (numpy's order): entry
+    (i, j) stands at ``i * nu + j``. Covariances are E d d^H of the complex error d, circular: real and
+    imaginary part each have half the variance.
+
+    Attributes:
+        frequency: [Hz], ascending, shape (F,).
+        response: (F, ny, nu), complex.
+        covariance: (F, ny nu, ny nu): all that scatters. With several realisations of a random excitation
+            that is noise and stochastic nonlinear distortion; `notes` say where it is noise alone.
+        noise_covariance: the same of the noise alone.
+        dof: complex residuals behind `covariance`, shape (F,).
+        noise_dof: behind `noise_covariance`, shape (F,).
+        estimated: what these residuals estimated: ``"outputs"``, an (ny, ny) matrix whose Kronecker product
+            with a known one is the covariance, or ``"response"``, the whole matrix.
+        coherence: multiple coherence of each output, from one period (or window) of data, (F, ny).
+        outputs, inputs: what the rows and columns are.
+        rate_hz: rows of the recordings per second.
+        hold_s: the input stood still for this long from each row on (a sampled command) [s]; None where it
+            is smooth between the rows (a measured torque).
+        posture: mean measured position of each axis of the recordings [rad or m].
+        coordinates: of the recordings.
+        method: how it was estimated.
+        periods: periods (or windows) that were averaged, all experiments together.
+        realisations: sets of experiments.
+        notes: what the reader should know, one sentence each.
+    """
+
+    frequency: np.ndarray
+    response: np.ndarray
+    covariance: np.ndarray
+    noise_covariance: np.ndarray
+    dof: np.ndarray
+    noise_dof: np.ndarray
+    estimated: Literal["outputs", "response"]
+    coherence: np.ndarray
+    outputs: tuple[Channel, ...]
+    inputs: tuple[Channel, ...]
+    rate_hz: float
+    hold_s: float | None
+    posture: tuple[float, ...]
+    coordinates: Literal["actuator", "joint"]
+    method: str
+    periods: int
+    realisations: int
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        names = ("frequency", "response", "covariance", "noise_covariance", "dof", "noise_dof", "coherence")
+        for name in names:
+            view = np.asarray(getattr(self, name)).view()
+            view.flags.writeable = False
+            object.__setattr__(self, name, view)
+
+    def __len__(self) -> int:
+        return len(self.frequency)
+
+    @property
+    def omega(self) -> np.ndarray:
+        """Angular frequency [rad/s], shape (F,)."""
+        return 2 * np.pi * self.frequency
+
+    @property
+    def std(self) -> np.ndarray:
+        """Standard deviation sqrt(E |error|^2) of every entry, (F, ny, nu)."""
+        return _std(self.covariance, self.response.shape)
+
+    @property
+    def noise_std(self) -> np.ndarray:
+        """The same for noise alone, (F, ny, nu)."""
+        return _std(self.noise_covariance, self.response.shape)
+
+    @property
+    def wishart_size(self) -> int:
+        """Rows of the matrix that the residuals estimated."""
+        return len(self.outputs) if self.estimated == "outputs" else len(self.outputs) * len(self.inputs)
+
+    def radius(self, level: float = 0.95) -> np.ndarray:
+        """Radius of the disc about each entry that holds the true one with chance `level`, (F, ny, nu)."""
+        return entry_radius(self.std**2, self.dof[:, None, None], level)
+
+    def magnitude_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper end for the magnitude, each (F, ny, nu)."""
+        half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
+        size = np.abs(self.response)
+        return np.maximum(size - half, 0.0), size + half
+
+    def phase_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper end for the phase [rad], each (F, ny, nu); a whole turn where nothing is known."""
+        half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
+        size = np.abs(self.response)
+        known = half < size
+        turn = np.where(known, np.arcsin(np.where(known, half, 0.0) / np.where(known, size, 1.0)), np.pi)
+        phase = np.angle(self.response)
+        return phase - turn, phase + turn
+
+    def distance(self, model: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far a model's response (F, ny, nu) is, all entries of a line together.
+
+        Returns:
+            ``(T, p)``, each (F,): squared distance in deviations, and the chance of a larger one if the
+            model were true (NaN where too few residuals are behind the covariance).
+        """
+        d = (self.response - model).reshape(len(self), -1)
+        return distance(d, self.covariance, self.dof, self.wishart_size)
+
+    def select(self, outputs: Sequence[str | int], inputs: Sequence[str | int]) -> Frf:
+        """Some outputs and inputs, by number or by axis name.
+
+        Raises:
+            InputError: a name that is not there, or stands for several.
+        """
+        rows = [_place(o, self.outputs) for o in outputs]
+        columns = [_place(i, self.inputs) for i in inputs]
+        entries = np.add.outer(np.array(rows) * len(self.inputs), np.array(columns)).ravel()
+        block = np.ix_(np.arange(len(self)), entries, entries)
+        return replace(
+            self,
+            response=self.response[:, rows][:, :, columns],
+            covariance=self.covariance[block],
+            noise_covariance=self.noise_covariance[block],
+            coherence=self.coherence[:, rows],
+            outputs=tuple(self.outputs[r] for r in rows),
+            inputs=tuple(self.inputs[c] for c in columns),
+        )
+
+    def within(self, f_min_hz: float = 0.0, f_max_hz: float = np.inf) -> Frf:
+        """The lines of a band [Hz], both ends included.
+
+        Raises:
+            InputError: the band holds no line.
+        """
+        keep = (self.frequency >= f_min_hz) & (self.frequency <= f_max_hz)
+        if not keep.any():
+            problem = f"no line of the response lies between {f_min_hz:g} and {f_max_hz:g} Hz"
+            raise InputError(
+                problem, remedy=f"it goes from {self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
+            )
+        names = ("frequency", "response", "covariance", "noise_covariance", "dof", "noise_dof", "coherence")
+        return replace(self, **{name: getattr(self, name)[keep] for name in names})
+
+    def transformed(
+        self,
+        left: np.ndarray,
+        right: np.ndarray,
+        *,
+        outputs: tuple[Channel, ...],
+        inputs: tuple[Channel, ...],
+    ) -> Frf:
+        """The response in other coordinates: ``left @ response @ right``, both real.
+
+        With q_p = J q_s and tau_s = J^T tau_p, a joint response becomes an actuator response by
+        ``left = J`` and ``right = J.T``. Coherence is not defined for mixtures and becomes NaN.
+        """
+        across = np.kron(left, right.T)
+        return replace(
+            self,
+            response=left @ self.response @ right,
+            covariance=across @ self.covariance @ across.T,
+            noise_covariance=across @ self.noise_covariance @ across.T,
+            coherence=np.full((len(self), len(left)), np.nan),
+            outputs=outputs,
+            inputs=inputs,
+        )
+
+    def smoothed(self, lines: int) -> Frf:
+        """Covariances averaged over `lines` lines to each side, with the residuals of all of them behind.
+
+        Few periods or realisations leave a scattered (or singular) covariance. Noise and distortion vary
+        slowly along frequency beside the response, so that neighbours may be pooled; each line's covariance
+        counts in units of the response's squared magnitude there. The response stays as it is.
+        """
+        if lines < 1 or len(self) < 2:
+            return self
+        size = np.sum(np.abs(self.response) ** 2, axis=(1, 2))
+        size = np.exp(_moving(np.log(np.maximum(size, 1e-300)), lines))
+        count = _moving(np.ones(len(self)), lines, mean=False)
+
+        def pooled(covariance: np.ndarray, dof: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            total = _moving(dof, lines, mean=False)
+            share = (dof / size)[:, None, None] * covariance
+            return _moving(share, lines, mean=False) * (size / total)[:, None, None], total
+
+        covariance, dof = pooled(self.covariance, self.dof)
+        noise, noise_dof = pooled(self.noise_covariance, self.noise_dof)
+        note = f"Covariances are averages over up to {int(count.max())} neighbouring lines."
+        return replace(
+            self,
+            covariance=covariance,
+            noise_covariance=noise,
+            dof=dof,
+            noise_dof=noise_dof,
+            notes=(*self.notes, note),
+        )
+
+    def to_control(self) -> FrequencyResponseData:
+        """The response for python-control: ``frdata[output, input, frequency]``, frequencies in rad/s."""
+        from control import FrequencyResponseData
+
+        return FrequencyResponseData(
+            np.moveaxis(self.response, 0, -1),
+            self.omega,
+            inputs=[str(c) for c in self.inputs],
+            outputs=[str(c) for c in self.outputs],
+        )
+
+
+def _std(covariance: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    return np.sqrt(np.einsum("fii->fi", covariance).real).reshape(shape)
+
+
+def _place(wanted: str | int, channels: tuple[Channel, ...]) -> int:
+    if isinstance(wanted, int):
+        return wanted
+    found = [k for k, c in enumerate(channels) if wanted in (c.axis, str(c))]
+    if len(found) != 1:
+        known = ", ".join(str(c) for c in channels)
+        what = "is not a signal of this response" if not found else "stands for several signals"
+        raise InputError(f"'{wanted}' {what}", remedy=f"choose from {known}")
+    return found[0]
+
+
+def _moving(values: np.ndarray, lines: int, mean: bool = True) -> np.ndarray:
+    """Sums (or means) over `lines` rows to each side, as many as there are at the ends."""
+    total = np.concatenate([np.zeros_like(values[:1]), np.cumsum(values, axis=0)])
+    rows = np.arange(len(values))
+    last, first = np.minimum(rows + lines + 1, len(values)), np.maximum(rows - lines, 0)
+    sums = total[last] - total[first]
+    count = (last - first).reshape(-1, *([1] * (values.ndim - 1)))
+    return sums / count if mean else sums
