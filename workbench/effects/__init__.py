@@ -1,9 +1,9 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
 from .base import Door, Effect, Parameter, Response
-from .build import Plant, build, compile_plant
+from .build import Plant, build, compile_plant, tendon_row
 from .catalogue import EFFECTS, contains, effect_named, places
-from .chain import Build, FrictionTerm, TorqueChain
+from .chain import Build, FrictionTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
 from .motion import Motion, held
 
@@ -17,7 +17,9 @@ __all__ = [
     "Parameter",
     "Plant",
     "Response",
+    "SensorErrors",
     "TorqueChain",
+    "TorqueTerm",
     "axis_units",
     "build",
     "check_effect",
@@ -27,4 +29,5 @@ __all__ = [
     "held",
     "load_model",
     "places",
+    "tendon_row",
 ]

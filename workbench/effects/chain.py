@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
+
+from workbench.models import Model
 
 
 @dataclass(frozen=True)
@@ -22,20 +24,113 @@ class FrictionTerm:
     parameters: tuple[float, ...]
 
 
+@dataclass(frozen=True)
+class TorqueTerm:
+    """A torque that depends on the state, on one tendon.
+
+    `law(position, speed, *parameters)` gives it [N m or N] for arrays; the parameters broadcast.
+    """
+
+    tendon: str
+    law: Callable[..., np.ndarray]
+    parameters: tuple[float, ...]
+
+
+@dataclass
+class SensorErrors:
+    """What lies between the drives' true motion and what the log and the controller read of it.
+
+    Per axis, arrays (n,), actuator coordinates:
+
+        position = scale q + sine sin q + cosine cos q + offset
+        velocity = (scale + sine cos q - cosine sin q) w, behind a first-order lag of `lag` [s]
+
+    and both `delay_s` [s] late. A sensor of speed is taken to differentiate the encoder, as drives do.
+    """
+
+    offset: np.ndarray
+    scale: np.ndarray
+    sine: np.ndarray
+    cosine: np.ndarray
+    lag: np.ndarray
+    delay_s: float = 0.0
+
+    @staticmethod
+    def of(size: int) -> SensorErrors:
+        """Sensors that tell the truth."""
+        zero = np.zeros(size)
+        return SensorErrors(zero.copy(), np.ones(size), zero.copy(), zero.copy(), zero.copy())
+
+    @staticmethod
+    def stack(each: Sequence[SensorErrors]) -> SensorErrors:
+        """Those of W runs, arrays (W, 1, n); delays are left out."""
+        fields = [(e.offset, e.scale, e.sine, e.cosine, e.lag) for e in each]
+        offset, scale, sine, cosine, lag = (np.stack(v)[:, None] for v in zip(*fields, strict=True))
+        return SensorErrors(offset, scale, sine, cosine, lag)
+
+    def first(self, count: int) -> SensorErrors:
+        """Those of the first runs."""
+        offset, scale, sine, cosine, lag = (
+            a[:count] for a in (self.offset, self.scale, self.sine, self.cosine, self.lag)
+        )
+        return SensorErrors(offset, scale, sine, cosine, lag)
+
+    @property
+    def none(self) -> bool:
+        """Whether they tell the truth."""
+        errors = self.offset, self.scale - 1.0, self.sine, self.cosine, self.lag, self.delay_s
+        return not any(np.any(e) for e in errors)
+
+
 @dataclass
 class TorqueChain:
     """What happens between `torque_command` and the mechanism, in the order of these fields.
 
-    command -> `delay_s` -> `limit` -> **torque_measured** -> `gain` -> `bias` -> friction -> mechanism.
-    Arrays (n,), actuator coordinates. Each term of `friction` adds to its tendon's constant friction loss;
-    it is evaluated at the middle of a step, while MuJoCo's friction constraint decides sign and sticking.
+    command -> `delay_s` -> `limit` -> `stall`, `no_load` -> **torque_measured** -> `gain` -> `bias` ->
+    `torques` -> `friction` -> mechanism. Arrays (n,), actuator coordinates; what is not there has its
+    neutral value. Each term of `friction` adds to its tendon's constant friction loss, while MuJoCo's
+    friction constraint decides sign and sticking. Terms of the state are evaluated at the middle of a step.
+    `sensors` stand between the motion and the loop, whose true gains are `kp_scale` and `kd_scale` times
+    those stated (by axis of the controller's coordinates).
     """
 
     delay_s: float
     limit: np.ndarray
+    stall: np.ndarray
+    no_load: np.ndarray
     gain: np.ndarray
     bias: np.ndarray
+    sensors: SensorErrors
+    kp_scale: np.ndarray
+    kd_scale: np.ndarray
+    torques: list[TorqueTerm] = field(default_factory=list)
     friction: list[FrictionTerm] = field(default_factory=list)
+
+    @staticmethod
+    def of(model: Model) -> TorqueChain:
+        """The chain of a model's drives before any effect."""
+        one = np.ones(model.size)
+        return TorqueChain(
+            delay_s=model.actuators.delay_s,
+            limit=np.array(model.actuators.torque_limit),
+            stall=np.inf * one,
+            no_load=np.inf * one,
+            gain=one.copy(),
+            bias=0.0 * one,
+            sensors=SensorErrors.of(model.size),
+            kp_scale=one.copy(),
+            kd_scale=one.copy(),
+        )
+
+    @property
+    def follows_speed(self) -> bool:
+        """Whether the torque at the tap depends on the speed, so that it is known one step at a time."""
+        return bool(np.isfinite(self.stall).any())
+
+    @property
+    def follows_state(self) -> bool:
+        """Whether torques or friction bounds are to be set step by step."""
+        return bool(self.torques or self.friction)
 
 
 @dataclass

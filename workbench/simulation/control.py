@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from workbench.models import Model
+from workbench.core import Controller
+from workbench.effects import Plant, TorqueChain
 
 from .experiment import Experiment, differentiates
 
@@ -60,7 +61,7 @@ class Controllers:
         size: int,
         experiments: Sequence[Experiment],
         noises: Sequence[SensorNoise | None],
-        models: Sequence[Model],
+        plants: Sequence[Plant],
     ) -> None:
         self.experiments = experiments
         count, eye = len(experiments), np.eye(size)
@@ -69,7 +70,7 @@ class Controllers:
         self.stride = np.array([e.stride for e in experiments])
         self.kp, self.kd, self.output = (np.zeros((count, size)) for _ in range(3))
         self.limit = np.full((count, size), np.inf)
-        self.read = np.zeros((count, size, size))  # joint to recording coordinates
+        self.read = np.zeros((count, size, size))  # actuator to recording coordinates
         self.sense = np.zeros((count, size, size))  # recording to controller coordinates
         self.drive = np.zeros((count, size, size))  # controller torque to actuator torque
         self.reference, self.rate, self.constant = (np.zeros((count, rows, size)) for _ in range(3))
@@ -77,21 +78,21 @@ class Controllers:
         self.is_tick = np.zeros((count, substeps + 1), bool)
         self.noise = np.zeros((count, 2, rows, size)) if any(noises) else None
         self.resolution = np.zeros((count, size))
-        for i, (e, noise, model) in enumerate(zip(experiments, noises, models, strict=True)):
-            self._fill(i, e, noise, model.transmission, eye)
+        for i, (e, noise, plant) in enumerate(zip(experiments, noises, plants, strict=True)):
+            self._fill(i, e, noise, plant, eye)
         self.feedback = np.zeros((count, size))
         # a loop without a velocity sensor differentiates its encoder from tick to tick
         self.differentiates = np.array([differentiates(e) for e in experiments])[:, None]
         self.period = np.array([e.controller.period_s or e.recording.period for e in experiments])[:, None]
-        start = np.stack([e.start for e in experiments])
+        start = np.stack([e.start @ p.model.transmission.T for e, p in zip(experiments, plants, strict=True)])
         before = np.einsum("wij,wj->wi", self.read, start[:, 0] - self.period * start[:, 1])
         self.last_read = before
 
-    def _fill(self, i: int, e: Experiment, noise: SensorNoise | None, j: np.ndarray, eye: np.ndarray) -> None:
-        c, rows = e.controller, len(e.recording)
-        back = np.linalg.inv(j)
+    def _fill(self, i: int, e: Experiment, noise: SensorNoise | None, plant: Plant, eye: np.ndarray) -> None:
+        rows, back = len(e.recording), np.linalg.inv(plant.model.transmission)
+        c = true_controller(e.controller, plant.chain)
         self.is_tick[i, e.ticks] = True
-        self.read[i] = np.linalg.inv(e.to_actuator) @ j
+        self.read[i] = np.linalg.inv(e.to_actuator)
         self.sense[i] = (back if c.coordinates == "joint" else eye) @ e.to_actuator
         self.drive[i] = back.T if c.coordinates == "joint" else eye
         self.reference[i, :rows], self.rate[i, :rows] = e.reference, e.reference_rate
@@ -117,11 +118,23 @@ class Controllers:
         Args:
             first, last: the chunk of substeps; no controller ticks inside it.
             active: the first `active` runs take part.
-            position, velocity: joint coordinates at `first`, (active, n).
+            position, velocity: what the sensors say at `first`, actuator coordinates, (active, n).
         """
         a = slice(0, active)
-        row = first // self.stride[a]
         index = np.arange(active)
+        if self.is_tick[a, first].any():
+            self._tick(first, a, index, position, velocity)
+        out = np.repeat(self.feedback[a][:, None], last - first + 1, axis=1)
+        if self.per_row[a].any():
+            rows = np.arange(first, last + 1)[None, :] // self.stride[a][:, None]
+            out += np.where(self.per_row[a, None, None], self.constant[index[:, None], rows], 0.0)
+        return out
+
+    def _tick(
+        self, first: int, a: slice, index: np.ndarray, position: np.ndarray, velocity: np.ndarray
+    ) -> None:
+        """New feedback of the runs whose controllers sample at substep `first`."""
+        row = first // self.stride[a]
         y = np.einsum("wij,wj->wi", self.read[a], position)
         v = np.einsum("wij,wj->wi", self.read[a], velocity)
         if self.noise is not None:
@@ -138,8 +151,17 @@ class Controllers:
         fresh = np.einsum("wij,wj->wi", self.drive[a], law)
         fresh += np.where(self.per_row[a, None], 0.0, self.constant[index, row])
         self.feedback[a] = np.where(tick, fresh, self.feedback[a])
-        out = np.repeat(self.feedback[a][:, None], last - first + 1, axis=1)
-        if self.per_row[a].any():
-            rows = np.arange(first, last + 1)[None, :] // self.stride[a][:, None]
-            out += np.where(self.per_row[a, None, None], self.constant[index[:, None], rows], 0.0)
-        return out
+
+
+def true_controller(stated: Controller, chain: TorqueChain) -> Controller:
+    """A loop with the gains that it really has: on the position error kp, on the speed kd or kv."""
+    position, rate = chain.kp_scale, chain.kd_scale
+    if stated.kind == "none" or stated.kind == "unknown" or bool(np.all([position == 1.0, rate == 1.0])):
+        return stated
+
+    def scaled(values: tuple[float, ...], by: np.ndarray) -> tuple[float, ...]:
+        return tuple(map(float, np.multiply(values, by))) if values else values
+
+    return replace(
+        stated, kp=scaled(stated.kp, position), kd=scaled(stated.kd, rate), kv=scaled(stated.kv, rate)
+    )
