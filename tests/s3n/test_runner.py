@@ -83,7 +83,7 @@ def test_what_does_not_fit_is_refused() -> None:
         with pytest.raises(InputError, match=words):
             run_variant(**{"model": leg, "variant": "exact", "torque": torque, **change})
     dry = having(leg, EffectKey("stribeck_friction", "hip"), coulomb=0.1, static=0.2, speed=0.05)
-    with pytest.raises(InputError, match="depends on the state"):
+    with pytest.raises(InputError, match="depend on the state"):
         run_variant(dry, "exact", torque)
     with pytest.raises(InputError, match="no closed chain"):
         run_variant(load_model("emps"), "constraint", np.zeros((5, 1)))

@@ -58,7 +58,7 @@ def loop_spec(
     Args:
         model: names the SDF file, its drives and its loops; gives the actuators and, by its MJCF, gravity.
         settings: of the loop constraints; None leaves the tree cut open.
-        floating: the tree hangs on a massless body ``base`` that is free, not on the world.
+        floating: the tree hangs on a free body, not on the world.
 
     Raises:
         InputError: the model names no closed chain, or its file is not a tree of joints that MuJoCo has.
@@ -71,8 +71,7 @@ def loop_spec(
     spec.option.gravity = load_mjcf(model.serial).option.gravity
     base = spec.worldbody
     if floating:
-        base = spec.worldbody.add_body(name="base")
-        base.add_freejoint()
+        base = free_base(spec)
     _grow(spec, tree, base, None, HERE)
     for name in {n for pair in mechanism.loops for n in pair} | ({mechanism.foot} - {None}):
         frame = tree.frame(str(name))
@@ -92,6 +91,15 @@ def loop_spec(
             loop.name1, loop.name2 = first, second
             loop.solref, loop.solimp = settings.solref, settings.solimp
     return spec
+
+
+def free_base(spec: mujoco.MjSpec) -> mujoco.MjsBody:
+    """A free body of next to no mass for a tree to hang on: MuJoCo wants some."""
+    base = spec.worldbody.add_body(name="free base")
+    base.add_freejoint()
+    base.explicitinertial, base.mass, base.ipos = True, 1e-9, np.zeros(3)
+    base.inertia = np.full(3, 1e-12)
+    return base
 
 
 def close_loops(

@@ -129,10 +129,10 @@ def make_world(
     if variant == "constraint":
         return _loop_world(model, step, integrator, constraint or ConstraintSettings(), start)
     plant = compile_plant(with_variant(model, PER_STEP.get(variant, variant)), step)
-    if plant.chain.friction:
+    if plant.chain.follows_state:
         raise InputError(
-            f"friction that depends on the state acts on {plant.chain.friction[0].tendon}",
-            file=model.source, remedy="leave it out, or simulate the model with workbench.simulation",
+            f"model '{model.name}' has torques that depend on the state", file=model.source,
+            remedy="leave their effects out, or simulate the model with workbench.simulation",
         )  # fmt: skip
     m = plant.mujoco
     m.opt.integrator = INTEGRATORS[integrator]

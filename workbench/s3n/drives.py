@@ -1,0 +1,99 @@
+"""Drives in a normalised tree: on a joint where they move one, on a tendon where several; a motor each."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from workbench.effects import Plant, TorqueChain
+from workbench.models import Model, Placement, axis_tendon
+
+#: Stages of the torque chain that a motor of plain MJCF has.
+MOTOR_STAGES = ("delay_s", "limit", "gain", "bias")
+_LINEAR = mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_TENDON
+
+
+def settle_axes(spec: mujoco.MjSpec, plant: Plant) -> list[str]:
+    """Take every axis that moves one joint from its tendon to that joint, which costs less a step.
+
+    Args:
+        spec: a built tree, changed in place: the tendon of a drive that moves several joints gets the axis's
+            name, the others go.
+        plant: the same, compiled.
+
+    Returns:
+        name of the tendon that moves with each drive, in the order of the axes; empty for a joint.
+    """
+    model, names = plant.model, []
+    for index, axis in enumerate(model.axes):
+        name = axis if all(t.name != axis for t in spec.tendons) else f"{axis}_drive"
+        tendon = spec.tendon(axis_tendon(index))
+        if np.count_nonzero(model.transmission[index]) == 1:
+            _to_joint(spec, plant, index, "actuator", name)
+            names.append("")
+        else:
+            _dry(tendon, plant.mujoco, axis_tendon(index))
+            tendon.name = name
+            names.append(name)
+        _to_joint(spec, plant, index, "joint", f"{axis}_pin")
+    return names
+
+
+def _to_joint(spec: mujoco.MjSpec, plant: Plant, index: int, location: str, name: str) -> None:
+    """Move inertia, damping, spring and dry friction of a tendon to its only joint, and delete it."""
+    model, tendon = plant.model, spec.tendon(axis_tendon(index, location))
+    row = model.transmission[index] if location == "actuator" else np.eye(model.size)[index]
+    coefficient = float(row[np.flatnonzero(row)[0]])
+    joint = spec.joint(model.joints[int(np.flatnonzero(row)[0])])
+    if tendon.frictionloss and joint.frictionloss:
+        # two frictions side by side set in each its own way
+        _dry(tendon, plant.mujoco, axis_tendon(index, location))
+        tendon.name = name
+        return
+    joint.armature += coefficient**2 * tendon.armature
+    joint.damping = np.asarray(joint.damping) + coefficient**2 * np.asarray(tendon.damping)
+    if tendon.frictionloss:
+        _dry(joint, plant.mujoco, axis_tendon(index, location))
+        joint.frictionloss = abs(coefficient) * tendon.frictionloss
+    stiffness = coefficient**2 * float(tendon.stiffness[0])
+    if stiffness:
+        before, rest = float(joint.stiffness[0]), float(tendon.springlength[0]) / coefficient
+        joint.springref = (before * joint.springref + stiffness * rest) / (before + stiffness)
+        joint.stiffness[0] = before + stiffness
+    spec.delete(tendon)
+
+
+def _dry(element: Any, m: mujoco.MjModel, tendon: str) -> None:
+    """Friction that sets in as it does in the compiled plant."""
+    ident = m.tendon(tendon).id
+    element.solref_friction, element.solimp_friction = m.tendon_solref_fri[ident], m.tendon_solimp_fri[ident]
+
+
+def add_motors(spec: mujoco.MjSpec, model: Model, chain: TorqueChain, tendons: list[str]) -> None:
+    """One motor a drive, commanded by its torque; J^T is in the motor's transmission (paper, Eq. 4)."""
+    step = spec.option.timestep
+    for index, (axis, tendon) in enumerate(zip(model.axes, tendons, strict=True)):
+        row = Placement(index, "actuator", model.transmission[index]).row
+        motor = spec.add_actuator(name=axis)
+        motor.set_to_motor()
+        motor.trntype = _LINEAR[bool(tendon)]
+        motor.target = tendon or model.joints[int(np.flatnonzero(row)[0])]
+        motor.gear = np.zeros(6)
+        motor.gear[0] = 1.0 if tendon else row[np.flatnonzero(row)[0]]
+        gain, bias, limit = (float(x[index]) for x in (chain.gain, chain.bias, chain.limit))
+        motor.gainprm[0] = gain
+        if bias:
+            motor.biastype = mujoco.mjtBias.mjBIAS_AFFINE
+            motor.biasprm[:3] = bias, 0.0, 0.0
+        motor.ctrllimited, motor.forcelimited = int(np.isfinite(limit)), 0
+        if np.isfinite(limit):
+            motor.ctrlrange = -limit, limit
+            if gain == 1.0 and not bias:  # gain and bias act behind the limit
+                motor.forcelimited, motor.forcerange = 1, (-limit, limit)
+        if chain.delay_s:
+            whole = abs(chain.delay_s / step - round(chain.delay_s / step)) < 1e-9
+            motor.delay, motor.interp = chain.delay_s, 0 if whole else 1
+            # MuJoCo shortens a delay that its buffer cannot hold: room for steps of half the length
+            motor.nsample = 2 * int(np.ceil(chain.delay_s / step - 1e-9)) + 1

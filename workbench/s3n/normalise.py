@@ -1,0 +1,176 @@
+"""The S3N-normalised serial tree as plain MJCF, for anybody's training pipeline."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from workbench.core import EffectKey, SimulationError
+from workbench.core.files import write_whole
+from workbench.effects import Build, TorqueChain, build, compile_plant, effect_named
+from workbench.models import AppliedEffect, Model, Placement, base_spec, load_mjcf
+
+from .additions import Addition, additions
+from .drives import MOTOR_STAGES, add_motors, settle_axes
+from .dynamics import compiled_dynamics
+from .merge import merge_into_links
+from .mjcf import anchor_assets, exact_xml
+from .variants import with_variant
+from .worlds import INTEGRATORS
+
+_SAME = 1e-11  # relative difference from the model that is nothing but rounding
+_KEY = "time", "qpos", "qvel", "mpos", "mquat"
+_SENSOR = (
+    *("type", "objtype", "objname", "reftype", "refname", "intprm", "datatype", "needstage", "dim"),
+    *("cutoff", "noise", "userdata", "nsample", "interp", "delay", "interval"),
+)
+
+
+@dataclass(frozen=True)
+class NormalisedTree:
+    """A model as plain MJCF.
+
+    Attributes:
+        model: what it was made from.
+        xml: the file's text.
+        mujoco: the text, compiled.
+        added: what differs from the user's own MJCF, and by how much.
+        left_out: effects of the model that need a torque function or act on sensors and loop, and are not
+            in the file.
+        removed: elements of the user's MJCF that are not in the file, each with its reason.
+    """
+
+    model: Model
+    xml: str
+    mujoco: mujoco.MjModel
+    added: tuple[Addition, ...]
+    left_out: tuple[EffectKey, ...]
+    removed: tuple[str, ...]
+
+
+def normalise(
+    model: Model, variant: str | None = None, integrator: str | None = "implicitfast"
+) -> NormalisedTree:
+    """Write a model's physics into its serial tree, so that plain MuJoCo simulates it.
+
+    Inertia, damping, springs and dry friction of a drive that moves one joint are that joint's; of one that
+    moves several, a fixed tendon's. The linkage's inertia is part of the links' own. Every drive has a motor
+    with the model's torque limit, delay, gain and bias. The user's bodies, geoms, sites and meshes stay.
+
+    Args:
+        model: the model, with its effects.
+        variant: a plain variant of S3N in place of the model's own.
+        integrator: of the file; None keeps the user's. ``Euler`` integrates a tendon's damping explicitly.
+
+    Raises:
+        InputError: no such variant.
+        SimulationError: MuJoCo cannot have the model as plain MJCF; says why.
+    """
+    model = model if variant is None else with_variant(model, variant)
+    own = load_mjcf(model.serial)
+    made, plant = build(model, own.option.timestep), compile_plant(model, own.option.timestep)
+    spec, before = made.spec, own.compile()
+    spec.compile()
+    merge_into_links(spec, own, plant.mujoco)
+    for name in ("timestep", "iterations", "tolerance", "disableflags", "integrator"):
+        setattr(spec.option, name, getattr(own.option, name))
+    if integrator is not None:
+        spec.option.integrator = INTEGRATORS[integrator]
+    add_motors(spec, model, made.chain, settle_axes(spec, plant))
+    removed = _keep(spec, own)
+    anchor_assets(spec, model.serial)
+    left_out = tuple(e.key for e in model.effects if _outside(model, e))
+    spec.modelname = model.name
+    try:
+        added = additions(before, spec.compile())
+        spec.comment = _header(model, added, left_out)
+        spec.compile()
+        xml = exact_xml(spec)
+        compiled = mujoco.MjModel.from_xml_string(xml)
+    except ValueError as error:
+        raise SimulationError(f"model '{model.name}' cannot be written as plain MJCF: {error}") from error
+    _verify(model, plant.mujoco, compiled)
+    return NormalisedTree(model, xml, compiled, added, left_out, removed)
+
+
+def write_normalised(tree: NormalisedTree, path: str | Path, *, force: bool = False) -> Path:
+    """Write the MJCF file, whole or not at all.
+
+    Raises:
+        InputError: the file exists and `force` is not set, or it cannot be written.
+    """
+    return write_whole(path, tree.xml, force=force)
+
+
+def _outside(model: Model, applied: AppliedEffect) -> bool:
+    """Whether an effect changes a stage of the torque chain that a motor of MuJoCo has not."""
+    alone = Build(base_spec(model), TorqueChain.of(model))
+    effect_named(applied.key.effect).install(alone, model, Placement.of(model, applied.key), applied.values)
+    neutral = vars(TorqueChain.of(model))
+    stages = {name: value for name, value in vars(alone.chain).items() if name not in MOTOR_STAGES}
+    return not all(_same(value, neutral[name]) for name, value in stages.items())
+
+
+def _same(one: Any, other: Any) -> bool:
+    if hasattr(one, "__dict__") and not isinstance(one, np.ndarray):
+        return all(_same(value, vars(other)[name]) for name, value in vars(one).items())
+    return bool(np.array_equal(one, other))
+
+
+def _keep(spec: mujoco.MjSpec, own: mujoco.MjSpec) -> tuple[str, ...]:
+    """Give the built spec the user's sensors and keyframes back; returns what could not be kept."""
+    removed = [f"actuator {a.name or a.id}: drives are the model's" for a in own.actuators]
+    for sensor in own.sensors:
+        if sensor.objtype == mujoco.mjtObj.mjOBJ_ACTUATOR:
+            removed.append(f"sensor {sensor.name or sensor.id}: its actuator is gone")
+            continue
+        _copy(sensor, spec.add_sensor(name=sensor.name), _SENSOR)
+    same = len(list(spec.joints)) == len(list(own.joints))
+    for key in own.keys:
+        if not same:
+            removed.append(f"keyframe {key.name or key.id}: the model has other joints")
+            continue
+        _copy(key, spec.add_key(name=key.name), _KEY)
+    return tuple(removed)
+
+
+def _copy(source: Any, target: Any, names: Sequence[str]) -> None:
+    for name in names:
+        setattr(target, name, getattr(source, name))
+
+
+def _header(model: Model, added: tuple[Addition, ...], left_out: tuple[EffectKey, ...]) -> str:
+    """The comment at the top of the file."""
+    lines = [f" {model.name}, S3N-normalised (variant {model.variant}): written by workbench.", ""]
+    lines += [f"   {entry}" for entry in added]
+    if left_out:
+        lines += [
+            "",
+            " Not in this file, since plain MJCF has no such thing: they need a function at every step.",
+        ]
+        lines += [f"   {key}" for key in left_out]
+    if model.actuators.delay_s:
+        lines += ["", " The motors' delay holds down to half of this timestep."]
+    return "\n".join(lines).replace("--", "- -") + "\n"
+
+
+def _verify(model: Model, plant: mujoco.MjModel, compiled: mujoco.MjModel) -> None:
+    """Hold the file's mass matrix, velocity terms, gravity and damping against the model's.
+
+    Raises:
+        SimulationError: they differ by more than rounding.
+    """
+    generator = np.random.default_rng(5)
+    q, v = (generator.uniform(-1.5, 1.5, (5, model.size)) for _ in range(2))
+    one, other = (compiled_dynamics(m, model.joints, q, v) for m in (plant, compiled))
+    for name, wanted in vars(one).items():
+        worst = float(np.abs(getattr(other, name) - wanted).max())
+        if worst > _SAME * max(float(np.abs(wanted).max()), 1e-3):
+            raise SimulationError(
+                f"model '{model.name}' as plain MJCF has another {name}: it differs by {worst:.1e}"
+            )
