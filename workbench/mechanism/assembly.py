@@ -41,6 +41,11 @@ def assemble(tree: Tree, drives: Sequence[int]) -> np.ndarray:
 def _start(tree: Tree) -> np.ndarray:
     theta = np.zeros(len(tree.names))
     for name, value in tree.mechanism.start:
+        if not np.isfinite(value):
+            raise InputError(
+                f"the start of '{name}' is {value}", file=tree.mechanism.file, column="closed_chain.start",
+                remedy="give a number",
+            )  # fmt: skip
         theta[tree.index(name, "start")] = value
     return theta
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import HalfSpace, Sphere
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, HalfSpace, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
@@ -72,17 +72,17 @@ class DiscreteChain:
         self.mechanism, self.step, self.ground = mechanism, step, ground
         self._chain = ClosedChain(mechanism)
         builder: Any = DiagramBuilder()
-        plant, _ = AddMultibodyPlantSceneGraph(builder, step)
+        plant, scene = AddMultibodyPlantSceneGraph(builder, step)
         self.plant: Any = plant
         self.plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
         _, model = parse(mechanism.file, self.plant, hold_base=ground is None)
         self._pairs = loop_pairs(self.plant, model, mechanism)
-        if mechanism.loops:  # those that the file declares are constraints already
-            for first, second in self._pairs:
-                self.plant.AddBallConstraint(first.body(), _point(first), second.body(), _point(second))
+        for first, second in self._pairs[: len(mechanism.loops)]:  # those the file declares are there already
+            self.plant.AddBallConstraint(first.body(), _point(first), second.body(), _point(second))
         _equip(self.plant, mechanism, inertia, damping)
         self._feet = _stand(self.plant, model, mechanism, ground) if ground else []
         finished(self.plant, mechanism.file)
+        _only_ground(self.plant, model, scene)
         joints = [self.plant.GetJointByName(name, model) for name in mechanism.drives]
         self._positions = [joint.position_start() for joint in joints]
         self._velocities = [joint.velocity_start() for joint in joints]
@@ -240,3 +240,11 @@ def _stand(plant: Any, model: Any, mechanism: Mechanism, ground: Ground) -> list
         plant.RegisterCollisionGeometry(frame.body(), at, Sphere(ground.radius), f"{name}_sphere", friction)
         bodies.append(frame.body().index())
     return bodies
+
+
+def _only_ground(plant: Any, model: Any, scene: Any) -> None:
+    """Links whose shapes overlap at a pin shall not push each other: they touch the ground only."""
+    shapes: Any = GeometrySet()
+    for index in plant.GetBodyIndices(model):
+        shapes.Add(plant.GetCollisionGeometriesForBody(plant.get_body(index)))
+    scene.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))

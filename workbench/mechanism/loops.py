@@ -13,7 +13,7 @@ from .parse import declared_loops
 
 
 def loop_pairs(plant: Any, model: Any, mechanism: Mechanism) -> list[tuple[Any, Any]]:
-    """Pairs of frames whose origins coincide: those the mechanism names, else those the file declares.
+    """Pairs of frames whose origins coincide: those the mechanism names, then those the file declares.
 
     Args:
         plant: a plant that is not yet finalised; frames for declared loops are added to it.
@@ -23,15 +23,13 @@ def loop_pairs(plant: Any, model: Any, mechanism: Mechanism) -> list[tuple[Any, 
     Raises:
         InputError: the file has no frame of that name.
     """
-    if mechanism.loops:
-        return [
-            (
-                find_frame(plant, model, mechanism, first, "loops"),
-                find_frame(plant, model, mechanism, second, "loops"),
-            )
-            for first, second in mechanism.loops
-        ]
-    pairs: list[tuple[Any, Any]] = []
+    pairs: list[tuple[Any, Any]] = [
+        (
+            find_frame(plant, model, mechanism, first, "loops"),
+            find_frame(plant, model, mechanism, second, "loops"),
+        )
+        for first, second in mechanism.loops
+    ]
     for number, loop in enumerate(declared_loops(mechanism.file)):
         ends: list[Any] = []
         for side, body, point in zip("AB", loop.bodies, loop.points, strict=True):

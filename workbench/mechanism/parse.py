@@ -6,6 +6,7 @@ A base that hangs free in the file is held still, as on a test stand.
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from xml.etree import ElementTree
 
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import BodyIndex
 
 from workbench.core import InputError
 
@@ -42,7 +44,7 @@ def parse(file: Path, plant: Any = None, *, hold_base: bool = True) -> tuple[Any
     """
     plant = MultibodyPlant(0.0) if plant is None else plant
     model = _read(file, plant)
-    if not hold_base:
+    if not hold_base or not _rootless(plant, model):
         return plant, model
     probe: Any = MultibodyPlant(0.0)  # Any: Drake's stubs misuse numpy's type parameters
     _read(file, probe)
@@ -62,6 +64,7 @@ def finished(plant: Any, file: Path) -> Any:
     """
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -GRAVITY])
     _finalize(plant, file)
+    _refuse_missing_inertias(plant, file)
     for index in plant.GetJointIndices():
         joint = plant.get_joint(index)
         if joint.type_name() == "ball_rpy":
@@ -75,22 +78,23 @@ def finished(plant: Any, file: Path) -> Any:
 
 
 def declared_loops(file: Path) -> tuple[BallLoop, ...]:
-    """The loops that the file closes itself, read from its XML: Drake does not give them back."""
-    try:
-        root = ElementTree.parse(file).getroot()
-    except (ElementTree.ParseError, OSError) as error:
-        raise InputError(f"not an XML file: {error}", file=file, remedy="give an SDF or URDF file") from error
-    for node in root.iter():
-        if _tag(node) in ("mimic", "tendon_constraint"):
+    """The loops that the file closes itself, read from its XML: Drake does not give them back.
+
+    Raises:
+        InputError: not XML, or joints are bound to each other by what is no loop.
+    """
+    root = _xml(file)
+    for tag in ("mimic", "tendon_constraint"):
+        if next(root.iter(tag), None) is not None:
             raise InputError(
-                f"it has a <{_tag(node)}>", file=file, remedy="describe the mechanism by its links and pins"
+                f"it has a <{tag}>", file=file, remedy="describe the mechanism by its links and pins"
             )
-    return tuple(_ball_loop(node, file) for node in root.iter() if _tag(node) == "ball_constraint")
+    return tuple(_ball_loop(node, file) for node in root.iter("ball_constraint"))
 
 
 def _ball_loop(node: ElementTree.Element, file: Path) -> BallLoop:
     # SDF writes the values as text, URDF as attributes
-    entries = {_tag(child): (child.text or "").strip() or _attribute(child) for child in node}
+    entries = {child.tag: (child.text or "").strip() or _attribute(child) for child in node}
     try:
         bodies = (entries["ball_constraint_body_A"], entries["ball_constraint_body_B"])
         first, second = (entries[f"ball_constraint_{key}"].split() for key in ("p_AP", "p_BQ"))
@@ -103,9 +107,12 @@ def _ball_loop(node: ElementTree.Element, file: Path) -> BallLoop:
     return BallLoop(bodies, ((ax, ay, az), (bx, by, bz)))
 
 
-def _tag(node: ElementTree.Element) -> str:
-    """Name without namespace, whether the prefix was declared (``{uri}x``) or not (``drake:x``)."""
-    return node.tag.rsplit("}", 1)[-1].rsplit(":", 1)[-1]
+def _xml(file: Path) -> ElementTree.Element:
+    """The file's XML, tags without prefix: Drake reads ``drake:`` whether it is declared or not."""
+    try:
+        return ElementTree.fromstring(re.sub(rb"<(/?)[\w.-]+:", rb"<\1", Path(file).read_bytes()))
+    except (ElementTree.ParseError, OSError) as error:
+        raise InputError(f"not an XML file: {error}", file=file, remedy="give an SDF or URDF file") from error
 
 
 def _attribute(node: ElementTree.Element) -> str:
@@ -117,15 +124,22 @@ def _read(file: Path, plant: Any) -> Any:
     if not Path(file).is_file():
         raise InputError("the file does not exist", file=file, remedy="give the path of an SDF or URDF file")
     try:
-        with quiet():
+        with quiet() as warnings:
             models = Parser(plant).AddModels(Path(file))
     except RuntimeError as error:
         raise InputError(
             f"Drake cannot read it: {error}", file=file, remedy="correct what it names"
         ) from error
+    _refuse_replaced_inertias(warnings, file)
     if len(models) != 1:
         raise InputError(f"it holds {len(models)} models", file=file, remedy="give a file with one model")
     return models[0]
+
+
+def _rootless(plant: Any, model: Any) -> bool:
+    """Whether some link is no joint's child, so that the file has a base that may hang free."""
+    children = {plant.get_joint(i).child_body().index() for i in plant.GetJointIndices()}
+    return any(index not in children for index in plant.GetBodyIndices(model))
 
 
 def _finalize(plant: Any, file: Path) -> None:
@@ -143,13 +157,43 @@ def _finalize(plant: Any, file: Path) -> None:
         raise InputError(problem, file=file, column="closed_chain.loops", remedy=remedy) from error
 
 
+def _refuse_missing_inertias(plant: Any, file: Path) -> None:
+    """SDF takes a link without <inertial> for 1 kg, which nobody means where the link moves."""
+    root = _xml(file)
+    if root.tag != "sdf":
+        return
+    bodies = [plant.get_body(BodyIndex(i)) for i in range(plant.num_bodies())]
+    moving = {body.name() for body in bodies if not plant.IsAnchored(body)}
+    for link in root.iter("link"):
+        name = link.get("name", "")
+        if link.find("inertial") is None and name in moving:
+            raise InputError(
+                f"link '{name}' has no <inertial>, which SDF takes for 1 kg", file=file, column="inertial",
+                remedy="give it a mass and an inertia, or put a <frame> in its place",
+            )  # fmt: skip
+
+
+def _refuse_replaced_inertias(warnings: list[str], file: Path) -> None:
+    """Drake replaces an inertia that no body can have by one of a solid ball, and only warns."""
+    for warning in warnings:
+        found = re.search(r":(\d+): warning: While .*inertia.*?: (.*)", warning, re.DOTALL)
+        if found:
+            reason = re.sub(r"Failure at .*condition", "condition", " ".join(found[2].split()))
+            raise InputError(
+                f"an inertia that no link can have: {reason}", file=file, row=int(found[1]),
+                remedy="give a positive mass and a positive inertia about the centre of mass",
+            )  # fmt: skip
+
+
 @contextmanager
-def quiet() -> Iterator[None]:
-    """Without Drake's log on the terminal: what matters in it comes as an error."""
-    log = logging.getLogger("drake")
-    level = log.level
-    log.setLevel(logging.CRITICAL + 1)
+def quiet() -> Iterator[list[str]]:
+    """Drake's log as a list rather than on the terminal: what matters in it becomes an error."""
+    log, messages = logging.getLogger("drake"), []
+    keep = logging.Handler()
+    keep.emit = lambda record: messages.append(record.getMessage())
+    before = log.handlers, log.propagate
+    log.handlers, log.propagate = [keep], False
     try:
-        yield
+        yield messages
     finally:
-        log.setLevel(level)
+        log.handlers, log.propagate = before

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable, SpatialInertia, UnitInertia
 
-from workbench.core import InputError, Mechanism
+from workbench.core import InputError, Mechanism, SimulationError
 
 from .loops import find_frame, loop_pairs
 from .parse import finished, parse
@@ -33,6 +33,8 @@ class Tree:
 
     def __init__(self, mechanism: Mechanism, payload: float = 0.0) -> None:
         self.mechanism = mechanism
+        if not (np.isfinite(payload) and payload >= 0.0):
+            raise InputError(f"a payload of {payload} kg", file=mechanism.file, remedy="give a mass or zero")
         plant, model = parse(mechanism.file)
         self._plant, self._model = plant, model
         self._pairs = loop_pairs(plant, model, mechanism)
@@ -67,11 +69,11 @@ class Tree:
 
     def move(self, theta: np.ndarray) -> None:
         """To the posture theta (N,) [rad or m]."""
-        self._plant.SetPositions(self._context, theta)
+        self._plant.SetPositions(self._context, _finite(theta))
 
     def speed(self, rates: np.ndarray) -> None:
         """To the speeds d theta / dt (N,) [rad/s or m/s]."""
-        self._plant.SetVelocities(self._context, rates)
+        self._plant.SetVelocities(self._context, _finite(rates))
 
     def gap(self) -> np.ndarray:
         """From the second point of each loop to the first [m], shape (3 m,) for m loops."""
@@ -130,6 +132,17 @@ class Tree:
             self._context, JacobianWrtVariable.kV, frame, _ORIGIN, self._world, self._world
         )
         return bias.ravel()
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    """Drake ends the whole process where a number is not finite.
+
+    Raises:
+        SimulationError: one is not.
+    """
+    if np.isfinite(values).all():
+        return values
+    raise SimulationError("positions or speeds are not finite numbers")
 
 
 def _coordinate_names(plant: Any) -> tuple[str, ...]:
