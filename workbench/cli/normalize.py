@@ -1,0 +1,67 @@
+"""``workbench normalize``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import typer
+
+from workbench.core import InputError, WorkbenchError
+
+from .app import app
+from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs
+
+
+@app.command()
+def normalize(
+    model: ModelArgument,
+    output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="The new MJCF file.")] = "",
+    variant: Annotated[
+        str | None,
+        typer.Option(
+            "--variant", metavar="NAME", help="kin_only, s3n_act, s3n_full or exact; else the model's own."
+        ),
+    ] = None,
+    json: JsonOption = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Write the S3N-normalised serial tree as plain MJCF, for anybody's training pipeline.
+
+    Example: workbench normalize leg -o leg.xml --variant s3n_full
+    """
+    from workbench import report
+    from workbench.effects import load_model
+    from workbench.s3n import floating_base_error, normalise, write_normalised
+
+    from .normalize_table import normalize_table
+
+    if not output:
+        raise InputError("no output file", remedy="say where the MJCF goes: -o leg.xml")
+    check_outputs(output, json, force=force)
+    loaded = load_model(model)
+    tree = normalise(loaded, variant)
+    base, unknown = None, "the model names no closed chain"
+    if loaded.closed_chain is not None:
+        try:
+            base = floating_base_error(loaded, variant)
+        except WorkbenchError as error:  # the file is right on its fixed base all the same
+            unknown = str(error)
+    write_normalised(tree, output, force=force)
+    if json:
+        content: dict[str, Any] = {
+            "format": 1,
+            "model": loaded.name,
+            "variant": tree.model.variant,
+            "file": output,
+            "added": [vars(entry) for entry in tree.added],
+            "left_out": [str(key) for key in tree.left_out],
+            "removed": list(tree.removed),
+            "floating_base": None
+            if base is None
+            else {name: value for name, value in vars(base).items() if name != "postures"},
+        }
+        report.write_json(content, json, force=force)
+    if not quiet and json != "-":
+        report.print_table(normalize_table(tree, base, unknown))
+        typer.echo(f"Wrote {output}.")

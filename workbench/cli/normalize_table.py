@@ -1,0 +1,51 @@
+"""What a normalised tree has over the user's own, as a table for the terminal."""
+
+from __future__ import annotations
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from workbench.s3n import FloatingBaseError, NormalisedTree
+
+
+def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknown: str) -> Group:
+    """One line a number that changed; what is not in the file; what a free base would feel.
+
+    Args:
+        tree: the normalised tree.
+        base: its errors on a free base, if they could be found.
+        unknown: why they could not.
+    """
+    table = Table(title=f"{tree.model.name}, variant {tree.model.variant}", title_justify="left")
+    table.box, table.pad_edge = box.SIMPLE_HEAD, False
+    for column in ("element", "quantity"):
+        table.add_column(column)
+    for column in ("before", "after"):
+        table.add_column(column, justify="right")
+    table.add_column("unit")
+    last = ""
+    for entry in tree.added:
+        before = "new" if entry.before is None else f"{entry.before:.5g}"
+        name = entry.element if entry.element != last else ""
+        table.add_row(name, entry.quantity, before, f"{entry.after:.5g}", entry.unit)
+        last = entry.element
+    parts: list[RenderableType] = [table]
+    if tree.left_out:
+        parts.append(
+            Text(f"Not in the file, plain MJCF has no such thing: {', '.join(map(str, tree.left_out))}.")
+        )
+    parts += [Text(f"Left out: {line}.") for line in tree.removed]
+    if base is None:
+        parts.append(Text(f"Exact on its fixed base. Errors on a free base are not known: {unknown}."))
+        return Group(*parts)
+    parts.append(
+        Text(
+            "Exact on its fixed base. On a free base against the closed chain: "
+            f"mass {base.mass:.3f} of {base.true_mass:.3f} kg, weight of {base.weight:.3f} of "
+            f"{base.true_weight:.3f} kg, coupling with the base off by {100 * base.coupling:.1f} %, "
+            f"inertia of the whole by {100 * base.inertia:.1f} %, moment of gravity by {100 * base.moment:.1f} %."
+        )
+    )
+    return Group(*parts)
