@@ -45,7 +45,8 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
             "Exact on its fixed base. On a free base against the closed chain: "
             f"mass {base.mass:.3f} of {base.true_mass:.3f} kg, weight of {base.weight:.3f} of "
             f"{base.true_weight:.3f} kg, coupling with the base off by {100 * base.coupling:.1f} %, "
-            f"inertia of the whole by {100 * base.inertia:.1f} %, moment of gravity by {100 * base.moment:.1f} %."
+            f"inertia of the whole by {100 * base.inertia:.1f} %, "
+            f"moment of gravity by {100 * base.moment:.1f} %."
         )
     )
     return Group(*parts)
