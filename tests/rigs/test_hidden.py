@@ -1,6 +1,7 @@
 """Each hidden effect does what its equation says, seen from outside: in the logs."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -32,6 +33,14 @@ AT_REST = {
     ("linkage_gravity", None, "actuator"): (
         {"g1": 0.3, "g2": 0.1},
         lambda q, u: [0.3 * np.sin(q[0]), 0.1 * np.sin(q[1])],
+    ),
+    ("encoder_offset", "hip", "actuator"): (
+        {"angle": 0.1},
+        lambda q, u: [1.850411 * (np.sin(q[0] - 0.1) - np.sin(q[0])), 0],
+    ),
+    ("link_length_error", "hip", "actuator"): (
+        {"length": 0.02},
+        lambda q, u: [0.23 * 9.81 * 0.02 * np.sin(q[0]), 0],
     ),
     ("cogging", "hip", "actuator"): (
         {"torque": 0.4, "order": 6.0, "phase": 0.3},
@@ -217,16 +226,9 @@ def test_effects_add_up() -> None:
 
 
 def test_every_effect_is_tried_here() -> None:
-    elsewhere = {
-        "reflected_inertia",
-        "linkage_inertia",
-        "command_delay",
-        "current_loop_lag",
-        "periodic_disturbance",
-        "torque_saturation",
-    }
-    tried = {place[0] for place in AT_REST} | set(RESISTANCES) | elsewhere
-    assert tried | {"random_walk_torque"} == set(EFFECTS) | set(OUTSIDERS)
+    files = [file for file in Path(__file__).parent.glob("test_*.py") if file.name != "test_draw.py"]
+    text = "".join(file.read_text() for file in files)
+    assert all(f'"{name}"' in text for name in (*EFFECTS, *OUTSIDERS))
 
 
 def test_a_random_walk_repeats_with_its_seed_and_has_its_size() -> None:

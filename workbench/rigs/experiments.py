@@ -8,7 +8,7 @@ another kind of motion to validate on.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,19 +27,34 @@ class Experiment:
         reference: joint angles asked for, (N, 2) [rad]; the run starts at rest at the first row.
         feedforward: torque added at the controller's ticks, actuator coordinates, (N, 2) [N m].
         excitation: its kind, for the recording's description.
+        period: of the rows [s].
     """
 
     name: str
     reference: np.ndarray
     feedforward: np.ndarray
     excitation: Excitation
+    period: float = ROW_PERIOD
 
     @classmethod
     def replay(cls, recording: Recording) -> Experiment:
-        """The experiment behind a recording of the leg (1 kHz): same reference, same feedforward."""
+        """The experiment behind a recording of the leg: same reference, same feedforward, same rows."""
         reference = np.array(recording.signals["position_reference"], float)
         feedforward = np.array(recording.signals.get("torque_feedforward", np.zeros_like(reference)), float)
-        return cls(recording.name, reference, feedforward, recording.excitation)
+        period = round(recording.period, 12)
+        return cls(recording.name, reference, feedforward, recording.excitation, period)
+
+    def at_period(self, period: float) -> Experiment:
+        """The same motion with rows of another `period` [s], by straight lines between the rows."""
+        rows = round(len(self.reference) * self.period / period)
+        t, own = np.arange(rows) * period, np.arange(len(self.reference)) * self.period
+
+        def resampled(values: np.ndarray) -> np.ndarray:
+            return np.column_stack([np.interp(t, own, column) for column in values.T])
+
+        return replace(
+            self, reference=resampled(self.reference), feedforward=resampled(self.feedforward), period=period
+        )
 
 
 def demo_experiments(seed: int = 0) -> tuple[Experiment, ...]:

@@ -6,8 +6,10 @@ simulation of stick-slip friction in mechanical dynamic systems, J. Dyn. Sys. Me
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from workbench.core import SimulationError
 
 #: Friction level [N m], never negative, of signed slip speed [rad/s], position [rad] and load [N m].
 #: Sticking asks for it at speeds of +-0: the sign is the direction in which the pin would move.
@@ -19,29 +21,38 @@ class Friction:
     """Dry friction at one pin or drive.
 
     Attributes:
-        direction: d, slip speed = d . v in actuator coordinates; the friction torque enters along d.
+        direction: d, slip speed = d . v; the friction torque enters along d. Actuator coordinates, unless
+            an integrator has put it into its own.
         level: its magnitude; the value next to zero speed is the static limit in that direction.
         load_axis: the motor whose torque loads the pin, None for neither.
+        at_pin: whether it rubs between links rather than in the drive.
     """
 
-    direction: tuple[float, float]
+    direction: tuple[float, ...]
     level: Level
     load_axis: int | None = None
+    at_pin: bool = False
 
 
-def merged(frictions: list[Friction]) -> tuple[Friction, ...]:
-    """Frictions at the same pin as one, whose level is their sum."""
-    by_direction: dict[tuple[tuple[float, float], int | None], list[Friction]] = {}
+def merged(frictions: Sequence[Friction]) -> tuple[Friction, ...]:
+    """Frictions of one direction as one, whose level is their sum.
+
+    Raises:
+        SimulationError: more than two directions are left.
+    """
+    by_direction: dict[tuple[float, ...], list[Friction]] = {}
     for friction in frictions:
-        by_direction.setdefault((friction.direction, friction.load_axis), []).append(friction)
-    return tuple(
-        group[0] if len(group) == 1 else Friction(direction, _sum([f.level for f in group]), load_axis)
-        for (direction, load_axis), group in by_direction.items()
-    )
+        by_direction.setdefault(friction.direction, []).append(friction)
+    if len(by_direction) > 2:
+        raise SimulationError("the rig sticks at two pins at most; hide fewer dry frictions")
+    return tuple(group[0] if len(group) == 1 else _sum(group) for group in by_direction.values())
 
 
-def _sum(levels: list[Level]) -> Level:
+def _sum(group: list[Friction]) -> Friction:
+    levels = [friction.level for friction in group]
+
     def level(speed: float, position: float, load: float) -> float:
         return sum(each(speed, position, load) for each in levels)
 
-    return level
+    loads = {friction.load_axis for friction in group} - {None}  # one direction belongs to one motor
+    return replace(group[0], level=level, load_axis=loads.pop() if loads else None)

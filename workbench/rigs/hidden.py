@@ -14,8 +14,11 @@ from typing import Literal
 from workbench.core import InputError
 
 from . import hidden_drive as drive
+from . import hidden_flexible as flexible
 from . import hidden_motion as motion
-from .machine import AXES, Machine, Place
+from . import hidden_sensing as sensing
+from .machine import AXES, Machine
+from .place import Place
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,7 @@ class HiddenEffect:
 
     Attributes:
         effect: a name of `EFFECTS` or `OUTSIDERS`.
-        axis: ``"hip"`` or ``"knee"``; None where the effect has no axis (payload, linkage, delay).
+        axis: ``"hip"`` or ``"knee"``; None where the effect has no axis (payload, linkage, delays, stand).
         location: ``"actuator"`` (the drive) or ``"joint"`` (the pin between two links).
         parameters: keys of the catalogue, SI.
 
@@ -55,9 +58,10 @@ class HiddenEffect:
     @property
     def place(self) -> Place:
         """Where it acts; the first motor where the effect has no axis."""
+        at_pin = self.location == "joint"
         if self.axis != "knee":
-            return Place(0, (1.0, 0.0))  # the hip pin turns with motor 1
-        return Place(1, (0.0, 1.0) if self.location == "actuator" else (-1.0, 1.0))
+            return Place(0, (1.0, 0.0), at_pin)  # the hip pin turns with motor 1
+        return Place(1, (-1.0, 1.0) if at_pin else (0.0, 1.0), at_pin)
 
 
 def install(effect: HiddenEffect, machine: Machine) -> None:
@@ -83,18 +87,31 @@ EFFECTS: Mapping[str, Installer] = MappingProxyType(
         "stribeck_friction": motion.stribeck_friction,
         "asymmetric_friction": motion.asymmetric_friction,
         "load_dependent_friction": motion.load_dependent_friction,
+        "presliding_hysteresis": motion.presliding_hysteresis,
         "quadratic_drag": motion.quadratic_drag,
         "torque_constant_error": drive.torque_constant_error,
         "torque_bias": drive.torque_bias,
         "torque_saturation": drive.torque_saturation,
+        "speed_torque_limit": drive.speed_torque_limit,
+        "thermal_derating": drive.thermal_derating,
         "cogging": motion.cogging,
         "current_loop_lag": drive.current_loop_lag,
         "command_delay": drive.command_delay,
+        "sensor_delay": sensing.sensor_delay,
+        "velocity_filter_lag": sensing.velocity_filter_lag,
+        "controller_gain_error": sensing.controller_gain_error,
+        "backlash": flexible.backlash,
+        "joint_compliance": flexible.joint_compliance,
         "reflected_inertia": drive.reflected_inertia,
         "linkage_inertia": drive.linkage_inertia,
         "linkage_gravity": drive.linkage_gravity,
         "payload_mass": drive.payload_mass,
         "parallel_spring": motion.parallel_spring,
+        "encoder_offset": sensing.encoder_offset,
+        "encoder_scale": sensing.encoder_scale,
+        "encoder_eccentricity": sensing.encoder_eccentricity,
+        "link_length_error": flexible.link_length_error,
+        "base_compliance": flexible.base_compliance,
     }
 )
 OUTSIDERS: Mapping[str, Installer] = MappingProxyType(
@@ -105,14 +122,20 @@ OUTSIDERS: Mapping[str, Installer] = MappingProxyType(
         "position_dependent_friction": motion.position_dependent_friction,
     }
 )
-WITHOUT_AXIS = frozenset({"command_delay", "linkage_inertia", "linkage_gravity", "payload_mass"})
+WITHOUT_AXIS = frozenset(
+    {"command_delay", "sensor_delay", "linkage_inertia", "linkage_gravity", "payload_mass", "base_compliance"}
+)
 AT_JOINTS = frozenset(
     {
         "viscous_damping",
         "coulomb_friction",
         "stribeck_friction",
         "asymmetric_friction",
+        "load_dependent_friction",
+        "presliding_hysteresis",
         "quadratic_drag",
+        "backlash",
+        "joint_compliance",
         "parallel_spring",
         "cubic_spring",
         "position_dependent_friction",

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .machine import Machine, Place
-from .structure import LegStructure, leg_structure
+from .machine import Derating, Machine, Place, SpeedLimit, once
 
 
 def torque_bias(machine: Machine, at: Place, *, torque: float) -> None:
@@ -25,12 +24,25 @@ def command_delay(machine: Machine, at: Place, *, time: float) -> None:
 
 def current_loop_lag(machine: Machine, at: Place, *, time_constant: float) -> None:
     """First-order lag ahead of the torque sensor."""
+    once(machine.lag[at.index], "current-loop lag a motor")
     machine.lag[at.index] = time_constant
 
 
 def torque_saturation(machine: Machine, at: Place, *, limit: float) -> None:
     """The drive clips at `limit`."""
     machine.limit[at.index] = min(machine.limit[at.index], limit)
+
+
+def speed_torque_limit(machine: Machine, at: Place, *, stall_torque: float, no_load_speed: float) -> None:
+    """The drive clips at stall_torque (1 - |w| / no_load_speed), driving and braking alike."""
+    once(machine.speed_limit[at.index], "speed limit a motor")
+    machine.speed_limit[at.index] = SpeedLimit(stall_torque, no_load_speed)
+
+
+def thermal_derating(machine: Machine, at: Place, *, coefficient: float, time_constant: float) -> None:
+    """True torque is (1 - coefficient y) times the measured one, y its square through a first-order lag."""
+    once(machine.derating[at.index], "derating a motor")
+    machine.derating[at.index] = Derating(coefficient, time_constant)
 
 
 def periodic_disturbance(
@@ -61,21 +73,19 @@ def random_walk_torque(machine: Machine, at: Place, *, torque: float, time_const
 
 def reflected_inertia(machine: Machine, at: Place, *, inertia: float) -> None:
     """More rotor inertia."""
-    machine.structure = machine.structure.plus(**{("m11", "m22")[at.index]: inertia})
+    machine.rotor[at.index] += inertia
 
 
 def linkage_inertia(machine: Machine, at: Place, *, M11: float, M12: float, M22: float) -> None:
     """Increments in actuator coordinates, with their Coriolis terms; M12 is the factor of cos alpha."""
-    machine.structure = machine.structure.plus(m11=M11, m12=M12, m22=M22)
+    machine.increment = machine.increment.plus(m11=M11, m12=M12, m22=M22)
 
 
 def linkage_gravity(machine: Machine, at: Place, *, g1: float, g2: float) -> None:
     """Increments; the torque is -g sin q."""
-    machine.structure = machine.structure.plus(g1=g1, g2=g2)
+    machine.increment = machine.increment.plus(g1=g1, g2=g2)
 
 
 def payload_mass(machine: Machine, at: Place, *, mass: float) -> None:
-    """A mass on the foot of the Drake model; what it adds there is added here."""
-    bare, loaded = vars(leg_structure()), vars(leg_structure(mass))
-    added = LegStructure(**{key: loaded[key] - bare[key] for key in bare})
-    machine.structure = machine.structure.plus(**vars(added))
+    """A point mass on the foot of the Drake model."""
+    machine.payload += mass

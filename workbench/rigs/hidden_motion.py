@@ -1,53 +1,41 @@
-"""Hidden effects that act on motion: springs, damping and dry friction, in a drive or in a joint."""
+"""Hidden effects that act on motion: springs, damping, friction; in a drive or in a joint."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import copysign, exp, sin
 
 from .friction import Friction, Level
-from .integrate import PassiveTorque
-from .machine import Direction, Machine, Place
-
-
-def _along(direction: Direction, law: Callable[[float, float], float]) -> PassiveTorque:
-    """Torque in actuator coordinates of a `law` of position and speed along `direction`."""
-    d1, d2 = direction
-
-    def torque(q1: float, q2: float, v1: float, v2: float) -> tuple[float, float]:
-        amount = law(d1 * q1 + d2 * q2, d1 * v1 + d2 * v2)
-        return d1 * amount, d2 * amount
-
-    return torque
+from .machine import Machine
+from .place import Passive, Place
 
 
 def viscous_damping(machine: Machine, at: Place, *, damping: float) -> None:
     """-damping w, beyond the damping that the drive has."""
-    machine.passive.append(_along(at.direction, lambda q, w: -damping * w))
+    machine.passive.append(Passive(at, lambda q, w: -damping * w))
 
 
 def quadratic_drag(machine: Machine, at: Place, *, drag: float) -> None:
     """-drag w |w|."""
-    machine.passive.append(_along(at.direction, lambda q, w: -drag * w * abs(w)))
+    machine.passive.append(Passive(at, lambda q, w: -drag * w * abs(w)))
 
 
 def parallel_spring(machine: Machine, at: Place, *, stiffness: float, rest: float) -> None:
     """-stiffness (q - rest)."""
-    machine.passive.append(_along(at.direction, lambda q, w: -stiffness * (q - rest)))
+    machine.passive.append(Passive(at, lambda q, w: -stiffness * (q - rest)))
 
 
 def cubic_spring(machine: Machine, at: Place, *, stiffness: float, rest: float) -> None:
     """-stiffness (q - rest)^3; an outsider."""
-    machine.passive.append(_along(at.direction, lambda q, w: -stiffness * (q - rest) ** 3))
+    machine.passive.append(Passive(at, lambda q, w: -stiffness * (q - rest) ** 3))
 
 
 def cogging(machine: Machine, at: Place, *, torque: float, order: float, phase: float) -> None:
     """torque sin(order q + phase)."""
-    machine.passive.append(_along(at.direction, lambda q, w: torque * sin(order * q + phase)))
+    machine.passive.append(Passive(at, lambda q, w: torque * sin(order * q + phase)))
 
 
 def _rub(machine: Machine, at: Place, level: Level, load_axis: int | None = None) -> None:
-    machine.frictions.append(Friction(at.direction, level, load_axis))
+    machine.frictions.append(Friction(at.direction, level, load_axis, at.at_pin))
 
 
 def coulomb_friction(machine: Machine, at: Place, *, torque: float) -> None:
@@ -81,6 +69,11 @@ def asymmetric_friction(
 def load_dependent_friction(machine: Machine, at: Place, *, torque: float, ratio: float) -> None:
     """torque + ratio |motor torque|."""
     _rub(machine, at, lambda w, q, load: torque + ratio * load, load_axis=at.index)
+
+
+def presliding_hysteresis(machine: Machine, at: Place, *, torque: float, stiffness: float) -> None:
+    """Dahl: dz/dt = (stiffness / torque) w (1 - sign(w) z), and the torque is -torque z."""
+    machine.hystereses.append((at, torque, stiffness))
 
 
 def position_dependent_friction(

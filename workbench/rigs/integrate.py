@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from math import copysign, cos, sin
 
 from .friction import Friction
+from .place import Passive
 from .structure import LegStructure
 
 State = tuple[float, float, float, float]  # q1, q2 [rad], v1, v2 [rad/s]
@@ -42,6 +43,16 @@ class Integrator:
         self._passive, self._frictions = tuple(passive), tuple(frictions)
         self._modes: list[int] = []  # of each friction: 0 sticks, 1 and -1 slide; from the first state on
         self._slide = _smooth_acceleration(structure, damping, self._passive)
+
+    @staticmethod
+    def start(q1: float, q2: float) -> State:
+        """The state at rest at motor angles `q1`, `q2` [rad]."""
+        return q1, q2, 0.0, 0.0
+
+    @staticmethod
+    def motors(state: State) -> tuple[float, float, float, float]:
+        """Angles [rad] and speeds [rad/s] of the motors: with rigid drives, the state itself."""
+        return state
 
     def advance(self, state: State, u1: float, u2: float, duration: float) -> State:
         """The state after `duration` [s] under motor torques `u1`, `u2` [N m] (after gain and bias)."""
@@ -103,7 +114,7 @@ class Integrator:
         directions = [self._frictions[i].direction for i in stuck]
         needed = [-(d[0] * a1 + d[1] * a2) for d in directions]
 
-        def coupling(d: tuple[float, float], e: tuple[float, float]) -> float:
+        def coupling(d: tuple[float, ...], e: tuple[float, ...]) -> float:
             return (d[0] * (m22 * e[0] - m12 * e[1]) + d[1] * (m11 * e[1] - m12 * e[0])) / det
 
         if len(stuck) == 1:
@@ -208,6 +219,17 @@ class Integrator:
         position = friction.direction[0] * state[0] + friction.direction[1] * state[1]
         pressing = 0.0 if friction.load_axis is None else abs(load[friction.load_axis])
         return friction.level(slip, position, pressing)
+
+
+def passive_torque(passive: Passive) -> PassiveTorque:
+    """What a smooth torque at one place is in actuator coordinates."""
+    (d1, d2), law = passive.at.direction, passive.law
+
+    def torque(q1: float, q2: float, v1: float, v2: float) -> tuple[float, float]:
+        amount = law(d1 * q1 + d2 * q2, d1 * v1 + d2 * v2)
+        return d1 * amount, d2 * amount
+
+    return torque
 
 
 def _smooth_acceleration(

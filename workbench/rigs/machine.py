@@ -1,4 +1,4 @@
-"""The true leg of the rig: all that acts between a commanded torque and the motion."""
+"""The true leg of the rig: all that acts between a reference, a commanded torque, the motion and its log."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from workbench.core import SimulationError
+
+from .coupling import Base, Coupling
 from .friction import Friction
-from .integrate import PassiveTorque
+from .place import Passive, Place
 from .structure import LegStructure, leg_structure
 
 AXES = ("hip", "knee")
@@ -17,56 +20,130 @@ ACTUATOR_DAMPING = 0.0972  # N^2 B_m of both drives [N m s/rad]
 DRIVE_DELAY = 3e-3  # T_d, from command to torque [s]
 TORQUE_LIMIT = 24.0  # clipped in the drive [N m]
 
-Direction = tuple[float, float]
+#: Torque on one axis over the rows of a run: row times (N,) [s], generator -> (N,) [N m].
+Disturbance = Callable[[np.ndarray, np.random.Generator], np.ndarray]
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where an effect acts.
+class SpeedLimit:
+    """Torque limit `stall` [N m] at rest that falls linearly to zero at `no_load` [rad/s], either way."""
 
-    Attributes:
-        index: of the motor.
-        direction: d; position there is d . q, and a torque there enters as d times it, in actuator
-            coordinates.
+    stall: float
+    no_load: float
+
+
+@dataclass(frozen=True)
+class Derating:
+    """Torque lost to heat: gain 1 - coefficient y, with y the square of the torque through a first-order lag.
+
+    `coefficient` [1/(N m)^2], `time_constant` [s]; every run starts cold.
     """
 
-    index: int
-    direction: Direction
+    coefficient: float
+    time_constant: float
 
 
-#: Torque on one axis over the rows of a run: row times (N,) [s], generator -> (N,) [N m].
-Disturbance = Callable[[np.ndarray, np.random.Generator], np.ndarray]
+@dataclass
+class Encoder:
+    """Errors of one motor's encoder: measured = scale q + offset + the sum of e sin(q + p).
+
+    Attributes:
+        scale: [1].
+        offset: [rad].
+        eccentricity: pairs e, p [rad].
+    """
+
+    scale: float = 1.0
+    offset: float = 0.0
+    eccentricity: list[tuple[float, float]] = field(default_factory=list)
+
+
+def _zeros() -> list[float]:
+    return [0.0, 0.0]
+
+
+def _ones() -> list[float]:
+    return [1.0, 1.0]
 
 
 @dataclass
 class Machine:
     """What hidden effects change; each list holds one value a motor, in the order of `AXES`.
 
-    The torque chain reads, in this order: `delay`, `limit`, `lag`, (torque sensor), `gain`, `bias`,
-    `disturbances`, `frictions` and `passive`, `structure`.
+    The torque chain reads, in this order: `delay`, `limit` and `speed_limit`, `lag`, (torque sensor),
+    `gain`, `derating`, `bias`, `disturbances`, `frictions` and `passive`, `rotor`, `couplings`, `links`.
+    What the log shows of the motion: `encoders`, `sensor_delay`, `velocity_lag`, (noise).
 
     Attributes:
-        structure: inertia and gravity, rotors included.
         delay: from command to torque [s].
         limit: largest torque of each drive [N m].
+        speed_limit: a limit that falls with speed, if any.
         lag: time constant of each current loop [s], 0 for none.
         gain: true torque over torque by the nominal constant.
+        derating: how each drive loses torque to heat, if it does.
         bias: torque added after the sensor [N m].
         disturbances: unmeasured torques as (axis index, function).
         frictions: dry frictions.
+        hystereses: presliding frictions as place, torque [N m], stiffness [N m/rad].
         damping: viscous damping of each drive [N m s/rad].
-        passive: smooth torques of the state.
+        passive: smooth torques of position and speed at a place.
+        rotor: inertia of each drive at its output [kg m^2].
+        couplings: springs and gaps in series, by place.
+        increment: what the links have beyond the reference leg.
+        payload: point mass at the foot [kg].
+        longer: length errors of thigh and shank [m].
+        base: a stand that gives way, if it does.
+        encoders: errors of position sensing.
+        sensor_delay: by which position and velocity are late [s].
+        velocity_lag: time constant of each velocity's filter [s], 0 for none.
+        kp_scale, kd_scale: gains of the loop over those that it states, joint coordinates.
     """
 
-    structure: LegStructure = field(
-        default_factory=lambda: leg_structure().plus(m11=ACTUATOR_INERTIA, m22=ACTUATOR_INERTIA)
-    )
     delay: float = DRIVE_DELAY
     limit: list[float] = field(default_factory=lambda: [TORQUE_LIMIT, TORQUE_LIMIT])
-    lag: list[float] = field(default_factory=lambda: [0.0, 0.0])
-    gain: list[float] = field(default_factory=lambda: [1.0, 1.0])
-    bias: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    speed_limit: list[SpeedLimit | None] = field(default_factory=lambda: [None, None])
+    lag: list[float] = field(default_factory=_zeros)
+    gain: list[float] = field(default_factory=_ones)
+    derating: list[Derating | None] = field(default_factory=lambda: [None, None])
+    bias: list[float] = field(default_factory=_zeros)
     disturbances: list[tuple[int, Disturbance]] = field(default_factory=list)
     frictions: list[Friction] = field(default_factory=list)
+    hystereses: list[tuple[Place, float, float]] = field(default_factory=list)
     damping: list[float] = field(default_factory=lambda: [ACTUATOR_DAMPING, ACTUATOR_DAMPING])
-    passive: list[PassiveTorque] = field(default_factory=list)
+    passive: list[Passive] = field(default_factory=list)
+    rotor: list[float] = field(default_factory=lambda: [ACTUATOR_INERTIA, ACTUATOR_INERTIA])
+    couplings: dict[Place, Coupling] = field(default_factory=dict)
+    increment: LegStructure = field(default_factory=lambda: LegStructure(0.0, 0.0, 0.0, 0.0, 0.0))
+    payload: float = 0.0
+    longer: list[float] = field(default_factory=_zeros)
+    base: Base | None = None
+    encoders: tuple[Encoder, Encoder] = field(default_factory=lambda: (Encoder(), Encoder()))
+    sensor_delay: float = 0.0
+    velocity_lag: list[float] = field(default_factory=_zeros)
+    kp_scale: list[float] = field(default_factory=_ones)
+    kd_scale: list[float] = field(default_factory=_ones)
+
+    @property
+    def links(self) -> LegStructure:
+        """Inertia and gravity of everything behind the drives."""
+        return leg_structure(self.payload, (self.longer[0], self.longer[1])).plus(**vars(self.increment))
+
+    @property
+    def structure(self) -> LegStructure:
+        """Inertia and gravity with rotors that move as one with the links."""
+        return self.links.plus(m11=self.rotor[0], m22=self.rotor[1])
+
+    @property
+    def flexible(self) -> bool:
+        """Whether it takes more than two coordinates, or a memory, to say where the leg is."""
+        return bool(self.couplings or self.hystereses or self.base)
+
+
+def once(taken: object, what: str) -> None:
+    """Refuses a second part where the rig has room for one.
+
+    Raises:
+        SimulationError: `taken` is something already.
+    """
+    if taken:
+        raise SimulationError(f"the rig has room for one {what}; hide only one of them")

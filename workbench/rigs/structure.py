@@ -17,8 +17,9 @@ from functools import lru_cache
 import numpy as np
 
 from workbench.core import SimulationError
-from workbench.core.paths import closed_chain_file
 from workbench.mechanism import ClosedChain, Reduced
+
+from .leg_file import leg_file
 
 _TOLERANCE = 1e-9  # largest difference from Drake that counts as the same equation [SI]
 
@@ -46,6 +47,10 @@ class LegStructure:
             raise TypeError(f"no such coefficient: {', '.join(increments)}")
         return LegStructure(**values)
 
+    def minus(self, other: LegStructure) -> LegStructure:
+        """The difference of two structures."""
+        return LegStructure(**{name: value - vars(other)[name] for name, value in vars(self).items()})
+
     def reduced_dynamics(self, q: np.ndarray, v: np.ndarray) -> Reduced:
         """The same as `ClosedChain.reduced_dynamics`, from the closed form; `q`, `v` (2,) [rad, rad/s]."""
         alpha = q[1] - q[0]
@@ -57,16 +62,34 @@ class LegStructure:
 
 
 @lru_cache(maxsize=64)
-def leg_structure(payload: float = 0.0) -> LegStructure:
+def leg_structure(payload: float = 0.0, longer: tuple[float, float] = (0.0, 0.0)) -> LegStructure:
     """The reference leg's numbers, links only, from Drake.
 
     Args:
         payload: point mass [kg] at the foot, put into the Drake model.
+        longer: length errors of thigh and shank [m], as `leg_file` explains.
 
     Raises:
         SimulationError: the closed form does not reproduce Drake.
     """
-    chain = ClosedChain(closed_chain_file("leg"), payload=payload)
+    with leg_file(longer) as file:
+        return _from_drake(ClosedChain(file, payload=payload))
+
+
+@lru_cache(maxsize=8)
+def linkage_share(longer: tuple[float, float] = (0.0, 0.0)) -> LegStructure:
+    """What crank and coupler, which drive the shank, have of `leg_structure`; the thigh's share is not in it.
+
+    Everything is linear in the masses, so the leg with its shank twice as heavy tells the shank's share;
+    crank and coupler have the rest, except of M11 and g1, which are taken as the thigh's.
+    """
+    with leg_file(longer, shank=2.0) as file:
+        once = leg_structure(longer=longer)
+        rest = once.minus(_from_drake(ClosedChain(file)).minus(once))
+    return LegStructure(0.0, rest.m12, rest.m22, 0.0, rest.g2)
+
+
+def _from_drake(chain: ClosedChain) -> LegStructure:
     structure = _identify(chain)
     _verify(structure, chain)
     return structure

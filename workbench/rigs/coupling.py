@@ -1,0 +1,38 @@
+"""What may lie between a motor and its link, and between the leg's stand and the ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """A spring in series: torque = stiffness dead(wind) + damping wind'.
+
+    The wind is the angle by which the motor's side leads; dead() takes half the gap off either side of it
+    and is zero within. A backlash is elastic where it touches and has no damping of its own.
+
+    Attributes:
+        stiffness: [N m/rad].
+        damping: [N m s/rad], also within the gap.
+        gap: whole play, from one flank to the other [rad].
+    """
+
+    stiffness: float
+    damping: float = 0.0
+    gap: float = 0.0
+
+
+@dataclass(frozen=True)
+class Base:
+    """A stand that gives way along x: mass x'' + damping x' + stiffness x = force of the leg on it.
+
+    Attributes:
+        stiffness: [N/m].
+        damping: [N s/m].
+        mass: of the stand alone [kg]; the leg's mass rides on it.
+    """
+
+    stiffness: float
+    damping: float
+    mass: float

@@ -1,0 +1,136 @@
+"""Both drives from command to the torque on their rotors, row by row.
+
+Delay, then limits, then current-loop lag; here the torque is measured; then gain, derating and bias. Torque
+is held over pieces of a row, at its mean over the piece where it changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from math import exp, floor
+
+from .machine import Derating, Machine, SpeedLimit
+
+Pair = tuple[float, float]
+_PIECE = 0.25e-3  # a torque that changes within a row is held this long [s]
+
+
+class Drive:
+    """Torque of both motors; holds what is on its way, so use one a run.
+
+    A delay is whole rows plus a rest; during the rest of each row the previous command still stands.
+
+    Args:
+        machine: the parts of the chain.
+        period: of the rows [s].
+    """
+
+    def __init__(self, machine: Machine, period: float) -> None:
+        whole = floor(machine.delay / period + 1e-6)
+        self._rest = max(0.0, machine.delay - whole * period)
+        if self._rest < 1e-9:
+            self._rest = 0.0
+        self._pending = [(0.0, 0.0)] * (whole + 2)  # clipped commands of the last rows, newest last
+        self._period = period
+        self._limit, self._lag, self._gain = machine.limit, machine.lag, machine.gain
+        self._speed_limit = machine.speed_limit
+        self._heat = [Heat(derating) for derating in machine.derating]
+        self._current = (0.0, 0.0)
+        self._speed, self._before, self._last = (0.0, 0.0), (0.0, 0.0), period  # now, a piece ago, its length
+        self._fine = any(machine.lag) or any(machine.speed_limit)
+        self._plain = not (self._fine or any(machine.derating))
+        #: Whether the drive has to be told the motors' speeds.
+        self.feels_speed = any(machine.speed_limit)
+
+    def command(self, torque: Pair) -> None:
+        """Takes the command of the row that begins."""
+        (low1, low2) = self._limit
+        self._pending.append((min(max(torque[0], -low1), low1), min(max(torque[1], -low2), low2)))
+        self._pending.pop(0)
+
+    def feel(self, v1: float, v2: float) -> None:
+        """The motors' speeds at the end of the last piece [rad/s]."""
+        self._before, self._speed = self._speed, (v1, v2)
+
+    @property
+    def torque(self) -> Pair:
+        """What the torque sensor sees at the start of the row, just after an edge [N m]."""
+        target = self._within(self._pending[0 if self._rest else 1], self._speed)
+        (lag1, lag2), (now1, now2) = self._lag, self._current
+        return now1 if lag1 else target[0], now2 if lag2 else target[1]
+
+    def advance(self, bias: Iterable[float]) -> Iterable[tuple[float, float, float]]:
+        """Torques of both rotors [N m] and how long they act [s], through one row.
+
+        Args:
+            bias: unmeasured torque of the row, added after the gain (2,) [N m].
+        """
+        b1, b2 = bias
+        g1, g2 = self._gain
+        if self._plain and not self._rest:  # the usual drive, and the row loop is hot
+            u1, u2 = self._pending[1]
+            return ((g1 * u1 + b1, g2 * u2 + b2, self._period),)
+        pieces = [(self._pending[1], self._period - self._rest)]
+        if self._rest:
+            pieces.insert(0, (self._pending[0], self._rest))
+        if self._plain:
+            return [(g1 * u1 + b1, g2 * u2 + b2, duration) for (u1, u2), duration in pieces]
+        return self._changing(pieces, (b1, b2))
+
+    def _changing(self, pieces: list[tuple[Pair, float]], bias: Pair) -> Iterator[tuple[float, float, float]]:
+        """Pieces of torques that depend on what went before; `feel` is heard between them."""
+        for target, duration in pieces:
+            count = max(1, round(duration / _PIECE)) if self._fine else 1
+            part = duration / count
+            for _ in range(count):
+                measured = self._follow(self._within(target, self._speed_in(0.5 * part)), part)
+                kept = [heat.kept(u, part) for heat, u in zip(self._heat, measured, strict=True)]
+                u1, u2 = (g * k * u for g, k, u in zip(self._gain, kept, measured, strict=True))
+                self._last = part
+                yield u1 + bias[0], u2 + bias[1], part
+
+    def _speed_in(self, time: float) -> Pair:
+        """The motors' speeds some time from now [s], if they go on as they did [rad/s]."""
+        (v1, v2), (old1, old2), more = self._speed, self._before, time / self._last
+        return v1 + more * (v1 - old1), v2 + more * (v2 - old2)
+
+    def _within(self, torque: Pair, speed: Pair) -> Pair:
+        """Torque that the speeds allow [N m]."""
+        if not self.feels_speed:
+            return torque
+        first, second = map(_clip, torque, speed, self._speed_limit)
+        return first, second
+
+    def _follow(self, target: Pair, duration: float) -> Pair:
+        """Moves the lagging torques towards `target` and returns their means over `duration`."""
+        means, ends = [], []
+        for goal, now, lag in zip(target, self._current, self._lag, strict=True):
+            kept = exp(-duration / lag) if lag else 0.0
+            ends.append(goal + (now - goal) * kept)
+            means.append(goal + (now - goal) * (1 - kept) * lag / duration)
+        self._current = (ends[0], ends[1])
+        return means[0], means[1]
+
+
+class Heat:
+    """The square of one drive's torque through a first-order lag, and the gain that it leaves."""
+
+    def __init__(self, derating: Derating | None) -> None:
+        self._derating, self._filtered = derating, 0.0
+
+    def kept(self, torque: float, duration: float) -> float:
+        """Mean gain over a piece of constant `torque` [N m] and `duration` [s]; never below zero."""
+        if self._derating is None:
+            return 1.0
+        goal, now, lag = torque * torque, self._filtered, self._derating.time_constant
+        rest = exp(-duration / lag)
+        self._filtered = goal + (now - goal) * rest
+        mean = goal + (now - goal) * (1 - rest) * lag / duration
+        return max(0.0, 1.0 - self._derating.coefficient * mean)
+
+
+def _clip(torque: float, speed: float, limit: SpeedLimit | None) -> float:
+    if limit is None:
+        return torque
+    most = limit.stall * max(0.0, 1.0 - abs(speed) / limit.no_load)
+    return min(max(torque, -most), most)

@@ -1,0 +1,34 @@
+"""Where within a step something changes its sign."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+TIGHT = 1e-10  # how near zero a quantity counts as there [rad or rad/s]
+
+
+def crossing(value: Callable[[float], float], low_value: float, high_value: float, h: float) -> float:
+    """Where `value` of a step's length changes its sign, by regula falsi (Illinois) [s].
+
+    Args:
+        value: the quantity at the end of a step of the given length [s].
+        low_value, high_value: of no step and of the whole one; their signs differ.
+        h: the whole step [s].
+    """
+    low, high, kept = 0.0, h, 0
+    for _ in range(12):
+        part = low - low_value * (high - low) / (high_value - low_value)
+        if not low < part < high:
+            break
+        there = value(part)
+        if abs(there) < 0.1 * TIGHT:
+            return part
+        if (there > 0.0) == (low_value > 0.0):
+            low, low_value = part, there
+            high_value = 0.5 * high_value if kept == 1 else high_value
+            kept = 1
+        else:
+            high, high_value = part, there
+            low_value = 0.5 * low_value if kept == -1 else low_value
+            kept = -1
+    return 0.5 * (low + high)

@@ -1,0 +1,35 @@
+"""Hidden effects that let motor, link and stand move apart, or that change where the pins are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .coupling import Base, Coupling
+from .machine import Machine, Place, once
+
+
+def joint_compliance(machine: Machine, at: Place, *, stiffness: float, damping: float) -> None:
+    """A spring and a damper between motor and link; in the knee joint, between linkage and shank."""
+    _couple(machine, at, Coupling(stiffness, damping))
+
+
+def backlash(machine: Machine, at: Place, *, gap: float, stiffness: float) -> None:
+    """A dead zone of `gap` in all between motor and link, with this stiffness on either flank."""
+    _couple(machine, at, Coupling(stiffness, gap=gap))
+
+
+def _couple(machine: Machine, at: Place, coupling: Coupling) -> None:
+    seat = at if at.index else replace(at, at_pin=False)  # nothing lies between the hip's drive and its pin
+    once(machine.couplings.get(seat), "spring or gap between a motor and its link")
+    machine.couplings[seat] = coupling
+
+
+def base_compliance(machine: Machine, at: Place, *, stiffness: float, damping: float, mass: float) -> None:
+    """The stand, of this mass without the leg, slides along x on a spring and a damper."""
+    once(machine.base, "stand that gives way")
+    machine.base = Base(stiffness, damping, mass)
+
+
+def link_length_error(machine: Machine, at: Place, *, length: float) -> None:
+    """The thigh (hip) or the shank (knee) is longer by `length`; `leg_file` says what moves with it."""
+    machine.longer[at.index] += length

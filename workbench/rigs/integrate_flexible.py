@@ -1,0 +1,269 @@
+"""Integrates a leg that needs more coordinates or a memory: compliance, backlash, a soft stand, hysteresis.
+
+As `integrate` does, RK4 with the mode of every dry friction fixed within a step and the step cut where a slip
+turns round; it is cut too where a backlash meets a flank and where a hysteresis turns back, so that every
+piece is smooth. Steps are a fraction of the fastest mode's time. Plain float code: see `integrate`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from math import copysign
+from operator import itemgetter
+
+from workbench.core import SimulationError
+
+from .events import TIGHT, crossing
+from .flexible import FlexibleLeg, Vector
+from .friction import merged
+from .hysteresis import Hysteresis
+from .integrate import STEP
+from .machine import Machine
+from .place import Law, Place
+
+State = tuple[Vector, Vector]  # coordinates and speeds, both (n,)
+Rate = Callable[[Vector, Vector], Vector]
+Switch = Callable[[State], float]  # a quantity whose change of sign ends a smooth piece
+
+_PART = 0.25  # a step over the time in which the fastest mode turns by a radian
+_SHORTEST = 4e-6  # s
+_MAX_EVENTS = 40  # in one step
+
+
+class _Along:
+    """A direction (n,): reads the component of a vector along it, and lists its coordinates."""
+
+    def __init__(self, direction: Sequence[float]) -> None:
+        self.vector = list(direction)
+        self.terms = tuple((i, d) for i, d in enumerate(direction) if d)
+        self.read: Callable[[Vector], float] = _reader(self.terms)
+
+
+def _reader(terms: tuple[tuple[int, float], ...]) -> Callable[[Vector], float]:
+    if len(terms) == 1 and terms[0][1] == 1.0:
+        return itemgetter(terms[0][0])
+    return lambda vector: sum([d * vector[i] for i, d in terms])
+
+
+def _slip(along: _Along) -> Switch:
+    """The speed along a direction."""
+    return lambda state: along.read(state[1])
+
+
+def _flank(front: int, back: int, wind: float) -> Switch:
+    """How far one coordinate leads another beyond an angle."""
+    return lambda state: state[0][front] - state[0][back] - wind
+
+
+class FlexibleIntegrator:
+    """The leg with actuators; holds modes and memories between calls, so use one a run.
+
+    Args:
+        machine: its mechanical parts.
+
+    Raises:
+        SimulationError: more than two dry frictions, or a spring too stiff to follow.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self.leg = leg = FlexibleLeg(machine)
+        self._frictions = merged(
+            [
+                replace(f, direction=leg.direction(Place(0, (f.direction[0], f.direction[1]), f.at_pin)))
+                for f in machine.frictions
+            ]
+        )
+        self._rubs = [_Along(f.direction) for f in self._frictions]
+        self._modes = [0] * len(self._frictions)  # 0 sticks, 1 and -1 slide
+        self._memories = [
+            (_Along(leg.direction(at)), Hysteresis(torque, stiffness))
+            for at, torque, stiffness in machine.hystereses
+        ]
+        self._passive: list[tuple[_Along, Law]] = [
+            *((_Along(leg.direction(p.at)), p.law) for p in machine.passive),
+            *((along, memory.torque) for along, memory in self._memories),
+        ]
+        self._switches = self._list_switches()
+        self._smooth = not (self._frictions or self._switches)
+        self._step = self._choose_step(machine)
+
+    def _list_switches(self) -> list[Switch]:
+        """Where memories turn back and flanks meet; slips of dry friction have modes besides."""
+        slips = [_slip(along) for along, _ in self._memories]
+        gaps = self.leg.gaps()
+        return [*slips, *(_flank(front, back, side * half) for front, back, half in gaps for side in (1, -1))]
+
+    def _choose_step(self, machine: Machine) -> float:
+        # at a reversal a hysteresis is twice as stiff as at first
+        springs = [(self.leg.direction(at), 2 * stiffness) for at, _, stiffness in machine.hystereses]
+        fastest = self.leg.fastest(springs)
+        step = min(STEP, _PART / fastest) if fastest else STEP
+        if step < _SHORTEST:
+            raise SimulationError(
+                f"a mode of the leg turns at {fastest:.2g} rad/s, too fast to follow: make its spring softer"
+            )
+        return step
+
+    def start(self, q1: float, q2: float) -> State:
+        """At rest with the motors at `q1`, `q2` [rad] and nothing wound up."""
+        q = self.leg.start(q1, q2)
+        for along, memory in self._memories:
+            memory.start(along.read(q))
+        return q, [0.0] * self.leg.size
+
+    def motors(self, state: State) -> tuple[float, float, float, float]:
+        """Angles [rad] and speeds [rad/s] of the motors, where the encoders are."""
+        (first, second), (q, v) = self.leg.motors, state
+        return q[first], q[second], v[first], v[second]
+
+    def advance(self, state: State, u1: float, u2: float, duration: float) -> State:
+        """The state after `duration` [s] under motor torques `u1`, `u2` [N m] (after gain and bias)."""
+        outside = [0.0] * self.leg.size
+        outside[self.leg.motors[0]] += u1
+        outside[self.leg.motors[1]] += u2
+        steps = max(1, int(duration / self._step + 0.999999))
+        h = duration / steps
+        load = (abs(u1), abs(u2))
+        if self._smooth:
+            rate = self._rate(outside, load)
+            for _ in range(steps):
+                state = _rk4(rate, state, h)
+            return state
+        for _ in range(steps):
+            state = self._cut_step(state, outside, load, h)
+        return state
+
+    def _cut_step(self, state: State, outside: Vector, load: tuple[float, float], h: float) -> State:
+        """One step, cut at every event."""
+        for _ in range(_MAX_EVENTS):
+            if 0 in self._modes:
+                self._release(state, outside, load)
+            rate = self._rate(outside, load)
+            after = _rk4(rate, state, h)
+            event = self._first_event(rate, state, after, h)
+            if event is None:
+                return self._settled(after)
+            part, rub = event
+            state = _rk4(rate, state, part)
+            if rub is not None:
+                self._modes[rub] = 0
+            state = self._settled(state)
+            h -= part
+            if h <= 1e-12:
+                return state
+        return self._settled(_rk4(self._rate(outside, load), state, h))
+
+    def _first_event(
+        self, rate: Rate, state: State, after: State, h: float
+    ) -> tuple[float, int | None] | None:
+        """When the first event within `h` is [s], and which dry friction turns round there, if one does."""
+        found: list[tuple[float, int | None]] = []
+
+        def when(switch: Switch, begin: float, end: float) -> float:
+            return crossing(lambda part: switch(_rk4(rate, state, part)), begin, end, h)
+
+        for rub, (along, mode) in enumerate(zip(self._rubs, self._modes, strict=True)):
+            if mode and mode * (end := along.read(after[1])) < 0.0:
+                found.append((when(_slip(along), along.read(state[1]), end), rub))
+        for switch in self._switches:
+            begin, end = switch(state), switch(after)
+            if begin * end < 0.0 and abs(begin) > TIGHT:
+                found.append((when(switch, begin, end), None))
+        return min(found, key=itemgetter(0), default=None)
+
+    def _release(self, state: State, outside: Vector, load: tuple[float, float]) -> None:
+        """Lets go every stuck friction whose holding torque exceeds its static limit, the worst first."""
+        q, v = state
+        for _ in self._frictions:
+            worst, chosen, way = 0.0, None, 0
+            for rub, torque in self._holding(q, self._applied(q, v, outside, load)).items():
+                direction = copysign(1.0, -torque)
+                excess = abs(torque) - self._level(rub, direction * 0.0, q, load)
+                if excess > worst:
+                    worst, chosen, way = excess, rub, int(direction)
+            if chosen is None:
+                return
+            self._modes[chosen] = way
+
+    def _applied(self, q: Vector, v: Vector, outside: Vector, load: tuple[float, float]) -> Vector:
+        """All torque except that of stuck frictions and inertia (n,) [N m]."""
+        t = self.leg.forces(q, v, outside)
+        for along, law in self._passive:
+            torque = law(along.read(q), along.read(v))
+            for i, d in along.terms:
+                t[i] += d * torque
+        for rub, mode in enumerate(self._modes):
+            if mode:
+                along = self._rubs[rub]
+                torque = mode * self._level(rub, copysign(abs(along.read(v)), mode), q, load)
+                for i, d in along.terms:
+                    t[i] -= d * torque
+        return t
+
+    def _level(self, rub: int, slip: float, q: Vector, load: tuple[float, float]) -> float:
+        friction = self._frictions[rub]
+        pressing = 0.0 if friction.load_axis is None else load[friction.load_axis]
+        return friction.level(slip, self._rubs[rub].read(q), pressing)
+
+    def _holding(self, q: Vector, applied: Vector) -> dict[int, float]:
+        """Torque that each stuck friction needs to stay stuck [N m], by index."""
+        stuck = [rub for rub, mode in enumerate(self._modes) if mode == 0]
+        if not stuck:
+            return {}
+        free = self.leg.give(q, applied)
+        reads = [self._rubs[rub].read for rub in stuck]
+        gives = [self.leg.give(q, self._rubs[rub].vector) for rub in stuck]
+        w11, n1 = reads[0](gives[0]), -reads[0](free)
+        if len(stuck) == 1:
+            return {stuck[0]: n1 / w11}
+        w12, w22, n2 = reads[0](gives[1]), reads[1](gives[1]), -reads[1](free)
+        area = w11 * w22 - w12 * w12
+        return {stuck[0]: (w22 * n1 - w12 * n2) / area, stuck[1]: (w11 * n2 - w12 * n1) / area}
+
+    def _rate(self, outside: Vector, load: tuple[float, float]) -> Rate:
+        """Acceleration with the modes as they stand now."""
+        forces, give, applied = self.leg.forces, self.leg.give, self._applied
+        if not (self._passive or self._frictions):
+            return lambda q, v: give(q, forces(q, v, outside))
+        if 0 not in self._modes:
+            return lambda q, v: give(q, applied(q, v, outside, load))
+
+        def rate(q: Vector, v: Vector) -> Vector:
+            t = applied(q, v, outside, load)
+            for rub, torque in self._holding(q, t).items():
+                for i, d in self._rubs[rub].terms:
+                    t[i] += d * torque
+            return give(q, t)
+
+        return rate
+
+    def _settled(self, state: State) -> State:
+        """Moves the memories on, and takes rounding errors out of the slip speed of what sticks."""
+        q, v = state
+        for along, memory in self._memories:
+            memory.settle(along.read(q))
+        for rub, mode in enumerate(self._modes):
+            if mode == 0:
+                along = self._rubs[rub]
+                given = self.leg.give(q, along.vector)
+                impulse = along.read(v) / along.read(given)
+                v = [x - impulse * y for x, y in zip(v, given, strict=True)]
+        return q, v
+
+
+def _rk4(rate: Rate, state: State, h: float) -> State:
+    """One classical Runge-Kutta step of length `h` [s]."""
+    q, v = state
+    half, sixth = 0.5 * h, h / 6.0
+    a = rate(q, v)
+    w = [x + half * y for x, y in zip(v, a, strict=True)]
+    b = rate([x + half * y for x, y in zip(q, v, strict=True)], w)
+    r = [x + half * y for x, y in zip(v, b, strict=True)]
+    c = rate([x + half * y for x, y in zip(q, w, strict=True)], r)
+    s = [x + h * y for x, y in zip(v, c, strict=True)]
+    d = rate([x + h * y for x, y in zip(q, r, strict=True)], s)
+    return (
+        [x + sixth * (k1 + 2.0 * (k2 + k3) + k4) for x, k1, k2, k3, k4 in zip(q, v, w, r, s, strict=True)],
+        [x + sixth * (k1 + 2.0 * (k2 + k3) + k4) for x, k1, k2, k3, k4 in zip(v, a, b, c, d, strict=True)],
+    )

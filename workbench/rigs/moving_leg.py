@@ -1,0 +1,40 @@
+"""The leg that moves under its motors' torques: two coordinates where they are enough, because that is fast."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from .friction import merged
+from .integrate import Integrator, passive_torque
+from .integrate_flexible import FlexibleIntegrator
+from .machine import Machine
+from .sensing import Motion
+
+
+class MovingLeg(Protocol):
+    """An integrator whose state is its own affair; one a run."""
+
+    def start(self, q1: float, q2: float) -> Any:
+        """The state at rest with the motors at `q1`, `q2` [rad]."""
+        ...
+
+    def motors(self, state: Any) -> Motion:
+        """Angles [rad] and speeds [rad/s] of both motors."""
+        ...
+
+    def advance(self, state: Any, u1: float, u2: float, duration: float) -> Any:
+        """The state after `duration` [s] under motor torques `u1`, `u2` [N m]."""
+        ...
+
+
+def moving_leg(machine: Machine) -> MovingLeg:
+    """The integrator that a machine needs.
+
+    Raises:
+        SimulationError: more than two dry frictions, or a spring too stiff to follow.
+    """
+    if machine.flexible:
+        return FlexibleIntegrator(machine)
+    passive = [passive_torque(each) for each in machine.passive]
+    damping = machine.damping[0], machine.damping[1]
+    return Integrator(machine.structure, damping, passive, merged(machine.frictions))
