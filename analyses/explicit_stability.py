@@ -95,20 +95,19 @@ def radius_csv(radius: dict[float, np.ndarray]) -> str:
 
 def radius_figure(radius: dict[float, np.ndarray]) -> Figure:
     """Radius over the knee angle, one line a linkage, and the line that must not be crossed."""
-    figure = Figure(figsize=(5.0, 3.1), layout="constrained")
+    figure = Figure(figsize=(6.4, 3.1), layout="constrained")
     ax = figure.subplots()
     for (factor, r), color, style in zip(radius.items(), _COLORS, _STYLES, strict=True):
         label = "reference leg" if factor == 1.0 else f"linkage {factor:g} times"
         ax.plot(np.degrees(_ALPHA), r, color=color, ls=style, label=label)
-    ax.axhline(1.0, color="#8a9096", lw=0.8)
-    ax.annotate("diverges above", (178, 1.0), ha="right", va="bottom", fontsize=8, color="#5b6168")
+    ax.axhline(1.0, color="#8a9096", lw=0.8, label="diverges above")
     ax.set_xlabel("knee angle alpha [deg]")
     ax.set_ylabel("spectral radius")
     ax.set_title("Injected torques, error from step to step", fontsize=9, loc="left")
     ax.set_xticks([0, 45, 90, 135, 180])
     ax.grid(alpha=0.25)
     ax.spines[["top", "right"]].set_visible(False)
-    ax.legend(frameon=False, fontsize=8)
+    figure.legend(loc="outside right upper", frameon=False, fontsize=8)
     return figure
 
 

@@ -16,7 +16,14 @@ from tests.simulation.make import having, leg_experiment, simulated
 from workbench.core import Controller, EffectKey, InputError
 from workbench.effects import compile_plant, load_model
 from workbench.models import Linkage, Model
-from workbench.s3n import compiled_dynamics, floating_base_error, normalise, with_variant, write_normalised
+from workbench.s3n import (
+    compiled_dynamics,
+    floating_base_error,
+    normalise,
+    run_variant,
+    with_variant,
+    write_normalised,
+)
 
 VARIANTS = ["kin_only", "s3n_act", "s3n_full", "exact"]
 
@@ -188,6 +195,13 @@ def test_a_model_file_can_be_normalised_without_a_linkage(tmp_path: Path) -> Non
     same_dynamics(model, normalise(model).mujoco)
     with pytest.raises(InputError, match="linkage"):
         normalise(model, "s3n_full")
+
+
+def test_a_transmission_that_changes_with_the_posture_is_refused() -> None:
+    turning = replace(load_model("leg"), posture_dependent=True)
+    for refused in (lambda: normalise(turning), lambda: run_variant(turning, "exact", np.zeros((2, 2)))):
+        with pytest.raises(InputError, match="does not change with the posture"):
+            refused()
 
 
 def test_a_free_base_feels_what_the_tree_has_not() -> None:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from rich import box
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
+from workbench.report.layout import table as new_table
 from workbench.s3n import FloatingBaseError, NormalisedTree
 
 
@@ -18,13 +17,8 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
         base: its errors on a free base, if they could be found.
         unknown: why they could not.
     """
-    table = Table(title=f"{tree.model.name}, variant {tree.model.variant}", title_justify="left")
-    table.box, table.pad_edge = box.SIMPLE_HEAD, False
-    for column in ("element", "quantity"):
-        table.add_column(column)
-    for column in ("before", "after"):
-        table.add_column(column, justify="right")
-    table.add_column("unit")
+    table = new_table("element", "quantity", ("before", "right"), ("after", "right"), "unit")
+    table.title, table.title_justify = f"{tree.model.name}, variant {tree.model.variant}", "left"
     last = ""
     for entry in tree.added:
         before = "new" if entry.before is None else f"{entry.before:.5g}"

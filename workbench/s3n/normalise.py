@@ -20,7 +20,7 @@ from .drives import MOTOR_STAGES, add_motors, settle_axes
 from .dynamics import compiled_dynamics
 from .merge import merge_into_links
 from .mjcf import anchor_assets, exact_xml
-from .variants import with_variant
+from .variants import need_constant_transmission, with_variant
 from .worlds import INTEGRATORS
 
 _SAME = 1e-11  # relative difference from the model that is nothing but rounding
@@ -68,9 +68,10 @@ def normalise(
         integrator: of the file; None keeps the user's. ``Euler`` integrates a tendon's damping explicitly.
 
     Raises:
-        InputError: no such variant.
+        InputError: no such variant, or a transmission that changes with the posture.
         SimulationError: MuJoCo cannot have the model as plain MJCF; says why.
     """
+    need_constant_transmission(model, "a plain MJCF file")
     model = model if variant is None else with_variant(model, variant)
     own = load_mjcf(model.serial)
     made, plant = build(model, own.option.timestep), compile_plant(model, own.option.timestep)

@@ -60,6 +60,20 @@ def need_parallelogram(model: Model, what: str) -> Linkage:
     return model.linkage
 
 
+def need_constant_transmission(model: Model, what: str) -> None:
+    """Refuse a model whose J changes with the posture.
+
+    Raises:
+        InputError: its transmission is that of one posture only.
+    """
+    if model.posture_dependent:
+        raise InputError(
+            f"{what} needs a transmission that does not change with the posture", file=model.source,
+            column="transmission.posture_dependent",
+            remedy="plain MJCF has fixed coefficients only: run the variant 'constraint'",
+        )  # fmt: skip
+
+
 def linkage_inertia(model: Model) -> Linkage:
     """Increments M11, M12, M22 that the model's linkage has over its serial tree.
 

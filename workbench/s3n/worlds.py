@@ -12,7 +12,7 @@ from workbench.models import Model
 from .closed_forms import residual_velocity_torque
 from .explicit import Injection, injection
 from .loop import ConstraintSettings, close_loops, loop_spec, mechanism_of
-from .variants import PER_STEP, VARIANT_NAMES, linkage_inertia, with_variant
+from .variants import PER_STEP, VARIANT_NAMES, linkage_inertia, need_constant_transmission, with_variant
 
 INTEGRATORS = {
     "Euler": mujoco.mjtIntegrator.mjINT_EULER,
@@ -115,7 +115,8 @@ def make_world(
     """A variant ready to run; the arguments are those of `run_variant`.
 
     Raises:
-        InputError: no such variant or integrator, or an effect that needs a torque function.
+        InputError: no such variant or integrator, an effect that needs a torque function, or a transmission
+            that changes with the posture (any variant but ``constraint``).
         SimulationError: ``explicit`` where it diverges at the start already.
     """
     if variant not in VARIANT_NAMES:
@@ -128,6 +129,7 @@ def make_world(
         )
     if variant == "constraint":
         return _loop_world(model, step, integrator, constraint or ConstraintSettings(), start)
+    need_constant_transmission(model, f"variant '{variant}'")
     plant = compile_plant(with_variant(model, PER_STEP.get(variant, variant)), step)
     if plant.chain.follows_state:
         raise InputError(
