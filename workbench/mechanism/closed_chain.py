@@ -28,6 +28,8 @@ from .tree import Tree
 class Reduced:
     """Equation of motion in n coordinates: ``mass @ a + bias = gravity + torque``.
 
+    A coordinate along a line has kg and N in place of kg m^2 and N m.
+
     Attributes:
         mass: (n, n) [kg m^2].
         bias: Coriolis and centrifugal torque (n,) [N m].

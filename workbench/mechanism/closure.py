@@ -75,6 +75,8 @@ class Closure:
             SimulationError: the loops cannot be closed there.
         """
         if not np.array_equal(q, self._last.q):
+            if not np.isfinite(q).all():
+                raise SimulationError(f"not finite: {self.say(q)}")
             self._last = self._reach(np.array(q, float))
         self._tree.move(self._last.theta)
         return self._last
@@ -121,6 +123,9 @@ class Closure:
 
     def _reach(self, q: np.ndarray) -> Posture:
         """From the last posture if that is near, else from the start; if that fails, round corners."""
+        if self._start.slope is None and not np.array_equal(q, self._start.q):
+            where = self.say(self._start.q)
+            raise SimulationError(f"the start posture is a dead point, {where}: give another")
         near = np.abs(q - self._last.q).max() < _NEAR
         origins = (self._last, self._start) if near else (self._start, self._last)
         for origin in origins:
