@@ -12,7 +12,7 @@ from .chains import NAMES, central, chain, joints_at, quadruped
 
 parts = st.tuples(*[st.floats(0.0, 1.0)] * 2)
 speeds = st.tuples(*[st.floats(-5.0, 5.0)] * 2).map(np.array)
-everywhere = settings(max_examples=15, deadline=None, derandomize=True)
+everywhere = settings(max_examples=10, deadline=None, derandomize=True)
 every_mechanism = pytest.mark.parametrize("name", NAMES)
 
 

@@ -15,7 +15,7 @@ LINKS = (((0.35, 0.07, 0.0011), (0.16, 0.14, 0.0013)), ((0.35, 0.07, 0.0011), (0
 
 parts = st.tuples(*[st.floats(0.0, 1.0)] * 2)
 speeds = st.tuples(*[st.floats(-5.0, 5.0)] * 2).map(np.array)
-everywhere = settings(max_examples=25, deadline=None, derandomize=True)
+everywhere = settings(max_examples=15, deadline=None, derandomize=True)
 
 
 def five_bar(q: np.ndarray, v: np.ndarray) -> Reduced:
