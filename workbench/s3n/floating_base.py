@@ -17,7 +17,7 @@ from workbench.models import Model
 from .loop import close_loops, free_base, loop_spec, mechanism_of, tree_projection
 from .normalise import normalise
 
-_POSTURES = 5  # a serial joint
+_POSTURES = 4  # a serial joint
 _PREFIX = "tree:"
 
 
