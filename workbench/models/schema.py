@@ -25,12 +25,12 @@ class TransmissionTable(_Table):
 
 
 class ClosedChainTable(_Table):
-    """``[closed_chain]``: the real mechanism; what is left out is the reference leg's."""
+    """``[closed_chain]``: the real mechanism; names that are left out are the reference leg's."""
 
     file: str
     drives: list[str] = ["hip", "crank_pin"]
     joints: list[str] = ["hip", "knee"]
-    loops: list[tuple[str, str]] = [("coupler_end", "rear_arm_end")]
+    loops: list[tuple[str, str]] = []  # none named: those that the file itself declares
     foot: str | None = None
     start: dict[str, FiniteFloat] = Field(default_factory=dict)
     limits: list[tuple[FiniteFloat, FiniteFloat]] = []
