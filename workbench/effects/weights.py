@@ -66,6 +66,8 @@ def add_gravity(spec: mujoco.MjSpec, model: Model, g1: float, g2: float) -> None
     upper = (g1 - lower * length) / _ARM
     for parent, force in ((thigh, upper), (shank, lower)):
         _body(parent, _ARM * along, _FEATHER, 0.0, 1.0 - force / (_FEATHER * gravity))
+    # MuJoCo leaves gravity compensation out altogether where no body's is above zero
+    _body(thigh, np.zeros(3), _FEATHER, 0.0, 1.0)
 
 
 def _links(spec: mujoco.MjSpec, model: Model) -> tuple[mujoco.MjsBody, mujoco.MjsBody, np.ndarray, float]:
