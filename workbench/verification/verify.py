@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.core import InputError, Verification
+from workbench.core import InputError, Verification, WorkbenchError
 from workbench.effects.structure import is_parallelogram
 from workbench.models import Model
-from workbench.s3n import explicit_spectral_radius, reduced, variant_dynamics
+from workbench.s3n import explicit_spectral_radius, floating_base_error, reduced, variant_dynamics
 
 from .kinematics import kinematic_checks
 from .motion import frf_check, motion_check
@@ -58,8 +58,25 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
         variants=_variants(subject),
         alpha_deg=alpha,
         radius=radius,
+        facts=_free_base(subject),
         not_checked=tuple(skipped),
     )
+
+
+def _free_base(subject: Subject) -> dict[str, tuple[float, str, str]]:
+    """What the exact variant gets wrong once its base is free, as a leg of a robot that walks."""
+    if "exact" not in subject.plants or subject.chain is None:
+        return {}
+    try:
+        error = floating_base_error(subject.model, "exact")
+    except WorkbenchError:  # not an SDF; the fixed base is what was checked
+        return {}
+    about = "Free base, exact variant: "
+    return {
+        "free_base_mass": (error.mass - error.true_mass, "kg", f"{about}mass too large by"),
+        "free_base_coupling": (100.0 * error.coupling, "%", f"{about}coupling with the joints off by"),
+        "free_base_inertia": (100.0 * error.inertia, "%", f"{about}inertia off by"),
+    }
 
 
 def _variants(subject: Subject) -> dict[str, tuple[float, float, float]]:
