@@ -42,7 +42,7 @@ def verification_table(result: Verification) -> Group:
             ),
         ]
     parts += [
-        text(f"{about}: {number(value)} {unit_text(unit)}".rstrip() + ".")
+        text(f"{about} {number(value)} {unit_text(unit)}".rstrip() + ".")
         for value, unit, about in result.facts.values()
     ]
     parts += [text(f"Not checked: {line}") for line in result.not_checked]

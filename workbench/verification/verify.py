@@ -73,7 +73,7 @@ def _free_base(subject: Subject) -> dict[str, tuple[float, str, str]]:
         return {}
     about = "Free base, exact variant: "
     return {
-        "free_base_mass": (error.mass - error.true_mass, "kg", f"{about}mass too large by"),
+        "free_base_mass": (error.mass - error.true_mass, "kg", f"{about}mass off by"),
         "free_base_coupling": (100.0 * error.coupling, "%", f"{about}coupling with the joints off by"),
         "free_base_inertia": (100.0 * error.inertia, "%", f"{about}inertia off by"),
     }
