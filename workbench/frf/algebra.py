@@ -43,7 +43,7 @@ def kronecker(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
     return np.einsum("fik,fjl->fijkl", rows, columns).reshape(len(rows), ny * nu, ny * nu)
 
 
-def scatter_of_output(g: np.ndarray, scatter: np.ndarray, ny: int) -> np.ndarray:
+def output_noise(g: np.ndarray, scatter: np.ndarray, ny: int) -> np.ndarray:
     """Scatter of y - G u, (F, ny, ny): the loop's feedback drops out, what the plant adds is left."""
     nu = g.shape[2]
     yy, yu = scatter[:, :ny, :ny], scatter[:, :ny, ny : ny + nu]

@@ -76,12 +76,11 @@ def distortion(recordings: Sequence[Recording], **options: object) -> Distortion
         )
     ny = g.shape[1]
     here = m.at(m.lines)
-    free = sum(s.periods - 1 for s in m.spectra)
+    free = sum(s.free for s in m.spectra)
     found = [_levels(m, g, lines) for lines in m.listening]
     level = np.sqrt(np.mean([np.abs(s.mean[here, :ny]) ** 2 for s in m.spectra], axis=0))
-    noise = np.mean(
-        [np.einsum("fii->fi", s.scatter[here, :ny, :ny]).real / s.periods for s in m.spectra], axis=0
-    ) * (len(m.spectra) / free)
+    own = [np.einsum("fii->fi", s.covariance[here, :ny, :ny]).real / s.periods for s in m.spectra]
+    noise = np.sum([s.free * o for s, o in zip(m.spectra, own, strict=True)], axis=0) / free
     shares, sure = [], []
     for power, quiet in found:
         above, total = np.maximum(power - quiet, 0).mean(axis=0), np.mean(level**2, axis=0)

@@ -22,7 +22,7 @@ import numpy as np
 
 from workbench.core import InputError, Recording
 
-from .algebra import kronecker, scatter_of_output, solve_inputs
+from .algebra import kronecker, output_noise, solve_inputs
 from .excited import realisations
 from .measure import Measured, measure
 from .records import Choice
@@ -94,12 +94,15 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
     g = y @ k
     unit = np.einsum("fea,feb->fab", k, k.conj())
 
-    free = sum(s.periods - 1 for s in m.spectra)
-    noise_v = np.sum([scatter_of_output(g, s.scatter[here], ny) for s in m.spectra], axis=0) / free
+    free = sum(s.free for s in m.spectra)
+    noise_v = np.sum([s.free * output_noise(g, s.covariance[here], ny) for s in m.spectra], axis=0) / free
     noise = kronecker(noise_v, unit)
     sets = realisations(_driven(r, choice), nu, count)
     wanted = "robust" if method == "auto" and len(sets) > 1 else method
     dof = np.full(len(g), float(free))
+    # lines that stand close read the same noise between them
+    apart = np.diff(m.lines, prepend=m.lines[0] - np.diff(m.lines, append=m.lines[-1] + 1)[:1])
+    fresh = np.minimum(dof, apart * float(sum(s.periods - 1 for s in m.spectra)))
     covariance, kind, notes = noise, "outputs", list(m.notes)
     if wanted == "robust":
         if len(sets) < 2:
@@ -109,7 +112,7 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
                 remedy="record sets with new random phases, or take method 'fast'",
             )
         covariance, kind = _between(y, u, sets), "response"
-        dof = np.full(len(g), float(len(sets) - 1))
+        dof = fresh = np.full(len(g), float(len(sets) - 1))
     elif len(m.listening[0]):
         extra, dof = distortion_covariance(m, g, noise_v, unit, free)
         covariance = noise + extra
@@ -126,6 +129,8 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
         dof=dof,
         noise_dof=np.full(len(g), float(free)),
         estimated=kind,
+        fresh=np.minimum(fresh, dof),
+        leverage=unit,
         coherence=_coherence(m, g, ny),
         outputs=outputs,
         inputs=inputs,
@@ -157,10 +162,10 @@ def _coherence(m: Measured, g: np.ndarray, ny: int) -> np.ndarray:
     here = m.at(m.lines)
     total = left = np.zeros((len(here), ny))
     for s in m.spectra:
-        mean, scatter = s.mean[here], s.scatter[here]
+        mean, noise = s.mean[here], s.covariance[here]
         v = mean[:, :ny] - np.einsum("fij,fj->fi", g, mean[:, ny : ny + g.shape[2]])
-        own = np.einsum("fii->fi", scatter_of_output(g, scatter, ny)).real
-        left = left + own + s.periods * np.abs(v) ** 2
-        power = np.einsum("fii->fi", scatter[:, :ny, :ny]).real
-        total = total + power + s.periods * np.abs(mean[:, :ny]) ** 2
+        own = np.einsum("fii->fi", output_noise(g, noise, ny)).real
+        left = left + s.periods * (own + np.abs(v) ** 2)
+        power = np.einsum("fii->fi", noise[:, :ny, :ny]).real
+        total = total + s.periods * (power + np.abs(mean[:, :ny]) ** 2)
     return np.clip(1 - left / np.maximum(total, 1e-300), 0.0, 1.0)

@@ -97,6 +97,8 @@ def local_polynomial(
         dof=dof,
         noise_dof=dof,
         estimated="outputs",
+        fresh=dof * min(1.0, (step or window) / window),
+        leverage=unit,
         coherence=np.clip(1 - quiet / np.maximum(power, 1e-300), 0.0, 1.0),
         outputs=outputs,
         inputs=inputs,

@@ -12,7 +12,7 @@ from workbench.core import InputError, Recording
 from .excited import common_lines, excited_lines
 from .lines import detection_lines
 from .records import Choice, choose, rows_of_period, whole_periods
-from .spectra import Spectra, period_spectra, reduce
+from .spectra import Spectra, reduce
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ def measure(
                 column="transient_periods",
                 remedy="drop fewer, or record more",
             )
-        s = reduce(period_spectra(columns, rows, every), np.isin(every, excited), transient_periods)
+        s = reduce(columns, rows, every, np.isin(every, excited), transient_periods)
         spectra.append(s)
         notes += _transient_note(r.name, s)
     return Measured(
@@ -100,7 +100,8 @@ def measure(
 
 def _transient_note(name: str, s: Spectra) -> list[str]:
     if s.settled is None:
-        return [f"{name}: {s.periods} periods are too few to tell whether the transient had died."]
+        before = f" after {s.dropped} transient one(s)" if s.dropped else ""
+        return [f"{name}: {s.periods} periods{before} are too few to tell whether the transient had died."]
     if not s.settled:
         return [f"{name}: the response does not settle; {s.dropped} leading periods were dropped."]
     return [f"{name}: {s.dropped} transient period(s) were dropped."] if s.dropped else []

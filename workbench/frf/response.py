@@ -10,10 +10,24 @@ import numpy as np
 
 from workbench.core import InputError
 
+from .pooling import pooled_covariance
 from .statistics import distance, entry_radius, real_halfwidth
 
 if TYPE_CHECKING:
     from control import FrequencyResponseData
+
+
+_BY_LINE = (
+    "frequency",
+    "response",
+    "covariance",
+    "noise_covariance",
+    "dof",
+    "noise_dof",
+    "fresh",
+    "leverage",
+    "coherence",
+)
 
 
 @dataclass(frozen=True)
@@ -45,8 +59,11 @@ class Frf:
         noise_covariance: the same of the noise alone.
         dof: complex residuals behind `covariance`, shape (F,).
         noise_dof: behind `noise_covariance`, shape (F,).
+        fresh: residuals behind `covariance` that a line does not share with its neighbour, shape (F,).
         estimated: what these residuals estimated: ``"outputs"``, an (ny, ny) matrix whose Kronecker product
             with a known one is the covariance, or ``"response"``, the whole matrix.
+        leverage: what the inputs make of the outputs' noise, (F, nu, nu): the noise's covariance is the
+            Kronecker product of the outputs' with it.
         coherence: multiple coherence of each output, from one period (or window) of data, (F, ny).
         outputs, inputs: what the rows and columns are.
         rate_hz: rows of the recordings per second.
@@ -67,6 +84,8 @@ class Frf:
     dof: np.ndarray
     noise_dof: np.ndarray
     estimated: Literal["outputs", "response"]
+    fresh: np.ndarray
+    leverage: np.ndarray
     coherence: np.ndarray
     outputs: tuple[Channel, ...]
     inputs: tuple[Channel, ...]
@@ -80,8 +99,7 @@ class Frf:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        names = ("frequency", "response", "covariance", "noise_covariance", "dof", "noise_dof", "coherence")
-        for name in names:
+        for name in _BY_LINE:
             view = np.asarray(getattr(self, name)).view()
             view.flags.writeable = False
             object.__setattr__(self, name, view)
@@ -153,6 +171,7 @@ class Frf:
             response=self.response[:, rows][:, :, columns],
             covariance=self.covariance[block],
             noise_covariance=self.noise_covariance[block],
+            leverage=self.leverage[:, columns][:, :, columns],
             coherence=self.coherence[:, rows],
             outputs=tuple(self.outputs[r] for r in rows),
             inputs=tuple(self.inputs[c] for c in columns),
@@ -170,8 +189,7 @@ class Frf:
             raise InputError(
                 problem, remedy=f"it goes from {self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
             )
-        names = ("frequency", "response", "covariance", "noise_covariance", "dof", "noise_dof", "coherence")
-        return replace(self, **{name: getattr(self, name)[keep] for name in names})
+        return replace(self, **{name: getattr(self, name)[keep] for name in _BY_LINE})
 
     def transformed(
         self,
@@ -192,6 +210,7 @@ class Frf:
             response=left @ self.response @ right,
             covariance=across @ self.covariance @ across.T,
             noise_covariance=across @ self.noise_covariance @ across.T,
+            leverage=right.T @ self.leverage @ right,
             coherence=np.full((len(self), len(left)), np.nan),
             outputs=outputs,
             inputs=inputs,
@@ -200,24 +219,25 @@ class Frf:
     def smoothed(self, lines: int) -> Frf:
         """Covariances averaged over `lines` lines to each side, with the residuals of all of them behind.
 
-        Few periods or realisations leave a scattered (or singular) covariance. Noise and distortion vary
-        slowly along frequency beside the response, so that neighbours may be pooled; each line's covariance
-        counts in units of the response's squared magnitude there. The response stays as it is.
+        Few periods or realisations leave a scattered (or singular) covariance. What is averaged is the
+        covariance of the outputs, whose spectrum varies slowly with frequency, and each line's own inputs
+        make it that of the response again. The response stays as it is.
         """
         if lines < 1 or len(self) < 2:
             return self
-        size = np.sum(np.abs(self.response) ** 2, axis=(1, 2))
-        size = np.exp(_moving(np.log(np.maximum(size, 1e-300)), lines))
-        count = _moving(np.ones(len(self)), lines, mean=False)
+        one = np.eye(len(self.outputs))
+        factor = np.linalg.cholesky(self.leverage)
+        there, back = (_across(one, f) for f in (factor, np.linalg.inv(factor)))
 
         def pooled(covariance: np.ndarray, dof: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            total = _moving(dof, lines, mean=False)
-            share = (dof / size)[:, None, None] * covariance
-            return _moving(share, lines, mean=False) * (size / total)[:, None, None], total
+            outputs = back @ covariance @ np.conj(np.swapaxes(back, 1, 2))
+            fresh = np.minimum(self.fresh, dof)
+            mean, total = pooled_covariance(outputs, dof, fresh, self.frequency, lines)
+            return there @ mean @ np.conj(np.swapaxes(there, 1, 2)), total
 
         covariance, dof = pooled(self.covariance, self.dof)
         noise, noise_dof = pooled(self.noise_covariance, self.noise_dof)
-        note = f"Covariances are averages over up to {int(count.max())} neighbouring lines."
+        note = f"Covariances are averages over up to {min(2 * lines + 1, len(self))} neighbouring lines."
         return replace(
             self,
             covariance=covariance,
@@ -254,11 +274,7 @@ def _place(wanted: str | int, channels: tuple[Channel, ...]) -> int:
     return found[0]
 
 
-def _moving(values: np.ndarray, lines: int, mean: bool = True) -> np.ndarray:
-    """Sums (or means) over `lines` rows to each side, as many as there are at the ends."""
-    total = np.concatenate([np.zeros_like(values[:1]), np.cumsum(values, axis=0)])
-    rows = np.arange(len(values))
-    last, first = np.minimum(rows + lines + 1, len(values)), np.maximum(rows - lines, 0)
-    sums = total[last] - total[first]
-    count = (last - first).reshape(-1, *([1] * (values.ndim - 1)))
-    return sums / count if mean else sums
+def _across(one: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """Kronecker product of a matrix with each of (F, n, n)."""
+    size = len(one) * factors.shape[1]
+    return np.einsum("ik,fjl->fijkl", one, factors).reshape(len(factors), size, size)

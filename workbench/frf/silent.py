@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from .algebra import kronecker, scatter_of_output
+from .algebra import kronecker, output_noise
 from .measure import Measured
 
 _NEAR = 6  # silent lines pooled about an excited one
 
 
 def distortion_covariance(
-    m: Measured, g: np.ndarray, noise: np.ndarray, unit: np.ndarray, free: int
+    m: Measured, g: np.ndarray, noise: np.ndarray, unit: np.ndarray, free: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """What odd distortion adds to the covariance of a response, from silent odd lines nearby.
 
@@ -65,6 +65,6 @@ def residuals(m: Measured, g: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray
             for s in m.spectra
         ]
     )
-    free = sum(s.periods - 1 for s in m.spectra)
-    scatter = np.sum([scatter_of_output(between, s.scatter[there], ny) for s in m.spectra], axis=0) / free
-    return residual, scatter * np.mean([1 / s.periods for s in m.spectra])
+    free = sum(s.free for s in m.spectra)
+    noise = np.sum([s.free * output_noise(between, s.covariance[there], ny) for s in m.spectra], axis=0)
+    return residual, noise / free * np.mean([1 / s.periods for s in m.spectra])

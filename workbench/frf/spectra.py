@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy.fft
 from scipy import stats
 
+from .leakage import spectra_between
+
 _CHUNK = 4_000_000  # numbers transformed at once: a few periods of a long record, all of a short one
-_SURE = 5.0  # deviations by which a period must stand out to be called transient
+_SURE = 1e-5  # chance of calling a period transient that is not, in each band
+_LOOKED_AT = 12  # leading periods among which the transient is looked for
+_BAND = 12  # lines in the lowest band; each next one has twice as many
 _NOTHING = 1e-6  # part of a line's size below which a difference is rounding
 
 
@@ -20,14 +25,16 @@ class Spectra:
     Attributes:
         mean: mean over periods, (L, nz), the amplitude spectrum scaled so that a cosine's line is its
             amplitude.
-        scatter: sum over periods of deviation deviation^H, (L, nz, nz).
+        covariance: of the noise on one period, (L, nz, nz); that of the mean is a P-th of it.
+        free: complex residuals behind it.
         periods: how many, P.
         dropped: periods before these that were transient.
         settled: whether the first period left looks like the others; None where that cannot be told.
     """
 
     mean: np.ndarray
-    scatter: np.ndarray
+    covariance: np.ndarray
+    free: float
     periods: int
     dropped: int
     settled: bool | None
@@ -57,33 +64,49 @@ def period_spectra(columns: np.ndarray, rows: int, lines: np.ndarray) -> np.ndar
     return out
 
 
-def reduce(periods: np.ndarray, lines_checked: np.ndarray, transient: int | None) -> Spectra:
-    """Mean and scatter of the periods behind the transient.
+def reduce(
+    columns: np.ndarray, rows: int, lines: np.ndarray, excited: np.ndarray, transient: int | None
+) -> Spectra:
+    """Mean and noise of the periods behind the transient.
+
+    The noise is read between the lines, and leakage is taken off; where periods are too short for that, they
+    are averaged, and their scatter is the noise.
 
     Args:
-        periods: (P, L, nz).
-        lines_checked: which lines tell a transient, (L,) bool.
+        columns: P whole periods, (P rows, nz).
+        rows: rows a period.
+        lines: harmonics wanted, (L,).
+        excited: which of them were excited and so can tell a transient, (L,) bool.
         transient: periods to drop; None finds out.
     """
     settled = None
     if transient is None:
-        transient, settled = transient_periods(periods[:, lines_checked])
-    kept = periods[transient:]
+        # where the first periods look like some later ones, they look like all
+        first = period_spectra(columns[: _LOOKED_AT * rows], rows, lines[excited])
+        transient, settled = transient_periods(first)
+    columns = columns[transient * rows :]
+    count = len(columns) // rows
+    between = spectra_between(columns, rows, lines)
+    if between is not None:
+        mean, covariance, free = between
+        return Spectra(mean, covariance, free, count, transient, settled)
+    kept = period_spectra(columns, rows, lines)
     mean = kept.mean(axis=0)
     deviation = np.moveaxis(kept - mean, 0, 2)  # (L, nz, P)
-    scatter = deviation @ np.conj(np.swapaxes(deviation, 1, 2))
-    return Spectra(mean, scatter, len(kept), transient, settled)
+    covariance = deviation @ np.conj(np.swapaxes(deviation, 1, 2)) / (count - 1)
+    return Spectra(mean, covariance, count - 1.0, count, transient, settled)
 
 
 def transient_periods(periods: np.ndarray) -> tuple[int, bool | None]:
     """How many leading periods differ from those behind them by more than these differ among themselves.
 
     At each line the difference of a period from the mean of the later ones, over their variance, is F
-    distributed once the response is periodic. A period is transient where far more lines than chance
-    allows exceed the 95 % quantile. At least two periods stay, and at least half of them.
+    distributed once the response is periodic. The chances of all lines of a band are put together (R. A.
+    Fisher), in octaves, because a transient that decays over a part of a period sits at the lowest lines.
+    At least two periods stay, and at least half of them.
 
     Args:
-        periods: (P, L, nz).
+        periods: (P, L, nz), lines ascending.
 
     Returns:
         ``(dropped, settled)``; `settled` is None with fewer than three periods or ten lines.
@@ -95,12 +118,22 @@ def transient_periods(periods: np.ndarray) -> tuple[int, bool | None]:
         rest = periods[drop + 1 :]
         q = len(rest)
         if q < 2:
-            return max(drop - 1, 0), False
+            return drop, None
         middle = rest.mean(axis=0)
         variance = np.sum(np.abs(rest - middle) ** 2, axis=0) / (q - 1)
         floor = (_NOTHING * np.abs(middle)) ** 2 + 1e-300
         ratio = np.abs(periods[drop] - middle) ** 2 / (np.maximum(variance, floor) * (1 + 1 / q))
-        over = np.mean(ratio > stats.f.ppf(0.95, 2, 2 * (q - 1)), axis=0)
-        if over.max() < 0.05 + _SURE * np.sqrt(0.05 * 0.95 / lines):
+        chance = stats.f.logsf(ratio, 2, 2 * (q - 1))
+        if all(
+            stats.chi2.sf(-2 * chance[a:b].sum(axis=0).min(), 2 * (b - a)) > _SURE for a, b in _octaves(lines)
+        ):
             return drop, True
     return count // 2, False
+
+
+def _octaves(lines: int) -> list[tuple[int, int]]:
+    """Bands of lines, each about twice as wide as the one below it."""
+    edges = [0]
+    while lines - edges[-1] >= 3 * _BAND * len(edges):
+        edges.append(edges[-1] + _BAND * 2 ** (len(edges) - 1))
+    return list(pairwise([*[e for e in edges if e < lines], lines]))
