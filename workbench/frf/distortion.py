@@ -60,7 +60,8 @@ def distortion(recordings: Sequence[Recording], **options: object) -> Distortion
 
     Args:
         recordings: one experiment or several about one posture.
-        options: as `estimate`: input, output, reference, axes, period_s, lines, transient_periods.
+        options: as `estimate`: input, output, reference, axes, period_s, lines, transient_periods,
+            leakage.
 
     Raises:
         InputError: as `estimate`, or the excitation left no line silent.

@@ -40,6 +40,7 @@ def estimate(
     period_s: float | None = None,
     lines: Sequence[int] | None = None,
     transient_periods: int | None = None,
+    leakage: bool = True,
     method: Literal["auto", "robust", "fast"] = "auto",
 ) -> Frf:
     """The frequency response about one posture, with its covariance.
@@ -54,6 +55,8 @@ def estimate(
         period_s: None takes what the recordings state, else what their autocorrelation shows.
         lines: excited harmonics; None takes what the reference shows.
         transient_periods: leading periods to drop; None drops those that still differ from the later ones.
+        leakage: take off the lines what the record's ends leak, and read the noise between them; else the
+            periods are averaged plainly, and their scatter is the noise.
         method: ``"robust"`` takes the total variance from realisation to realisation, ``"fast"`` adds to the
             noise what appears on silent odd lines; ``"auto"`` is robust with two realisations or more.
 
@@ -70,6 +73,7 @@ def estimate(
         period_s=period_s,
         lines=lines,
         transient_periods=transient_periods,
+        leakage=leakage,
     )
     return frf_of(measured, method)
 

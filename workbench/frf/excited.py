@@ -9,29 +9,27 @@ from scipy import stats
 
 from workbench.core import InputError, Recording
 
-from .records import Choice
+from .span import Span
 from .spectra import period_spectra
 
+_LOOKED_AT = 12  # last periods among which an input without a reference is searched for what repeats
 _SILENT = 1e-4  # a reference's line below this part of the largest was not put there on purpose
 
 
-def excited_lines(
-    recording: Recording, choice: Choice, columns: np.ndarray, rows: int, lines: Sequence[int] | None
-) -> np.ndarray:
+def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
     """Excited harmonics of one experiment, ascending, shape (F,).
 
     Those given; else those of the noise-free reference; else those at which the input repeats far above its
     own scatter. The last two within the band and the grid that the recording states.
 
     Args:
-        recording, choice: the experiment.
-        columns: its whole periods, (P rows, nz).
-        rows: rows a period.
+        span: the experiment.
         lines: the lines, if they are known.
 
     Raises:
         InputError: a line that does not exist, or none that was excited.
     """
+    recording, choice, rows = span.recording, span.choice, span.rows
     highest = (rows - 1) // 2
     if lines is not None:
         wanted = np.unique(np.asarray(lines, int))
@@ -43,14 +41,13 @@ def excited_lines(
                 remedy="give harmonics of the period, below half of its rows",
             )
         return wanted
-    n = len(choice.axes)
     every = np.arange(1, highest + 1)
     if choice.reference is not None:
-        size = np.abs(period_spectra(columns[-rows:, -n:], rows, every)[0]).max(axis=1)
+        reference = span.columns([choice.reference], periods=1)
+        size = np.abs(period_spectra(reference, rows, every)[0]).max(axis=1)
         found = every[size > _SILENT * size.max()]
     else:
-        start = n * len(choice.outputs)
-        spectra = period_spectra(columns[:, start : start + n], rows, every)
+        spectra = period_spectra(span.columns([choice.input], periods=_LOOKED_AT), rows, every)
         found = every[_repeats(spectra)]
     found = found[_stated(found, recording, rows)]
     if len(found) == 0:

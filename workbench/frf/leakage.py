@@ -14,6 +14,7 @@ import numpy as np
 import scipy.fft
 
 _ORDER = 2
+_CHUNK = 500_000  # numbers transformed at once
 _BINS = (12, 48)  # beside each line: at least and at most
 
 
@@ -31,7 +32,7 @@ def spectra_between(
         ``(mean, covariance, residuals)``: (L, nz) in amplitudes; (L, nz, nz) of one period, as the scatter
         of periods would have it; complex residuals behind it. None where the periods are too short.
     """
-    count, nz = len(columns) // rows, columns.shape[1]
+    count = len(columns) // rows
     size = len(columns)
     free = np.arange(1, (size - 1) // 2 + 1)
     free = free[free % count != 0]
@@ -39,22 +40,30 @@ def spectra_between(
     wide = int(np.clip(2 * (count - 1), *_BINS))
     if len(free) < wide:
         return None
-    spectrum = np.empty((size // 2 + 1, nz), complex)
-    for k in range(nz):  # a column at a time: a long record is transformed without a second copy of all
-        spectrum[:, k] = np.asarray(scipy.fft.rfft(np.ascontiguousarray(columns[:, k])))
-    spectrum *= 2.0 / size
     bins = lines * count
     first = np.clip(np.searchsorted(free, bins) - wide // 2, 0, len(free) - wide)
     beside = free[first[:, None] + np.arange(wide)]
     away = (beside - bins[:, None]) / np.abs(beside - bins[:, None]).max(axis=1, keepdims=True)
     basis, upper = np.linalg.qr(away[:, :, None] ** np.arange(_ORDER + 1))
-    there = spectrum[beside]
+    spectrum = _spectrum(columns, int(max(beside.max(), bins.max())) + 1)
+    there = np.moveaxis(spectrum[:, beside], 0, 2)
     inside = np.swapaxes(basis, 1, 2) @ there
     # the polynomial's value on the line is its constant term
     constant = np.linalg.inv(upper)[:, :1]
-    mean = spectrum[bins] - (constant @ inside)[:, 0]
+    mean = spectrum[:, bins].T - (constant @ inside)[:, 0]
     rest = there - basis @ inside
     residuals = float(wide - _ORDER - 1)
     covariance = np.swapaxes(rest, 1, 2) @ np.conj(rest) / residuals
     wider = 1.0 + np.sum(constant[:, 0] ** 2, axis=1)
     return mean, covariance * (count * wider)[:, None, None], residuals
+
+
+def _spectrum(columns: np.ndarray, bins: int) -> np.ndarray:
+    """Amplitude spectra of the columns (N, nz) up to a bin, (nz, bins)."""
+    size, nz = columns.shape
+    out = np.empty((nz, bins), complex)
+    step = max(1, _CHUNK // size)
+    for k in range(0, nz, step):  # a few columns at a time: a long record needs no second copy of all
+        block = np.ascontiguousarray(columns[:, k : k + step].T)
+        np.multiply(np.asarray(scipy.fft.rfft(block, axis=1))[:, :bins], 2.0 / size, out=out[k : k + step])
+    return out

@@ -11,7 +11,8 @@ from workbench.core import InputError, Recording
 
 from .excited import common_lines, excited_lines
 from .lines import detection_lines
-from .records import Choice, choose, rows_of_period, whole_periods
+from .records import Choice, choose, rows_of_period
+from .span import whole_periods
 from .spectra import Spectra, reduce
 
 
@@ -56,35 +57,34 @@ def measure(
     period_s: float | None = None,
     lines: Sequence[int] | None = None,
     transient_periods: int | None = None,
+    leakage: bool = True,
 ) -> Measured:
     """Spectra of periodic experiments; arguments and errors as `workbench.frf.estimate`."""
     choice = choose(recordings, input=input, output=output, reference=reference, axes=axes)
     period = rows_of_period(recordings, choice, period_s)
     notes: list[str] = []
-    blocks, found, postures = [], [], []
-    for r in recordings:
-        columns, rows, start = whole_periods(r, choice, period)
-        blocks.append((columns, rows))
-        found.append(excited_lines(r, choice, columns, rows, lines))
-        postures.append(r.position[start:].mean(axis=0))
-    excited = common_lines(found, recordings)
+    spans = [whole_periods(r, choice, period) for r in recordings]
+    rows = spans[0].rows
+    excited = common_lines([excited_lines(span, lines) for span in spans], recordings)
     odd, even = detection_lines(excited)
     every = np.union1d(excited, np.concatenate([odd, even]))
-    every = every[every <= (blocks[0][1] - 1) // 2]
-    if abs(period - blocks[0][1]) * len(recordings[0]) / period >= 0.02:
-        notes.append(f"A period is {period:.6g} rows: the signals were interpolated to {blocks[0][1]}.")
-    spectra = []
-    for r, (columns, rows) in zip(recordings, blocks, strict=True):
-        if transient_periods is not None and len(columns) // rows - transient_periods < 2:
+    every = every[every <= (rows - 1) // 2]
+    if not spans[0].whole:
+        notes.append(f"A period is {period:.6g} rows: the signals were interpolated to {rows}.")
+    spectra, postures = [], []
+    for span in spans:  # one experiment's signals are in memory at a time
+        if transient_periods is not None and not 0 <= transient_periods <= span.count - 2:
             raise InputError(
-                f"{transient_periods} transient periods leave fewer than two of {len(columns) // rows}",
-                file=r.source,
+                f"{transient_periods} transient periods leave fewer than two of {span.count}",
+                file=span.recording.source,
                 column="transient_periods",
                 remedy="drop fewer, or record more",
             )
-        s = reduce(columns, rows, every, np.isin(every, excited), transient_periods)
+        s = reduce(span.columns(), rows, every, np.isin(every, excited), transient_periods, leakage)
         spectra.append(s)
-        notes += _transient_note(r.name, s)
+        used = span.recording.position[span.last - round(s.periods * period) : span.last]
+        postures.append(used.mean(axis=0))
+        notes += _transient_note(span.recording.name, s)
     return Measured(
         tuple(recordings),
         choice,

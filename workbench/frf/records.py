@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from workbench.core import AXIS_SIGNALS, InputError, Recording
 from workbench.recordings.resample import looks_held
 
-from .period import find_period, periodic_rows
+from .period import find_period
 from .response import Channel
 
 _UNITS = {
@@ -30,10 +29,24 @@ class Choice:
     reference: str | None
     axes: tuple[int, ...]
 
-    def columns(self, recording: Recording) -> np.ndarray:
-        """Outputs, inputs, references side by side, (N, ny + nu + nr)."""
-        names = (*self.outputs, self.input, *((self.reference,) if self.reference else ()))
-        return np.concatenate([recording.signals[s][:, list(self.axes)] for s in names], axis=1)
+    def columns(
+        self, recording: Recording, rows: slice = slice(None), signals: Sequence[str] | None = None
+    ) -> np.ndarray:
+        """Outputs, inputs, references (or some `signals`) side by side, (rows, ny + nu + nr)."""
+        names = self.signals if signals is None else signals
+        return np.concatenate([recording.signals[s][rows, self.place] for s in names], axis=1)
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Names of outputs, input and reference, in the order of `columns`."""
+        return (*self.outputs, self.input, *((self.reference,) if self.reference else ()))
+
+    @property
+    def place(self) -> slice | list[int]:
+        """The axes as an index, without a copy where they stand side by side."""
+        first, last = self.axes[0], self.axes[-1]
+        side_by_side = self.axes == tuple(range(first, last + 1))
+        return slice(first, last + 1) if side_by_side else list(self.axes)
 
     def channels(self, recording: Recording) -> tuple[tuple[Channel, ...], tuple[Channel, ...]]:
         """What the response's rows and columns are."""
@@ -122,7 +135,7 @@ def rows_of_period(recordings: Sequence[Recording], choice: Choice, period_s: fl
             raise InputError(f"a period of {value} s", file=first.source, column="period_s", remedy=remedy)
         return value / first.period
     signal = choice.reference or choice.input
-    found = find_period(first.signals[signal][:, list(choice.axes)])
+    found = find_period(first.signals[signal][:, choice.place])
     if found is None:
         raise InputError(
             f"no period shows in {signal}",
@@ -131,53 +144,6 @@ def rows_of_period(recordings: Sequence[Recording], choice: Choice, period_s: fl
             remedy="state it, or use the local polynomial method for a record that does not repeat",
         )
     return found
-
-
-def whole_periods(
-    recording: Recording, choice: Choice, period: float, first_row: int = 0
-) -> tuple[np.ndarray, int, int]:
-    """The rows of whole periods, the last ones that fit, on a clock that divides the period.
-
-    What is left over lies at the beginning, where the transient is.
-
-    Args:
-        recording: one experiment.
-        choice: its signals.
-        period: in rows.
-        first_row: rows before it are not used.
-
-    Returns:
-        ``(columns, rows, start)``: outputs, inputs, references (P rows_of_a_period, nz), the rows a period,
-        and the recording's row at which they begin.
-
-    Raises:
-        InputError: fewer than two whole periods, or a masked or missing number in them.
-    """
-    columns = choice.columns(recording)
-    rows = round(period)
-    whole = abs(period - rows) * (len(recording) / period) < 0.02
-    first, last = first_row, len(recording)
-    if choice.reference is not None and whole:
-        begin, end = periodic_rows(recording.signals[choice.reference][:, list(choice.axes)], rows)
-        if end > begin:
-            first, last = max(begin, first_row), end
-    count = int(np.floor((last - first) / (rows if whole else period) * (1 + 1e-9)))
-    if rows < 4 or count < 2:
-        raise InputError(
-            f"{max(count, 0)} whole period(s) of {period * recording.period:.6g} s in {recording.name}",
-            file=recording.source,
-            remedy="record two or more, or use the local polynomial method",
-        )
-    if whole:
-        start = last - count * rows
-        check_rows(recording, choice, start, last)
-        return columns[start:last], rows, start
-    start = last - round(count * period)
-    check_rows(recording, choice, max(start - 1, 0), last)
-    # input and output are resampled by the same rule, so that its small errors cancel in the response
-    at = np.clip(last - 1 - (period / rows) * np.arange(count * rows)[::-1], 0, last - 1)
-    spline = make_interp_spline(np.arange(last), columns[:last], k=5)
-    return np.asarray(spline(at)), rows, start
 
 
 def check_rows(recording: Recording, choice: Choice, first: int, last: int) -> None:
@@ -190,10 +156,11 @@ def check_rows(recording: Recording, choice: Choice, first: int, last: int) -> N
             row=first + int(np.argmax(masked)) + 1,
             remedy="cut the recording there; a frequency response needs whole periods without gaps",
         )
-    for signal in (*choice.outputs, choice.input, *((choice.reference,) if choice.reference else ())):
-        bad = ~np.isfinite(recording.signals[signal][first:last, list(choice.axes)])
-        if bad.any():
-            row, column = np.argwhere(bad)[0]
+    for signal in choice.signals:
+        values = recording.signals[signal][first:last, choice.place]
+        # a sum is finite where all are, and takes no memory
+        if not np.isfinite(values.sum()):
+            row, column = np.argwhere(~np.isfinite(values))[0]
             raise InputError(
                 f"{signal} of axis '{recording.axes[choice.axes[column]]}' is not a number",
                 file=recording.source,

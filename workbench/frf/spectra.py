@@ -11,7 +11,7 @@ from scipy import stats
 
 from .leakage import spectra_between
 
-_CHUNK = 4_000_000  # numbers transformed at once: a few periods of a long record, all of a short one
+_CHUNK = 500_000  # numbers transformed at once, few enough to stay near the processor
 _SURE = 1e-5  # chance of calling a period transient that is not, in each band
 _LOOKED_AT = 12  # leading periods among which the transient is looked for
 _BAND = 12  # lines in the lowest band; each next one has twice as many
@@ -54,23 +54,31 @@ def period_spectra(columns: np.ndarray, rows: int, lines: np.ndarray) -> np.ndar
     count, nz = len(columns) // rows, columns.shape[1]
     out = np.empty((count, len(lines), nz), complex)
     step = max(1, _CHUNK // (rows * nz))
+    apart = np.diff(lines)
+    even = len(lines) > 1 and (apart == apart[0]).all()
+    # evenly spaced lines need no copy to be picked out
+    pick = slice(int(lines[0]), int(lines[-1]) + 1, int(apart[0])) if even else lines
     for k in range(0, count, step):
         block = columns[k * rows : (k + step) * rows].reshape(-1, rows, nz)
         # transforms run along rows that lie side by side in memory
         block = np.ascontiguousarray(np.swapaxes(block, 1, 2))
-        spectrum = np.asarray(scipy.fft.rfft(block, axis=2))[:, :, lines]
-        out[k : k + step] = np.swapaxes(spectrum, 1, 2)
-    out *= 2.0 / rows
+        spectrum = np.asarray(scipy.fft.rfft(block, axis=2))[:, :, pick]
+        np.multiply(np.swapaxes(spectrum, 1, 2), 2.0 / rows, out=out[k : k + step])
     return out
 
 
 def reduce(
-    columns: np.ndarray, rows: int, lines: np.ndarray, excited: np.ndarray, transient: int | None
+    columns: np.ndarray,
+    rows: int,
+    lines: np.ndarray,
+    excited: np.ndarray,
+    transient: int | None,
+    leakage: bool,
 ) -> Spectra:
     """Mean and noise of the periods behind the transient.
 
-    The noise is read between the lines, and leakage is taken off; where periods are too short for that, they
-    are averaged, and their scatter is the noise.
+    With `leakage` the noise is read between the lines, and leakage is taken off. Without, and where periods
+    are too short for that, they are averaged, and their scatter is the noise.
 
     Args:
         columns: P whole periods, (P rows, nz).
@@ -78,6 +86,7 @@ def reduce(
         lines: harmonics wanted, (L,).
         excited: which of them were excited and so can tell a transient, (L,) bool.
         transient: periods to drop; None finds out.
+        leakage: see above.
     """
     settled = None
     if transient is None:
@@ -86,7 +95,7 @@ def reduce(
         transient, settled = transient_periods(first)
     columns = columns[transient * rows :]
     count = len(columns) // rows
-    between = spectra_between(columns, rows, lines)
+    between = spectra_between(columns, rows, lines) if leakage else None
     if between is not None:
         mean, covariance, free = between
         return Spectra(mean, covariance, free, count, transient, settled)
