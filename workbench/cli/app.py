@@ -27,7 +27,21 @@ def main() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     from workbench.core import WorkbenchError
 
-    from . import add, check, compare, demo, diagnose, import_, improve, inspect, normalize, record  # noqa: F401
+    from . import (  # noqa: F401
+        add,
+        check,
+        compare,
+        demo,
+        diagnose,
+        excite,
+        frf,
+        identify,
+        import_,
+        improve,
+        inspect,
+        normalize,
+        record,
+    )
 
     try:
         app()

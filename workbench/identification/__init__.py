@@ -1,1 +1,18 @@
-"""Actuator and leg parameters from frequency responses (paper, Algorithm 1)."""
+"""Actuator and leg parameters from frequency responses, and S3N built from them (paper, Algorithm 1)."""
+
+from .build import check_physical, serial_form, with_actuator, with_leg
+from .identify import identify_actuator, identify_leg
+from .picture import fit_figure
+from .result import ActuatorIdentification, LegIdentification
+
+__all__ = [
+    "ActuatorIdentification",
+    "LegIdentification",
+    "check_physical",
+    "fit_figure",
+    "identify_actuator",
+    "identify_leg",
+    "serial_form",
+    "with_actuator",
+    "with_leg",
+]

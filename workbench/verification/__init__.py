@@ -1,5 +1,7 @@
-"""Whether the closed chain, the serial tree and S3N agree: Drake, Pinocchio, MuJoCo and the closed forms."""
+"""Whether the closed chain, the serial tree and S3N agree, with each other and with a measured response."""
 
+from .picture import frf_figure
+from .responses import FrfComparison, compare_frf, model_responses
 from .verify import verify
 
-__all__ = ["verify"]
+__all__ = ["FrfComparison", "compare_frf", "frf_figure", "model_responses", "verify"]

@@ -1,0 +1,63 @@
+"""``workbench frf``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .app import app
+from .common import (
+    ForceOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    RecordingsArgument,
+    check_outputs,
+    progress,
+    read_recordings,
+)
+
+
+@app.command()
+def frf(
+    model: ModelArgument,
+    recordings: RecordingsArgument,
+    json: JsonOption = None,
+    figure: Annotated[
+        str | None, typer.Option("--figure", metavar="FILE", help="Draw it (.png, .svg, .pdf).")
+    ] = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Measured frequency responses with their uncertainty, beside the closed chain's and every variant's.
+
+    Recordings about several postures are told apart by where they were made.
+
+    Example: workbench frf leg sum.toml difference.toml --figure frf.png
+    """
+    from workbench import report
+    from workbench.models import read_model
+    from workbench.verification import compare_frf, frf_figure
+
+    from .frf_output import frf_dict, frf_table
+
+    check_outputs(json, figure, force=force)
+    loaded, data = read_model(model), read_recordings(recordings)
+    with progress(quiet) as tell:
+        tell("estimating responses")
+        found = compare_frf(loaded, data)
+    if json:
+        content: dict[str, Any] = frf_dict(loaded, found)
+        report.write_json(content, json, force=force)
+    if figure:
+        for place, path in zip(found, _numbered(Path(figure), len(found)), strict=True):
+            report.save_figure(frf_figure(place), path, force=force)
+    if not quiet and json != "-":
+        report.print_table(frf_table(found))
+
+
+def _numbered(path: Path, count: int) -> list[Path]:
+    """One file a posture."""
+    return [path] + [path.with_stem(f"{path.stem}_{k}") for k in range(2, count + 1)]

@@ -1,0 +1,117 @@
+"""``workbench identify actuator`` and ``workbench identify leg``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from workbench.core import InputError
+
+from .app import app
+from .common import ForceOption, JsonOption, QuietOption, RecordingsArgument, check_outputs, read_recordings
+
+identify = typer.Typer(
+    name="identify",
+    help="Actuator and leg parameters from frequency responses, with intervals.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+app.add_typer(identify)
+
+_Base = Annotated[
+    str, typer.Option("--model", metavar="MODEL", help="The model that gets the numbers; a serial tree.")
+]
+_Output = Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
+_Figure = Annotated[
+    str | None, typer.Option("--figure", metavar="FILE", help="Draw response and fit (.png, .svg, .pdf).")
+]
+
+
+@identify.command()
+def actuator(
+    recordings: RecordingsArgument,
+    model: _Base = "leg_kin_only",
+    output: _Output = "",
+    json: JsonOption = None,
+    figure: _Figure = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Inertia, damping and delay of a drive on its own, from open-loop torque excitation.
+
+    Example: workbench identify actuator bench/multisine.toml --model leg_kin_only -o with_actuator.toml
+    """
+    from workbench import report
+    from workbench.identification import fit_figure, identify_actuator, with_actuator
+    from workbench.models import read_model, write_model
+
+    from .identify_output import actuator_dict, actuator_table
+
+    check_outputs(output or None, json, figure, force=force)
+    base = read_model(model) if output else None
+    found = identify_actuator(read_recordings(recordings))
+    if base is not None:
+        write_model(replace(with_actuator(base, found), name=Path(output).stem), output, force=force)
+    if json:
+        report.write_json(actuator_dict(found), json, force=force)
+    if figure:
+        report.save_figure(fit_figure(found.fit), Path(figure), force=force)
+    if not quiet and json != "-":
+        report.print_table(actuator_table(found))
+        if output:
+            typer.echo(f"Wrote {output}: {model} with these drives.")
+
+
+@identify.command()
+def leg(
+    recordings: RecordingsArgument,
+    model: _Base = "leg_kin_only",
+    actuator: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--actuator",
+            metavar="REC",
+            help="Recordings of the actuator alone; else the model's numbers count.",
+        ),
+    ] = None,
+    output: _Output = "",
+    json: JsonOption = None,
+    figure: _Figure = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Total inertia of a parallel leg; with the actuators' share subtracted once, the S3N-Full model.
+
+    Example: workbench identify leg sum.toml difference.toml --model leg_kin_only -o s3n_full.toml
+    """
+    from workbench import report
+    from workbench.identification import fit_figure, identify_actuator, identify_leg, with_actuator, with_leg
+    from workbench.models import read_model, write_model
+
+    from .identify_output import leg_dict, leg_table
+
+    check_outputs(output or None, json, figure, force=force)
+    base = read_model(model)
+    if actuator:
+        base = with_actuator(base, identify_actuator(read_recordings(actuator)))
+    data = read_recordings(recordings)
+    if data[0].axes != base.axes:
+        raise InputError(
+            f"axes are {', '.join(data[0].axes)}, and those of model '{base.name}' {', '.join(base.axes)}",
+            file=data[0].source, column="axes", remedy="name the model that the recordings are of: --model",
+        )  # fmt: skip
+    found = identify_leg(data, base.transmission)
+    built = with_leg(base, found)
+    if output:
+        write_model(replace(built, name=Path(output).stem), output, force=force)
+    if json:
+        report.write_json(leg_dict(found, built), json, force=force)
+    if figure:
+        report.save_figure(fit_figure(found.fit), Path(figure), force=force)
+    if not quiet and json != "-":
+        report.print_table(leg_table(found, built))
+        if output:
+            typer.echo(f"Wrote {output}: {model} as S3N-Full.")

@@ -1,0 +1,97 @@
+"""What ``workbench identify`` prints, writes and draws."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rich.console import Group
+from rich.text import Text
+
+from workbench.core import FORMAT, Estimate
+from workbench.frf import Fit
+from workbench.identification import ActuatorIdentification, LegIdentification
+from workbench.models import Model
+from workbench.report.layout import table, text, verdict
+from workbench.report.numbers import interval
+
+
+def actuator_dict(found: ActuatorIdentification) -> dict[str, Any]:
+    """The JSON of ``identify actuator``."""
+    return {
+        "format": FORMAT,
+        "inertia": _estimate(found.inertia),
+        "damping": _estimate(found.damping),
+        "delay_s": _estimate(found.delay),
+        **_quality(found.fit),
+    }
+
+
+def leg_dict(found: LegIdentification, built: Model) -> dict[str, Any]:
+    """The JSON of ``identify leg``."""
+    linkage = built.linkage
+    return {
+        "format": FORMAT,
+        "M11": _estimate(found.M11),
+        "M12": _estimate(found.M12),
+        "M22": _estimate(found.M22),
+        "damping": [_estimate(d) for d in found.damping],
+        "delay_s": _estimate(found.delay),
+        "gravity": [_estimate(g) for g in found.gravity],
+        "postures": [list(f.posture) for f in found.frfs],
+        "actuators": {"inertia": list(built.actuators.inertia), "damping": list(built.actuators.damping)},
+        "linkage": {} if linkage is None else {k: v for k, v in vars(linkage).items() if k != "identified"},
+        **_quality(found.fit),
+    }
+
+
+def actuator_table(found: ActuatorIdentification) -> Group:
+    """Estimates with intervals, and whether the model was enough."""
+    rows = table("", ("estimate (95 %)", "right"))
+    for name, value in (("inertia", found.inertia), ("damping", found.damping), ("delay", found.delay)):
+        rows.add_row(name, interval(_readable(value)))
+    return Group(rows, *_judged(found.fit))
+
+
+def leg_table(found: LegIdentification, built: Model) -> Group:
+    """Total inertia with intervals, whose share it is, and whether the model was enough."""
+    rows = table("", ("total (95 %)", "right"), ("actuator", "right"), ("linkage over tree", "right"))
+    inertia, linkage = built.actuators.inertia, built.linkage
+    assert linkage is not None
+    shares = ((inertia[0], linkage.M11), (0.0, linkage.M12), (inertia[1], linkage.M22))
+    for name, value, (own, over) in zip(
+        ("M11", "M12", "M22"), (found.M11, found.M12, found.M22), shares, strict=True
+    ):
+        rows.add_row(name, interval(_readable(value)), f"{own:.5g}", f"{over:.5g}")
+    for name, value in (
+        *((f"damping {axis}", d) for axis, d in zip(built.axes, found.damping, strict=True)),
+        ("delay", found.delay),
+        *((f"gravity {axis}", g) for axis, g in zip(built.axes, found.gravity, strict=True)),
+    ):
+        rows.add_row(name, interval(_readable(value)), "", "")
+    return Group(rows, *_judged(found.fit))
+
+
+def _judged(fit: Fit) -> list[Text]:
+    return [verdict(fit.sentence, fit.adequate), *(text(note) for note in fit.notes)]
+
+
+def _quality(fit: Fit) -> dict[str, Any]:
+    j = fit.judgement
+    return {
+        "adequate": fit.adequate,
+        "sentence": fit.sentence,
+        "cost": j.cost,
+        "expected_cost": j.expected,
+        "cost_std": j.std,
+        "correlation": j.correlation,
+        "notes": list(fit.notes),
+    }
+
+
+def _estimate(value: Estimate) -> dict[str, Any]:
+    return {"value": value.value, "std": value.std, "unit": value.unit}
+
+
+def _readable(value: Estimate) -> Estimate:
+    """Seconds as milliseconds."""
+    return Estimate(1e3 * value.value, 1e3 * value.std, "ms") if value.unit == "s" else value

@@ -1,0 +1,118 @@
+"""Step 2 of the workflow (paper, Algorithm 1): S3N-Act and S3N-Full from what was identified."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import InputError
+from workbench.models import VARIANTS, AppliedEffect, Linkage, Model
+from workbench.s3n import with_variant
+from workbench.serial_tree import SerialTree
+
+from .result import ActuatorIdentification, LegIdentification
+
+_SURE = 2.0  # deviations by which something has to be impossible before it is called so
+_ALPHA = np.radians(np.linspace(0.0, 180.0, 13))
+
+
+def with_actuator(model: Model, found: ActuatorIdentification) -> Model:
+    """The model with every drive's inertia, damping and delay as identified (S3N-Act, Eqs. 12, 13)."""
+    n = model.size
+    return replace(
+        model,
+        actuators=replace(
+            model.actuators,
+            inertia=(found.inertia.value,) * n,
+            damping=(found.damping.value,) * n,
+            delay_s=max(found.delay.value, 0.0),
+        ),
+    )
+
+
+def with_leg(model: Model, found: LegIdentification) -> Model:
+    """The model as S3N-Full: the actuators' share and the serial tree's subtracted once (Eqs. 15 and 19).
+
+    Args:
+        model: with its actuators and its serial tree.
+        found: total inertia and gravity.
+
+    Raises:
+        InputError: the model is no parallelogram, or what is left for the links is no inertia that bodies
+            can have.
+    """
+    if model.size != 2:
+        raise InputError(
+            f"model '{model.name}' has {model.size} axes", file=model.source,
+            remedy="name a model of one leg with two drives",
+        )  # fmt: skip
+    links = found.total - np.array([model.actuators.inertia[0], 0.0, model.actuators.inertia[1]])
+    check_physical(links, found.covariance, model)
+    tree, gravity = serial_form(model)
+    increment = links - tree
+    weight = np.array([g.value for g in found.gravity]) - gravity
+    linkage = Linkage(*map(float, increment), *map(float, weight), identified=True)
+    known = replace(model, linkage=linkage, variant="kin_only", effects=_others(model))
+    return with_variant(known, "s3n_full")
+
+
+def check_physical(links: np.ndarray, covariance: np.ndarray, model: Model) -> None:
+    """Refuse link inertia that is not positive at every posture, by more than its uncertainty.
+
+    Args:
+        links: M11, M12, M22 of the links alone [kg m^2].
+        covariance: of these, (3, 3).
+        model: for the message.
+
+    Raises:
+        InputError: says which, and what it leaves for the links.
+    """
+    m11, m12, m22 = links
+    deviation = np.sqrt(np.diag(covariance))
+    for name, value, std, inertia in (
+        ("M11", m11, deviation[0], model.actuators.inertia[0]),
+        ("M22", m22, deviation[2], model.actuators.inertia[1]),
+    ):
+        if value <= -_SURE * std or value <= 0.0:
+            raise InputError(
+                f"the total {name} of {value + inertia:.5g} kg m^2 leaves {value:.4g} ± {_SURE * std:.2g} "
+                f"for the links beside the actuator's {inertia:.5g}: no body has that", file=model.source,
+                column="actuators.inertia", remedy="identify the actuator again, alone and at the same gear",
+            )  # fmt: skip
+    slope = np.array([m22, -2.0 * m12, m11])  # of the determinant at alpha = 0
+    room = m11 * m22 - m12**2
+    if room <= -_SURE * np.sqrt(max(slope @ covariance @ slope, 0.0)) or room <= 0.0:
+        raise InputError(
+            f"M12 = {m12:.4g} kg m^2 is more than links of M11 = {m11:.4g} and M22 = {m22:.4g} can couple",
+            file=model.source, column="actuators.inertia",
+            remedy="identify leg and actuators again; excite both modes at more postures",
+        )  # fmt: skip
+
+
+def serial_form(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """M11, M12 (factor of cos alpha), M22 [kg m^2] and g1, g2 [N m] of the serial tree, actuator coordinates.
+
+    Raises:
+        InputError: the tree is not of that form (angles not from straight down, or another mechanism).
+    """
+    tree, back = SerialTree(model), np.linalg.inv(model.transmission)
+    q = np.stack([0.3 - 0.1 * _ALPHA, _ALPHA], axis=1)
+    mass = back.T @ tree.link_mass_matrix(q)[:, :2, :2] @ back
+    pull = tree.gravity(q)[:, :2] @ back
+    cosine, sine = np.cos(_ALPHA), np.sin(q @ model.transmission.T)
+    m11, m22 = mass[:, 0, 0].mean(), mass[:, 1, 1].mean()
+    m12 = mass[:, 0, 1] @ cosine / (cosine @ cosine)
+    off = max(np.ptp(mass[:, 0, 0]), np.ptp(mass[:, 1, 1]), np.abs(mass[:, 0, 1] - m12 * cosine).max())
+    if off > 1e-6 * m11:
+        raise InputError(
+            f"the serial tree of '{model.name}' is no thigh and shank measured from straight down",
+            file=model.serial, remedy="align its zeros: both links hang along gravity at angle zero",
+        )  # fmt: skip
+    g = -np.sum(pull * sine, axis=0) / np.sum(sine**2, axis=0)
+    return np.array([m11, m12, m22]), g
+
+
+def _others(model: Model) -> tuple[AppliedEffect, ...]:
+    structural = {name for names in VARIANTS.values() for name in names}
+    return tuple(e for e in model.effects if e.key.effect not in structural)

@@ -1,0 +1,50 @@
+"""A measured response and the model fitted to it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from workbench.frf import Fit
+
+
+def fit_figure(fit: Fit) -> Figure:
+    """Measured response with its 95 % band and the fit, magnitude over phase, one column an entry."""
+    first = fit.frfs[0]
+    rows, columns = first.response.shape[1:]
+    figure = Figure(figsize=(3.2 * rows * columns + 0.8, 4.6), layout="constrained")
+    axes = figure.subplots(2, rows * columns, sharex=True, squeeze=False)
+    for frf, model in zip(fit.frfs, fit.responses, strict=True):
+        for k, (i, j) in enumerate(np.ndindex(rows, columns)):
+            _entry(
+                axes[0, k], axes[1, k], frf.frequency, frf.response[:, i, j], frf.std[:, i, j], model[:, i, j]
+            )
+            unit = f"{first.outputs[i].unit} / ({first.inputs[j].unit})"
+            axes[0, k].set_title(
+                f"{first.outputs[i].axis} over {first.inputs[j].axis} [{unit}]", fontsize=9, loc="left"
+            )
+            axes[1, k].set_xlabel("frequency [Hz]")
+    axes[0, 0].set_ylabel("magnitude")
+    axes[1, 0].set_ylabel("phase [deg]")
+    axes[0, 0].legend(frameon=False, fontsize=8)
+    return figure
+
+
+def _entry(
+    magnitude: Any, phase: Any, f: np.ndarray, measured: np.ndarray, std: np.ndarray, model: np.ndarray
+) -> None:
+    size = np.abs(measured)
+    low = np.maximum(size - 1.96 * std, 1e-3 * size)
+    magnitude.fill_between(f, low, size + 1.96 * std, color="#c9cdd2", lw=0, label="95 %")
+    magnitude.loglog(f, size, ".", ms=3, color="#5b6168", label="measured")
+    magnitude.loglog(f, np.abs(model), color="#0072B2", lw=1.2, label="fit")
+    for values, style in (
+        (measured, {"ls": "", "marker": ".", "ms": 3, "color": "#5b6168"}),
+        (model, {"color": "#0072B2", "lw": 1.2}),
+    ):
+        phase.semilogx(f, np.degrees(np.unwrap(np.angle(values))), **style)
+    for ax in (magnitude, phase):
+        ax.grid(alpha=0.25)
+        ax.spines[["top", "right"]].set_visible(False)

@@ -1,0 +1,95 @@
+"""Measurement, closed chain and serial variants in one picture: magnitude, phase and error."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .responses import FrfComparison
+
+#: Okabe and Ito's palette, told apart without colour by the line style.
+_STYLE: dict[str, dict[str, Any]] = {
+    "closed_chain": {"color": "#1a1c1e", "lw": 1.6, "ls": "-"},
+    "kin_only": {"color": "#D55E00", "lw": 1.3, "ls": (0, (4, 1.6))},
+    "s3n_act": {"color": "#009E73", "lw": 1.3, "ls": (0, (1, 1.2))},
+    "s3n_full": {"color": "#0072B2", "lw": 1.3, "ls": (0, (6, 1.5, 1, 1.5))},
+    "exact": {"color": "#CC79A7", "lw": 1.1, "ls": (0, (2, 2))},
+}
+
+
+def frf_figure(comparison: FrfComparison, names: tuple[str, ...] | None = None) -> Figure:
+    """One column an entry of the response; rows: magnitude with its 95 % band, phase, relative error.
+
+    Args:
+        comparison: one posture.
+        names: models to draw; all if not given.
+    """
+    frf, shown = comparison.frf, names or tuple(comparison.models)
+    ny, nu = frf.response.shape[1:]
+    figure = Figure(figsize=(2.9 * ny * nu + 0.9, 6.6), layout="constrained")
+    grid = figure.add_gridspec(3, ny * nu, height_ratios=(1.3, 1.0, 1.0))
+    for column, (i, j) in enumerate(np.ndindex(ny, nu)):
+        magnitude, phase = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column])
+        _magnitude(magnitude, comparison, shown, i, j)
+        _phase(phase, comparison, shown, i, j)
+        unit = f"{frf.outputs[i].unit} per {frf.inputs[j].unit}"
+        magnitude.set_title(
+            f"{frf.outputs[i].axis} over {frf.inputs[j].axis}\n[{unit}]", fontsize=9, loc="left"
+        )
+        if column == 0:
+            magnitude.set_ylabel("magnitude")
+            phase.set_ylabel("phase [deg]")
+            magnitude.legend(frameon=False, fontsize=7.5, loc="lower left")
+    _errors(figure.add_subplot(grid[2, :]), comparison, shown)
+    return figure
+
+
+def _magnitude(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -> None:
+    f, size, std = c.frf.frequency, np.abs(c.frf.response[:, i, j]), c.frf.std[:, i, j]
+    ax.fill_between(
+        f, np.maximum(size - 1.96 * std, 0.02 * size), size + 1.96 * std, color="#c9cdd2", lw=0, label="95 %"
+    )
+    ax.plot(f, size, ".", ms=2.2, color="#6b7178", label="measured")
+    for name in names:
+        ax.plot(f, np.abs(c.models[name][:, i, j]), label=name.replace("_", " "), **_STYLE.get(name, {}))
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    _plain(ax)
+
+
+def _phase(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -> None:
+    f = c.frf.frequency
+    # where noise rules, a phase means nothing and an unwrapped one jumps by whole turns
+    sure = c.frf.std[:, i, j] < 0.5 * np.abs(c.frf.response[:, i, j])
+    ax.plot(f[sure], np.degrees(np.angle(c.frf.response[sure, i, j])), ".", ms=2.2, color="#6b7178")
+    for name in names:
+        angle = np.degrees(np.angle(c.models[name][:, i, j]))
+        jump = np.abs(np.diff(angle, prepend=angle[0])) > 180
+        ax.plot(f, np.where(jump, np.nan, angle), **_STYLE.get(name, {}))
+    ax.set_xscale("log")
+    ax.set_ylim(-185, 185)
+    ax.set_yticks([-180, -90, 0, 90, 180])
+    _plain(ax)
+
+
+def _errors(ax: Axes, c: FrfComparison, names: tuple[str, ...]) -> None:
+    f = c.frf.frequency
+    ax.fill_between(f, 1e-4, 100.0 * c.noise, color="#c9cdd2", lw=0, label="measurement's own")
+    for name in names:
+        ax.plot(f, 100.0 * c.error[name], label=name.replace("_", " "), **_STYLE.get(name, {}))
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_ylim(max(0.05, 50.0 * float(np.min(c.noise))), None)
+    ax.set_ylabel("relative error [%]")
+    ax.set_xlabel("frequency [Hz]")
+    ax.legend(frameon=False, fontsize=7.5, ncols=3)
+    _plain(ax)
+
+
+def _plain(ax: Axes) -> None:
+    ax.grid(alpha=0.25)
+    ax.spines[["top", "right"]].set_visible(False)
+    ax.tick_params(labelsize=8)
