@@ -36,15 +36,15 @@ def _entry(
     magnitude: Any, phase: Any, f: np.ndarray, measured: np.ndarray, std: np.ndarray, model: np.ndarray
 ) -> None:
     size = np.abs(measured)
-    low = np.maximum(size - 1.96 * std, 1e-3 * size)
+    low = np.maximum(size - 1.96 * std, 0.02 * size)
     magnitude.fill_between(f, low, size + 1.96 * std, color="#c9cdd2", lw=0, label="95 %")
     magnitude.loglog(f, size, ".", ms=3, color="#5b6168", label="measured")
     magnitude.loglog(f, np.abs(model), color="#0072B2", lw=1.2, label="fit")
-    for values, style in (
-        (measured, {"ls": "", "marker": ".", "ms": 3, "color": "#5b6168"}),
-        (model, {"color": "#0072B2", "lw": 1.2}),
-    ):
-        phase.semilogx(f, np.degrees(np.unwrap(np.angle(values))), **style)
+    fitted = np.unwrap(np.angle(model))
+    # noise would make an unwrapped measurement jump by whole turns: each line lies within half a turn of the fit
+    beside = fitted + np.angle(measured / model)
+    phase.semilogx(f, np.degrees(beside), ".", ms=3, color="#5b6168")
+    phase.semilogx(f, np.degrees(fitted), color="#0072B2", lw=1.2)
     for ax in (magnitude, phase):
         ax.grid(alpha=0.25)
         ax.spines[["top", "right"]].set_visible(False)
