@@ -1,0 +1,98 @@
+"""Excitations designed for a model, small enough for its limits."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from workbench.cli import excite as _  # noqa: F401  (registers the command)
+from workbench.cli.app import app
+from workbench.cli.excite_prediction import as_recording, whole_period
+from workbench.core import InputError
+from workbench.effects import load_model
+from workbench.frf import estimate, fit_leg, load_design
+from workbench.simulation import Run, simulate
+
+HOLD = ("--posture", "hip=-0.55", "--posture", "knee=1.0472")
+SHORT = ("--period", "1", "--f-min", "1", "--f-max", "40", *HOLD)
+
+
+def run(*words: object):
+    return CliRunner().invoke(app, ["excite", *map(str, words)])
+
+
+def test_a_design_small_enough_is_left_as_it_is(tmp_path: Path) -> None:
+    done = run("leg", "-o", tmp_path / "leg.toml", "--amplitude", 0.9, "--amplitude", 0.54, *SHORT)
+    assert done.exit_code == 0, done.output
+    assert "2 experiment(s)" in done.output and "Left at 1 " in done.output
+    design = load_design(tmp_path / "leg.toml")
+    assert design.hold == (-0.55, 1.0472) and [t.mode for t in design.trials] == ["sum", "difference"]
+    # a whole number of ticks of 3 ms
+    assert design.period_s == pytest.approx(0.999)
+    assert np.sqrt(np.mean(design.experiments**2, axis=1)) == pytest.approx(np.tile([0.9, 0.54], (2, 1)))
+
+
+def test_too_large_is_scaled_and_the_limit_is_named(tmp_path: Path) -> None:
+    words = ("leg", "-o", tmp_path / "big.toml", "--amplitude", 30, "--speed-limit", 10, *SHORT)
+    done = run(*words, "--json", tmp_path / "big.json")
+    assert done.exit_code == 0, done.output
+    said = json.loads((tmp_path / "big.json").read_text())
+    assert said["factor"] < 0.5 and 0.8 < max(u["share"] for u in said["usage"]) <= 0.951
+    assert said["binding"]["quantity"] in ("speed", "torque")
+    assert (tmp_path / "big_sum.csv.gz").exists()
+    assert max(said["rms"]) == pytest.approx(30 * said["factor"])
+
+
+def test_what_a_model_plays_is_what_a_fit_returns(tmp_path: Path) -> None:
+    """From design to simulated recordings to a response to the leg's inertia."""
+    done = run("leg", "-o", tmp_path / "leg.toml", "--amplitude", 0.6, "--amplitude", 0.4, *SHORT)
+    assert done.exit_code == 0, done.output
+    model, design = load_model("leg"), load_design(tmp_path / "leg.toml")
+    recordings = simulate([Run(model, as_recording(model, design, e)) for e in range(2)])
+    fit = fit_leg(estimate(recordings))
+    assert fit.parameters["M11"].value == pytest.approx(0.04793, rel=0.01)
+    assert fit.parameters["M12"].value == pytest.approx(0.005413, rel=0.05)
+    assert fit.parameters["M22"].value == pytest.approx(0.02368, rel=0.01)
+    assert fit.parameters["delay"].value == pytest.approx(0.003, rel=0.01)
+
+
+def test_chirps_and_machines_without_limits(tmp_path: Path) -> None:
+    chirp = run(
+        "leg", "-o", tmp_path / "c.toml", "--kind", "chirp", "--drive", "position", "--amplitude", 0.1,
+        "--f-max", 10, "--period", 2, *HOLD,
+    )  # fmt: skip
+    assert chirp.exit_code == 0, chirp.output
+    assert load_design(tmp_path / "c.toml").driven == "position_reference"
+    slide = run("emps", "-o", tmp_path / "e.toml", "--f-min", 1, "--f-max", 20, "--period", 1)
+    assert slide.exit_code == 0 and "no limits" in slide.output
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        ((), "no output file"),
+        (("-o", "x.toml", "--posture", "foot=1"), "foot"),
+        (("-o", "x.toml", "--posture", "knee=3"), "at rest"),
+        (("-o", "x.toml", "--f-max", "600"), "rate"),
+        (("-o", "x.toml", "--speed-limit", "-1"), "speed"),
+        (("-o", "x.toml", "--period", "nan"), "period"),
+        (("-o", "x.txt"), ".toml"),
+    ],
+)
+def test_mistakes_are_one_clear_line(words, part, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = run("leg", *words)
+    assert isinstance(done.exception, InputError) and part in str(done.exception)
+    assert not list(tmp_path.iterdir())
+
+
+def test_periods_fit_the_ticks() -> None:
+    leg, slide = load_model("leg"), load_model("emps")
+    assert whole_period(leg, 5.0, 1000.0) == pytest.approx(5.001)
+    assert whole_period(leg, 3.0, 1000.0) == pytest.approx(3.0)
+    assert whole_period(leg, 1.0, 500.0) == pytest.approx(1.002)
+    assert whole_period(slide, 1.0, 1000.0) == pytest.approx(1.0)

@@ -1,0 +1,173 @@
+"""``workbench excite``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from workbench.core import InputError
+
+from .add import parse_values
+from .app import app
+from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, progress
+
+if TYPE_CHECKING:
+    from workbench.frf import Scaled
+
+
+@app.command()
+def excite(
+    model: ModelArgument,
+    output: Annotated[
+        str,
+        typer.Option("--output", "-o", metavar="DESIGN", help="The design's TOML file; tables beside it."),
+    ] = "",
+    kind: Annotated[Literal["multisine", "chirp"], typer.Option(help="What is played.")] = "multisine",
+    drive: Annotated[
+        Literal["torque", "position"], typer.Option(help="Torque on top of the feedback, or its reference.")
+    ] = "torque",
+    amplitude: Annotated[
+        list[float] | None,
+        typer.Option(
+            help="Rms of a multisine, amplitude of a chirp, N m or rad; once, or once per axis. It is scaled "
+            "down to the limits."
+        ),
+    ] = None,
+    f_min: Annotated[float, typer.Option(help="Lowest frequency [Hz].")] = 0.2,
+    f_max: Annotated[float, typer.Option(help="Highest frequency [Hz].")] = 60.0,
+    period: Annotated[float, typer.Option(help="Period, or length of a sweep [s].")] = 5.0,
+    periods: Annotated[int, typer.Option(help="Periods that count.")] = 4,
+    transient: Annotated[int, typer.Option(help="Periods before these.")] = 1,
+    rate: Annotated[float, typer.Option(help="Rows per second.")] = 1000.0,
+    grid: Annotated[
+        Literal["full", "odd", "odd_random"],
+        typer.Option(help="Lines; odd_random leaves some silent, to listen for nonlinearity."),
+    ] = "full",
+    per_decade: Annotated[
+        int | None, typer.Option(help="Lines per decade, spaced nearly evenly in log frequency; else all.")
+    ] = None,
+    phases: Annotated[
+        Literal["schroeder", "low_crest", "random"], typer.Option(help="Phases of the lines.")
+    ] = "schroeder",
+    realisations: Annotated[int, typer.Option(help="Sets with new random phases each.")] = 1,
+    mixing: Annotated[
+        Literal["orthogonal", "single"], typer.Option(help="All axes in every experiment, or one at a time.")
+    ] = "orthogonal",
+    posture: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="name=value",
+            help="Position reference to hold, per joint or axis of the loop [rad or m]; "
+            "default: the middle of its range.",
+        ),
+    ] = None,
+    speed_limit: Annotated[
+        list[float] | None, typer.Option(help="Largest speed, once or once per axis [rad/s or m/s].")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Draws phases and silent lines.")] = 0,
+    json: JsonOption = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Design an excitation for every axis of a model, small enough for its limits.
+
+    Example: workbench excite leg -o leg_multisine.toml --amplitude 0.9 --amplitude 0.54 --speed-limit 40
+    """
+    from workbench import frf, report
+    from workbench.effects import load_model
+
+    from .excite_prediction import held_posture, limits_of, predictor, whole_period
+
+    if not output:
+        raise InputError("no output file", remedy="say where the design goes: -o DESIGN.toml")
+    check_outputs(output, json, force=force)
+    loaded = load_model(model)
+    asked = {name: value.value for name, value in parse_values(posture or []).items()}
+    hold = held_posture(loaded, asked)
+    size = amplitude or [1.0 if drive == "torque" else 0.1]
+    name, driven = Path(output).stem, "torque_feedforward" if drive == "torque" else "position_reference"
+    length = whole_period(loaded, period, rate)
+    # a longer period has its first line a little lower
+    common = {
+        "f_min_hz": f_min * min(1.0, period / length),
+        "f_max_hz": f_max,
+        "rate_hz": rate,
+        "hold": hold,
+        "name": name,
+    }
+    if kind == "multisine":
+        design = frf.multisine(
+            loaded.axes,
+            **common,
+            period_s=length,
+            rms=size if len(size) > 1 else size[0],
+            grid=grid,
+            per_decade=per_decade,
+            phases=phases,
+            mixing=mixing,
+            realisations=realisations,
+            periods=periods,
+            transient_periods=transient,
+            driven=driven,
+            fade_s=min(0.5, 0.5 * length) if transient and drive == "position" else 0.0,
+            seed=seed,
+        )
+    else:
+        design = frf.chirp(
+            loaded.axes,
+            **common,
+            duration_s=length,
+            amplitude=size if len(size) > 1 else size[0],
+            mixing="single",
+            driven=driven,
+        )
+    with progress(quiet) as say:
+        say("simulating the design and scaling it to the limits")
+        limits = limits_of(loaded, speed_limit)
+        scaled = frf.scale_to_limits(design, predictor(loaded, limits), limits)
+    files = frf.save_design(scaled.design, output, force=force)
+    if json:
+        report.write_json(_summary(scaled, files), json, force=force)
+    if quiet or json == "-":
+        return
+    d = scaled.design
+    seconds = d.rows / d.rate_hz
+    typer.echo(
+        f"Wrote {output}: {len(d.trials)} experiment(s) of {seconds:.4g} s, {len(d.lines)} lines from "
+        f"{d.frequency[0]:.4g} to {d.frequency[-1]:.4g} Hz, crest factor up to {d.crest_factors.max():.3g}."
+    )
+    if length != period:
+        typer.echo(f"The period is {length:.9g} s: a whole number of rows and of the controller's ticks.")
+    if scaled.binding is None:
+        typer.echo("The model states no limits: nothing was scaled.")
+    else:
+        verb = "Scaled to" if scaled.factor < 1 else "Left at"
+        share = 100 * scaled.usage[scaled.binding]
+        typer.echo(
+            f"{verb} {scaled.factor:.3g} of the amplitude: tightest is the {scaled.binding}, of whose room "
+            f"{share:.3g} % is used."
+        )
+
+
+def _summary(scaled: Scaled, files: Sequence[Path]) -> dict[str, Any]:
+    """The result for programs."""
+    d = scaled.design
+    return {
+        "format": 1,
+        "files": [str(f) for f in files],
+        "factor": scaled.factor,
+        "binding": None
+        if scaled.binding is None
+        else {"quantity": scaled.binding.quantity, "name": scaled.binding.name},
+        "usage": [
+            {"quantity": limit.quantity, "name": limit.name, "share": share}
+            for limit, share in scaled.usage.items()
+        ],
+        "period_s": d.period_s,
+        "lines": len(d.lines),
+        "crest_factors": d.crest_factors.tolist(),
+        "rms": [float(x) ** 0.5 for x in (d.experiments**2).mean(axis=1).max(axis=0)],
+    }

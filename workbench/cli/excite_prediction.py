@@ -1,0 +1,141 @@
+"""What a model says an excitation will do: posture, limits, and the run that predicts them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from math import lcm
+
+import numpy as np
+
+from workbench.core import Controller, InputError, Recording
+from workbench.effects import axis_units
+from workbench.frf import Design, Limit
+from workbench.models import Model
+
+
+def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
+    """Position reference in the loop's coordinates; empty where no loop holds anything.
+
+    Raises:
+        InputError: a name that the loop does not have.
+    """
+    if model.controller.kind not in ("pd", "cascade_pv"):
+        if asked:
+            problem = f"model '{model.name}' has no loop that holds a posture"
+            raise InputError(problem, column="--posture", remedy="leave the posture out")
+        return ()
+    joint = model.controller.coordinates == "joint"
+    names = model.joints if joint else model.axes
+    unknown = [name for name in asked if name not in names]
+    if unknown:
+        problem = f"the loop of model '{model.name}' has no '{unknown[0]}'"
+        raise InputError(problem, column="--posture", remedy=f"name {', '.join(names)}")
+    middle = np.array([0.5 * (low + high) if low > -np.inf else 0.0 for low, high in joint_limits(model)])
+    middle = middle if joint else model.transmission @ middle
+    return tuple(float(asked.get(n, m)) for n, m in zip(names, middle, strict=True))
+
+
+def joint_limits(model: Model) -> list[tuple[float, float]]:
+    """Range of every joint [rad or m]: the mechanism's, else the serial tree's, else none."""
+    if model.closed_chain is not None and model.closed_chain.limits:
+        return list(model.closed_chain.limits)
+    import mujoco
+
+    tree = mujoco.MjModel.from_xml_path(str(model.serial))
+    joints = [tree.joint(name) for name in model.joints]
+    return [tuple(float(x) for x in j.range) if tree.jnt_limited[j.id] else (-np.inf, np.inf) for j in joints]  # type: ignore[return-value]
+
+
+def limits_of(model: Model, speed: Sequence[float] | None) -> list[Limit]:
+    """Limits on joint positions, on the drives' speeds if any are given, and on their torques.
+
+    Raises:
+        InputError: a number of speeds that is neither one nor one an axis, or one that is not positive.
+    """
+    units = axis_units(model)
+    found = [
+        Limit("position", joint, low, high, unit)
+        for joint, (low, high), unit in zip(model.joints, joint_limits(model), units, strict=True)
+    ]
+    if speed:
+        if len(speed) not in (1, model.size) or min(speed) <= 0:
+            problem = f"{len(speed)} speed limit(s) for {model.size} axes"
+            raise InputError(
+                problem, column="--speed-limit", remedy="give one positive number, or one per axis"
+            )
+        each = list(speed) * model.size if len(speed) == 1 else speed
+        found += [Limit("speed", a, -s, s, f"{u}/s") for a, s, u in zip(model.axes, each, units, strict=True)]
+    found += [
+        Limit("torque", axis, -limit, limit, "N" if unit == "m" else "N m")
+        for axis, limit, unit in zip(model.axes, model.actuators.torque_limit, units, strict=True)
+    ]
+    return [limit for limit in found if np.isfinite(limit.low) or np.isfinite(limit.high)]
+
+
+def predictor(model: Model, limits: Sequence[Limit]) -> Callable[[Design], Mapping[str, np.ndarray]]:
+    """What `scale_to_limits` asks for: joint positions, drives' speeds, torques that are asked of them.
+
+    `limits` are those that will be asked about; columns of others are left out.
+    """
+    from workbench.simulation import Run, simulate
+
+    back = np.linalg.inv(model.transmission)
+
+    def predict(design: Design) -> dict[str, np.ndarray]:
+        # one period after one in which it settles says it all
+        short = replace(design, periods=1, transient_periods=min(design.transient_periods, 1))
+        runs = simulate([Run(model, as_recording(model, short, e)) for e in range(len(short.trials))])
+        rest = np.zeros((1, model.size))  # before the first row plays: the posture, and nothing asked
+        every = {
+            "position": (
+                model.joints,
+                np.concatenate([runs[0].position[:1], *(r.position for r in runs)]) @ back.T,
+            ),
+            "speed": (model.axes, np.concatenate([rest, *(r.velocity for r in runs)])),
+            # before the drive clips it
+            "torque": (model.axes, np.concatenate([rest, *(r.signals["torque_command"] for r in runs)])),
+        }
+        return {
+            quantity: columns[:, [names.index(x.name) for x in limits if x.quantity == quantity]]
+            for quantity, (names, columns) in every.items()
+        }
+
+    return predict
+
+
+def as_recording(model: Model, design: Design, experiment: int) -> Recording:
+    """An experiment of a design as a recording to be simulated: at rest in its posture, nothing measured."""
+    time, signals = design.play(experiment)
+    hold = np.array(design.hold) if design.hold else np.zeros(model.size)
+    actuator = model.transmission @ hold if model.controller.coordinates == "joint" else hold
+    rest = np.tile(actuator, (len(time), 1))
+    held = model.controller.kind in ("pd", "cascade_pv")
+    if not held:
+        signals = {"torque_command": signals["torque_feedforward"]}
+    return Recording(
+        name=design.trials[experiment].name,
+        axes=model.axes,
+        coordinates="actuator",
+        time=time,
+        signals={"position": rest, "velocity": np.zeros_like(rest), **signals},
+        units=tuple(axis_units(model)),
+        controller=model.controller if held else Controller("none"),
+        excitation=design.excitation(experiment),
+    )
+
+
+def whole_period(model: Model, period_s: float, rate_hz: float) -> float:
+    """The nearest period that is a whole number of rows and of the controller's ticks [s].
+
+    A loop samples its feedforward at its ticks: only so does it play the same in every period.
+    """
+    if not (np.isfinite(period_s) and np.isfinite(rate_hz) and period_s > 0 and rate_hz > 0):
+        problem = f"a period of {period_s:g} s at {rate_hz:g} Hz"
+        raise InputError(problem, column="--period", remedy="give positive numbers")
+    tick = (model.controller.period_s or 0.0) * rate_hz
+    rows = max(1, round(tick))
+    # ticks between rows: as many of them as make whole rows, to a hundredth of a row
+    unit = rows if abs(tick - rows) < 1e-6 * rows else lcm(round(100 * tick), 100) // 100
+    count = max(1, round(period_s * rate_hz / unit))
+    return count * unit / rate_hz
