@@ -1,0 +1,218 @@
+"""A mechanism whose transmission depends on the posture, in serial coordinates, over its whole workspace.
+
+The closed chain is solved once over the workspace (`posture_chain`) and kept as series of three functions:
+the links' inertia M_links(q), the potential energy V(q) of their weights, and the drives' positions q_p(q).
+Everything else follows by differentiating those, so that what is simulated is a mechanical system exactly:
+
+    M = M_links + J^T A J,                    gravity = -dV/dq,
+    bias_i = (dM_links_ij/dq_k - dM_links_jk/dq_i / 2) v_j v_k + (J^T A J')_i,   J = dq_p/dq.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import InputError, SimulationError
+from workbench.models import Model
+from workbench.serial_tree import SerialTree
+
+from .posture_chain import PostureChain, PostureDynamics
+from .posture_closure import say, workspace
+from .posture_table import Series, tabulate, together
+
+_SLACK = 1e-9  # rad or m outside the limits that rounding may make
+
+
+@dataclass(frozen=True)
+class Terms:
+    """What the series say at N postures.
+
+    Attributes:
+        links: inertia of the links (N, n, n) [kg m^2].
+        slope: its derivatives, (N, k, n, n) to angle k.
+        gravity: torque of the weights (N, n) [N m].
+        potential: (N,) [J].
+        drives: positions q_p (N, n).
+        jacobian: J (N, n, n).
+        curvature: second derivatives of q_p, (N, drive, n, n).
+    """
+
+    links: np.ndarray
+    slope: np.ndarray
+    gravity: np.ndarray
+    potential: np.ndarray
+    drives: np.ndarray
+    jacobian: np.ndarray
+    curvature: np.ndarray
+
+    def link_bias(self, v: np.ndarray) -> np.ndarray:
+        """Velocity terms of the links' inertia (N, n) [N m], by Christoffel's symbols."""
+        along = np.einsum("nkij,nj,nk->ni", self.slope, v, v)
+        return along - 0.5 * np.einsum("nijk,nj,nk->ni", self.slope, v, v)
+
+    def drive_rate(self, v: np.ndarray) -> np.ndarray:
+        """J' v (N, n): what the drives accelerate by when the joints move evenly."""
+        return np.einsum("naij,ni,nj->na", self.curvature, v, v)
+
+    def pulled_back(self, drives: np.ndarray) -> np.ndarray:
+        """J^T diag(x) J (N, n, n) of the drives' inertia or damping x, (n,) or (N, n)."""
+        weighted = np.broadcast_to(drives, self.drives.shape)[:, :, None] * self.jacobian
+        return self.jacobian.transpose(0, 2, 1) @ weighted
+
+
+class PostureDependent:
+    """A model's closed chain as series over its limits; everything is vectorised over N postures.
+
+    Args:
+        model: names the closed chain with its limits, and the drives.
+        tree: leave out what this serial tree's links have already; totals without it.
+        tolerance: size of the terms that the series leave out, relative.
+
+    Raises:
+        InputError: no closed chain or limits, or a posture within the limits that cannot be reached or is
+            too close to a singular one; names it.
+    """
+
+    def __init__(self, model: Model, *, tree: SerialTree | None = None, tolerance: float = 1e-12) -> None:
+        if model.size > 3:
+            raise InputError(
+                f"model '{model.name}' has {model.size} coordinates that depend on each other",
+                file=model.source, remedy="split it into mechanisms of three drives or fewer",
+            )  # fmt: skip
+        self.model, self.box = model, workspace(model)
+        self.inertia, self.damping = np.array(model.actuators.inertia), np.array(model.actuators.damping)
+        self.least_margin, self.least_at = np.inf, self.box.mean(axis=1)
+        n = model.size
+        self._upper = np.triu_indices(n)
+        found = self._solve(tree, tolerance)
+        size = len(self._upper[0])
+        links, energy, drives = (found.part(s) for s in (slice(size), [size], slice(size + 1, None)))
+        # in the order of `at`
+        parts = [found, *(links.slope(k) for k in range(n)), *(energy.slope(k) for k in range(n))]
+        parts += [drives.slope(k) for k in range(n)]
+        parts += [drives.slope(int(i)).slope(int(j)) for i, j in zip(*self._upper, strict=True)]
+        self._series = together(parts)
+
+    def at(self, q: np.ndarray) -> Terms:
+        """Every term at `q` (N, n) [rad or m].
+
+        Raises:
+            SimulationError: a posture outside the limits; names its joint.
+        """
+        q = np.atleast_2d(np.asarray(q, float))
+        self.check(q)
+        n, count, values = self.model.size, len(self._upper[0]), self._series(q)
+        sizes = [count, 1, n, n * count, n, n * n, n * count]
+        links, energy, drives, slope, pull, jacobian, curvature = np.split(values, np.cumsum(sizes)[:-1], 1)
+        return Terms(
+            self._square(links),
+            self._square(slope.reshape(-1, n, count)),
+            -pull,
+            energy[:, 0],
+            drives,
+            jacobian.reshape(-1, n, n).transpose(0, 2, 1),
+            self._square(curvature.reshape(-1, count, n).transpose(0, 2, 1)),
+        )
+
+    def dynamics(self, q: np.ndarray, v: np.ndarray | None = None) -> PostureDynamics:
+        """Everything at positions `q` and rates `v` (N, n), at rest where `v` is left out.
+
+        Raises:
+            SimulationError: a posture outside the limits; names its joint.
+        """
+        t = self.at(q)
+        v = np.zeros_like(t.gravity) if v is None else np.atleast_2d(np.asarray(v, float))
+        thrown = np.einsum("nai,na->ni", t.jacobian, self.inertia * t.drive_rate(v))
+        return PostureDynamics(
+            t.links + t.pulled_back(self.inertia),
+            t.link_bias(v) + thrown,
+            t.gravity,
+            t.pulled_back(self.damping),
+            t.jacobian,
+            t.drives,
+            t.potential,
+        )
+
+    def mass(self, q: np.ndarray) -> np.ndarray:
+        """Mass matrix (N, n, n) [kg m^2] at `q` (N, n)."""
+        return self.dynamics(q).mass
+
+    def bias(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Coriolis and centrifugal torque (N, n) [N m] at `q`, `v` (N, n)."""
+        return self.dynamics(q, v).bias
+
+    def gravity(self, q: np.ndarray) -> np.ndarray:
+        """Torque of gravity (N, n) [N m] at `q` (N, n)."""
+        return self.at(q).gravity
+
+    def jacobian(self, q: np.ndarray) -> np.ndarray:
+        """J (N, n, n), d q_p / d q_s at `q` (N, n)."""
+        return self.at(q).jacobian
+
+    def inside(self, q: np.ndarray) -> np.ndarray:
+        """Which postures (N, n) lie within the limits, (N,)."""
+        within = (q >= self.box[:, 0] - _SLACK) & (q <= self.box[:, 1] + _SLACK)
+        return np.all(within, axis=1)
+
+    def check(self, q: np.ndarray) -> None:
+        """Refuse postures (N, n) outside the limits.
+
+        Raises:
+            SimulationError: names the first joint that is, its position and its limits.
+        """
+        good = self.inside(q)
+        if good.all():
+            return
+        k = int(np.argmin(good))
+        off = np.maximum(self.box[:, 0] - q[k], q[k] - self.box[:, 1])
+        i = int(np.argmax(np.where(np.isnan(off), np.inf, off)))
+        low, high = self.box[i]
+        where = f" of state {k}" if len(q) > 1 else ""
+        raise SimulationError(
+            f"model '{self.model.name}': joint '{self.model.joints[i]}'{where} is at {q[k, i]:.4g}, outside "
+            f"its workspace of {low:.4g} to {high:.4g}"
+        )
+
+    def _solve(self, tree: SerialTree | None, tolerance: float) -> Series:
+        """Series of the links' inertia, potential energy and drive positions."""
+        chain = PostureChain(self.model, links_only=True)
+        sides: set[bool] = set()
+
+        def sample(q: np.ndarray) -> np.ndarray:
+            margin = chain.margin(q)
+            if margin.min() < self.least_margin:
+                self.least_margin, self.least_at = float(margin.min()), q[int(np.argmin(margin))]
+            at = chain.dynamics(q)
+            sides.update(np.linalg.det(at.jacobian) > 0.0)
+            mass, energy = at.mass, at.potential
+            if tree is not None:
+                others = np.zeros((len(q), tree.size - self.model.size))
+                whole = np.concatenate([q, others], axis=1)
+                mass = mass - tree.link_mass_matrix(whole)[:, : q.shape[1], : q.shape[1]]
+                energy = energy - tree.potential_energy(whole)
+            return np.concatenate([mass[:, *self._upper], energy[:, None], at.drives], axis=1)
+
+        where = {"file": self.model.source, "column": "closed_chain.limits"}
+        try:
+            found = tabulate(sample, self.box, tolerance)
+        except SimulationError as error:
+            raise InputError(
+                f"{error}, which is within the limits", **where, remedy="narrow the limits to the workspace"
+            ) from error
+        if found is None or len(sides) > 1:
+            passed = "passes a dead point of its drives" if found else "comes too close to a singular posture"
+            raise InputError(
+                f"the mechanism {passed} within its limits (margin {self.least_margin:.2g} at "
+                f"{say(self.model, self.least_at)})", **where, remedy="narrow the limits",
+            )  # fmt: skip
+        return found
+
+    def _square(self, upper: np.ndarray) -> np.ndarray:
+        """Symmetric matrices (..., n, n) from their upper triangles (..., n (n + 1) / 2)."""
+        n = self.model.size
+        out = np.empty((*upper.shape[:-1], n, n))
+        i, j = self._upper
+        out[..., i, j] = out[..., j, i] = upper
+        return out
