@@ -1,0 +1,155 @@
+"""Fields written at every step make the serial tree the closed chain: state by state, in motion, in batches."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from tests.s3n.postures import NAMES, drake, exact, model, schedule, series, states
+from workbench.core import InputError, SimulationError
+from workbench.mechanism.simulate import simulate
+from workbench.s3n.posture_callback import CallbackWorld
+from workbench.s3n.posture_schedule import Schedule
+from workbench.s3n.posture_worlds import ScheduledBatch, ScheduledWorld
+
+PERIOD, ROWS = 0.002, 40
+
+
+def middle(name: str) -> np.ndarray:
+    return series(name).box.mean(axis=1)
+
+
+def swing(name: str) -> np.ndarray:
+    """Torques on the drives that hold the middle of the workspace and push to both sides of it, (ROWS, n)."""
+    at = exact(name).dynamics(middle(name))
+    back = np.linalg.inv(at.jacobian[0]).T
+    push = np.random.default_rng(0).choice([-1.0, 1.0], (ROWS // 10, 2)) * 25.0
+    return -back @ at.gravity[0] + np.repeat(push, 10, axis=0) @ at.mass[0] @ back.T
+
+
+def drive_path(name: str) -> np.ndarray:
+    """The closed chain in Drake under these torques, drive positions at the end of each row (ROWS, n)."""
+    own = model(name)
+    start = drake(name).drive_position(middle(name))
+    real = simulate(
+        drake(name), own.actuators.inertia, own.actuators.damping, swing(name), PERIOD, start, substeps=2
+    )
+    return real.position[1:]
+
+
+def run(name: str, world: ScheduledWorld | CallbackWorld) -> np.ndarray:
+    steps, path = round(PERIOD / world.m.opt.timestep), []
+    for torque in swing(name):
+        world.advance(torque, steps)
+        path.append(world.state()[0])
+    return series(name).dynamics(np.array(path)).drives
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_state_is_exact(name: str) -> None:
+    """Mass matrix and acceleration of the scheduled tree are the closed chain's at any state."""
+    q, v = states(name, 6)
+    torque = np.random.default_rng(3).normal(size=q.shape)
+    at = exact(name).dynamics(q, v)
+    world = ScheduledWorld(schedule(name), start=(middle(name), np.zeros(2)))
+    full = np.zeros((world.m.nv, world.m.nv))
+    for k in range(len(q)):
+        world.put(q[k], v[k])
+        world._write(torque[k])
+        mujoco.mj_forward(world.m, world.data)
+        mujoco.mj_fullM(world.m, world.data, full)
+        np.testing.assert_allclose(full, at.mass[k], atol=1e-10)
+        force = at.gravity[k] + at.jacobian[k].T @ torque[k] - at.bias[k] - at.damping[k] @ v[k]
+        np.testing.assert_allclose(world.data.qacc, np.linalg.solve(at.mass[k], force), rtol=1e-5)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_callback_follows_the_closed_chain(name: str) -> None:
+    """To rounding of the series: it is exact within the stages of RK4 too."""
+    ours = run(name, CallbackWorld(schedule(name), 0.001, "RK4", (middle(name), np.zeros(2))))
+    real = drive_path(name)
+    assert np.ptp(real, axis=0).max() > 0.03
+    np.testing.assert_allclose(ours, real, atol=1e-6 * np.ptp(real, axis=0).max())
+
+
+def test_what_is_held_over_a_step_errs_by_its_square() -> None:
+    real, off = drive_path("four_bar"), []
+    for step in (0.002, 0.001):
+        world = ScheduledWorld(schedule("four_bar"), step, "RK4", (middle("four_bar"), np.zeros(2)))
+        off.append(float(np.abs(run("four_bar", world) - real).max()))
+    assert off[0] < 1e-4 * np.ptp(real, axis=0).max()
+    assert off[0] / off[1] == pytest.approx(4.0, rel=0.3)
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast"])
+def test_integrators_with_one_stage_err_by_their_own_step(integrator: str) -> None:
+    real, off = drive_path("five_bar"), []
+    for step in (0.001, 0.0005):
+        world = ScheduledWorld(schedule("five_bar"), step, integrator, (middle("five_bar"), np.zeros(2)))
+        off.append(float(np.abs(run("five_bar", world) - real).max()))
+    assert off[0] / off[1] == pytest.approx(2.0, rel=0.1)
+
+
+def test_energy_is_kept_without_drag() -> None:
+    """The four-bar swings freely for half a second; what it has at the end is what it began with."""
+    own = model("four_bar")
+    free = Schedule(replace(own, actuators=replace(own.actuators, damping=(0.0, 0.0))))
+    world = CallbackWorld(free, 0.001, "RK4", (np.array([0.5, 1.4]), np.array([-1.0, 0.5])))
+
+    def energy() -> float:
+        q, v = world.state()
+        at = series("four_bar").dynamics(q)
+        return float(v @ at.mass[0] @ v / 2 + at.potential[0])
+
+    before = energy()
+    world.advance(np.zeros(2), 300)
+    assert np.abs(world.state()[1]).max() > 1.0
+    assert energy() == pytest.approx(before, abs=1e-7)
+
+
+def test_a_batch_is_its_worlds() -> None:
+    q, v = states("five_bar", 4)
+    q, v = 0.3 * (q - middle("five_bar")) + middle("five_bar"), 0.1 * v
+    torque = np.random.default_rng(5).normal(size=q.shape)
+    batch = ScheduledBatch(schedule("five_bar"), 4, threads=1)
+    batch.put(q, v)
+    batch.step(torque, 5)
+    for k in range(4):
+        world = ScheduledWorld(schedule("five_bar"), start=(q[k], v[k]))
+        world.advance(torque[k], 5)
+        np.testing.assert_allclose(batch.state()[0][k], world.state()[0], atol=1e-12)
+        np.testing.assert_allclose(batch.state()[1][k], world.state()[1], atol=1e-10)
+
+
+def test_drives_differ_from_world_to_world() -> None:
+    batch = ScheduledBatch(schedule("ankle"), 3, threads=1)
+    batch.put(np.tile(middle("ankle"), (3, 1)), np.zeros((3, 2)))
+    batch.inertia[1] *= 4.0
+    batch.damping[2] *= 100.0
+    batch.step(np.tile([0.5, 0.5], (3, 1)), 20)
+    speed = np.abs(batch.state()[1][:, 0])
+    assert speed[1] < 0.7 * speed[0] and speed[2] < 0.7 * speed[0]
+
+
+def test_who_leaves_the_workspace_is_named_or_held() -> None:
+    push = np.array([-15.0, 0.0])
+    world = ScheduledWorld(schedule("five_bar"), start=(middle("five_bar"), np.zeros(2)))
+    with pytest.raises(SimulationError, match=r"t = 0\.\d+ s: .*five_bar.*outside its workspace"):
+        world.advance(push, 500)
+    callback = CallbackWorld(schedule("five_bar"), start=(middle("five_bar"), np.zeros(2)))
+    with pytest.raises(SimulationError, match="outside its workspace"):
+        callback.advance(push, 500)
+    assert mujoco.get_mjcb_passive() is None
+    batch = ScheduledBatch(Schedule(model("five_bar"), beyond="hold"), 2, threads=1)
+    batch.put(np.tile(middle("five_bar"), (2, 1)), np.zeros((2, 2)))
+    batch.step(np.stack([push, 0.0 * push]), 60)
+    np.testing.assert_array_equal(batch.outside, [True, False])
+    assert np.isfinite(batch.state()[0]).all()
+
+
+def test_a_start_outside_and_an_unknown_integrator_are_refused() -> None:
+    with pytest.raises(SimulationError, match="'knee_1' is at 0"):
+        ScheduledWorld(schedule("five_bar"), start=(np.array([0.9, 0.0]), np.zeros(2)))
+    with pytest.raises(InputError, match="no integrator is called 'best'"):
+        ScheduledWorld(schedule("five_bar"), integrator="best")
