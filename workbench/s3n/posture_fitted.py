@@ -1,0 +1,130 @@
+"""A posture-dependent mechanism as plain MJCF for anybody's pipeline, with what it is off by stated in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from workbench.core import InputError, SimulationError
+from workbench.effects import TorqueChain
+from workbench.models import Model, load_mjcf
+
+from .additions import additions
+from .drives import add_motors
+from .mjcf import anchor_assets, exact_xml
+from .normalise import NormalisedTree
+from .posture import PostureDependent
+from .posture_error import PostureError, posture_error
+from .posture_mjcf import write_fit
+from .posture_native import fit
+from .worlds import INTEGRATORS
+
+#: Largest relative error of the inertia that a file may have unless more is allowed.
+ALLOWED = 0.05
+
+
+@dataclass(frozen=True)
+class FittedTree(NormalisedTree):
+    """A fitted model as plain MJCF.
+
+    Attributes:
+        error: what it is off by over the workspace.
+        offsets: what to take from the length of each motor's transmission to have the drive's position (n,).
+    """
+
+    error: PostureError
+    offsets: np.ndarray
+
+
+def fit_native(
+    model: Model,
+    *,
+    allow: float | None = ALLOWED,
+    branches: int = 10,
+    integrator: str | None = "implicitfast",
+    chain: PostureDependent | None = None,
+) -> FittedTree:
+    """Fit a model's serial tree to its closed chain; takes some seconds.
+
+    The links' inertials are chosen anew, each drive is a tendon in space whose length is the drive's
+    position, with rotor, drag and motor, and weight that hangs on a drive is a spring's, which is right while
+    the base is level.
+    The model's effects are not in the file.
+
+    Args:
+        model: with a closed chain and its limits.
+        allow: largest relative error of the inertia; None for any.
+        branches: distances that add up to a drive's position, at most; more are nearer and cost more a step.
+        integrator: of the file; None keeps the user's.
+        chain: the mechanism, if it is at hand.
+
+    Raises:
+        InputError: no closed chain or limits, or a fit that is worse than allowed.
+        SimulationError: MuJoCo cannot have it as plain MJCF; says why.
+    """
+    if branches < 1:
+        raise InputError(f"{branches} branches", remedy="give one or more")
+    chain = chain or PostureDependent(model)
+    found = fit(chain, branches)
+    spec = load_mjcf(model.serial)
+    removed = [f"actuator {a.name or a.id}: drives are the model's" for a in spec.actuators]
+    for sensor in [s for s in spec.sensors if s.objtype == mujoco.mjtObj.mjOBJ_ACTUATOR]:
+        removed.append(f"sensor {sensor.name or sensor.id}: its actuator is gone")
+        spec.delete(sensor)
+    for actuator in list(spec.actuators):
+        spec.delete(actuator)
+    if integrator is not None:
+        spec.option.integrator = INTEGRATORS[integrator]
+    add_motors(spec, model, TorqueChain.of(model), write_fit(found, spec))
+    anchor_assets(spec, model.serial)
+    spec.modelname = model.name
+    try:
+        compiled = spec.compile()
+        error = posture_error(chain, compiled, found.offsets)
+        added = additions(load_mjcf(model.serial).compile(), compiled)
+        spec.comment = _header(model, error, found.offsets)
+        spec.compile()
+        xml = exact_xml(spec)
+        compiled = mujoco.MjModel.from_xml_string(xml)
+    except ValueError as problem:
+        raise SimulationError(f"model '{model.name}' cannot be written as plain MJCF: {problem}") from problem
+    if allow is not None and not error.inertia_max <= allow:
+        raise InputError(
+            f"as plain MJCF the inertia of '{model.name}' is off by up to {error.inertia_max:.1%} (at "
+            f"{error.inertia_at}), and {allow:.1%} are allowed", file=model.source,
+            remedy="allow more (--allow-error), narrow the limits, or run it scheduled",
+        )  # fmt: skip
+    return FittedTree(
+        model, xml, compiled, added, tuple(e.key for e in model.effects), tuple(removed), error, found.offsets
+    )
+
+
+def error_lines(error: PostureError) -> list[str]:
+    """What a fit is off by, in words."""
+    lines = [
+        f"inertia: up to {error.inertia_max:.2%} (at {error.inertia_at}), {error.inertia_rms:.2%} rms",
+        f"gravity: up to {error.gravity_max:.3g} N m, {error.gravity_rms:.2%} rms",
+        f"velocity terms: {error.velocity_rms:.1%} rms",
+    ]
+    if error.torque_max is not None and error.position_max is not None:
+        lines.append(f"torque of a drive that goes astray: up to {error.torque_max:.2%}")
+        lines.append(f"position of a drive: up to {error.position_max:.2g} rad")
+    return lines
+
+
+def _header(model: Model, error: PostureError, offsets: np.ndarray) -> str:
+    """The comment at the top of the file."""
+    shifts = ", ".join(f"{axis} {x:.9g}" for axis, x in zip(model.axes, offsets, strict=True))
+    lines = [
+        f" {model.name}, a mechanism whose transmission depends on the posture, fitted over its limits:",
+        " written by workbench.",
+        " Off from the closed chain by, over the workspace,",
+        *(f"   {line}" for line in error_lines(error)),
+        "",
+        " A drive is a tendon in space; its position is its motor's length less, in rad,",
+        f"   {shifts}",
+        " Springs carry weight that hangs on drives: right while the base is level.",
+    ]
+    return "\n".join(lines).replace("--", "- -") + "\n"

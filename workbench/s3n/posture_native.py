@@ -1,0 +1,165 @@
+"""What a serial tree has to hold to move like a posture-dependent mechanism, with nothing done at any step.
+
+Each drive is a tendon whose length is the drive's position as nearly as a sum of distances can be
+(`posture_length`), with the rotor as its armature. Links, rotors and springs carry the rest
+(`posture_links`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+
+import mujoco
+import numpy as np
+
+from workbench.models import Model, load_mjcf
+
+from .dynamics import compiled_dynamics
+from .posture import PostureDependent
+from .posture_closure import LoopClosure
+from .posture_frames import Frames, frames
+from .posture_length import Branches, Goal, fit_length
+from .posture_links import Carried, Wanted, carry
+
+_NODES = {1: 40, 2: 12, 3: 7}  # postures an angle that are fitted
+CONSTANT = 1e-9  # largest change of a row of J that counts as none
+_ENOUGH, _STARTS = 0.005, 3  # a drive's tendon that is this good is taken, else the best of some
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What is written into the tree.
+
+    Attributes:
+        chain: the mechanism.
+        tendons: of the drives, None where J's row is constant, length n.
+        rows: J at the middle of the workspace (n, n).
+        offsets: length of each drive's tendon less the drive's position (n,).
+        carried: by links, joints, drives and springs.
+        springs: (``drive`` or ``joint``, which) of each spring.
+        bodies: names of the bodies that branches refer to, and `basis`, what their points' coordinates mean.
+    """
+
+    chain: PostureDependent
+    tendons: tuple[Branches | None, ...]
+    rows: np.ndarray
+    offsets: np.ndarray
+    carried: Carried
+    springs: tuple[tuple[str, int], ...]
+    bodies: tuple[str, ...]
+    basis: np.ndarray
+
+
+def fit(chain: PostureDependent, branches: int = 10) -> Fit:
+    """Fit a mechanism over its workspace; some seconds.
+
+    Args:
+        chain: the mechanism.
+        branches: distances that add up to a drive's position, at most.
+    """
+    model, (q, slopes) = chain.model, _nodes(chain.box)
+    m = load_mjcf(model.serial).compile()
+    f, real = frames(m, model, q), chain.dynamics(q)
+    closure = LoopClosure(model)
+    size = float(np.abs(closure.m.site_pos).max() + np.abs(closure.m.body_pos).max())
+    metric = np.linalg.inv(np.linalg.cholesky(real.mass))
+    tendons = tuple(
+        None
+        if np.ptp(real.jacobian[:, i], axis=0).max() <= CONSTANT
+        else _length(Goal(f, real.jacobian[:, i], metric, slopes, size), branches)
+        for i in range(model.size)
+    )
+    rows = chain.jacobian(chain.box.mean(axis=1)[None])[0]
+    gradients = np.array(
+        [np.tile(rows[i], (len(q), 1)) if t is None else t.gradient(f) for i, t in enumerate(tendons)]
+    )
+    lengths = np.array([rows[i] @ q.T if t is None else t.length(f) for i, t in enumerate(tendons)])
+    springs = [("drive", i) for i in range(model.size)]
+    springs += [("joint", k) for k in range(model.size) if not _is_drive(rows, tendons, k)]
+    along = [
+        gradients[k] if kind == "drive" else np.tile(np.eye(model.size)[k], (len(q), 1))
+        for kind, k in springs
+    ]
+    coordinates = [lengths[k] if kind == "drive" else q[:, k] for kind, k in springs]
+    mass, gravity = _beside_the_links(m, model, f, q)
+    rotors = np.einsum("ani,a,anj->nij", gradients, chain.inertia, gradients)
+    others = m.body_mass.sum() - sum(m.body(name).mass[0] for name in f.bodies[1:])
+    carried = carry(
+        Wanted(
+            f, real.mass - mass - rotors, real.mass, real.gravity - gravity, m.opt.gravity.copy(), gradients,
+            np.array(coordinates), np.array(along), float(closure.m.body_mass.sum() - others), size,
+        )
+    )  # fmt: skip
+    offsets = (lengths - real.drives.T).mean(axis=1)
+    offsets[np.abs(offsets) < CONSTANT] = 0.0
+    return Fit(chain, tendons, rows, offsets, carried, tuple(springs), f.bodies, f.basis)
+
+
+def _length(goal: Goal, branches: int) -> Branches:
+    """The best of some starts, or the first that is good enough."""
+    best, least = None, np.inf
+    for seed in range(_STARTS):
+        found, error = fit_length(goal, branches, seed)
+        if best is None or error < least:
+            best, least = found, error
+        if least < _ENOUGH:
+            break
+    assert best is not None
+    return best
+
+
+def _is_drive(rows: np.ndarray, tendons: tuple[Branches | None, ...], joint: int) -> bool:
+    """Whether a joint is a drive, up to a constant factor."""
+    alone = [np.count_nonzero(np.abs(row) > CONSTANT) == 1 and abs(row[joint]) > CONSTANT for row in rows]
+    return any(only and t is None for only, t in zip(alone, tendons, strict=True))
+
+
+def _nodes(box: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+    """Chebyshev's nodes (N, n), dense where errors are largest; what differentiates there, n of (N, N)."""
+    count = _NODES[len(box)]
+    x = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    axes = [(low + high) / 2.0 + (high - low) / 2.0 * x for low, high in box]
+    slopes = []
+    for axis in range(len(box)):
+        factors = [_slope(axes[k]) if k == axis else np.eye(count) for k in range(len(box))]
+        slopes.append(reduce(np.kron, factors))
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(box)), tuple(slopes)
+
+
+def _slope(x: np.ndarray) -> np.ndarray:
+    """What differentiates the polynomial through values at `x` (K,), (K, K), by barycentric weights."""
+    apart = x[:, None] - x + np.eye(len(x))
+    weights = 1.0 / apart.prod(axis=1)
+    out = weights / weights[:, None] / apart
+    np.fill_diagonal(out, 0.0)
+    return out - np.diag(out.sum(axis=1))
+
+
+def _beside_the_links(
+    m: mujoco.MjModel, model: Model, f: Frames, q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Inertia (N, n, n) and weight (N, n) of what the fit leaves alone.
+
+    That is everything but the inertials of the bodies that carry the joints: armatures of the MJCF's own, and
+    bodies fixed to the links.
+    """
+    whole = compiled_dynamics(m, model.joints, q, np.zeros_like(q))
+    mass, gravity = whole.mass, whole.gravity
+    for k, name in enumerate(f.bodies[1:], 1):
+        body = m.body(name)
+        turn = np.empty(9)
+        mujoco.mju_quat2Mat(turn, body.iquat)
+        turning = turn.reshape(3, 3).T @ f.rotation[k]
+        about = turning.transpose(0, 2, 1) @ (body.inertia[:, None] * turning)
+        linear = _centre_jacobian(f, k, body.ipos)
+        mass = mass - about - body.mass[0] * linear.transpose(0, 2, 1) @ linear
+        pull = np.einsum("d,ndi->ni", m.opt.gravity, linear)
+        gravity = gravity - (1.0 - m.body_gravcomp[body.id]) * body.mass[0] * pull
+    return mass, gravity
+
+
+def _centre_jacobian(f: Frames, body: int, centre: np.ndarray) -> np.ndarray:
+    """d centre / d q (N, 3, n) in axes of the body, up to what no torque of a plane mechanism feels."""
+    _, jacobian = f.place(np.array([body]), (centre @ f.basis[body])[None])
+    return jacobian[0]
