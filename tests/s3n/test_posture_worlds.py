@@ -1,4 +1,4 @@
-"""Fields written at every step make the serial tree the closed chain: state by state, in motion, in batches."""
+"""Fields written at every step make a serial tree the closed chain: by state, in motion, in batches."""
 
 from dataclasses import replace
 
