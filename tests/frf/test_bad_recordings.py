@@ -20,6 +20,9 @@ def one(**changes):
     return replace(r, **changes)
 
 
+MADE = one()
+
+
 def refused(recordings, **options) -> InputError:
     with pytest.raises(InputError) as caught:
         estimate(recordings, **options)
@@ -50,6 +53,20 @@ def test_gaps_and_missing_numbers_name_the_row() -> None:
     hurt[2000, 0] = np.nan
     error = refused([r.with_signals(velocity=hurt)])
     assert (error.row, error.column) == (2001, "velocity")
+
+
+@given(row=st.integers(0, 3499), bad=st.sampled_from([np.nan, np.inf, -np.inf]))
+@settings(max_examples=25, deadline=None)
+def test_a_missing_number_is_named_or_not_used(row, bad) -> None:
+    r = MADE
+    hurt = np.array(r.signals["torque_measured"])
+    hurt[row] = bad
+    try:
+        frf = estimate([r.with_signals(torque_measured=hurt)], transient_periods=0)
+    except InputError as error:
+        assert error.row == row + 1 and error.column == "torque_measured"
+    else:
+        assert np.isfinite(frf.response).all()
 
 
 def test_signals_axes_and_clocks_that_do_not_fit() -> None:

@@ -220,6 +220,25 @@ def test_what_cannot_be_played_is_refused(change, column) -> None:
     assert caught.value.column == column and caught.value.remedy
 
 
+ANY = st.floats(allow_nan=True, allow_infinity=True)
+
+
+@given(f_min=ANY, f_max=ANY, period=ANY, rate=ANY, rms=ANY)
+@settings(max_examples=150, deadline=None)
+def test_any_numbers_are_played_or_refused(f_min, f_max, period, rate, rms) -> None:
+    # a design of a million rows is nobody's mistake, and takes a while
+    if np.isfinite([period, rate]).all() and period * rate > 1e6:
+        return
+    try:
+        design = multisine(
+            ["a"], f_min_hz=f_min, f_max_hz=f_max, period_s=period, rate_hz=rate, rms=rms, shape=None
+        )
+    except InputError as error:
+        assert error.remedy
+        return
+    assert np.isfinite(design.experiments).all() and design.frequency[-1] < rate / 2
+
+
 @pytest.mark.parametrize(
     "change", [{"f_max_hz": 600.0}, {"duration_s": -1.0}, {"amplitude": 0.0}, {"mixing": "dft"}]
 )

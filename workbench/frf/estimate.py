@@ -125,6 +125,8 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
     else:
         notes.append("The variance is that of noise alone: one realisation does not show distortion.")
         wanted = "noise"
+    if choice.faster_than_log(m.recordings):
+        notes.append("The controller is faster than the log: what the command did between rows is unknown.")
     return Frf(
         frequency=m.frequency[here],
         response=g,

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy import stats
+from scipy.ndimage import maximum_filter1d
 
 from workbench.core import InputError, Recording
 
@@ -13,7 +14,9 @@ from .span import Span
 from .spectra import period_spectra
 
 _LOOKED_AT = 12  # last periods among which an input without a reference is searched for what repeats
-_SILENT = 1e-4  # a reference's line below this part of the largest was not put there on purpose
+_SILENT = 1e-4  # a reference's line below this part of the largest was not put there on purpose,
+_QUIETER = 0.03  # nor one below this part of the largest nearby: rounding and resampling put something on all
+_NEARBY = 8  # lines
 
 
 def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
@@ -45,7 +48,8 @@ def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
     if choice.reference is not None:
         reference = span.columns([choice.reference], periods=1)
         size = np.abs(period_spectra(reference, rows, every)[0]).max(axis=1)
-        found = every[size > _SILENT * size.max()]
+        nearby = maximum_filter1d(size, 2 * _NEARBY + 1)
+        found = every[(size > _SILENT * size.max()) & (size > _QUIETER * nearby)]
     else:
         spectra = period_spectra(span.columns([choice.input], periods=_LOOKED_AT), rows, every)
         found = every[_repeats(spectra)]

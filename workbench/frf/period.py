@@ -7,6 +7,10 @@ import numpy as np
 _ALIKE = 0.9  # a period repeats at least this much of the signal
 _LESS = 0.03  # noise and the rounding to rows may make a true period this much less alike than the best
 
+#: Parts of a reference's size by which it may fail to repeat: written and read, or resampled from a clock
+#: that jitters.
+_TOLERANCES = (1e-6, 0.1)
+
 
 def find_period(signal: np.ndarray) -> float | None:
     """Period of a signal from its autocorrelation.
@@ -55,10 +59,18 @@ def periodic_rows(reference: np.ndarray, period: int) -> tuple[int, int]:
         period: in rows.
 
     Returns:
-        ``(first, last)``: rows first to last - 1 repeat; empty where none do.
+        ``(first, last)``: rows first to last - 1 repeat; empty where none do for two periods.
     """
+    for tolerance in _TOLERANCES:
+        first, last = _longest_stretch(reference, period, tolerance)
+        if last - first >= 2 * period:
+            return first, last
+    return 0, 0
+
+
+def _longest_stretch(reference: np.ndarray, period: int, tolerance: float) -> tuple[int, int]:
     scale = np.abs(reference - reference.mean(axis=0)).max()
-    alike = np.all(np.abs(reference[period:] - reference[:-period]) <= 1e-6 * scale, axis=1)
+    alike = np.all(np.abs(reference[period:] - reference[:-period]) <= tolerance * scale, axis=1)
     # a reference that has stopped repeats too
     active = np.cumsum(np.concatenate([[0.0], np.any(np.diff(reference, axis=0) != 0, axis=1)]))
     alike &= active[period:] - active[:-period] > 0

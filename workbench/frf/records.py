@@ -63,8 +63,14 @@ class Choice:
 
     def hold(self, recordings: Sequence[Recording]) -> float | None:
         """How long the input stands still from each row on [s]; None where it is smooth between rows."""
-        held = self.input == "torque_command" or looks_held(recordings[0].signals[self.input])
-        return recordings[0].period if held else None
+        first = recordings[0]
+        held = self.input == "torque_command" or looks_held(first.signals[self.input])
+        return first.period if held and not self.faster_than_log(recordings) else None
+
+    def faster_than_log(self, recordings: Sequence[Recording]) -> bool:
+        """Whether a commanded input changes between the rows, where nobody sees it."""
+        ticks = [r.controller.period_s or r.period for r in recordings]
+        return self.input == "torque_command" and min(ticks) < 0.999 * recordings[0].period
 
 
 def choose(
