@@ -41,7 +41,7 @@ def _entry(
     magnitude.loglog(f, size, ".", ms=3, color="#5b6168", label="measured")
     magnitude.loglog(f, np.abs(model), color="#0072B2", lw=1.2, label="fit")
     fitted = np.unwrap(np.angle(model))
-    # noise would make an unwrapped measurement jump by whole turns: each line lies within half a turn of the fit
+    # noise would make an unwrapped measurement jump by whole turns; each line lies within half of one
     beside = fitted + np.angle(measured / model)
     phase.semilogx(f, np.degrees(beside), ".", ms=3, color="#5b6168")
     phase.semilogx(f, np.degrees(fitted), color="#0072B2", lw=1.2)
