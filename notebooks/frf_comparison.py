@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Which serial model answers like the leg, at every frequency?
 #
-# The virtual leg (a closed chain in Drake, a loop of 3 ms, noisy sensors) is excited by a multisine on the sum
-# and one on the difference of its motors, about a knee angle of 60 degrees. Its measured response stands beside
-# those of the closed chain and of every serial variant.
+# The virtual leg (a closed chain in Drake, a loop of 3 ms, noisy sensors) is excited by a multisine on the
+# sum and one on the difference of its motors, about a knee angle of 60 degrees. Its measured response stands
+# beside those of the closed chain and of every serial variant.
 
 # %%
 import workbench as wb
