@@ -1,30 +1,36 @@
 """Finds the smallest magnitude of each hidden effect that doubles the nominal model's error over its noise.
 
-    python benchmarks/hidden_magnitudes.py            # prints the table of workbench/rigs/draw.py
+    python benchmarks/hidden_magnitudes.py            # prints the table of workbench/rigs/magnitudes.py
 
 The error is the comparison's: over the demo's experiments, root mean square over axes and over position and
 torque of RMSE divided by the signal's standard deviation, both pooled over all recordings. Noise makes `n`,
-the effect alone `e`; a magnitude is smallest where sqrt(n^2 + e^2) = 2 n.
+the effect alone `e`; a magnitude is smallest where sqrt(n^2 + e^2) = 2 n. Effects that the demo cannot show
+are measured over the demo's experiments and one more.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from joblib import Parallel, delayed
 
-from workbench.core import Recording
-from workbench.rigs import PERFECT, HiddenEffect, VirtualLeg
-from workbench.rigs.draw import Place, hidden_effect
+from workbench.core import Recording, SimulationError
+from workbench.rigs import PERFECT, Experiment, HiddenEffect, VirtualLeg, experiments_for, hidden_effect
 from workbench.rigs.machine import AXES
+from workbench.rigs.magnitudes import Seat
+from workbench.rigs.revealing import NEEDS
 
 RATIO = 2.0  # error over noise at the smallest magnitude
 SIGNALS = ("position", "torque_measured")
 #: A row taken just after an edge misses the edge however small a further delay is, so that the measured
-#: torque jumps at once; a delay counts by the motion that it makes.
-SIGNALS_OF_DELAY = ("position",)
+#: torque jumps at once; what is late before the torque sensor counts by the motion that it makes.
+LATE = ("command_delay", "current_loop_lag")
+SIGNALS_OF_LATE = ("position",)
+#: A gap counts beside the compliance of its flanks, which shows with no gap at all.
+BESIDE = ("backlash",)
 FIRST_GUESS = {
     "viscous_damping": 0.03,
     "coulomb_friction": 0.1,
@@ -38,6 +44,24 @@ FIRST_GUESS = {
     "parallel_spring": 0.3,
     "linkage_inertia": 0.2,
     "linkage_gravity": 0.5,
+    "load_dependent_friction": 0.1,
+    "presliding_hysteresis": 0.1,
+    "quadratic_drag": 0.03,
+    "torque_saturation": 0.1,
+    "speed_torque_limit": 0.05,
+    "thermal_derating": 0.003,
+    "cogging": 0.2,
+    "current_loop_lag": 5e-4,
+    "sensor_delay": 3e-4,
+    "velocity_filter_lag": 1e-3,
+    "controller_gain_error": 0.05,
+    "backlash": 0.005,
+    "joint_compliance": 0.002,
+    "encoder_offset": 0.005,
+    "encoder_scale": 0.01,
+    "encoder_eccentricity": 0.005,
+    "link_length_error": 0.005,
+    "base_compliance": 2e-5,
 }
 AT_JOINT = (
     "viscous_damping",
@@ -45,8 +69,21 @@ AT_JOINT = (
     "stribeck_friction",
     "asymmetric_friction",
     "parallel_spring",
+    "load_dependent_friction",
+    "presliding_hysteresis",
+    "quadratic_drag",
+    "backlash",
+    "joint_compliance",
 )
-WHOLE_LEG = ("command_delay", "payload_mass", "linkage_inertia", "linkage_gravity")
+WHOLE_LEG = (
+    "command_delay",
+    "payload_mass",
+    "linkage_inertia",
+    "linkage_gravity",
+    "sensor_delay",
+    "base_compliance",
+)
+HIP_ONLY = ("link_length_error",)  # of a longer shank a fixed base feels nothing
 
 
 def main() -> None:
@@ -56,45 +93,63 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the noise and the validation motion")
     parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
-    truth = run((), arguments.seed)
-    noisy = VirtualLeg(seed=arguments.seed).run()
-    print(f"# normalised error of noise alone: {normalised_error(noisy, truth, SIGNALS):.4f}")
     search = delayed(smallest)
-    chosen = [place for place in places() if place[0] in (arguments.effects or FIRST_GUESS)]
-    found = Parallel(arguments.jobs)(search(place, noisy, truth, arguments.seed) for place in chosen)
-    for place, value in zip(chosen, found, strict=True):
-        print(f"        {place!r}: {value:.2g},", flush=True)
+    chosen = [seat for seat in seats() if seat[0] in (arguments.effects or FIRST_GUESS)]
+    found = Parallel(arguments.jobs, return_as="generator")(search(seat, arguments.seed) for seat in chosen)
+    for seat, (value, noise) in zip(chosen, found or (), strict=True):
+        print(f"        {seat!r}: {value:.2g},  # noise alone {noise:.4f}", flush=True)
 
 
-def places() -> list[Place]:
-    """Every effect at every place where the demo hides it; the hip joint is the hip drive's own axis."""
-    found: list[Place] = []
+def seats() -> list[Seat]:
+    """Every effect at every place where it is hidden; the hip joint is the hip drive's own axis."""
+    found: list[Seat] = []
     for effect in FIRST_GUESS:
-        axes = (None,) if effect in WHOLE_LEG else AXES
+        axes = (None,) if effect in WHOLE_LEG else AXES[:1] if effect in HIP_ONLY else AXES
         found += [(effect, axis, "actuator") for axis in axes]
         found += [(effect, "knee", "joint")] if effect in AT_JOINT else []
     return found
 
 
-def smallest(place: Place, noisy: Sequence[Recording], truth: Sequence[Recording], seed: int) -> float:
-    """Secant in log-log on the magnitude, at which the effect alone is sqrt(RATIO^2 - 1) times the noise."""
-    signals = SIGNALS_OF_DELAY if place[0] == "command_delay" else SIGNALS
-    goal = normalised_error(noisy, truth, signals) * np.sqrt(RATIO**2 - 1)
-    magnitude, power, last = FIRST_GUESS[place[0]], 1.0, None
-    for _ in range(6):
-        error = normalised_error(run((hidden_effect(place, magnitude),), seed), truth, signals)
+def smallest(seat: Seat, seed: int) -> tuple[float, float]:
+    """Magnitude at which the effect alone is sqrt(RATIO^2 - 1) times the noise, and the noise's error.
+
+    Secant in log-log; a leg that runs away counts as far too much.
+    """
+    experiments, signals = experiments_for((seat[0],), seed), SIGNALS_OF_LATE if seat[0] in LATE else SIGNALS
+    truth, noise = _without_effect(tuple({seat[0]} & {*NEEDS}), tuple(signals), seed)
+    if seat[0] in BESIDE:
+        truth = run((hidden_effect(seat, 0.0),), seed, experiments)
+    goal = noise * np.sqrt(RATIO**2 - 1)
+    magnitude, power, last = FIRST_GUESS[seat[0]], 1.0, None
+    for _ in range(12):
+        try:
+            hidden = run((hidden_effect(seat, magnitude),), seed, experiments)
+        except SimulationError:
+            magnitude *= 0.5
+            continue
+        error = max(normalised_error(hidden, truth, signals), 1e-9)
         if abs(error / goal - 1) < 0.02:
             break
         if last is not None:
-            power = np.clip(np.log(error / last[1]) / np.log(magnitude / last[0]), 0.3, 3.0)
+            power = np.clip(np.log(error / last[1]) / np.log(magnitude / last[0]), 0.3, 8.0)
         last = (magnitude, error)
         magnitude *= float(np.clip((goal / error) ** (1 / power), 0.1, 10.0))
-    return magnitude
+    return magnitude, noise
 
 
-def run(hidden: Sequence[HiddenEffect], seed: int) -> list[Recording]:
-    """The demo without sensor noise."""
-    return VirtualLeg(hidden, seed, PERFECT).run()
+@lru_cache(maxsize=4)
+def _without_effect(
+    effects: tuple[str, ...], signals: tuple[str, ...], seed: int
+) -> tuple[list[Recording], float]:
+    """The nominal leg without noise in the experiments of `effects`, and the error that noise makes."""
+    experiments = experiments_for(effects, seed)
+    truth, noisy = run((), seed, experiments), VirtualLeg(seed=seed).run(experiments)
+    return truth, normalised_error(noisy, truth, signals)
+
+
+def run(hidden: Sequence[HiddenEffect], seed: int, experiments: Sequence[Experiment]) -> list[Recording]:
+    """Experiments without sensor noise."""
+    return VirtualLeg(hidden, seed, PERFECT).run(experiments)
 
 
 def normalised_error(

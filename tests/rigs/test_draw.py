@@ -5,21 +5,69 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from workbench.rigs import PERFECT, HiddenEffect, VirtualLeg, chirp, draw_hidden, hidden_effect
-from workbench.rigs.draw import SMALLEST, magnitude_range
+from workbench.core import InputError
+from workbench.rigs import (
+    DEMO_EFFECTS,
+    DRAWN_EFFECTS,
+    EFFECTS,
+    PERFECT,
+    HiddenEffect,
+    VirtualLeg,
+    chirp,
+    draw_hidden,
+    draw_several,
+    hidden_effect,
+)
+from workbench.rigs.draw import magnitude_range
+from workbench.rigs.magnitudes import SMALLEST
 
 DRAWS = [draw_hidden(seed) for seed in range(400)]
 
 
 def test_a_seed_draws_one_effect_and_always_the_same() -> None:
     assert draw_hidden(5) == draw_hidden(5)
-    assert len({(d.effect, d.axis, d.location) for d in DRAWS}) == len(SMALLEST)
+    assert {(d.effect, d.axis, d.location) for d in DRAWS} == {s for s in SMALLEST if s[0] in DEMO_EFFECTS}
 
 
 def test_every_effect_is_about_as_likely() -> None:
     counts = Counter(draw.effect for draw in DRAWS)
     assert len(counts) == 12
     assert min(counts.values()) > 400 / 12 / 2
+
+
+def test_a_drawing_stays_what_it_was() -> None:
+    """The demo's stories and the benchmarks hang on what each seed hides."""
+    payload, friction = draw_hidden(0), draw_hidden(2)
+    assert payload == HiddenEffect("payload_mass", parameters={"mass": 0.05222384665843165})
+    assert (friction.effect, friction.axis, friction.location) == ("stribeck_friction", "knee", "actuator")
+    assert friction.parameters["static"] == pytest.approx(0.44988527919318533, rel=1e-12)
+
+
+def test_more_effects_can_be_drawn_than_the_demo_draws() -> None:
+    assert set(DEMO_EFFECTS) < set(DRAWN_EFFECTS) == set(EFFECTS)
+    drawn = Counter(draw_hidden(seed, DRAWN_EFFECTS).effect for seed in range(1200))
+    assert set(drawn) == set(DRAWN_EFFECTS) and min(drawn.values()) > 1200 / len(DRAWN_EFFECTS) / 2.5
+    assert draw_hidden(3, ["backlash"]).effect == "backlash"
+    with pytest.raises(InputError, match="'gremlins' is never drawn"):
+        draw_hidden(3, ["gremlins"])
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_several_effects_sit_apart_and_are_not_much_the_same(count: int) -> None:
+    sets = [draw_several(seed, count, DRAWN_EFFECTS) for seed in range(150)]
+    assert sets[7] == draw_several(7, count, DRAWN_EFFECTS)
+    for drawn in sets:
+        assert len({(d.axis, d.location) for d in drawn}) == count
+        VirtualLeg(drawn)  # the rig has room for them together
+        assert not {"reflected_inertia", "linkage_inertia"} <= {d.effect for d in drawn}
+    pairs = {tuple(sorted(d.effect for d in drawn)) for drawn in sets}
+    assert len(pairs) > 100
+    assert draw_several(1, count) != draw_several(2, count)
+
+
+def test_more_effects_than_go_together_are_refused() -> None:
+    with pytest.raises(InputError, match="no 2 of these effects go together"):
+        draw_several(0, 2, ["command_delay", "payload_mass"])
 
 
 def test_draws_are_physical() -> None:

@@ -25,10 +25,24 @@ def swing(torque: float = 4.0, rows: int = 1200) -> Experiment:
 
 def test_torque_stays_below_a_limit_that_falls_with_speed() -> None:
     (recording,) = VirtualLeg([SLOW], sensors=PERFECT).run([swing(12.0)])
-    most = 6.0 * np.maximum(0.0, 1.0 - np.abs(recording.velocity[:, 0]) / 8.0)
-    torque = np.abs(recording.signals["torque_measured"][:, 0])
-    assert np.all(torque <= most + 1e-12)
-    assert np.mean(torque > most - 1e-9) > 0.1  # it is often there
+    torque = recording.signals["torque_measured"][:, 0]
+    driving = recording.velocity[:, 0] * np.sign(torque)
+    most = 6.0 * np.clip(1.0 - driving / 8.0, 0.0, 1.0)
+    assert np.all(np.abs(torque) <= most + 1e-12)
+    assert np.mean(np.abs(torque) > most - 1e-9) > 0.1  # it is often there
+
+
+@pytest.mark.parametrize(
+    ("speed", "most"), [(0.0, 6.0), (4.0, 3.0), (8.0, 0.0), (9.0, 0.0), (-4.0, 6.0), (-9.0, 6.0)]
+)
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_only_driving_is_limited_by_speed(speed: float, most: float, way: float) -> None:
+    machine = Machine(delay=0.0)
+    machine.speed_limit[0] = SpeedLimit(6.0, 8.0)
+    drive = Drive(machine, 1e-3)
+    drive.feel(way * speed, 0.0)
+    drive.command((way * 20.0, 0.0))
+    assert drive.torque == (way * most, 0.0)
 
 
 @pytest.mark.parametrize("rest", [0.0, 0.4e-3])

@@ -13,6 +13,7 @@ from workbench.rigs import (
     HiddenEffect,
     Sensors,
     VirtualLeg,
+    chirp,
     demo_experiments,
     slow_sweep,
 )
@@ -120,3 +121,30 @@ def test_a_leg_that_runs_away_is_an_error() -> None:
         VirtualLeg([HiddenEffect("viscous_damping", "hip", "actuator", {"damping": -5.0})]).run(
             [step_experiment(5.0, rows=1000)]
         )
+
+
+@pytest.mark.parametrize("row", [0.2e-3, 0.5e-3])
+def test_finer_rows_show_the_same_motion(row: float) -> None:
+    experiment, ratio = chirp("knee", duration=0.5, f_max=5.0), round(1e-3 / row)
+    leg = VirtualLeg(sensors=PERFECT)
+    coarse, fine = leg.run([experiment])[0], leg.run([experiment.at_period(row)])[0]
+    assert fine.period == pytest.approx(row) and len(fine) == ratio * len(coarse)
+    for signal in ("position", "velocity", "torque_command"):
+        np.testing.assert_allclose(fine.signals[signal][::ratio], coarse.signals[signal], atol=1e-7)
+
+
+@pytest.mark.parametrize(("row", "loop"), [(1e-3, 5e-3), (1e-3, 1e-3), (0.2e-3, 0.2e-3)])
+def test_the_loop_runs_at_its_own_rate(row: float, loop: float) -> None:
+    """200 Hz to 5 kHz: the command stands between ticks, and the recording states the period."""
+    leg = VirtualLeg(sensors=PERFECT, control_period=loop)
+    (recording,) = leg.run([step_experiment(1.0, rows=600).at_period(row)])
+    assert recording.controller.period_s == loop
+    ticks = round(loop / row)
+    command = recording.signals["torque_command"]
+    np.testing.assert_array_equal(command, np.repeat(command[::ticks], ticks, axis=0))
+    assert np.abs(recording.velocity[-1]).max() < 1.0
+
+
+def test_a_loop_between_rows_is_refused() -> None:
+    with pytest.raises(InputError, match="no whole number of rows"):
+        VirtualLeg(control_period=2.5e-3).run([step_experiment(0.0)])

@@ -2,13 +2,27 @@
 
 from workbench.mechanism import ClosedChain, Reduced
 
-from .draw import draw_hidden, hidden_effect
+from .degrade import degrade
+from .draw import draw_hidden, draw_several
 from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
 from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
+from .magnitudes import DEMO_EFFECTS, DRAWN_EFFECTS
+from .revealing import (
+    dither,
+    experiments_for,
+    range_sweep,
+    revealing_experiments,
+    speed_ladder,
+    steps,
+    work_and_rest,
+)
+from .shapes import hidden_effect
 from .structure import LegStructure, leg_structure
 from .virtual_leg import PERFECT, Sensors, VirtualLeg
 
 __all__ = [
+    "DEMO_EFFECTS",
+    "DRAWN_EFFECTS",
     "EFFECTS",
     "OUTSIDERS",
     "PERFECT",
@@ -20,11 +34,20 @@ __all__ = [
     "Sensors",
     "VirtualLeg",
     "chirp",
+    "degrade",
     "demo_experiments",
+    "dither",
     "draw_hidden",
+    "draw_several",
+    "experiments_for",
     "hidden_effect",
     "leg_structure",
     "multisine",
+    "range_sweep",
+    "revealing_experiments",
     "slow_sweep",
+    "speed_ladder",
+    "steps",
     "validation",
+    "work_and_rest",
 ]

@@ -132,5 +132,6 @@ class Heat:
 def _clip(torque: float, speed: float, limit: SpeedLimit | None) -> float:
     if limit is None:
         return torque
-    most = limit.stall * max(0.0, 1.0 - abs(speed) / limit.no_load)
-    return min(max(torque, -most), most)
+    share = speed / limit.no_load
+    high, low = limit.stall * min(max(1.0 - share, 0.0), 1.0), limit.stall * min(max(1.0 + share, 0.0), 1.0)
+    return min(max(torque, -low), high)

@@ -34,7 +34,7 @@ def torque_saturation(machine: Machine, at: Place, *, limit: float) -> None:
 
 
 def speed_torque_limit(machine: Machine, at: Place, *, stall_torque: float, no_load_speed: float) -> None:
-    """The drive clips at stall_torque (1 - |w| / no_load_speed), driving and braking alike."""
+    """The drive clips at stall_torque (1 - w / no_load_speed) driving, at stall_torque braking."""
     once(machine.speed_limit[at.index], "speed limit a motor")
     machine.speed_limit[at.index] = SpeedLimit(stall_torque, no_load_speed)
 

@@ -27,7 +27,7 @@ Rate = Callable[[Vector, Vector], Vector]
 Switch = Callable[[State], float]  # a quantity whose change of sign ends a smooth piece
 
 _PART = 0.25  # a step over the time in which the fastest mode turns by a radian
-_SHORTEST = 4e-6  # s
+_SHORTEST = 1e-5  # s
 _MAX_EVENTS = 40  # in one step
 
 

@@ -26,7 +26,10 @@ Disturbance = Callable[[np.ndarray, np.random.Generator], np.ndarray]
 
 @dataclass(frozen=True)
 class SpeedLimit:
-    """Torque limit `stall` [N m] at rest that falls linearly to zero at `no_load` [rad/s], either way."""
+    """A limit of `stall` [N m] at rest that falls linearly to zero at `no_load` [rad/s] of driving speed.
+
+    A drive that brakes has its voltage and its back electromotive force on the same side: it keeps `stall`.
+    """
 
     stall: float
     no_load: float

@@ -1,4 +1,4 @@
-"""The leg that moves under its motors' torques: two coordinates where they are enough, because that is fast."""
+"""The leg that moves under its motors' torques, with two coordinates where they are enough: that is fast."""
 
 from __future__ import annotations
 
