@@ -24,9 +24,10 @@ from .judge import Judgement, judge
 from .response import Frf
 from .sampled import System, response, response_and_slopes
 from .statistics import information_loss
-from .weights import weighted_by_rest, whitening, with_enough_residuals
+from .weights import weighted_by_rest, whitening, with_enough_residuals, without_band
 
 _ROUNDS = 3  # of weighting lines by what is left
+_BANDS = 12  # left out one by one where the model is not enough
 _WORST = 10.0  # largest factor by which a line's few residuals count against it
 
 
@@ -47,7 +48,7 @@ class Fit:
     Attributes:
         model: its name.
         parameters: name -> estimate; the deviation holds what noise does and, where the model is not
-            adequate, what it leaves.
+            adequate, what it leaves and how the parameters move from band to band.
         derived: the same for what follows from the parameters.
         covariance: of the parameters, in their order, (p, p).
         frfs: what was fitted, with the covariances that weighted it.
@@ -123,9 +124,7 @@ def solve(problem: Problem) -> Fit:
     inverse = np.linalg.pinv(jac.T @ jac, rcond=1e-14, hermitian=True)
     covariance = inverse @ (jac.T * _losses(frfs)) @ jac @ inverse
     if not judgement.adequate:
-        # residuals that hang together along frequency count for fewer than they are
-        along = judge(rest, frfs, problem.frfs, count).correlation
-        covariance = covariance * (1 + max(along, 0.0)) / (1 - min(max(along, 0.0), 0.98))
+        covariance = covariance + _jackknife(problem, frfs, theta)
     return Fit(
         model=problem.model,
         parameters=_estimates(problem, theta, covariance),
@@ -197,6 +196,18 @@ def _residuals(
         rest.append(np.einsum("fij,fj->fi", w, d))
         slopes.append(np.einsum("fij,pfj->pfi", w, dg.reshape(len(theta), len(frf), -1)))
     return rest, slopes
+
+
+def _jackknife(problem: Problem, frfs: Sequence[Frf], theta: np.ndarray) -> np.ndarray:
+    """Covariance of the unknowns by leaving out bands of neighbouring lines, (p, p)."""
+    bands = min(_BANDS, min(len(f) for f in frfs) // 4)
+    if bands < 3:
+        return np.zeros((len(theta), len(theta)))
+    ends = np.stack(
+        [_minimised(problem, [without_band(f, k, bands) for f in frfs], [theta])[0] for k in range(bands)]
+    )
+    moves = ends - ends.mean(axis=0)
+    return (bands - 1) / bands * moves.T @ moves
 
 
 def _losses(frfs: Sequence[Frf]) -> np.ndarray:

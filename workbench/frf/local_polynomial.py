@@ -82,7 +82,7 @@ def local_polynomial(
         )
     spectra = np.stack([_spectrum(r, choice, rows, bins) for r in recordings])
     centres = np.arange(half, len(bins) - half, step or window)
-    z, unit, noise = _solve(spectra, centres, half, order, fitted, nu, first, bins)
+    z, unit, noise = _solve(spectra, centres, half, order, fitted, nu, first, bins / (rows * first.period))
     if choice.reference:
         z, unit, noise = _quotient(z, unit, noise, ny)
     power = np.mean(np.abs(spectra[:, centres, :ny]) ** 2, axis=0)
@@ -163,13 +163,14 @@ def _solve(
     fitted: int,
     nu: int,
     recording: Recording,
-    bins: np.ndarray,
+    frequency: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Local fits of the first `fitted` signals to the last `nu`.
 
     Args:
         spectra: (E, bins, nz); the last nu columns drive.
         centres: windows' centres as places in bins, (F,).
+        frequency: of the bins [Hz], for the error text.
 
     Returns:
         ``(z, unit, noise)``: responses (F, fitted, nu), K^T K* (F, nu, nu), covariance of the residuals
@@ -200,7 +201,7 @@ def _solve(
         if (diagonal.min(axis=1) < 1e-9).any() or (size == 0).any():
             bad = here[int(np.argmax((diagonal.min(axis=1) < 1e-9) | (size == 0).any(axis=1)))]
             raise InputError(
-                f"around {bins[bad] / (bins[-1] or 1):.3g} of the band the inputs cannot be told apart",
+                f"around {frequency[bad]:.4g} Hz the inputs cannot be told apart",
                 file=recording.source,
                 remedy="excite every axis, or give a second record that drives them differently",
             )

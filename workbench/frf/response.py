@@ -189,7 +189,11 @@ class Frf:
             raise InputError(
                 problem, remedy=f"it goes from {self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
             )
-        return replace(self, **{name: getattr(self, name)[keep] for name in _BY_LINE})
+        return self.kept(keep)
+
+    def kept(self, lines: np.ndarray) -> Frf:
+        """Some of the lines, by number or (F,) bool."""
+        return replace(self, **{name: getattr(self, name)[lines] for name in _BY_LINE})
 
     def transformed(
         self,

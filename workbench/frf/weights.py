@@ -54,3 +54,11 @@ def weighted_by_rest(frf: Frf, rest: np.ndarray) -> Frf:
     colour = np.linalg.inv(whiten) @ vectors
     covariance = (colour * np.maximum(values, 1.0)[:, None, :]) @ np.conj(np.swapaxes(colour, 1, 2))
     return replace(found, covariance=covariance)
+
+
+def without_band(frf: Frf, band: int, bands: int) -> Frf:
+    """The response without one of `bands` stretches of neighbouring lines."""
+    edges = np.linspace(0, len(frf), bands + 1).round().astype(int)
+    keep = np.ones(len(frf), bool)
+    keep[edges[band] : edges[band + 1]] = False
+    return frf.kept(keep)
