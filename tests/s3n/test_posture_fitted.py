@@ -1,4 +1,4 @@
-"""A mechanism as plain MJCF: near to the closed chain, a machine that can be built, and honest about its error."""
+"""A mechanism as plain MJCF: near the closed chain, a machine that can be built, its error stated."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -123,7 +123,7 @@ def test_a_fit_that_is_worse_than_allowed_is_refused() -> None:
 
 
 def test_one_drive(tmp_path: Path) -> None:
-    """Everything for a mechanism with one angle: the held knee moves as the whole leg's with the hip at rest."""
+    """A mechanism with one angle: the knee moves as that of the whole leg with its hip at rest."""
     alone = one_drive(tmp_path)
     chain = PostureDependent(alone)
     knee = np.linspace(0.5, 2.4, 9)[:, None]

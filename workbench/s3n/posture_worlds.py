@@ -57,6 +57,14 @@ class ScheduledWorld(World):
             mujoco.mj_step(self.m, self.data, count)
             done += count
 
+    def acceleration(self, position: np.ndarray, velocity: np.ndarray, torque: np.ndarray) -> np.ndarray:
+        """What MuJoCo makes of a state and a torque on the drives, (n,) each; the world is left there."""
+        self.put(position, velocity)
+        self.data.qacc[:] = 0.0
+        self._write(torque)
+        mujoco.mj_forward(self.m, self.data)
+        return self.data.qacc[self.dofs].copy()
+
     def _write(self, torque: np.ndarray) -> None:
         q, v = self.state()
         q, v = q[None], v[None]

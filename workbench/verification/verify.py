@@ -11,6 +11,7 @@ from workbench.s3n import explicit_spectral_radius, floating_base_error, reduced
 
 from .kinematics import kinematic_checks
 from .motion import frf_check, motion_check
+from .posture import fitted_facts, posture_checks
 from .power import power_checks
 from .structure import actuator_checks, engine_checks, exact_checks, linkage_checks
 from .subject import Subject
@@ -42,8 +43,15 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
         skipped.append("inertia and gravity of the closed chain: the transmission is wrong")
         return Verification(model.name, tuple(checks), not_checked=tuple(skipped))
     checks += actuator_checks(subject)
+    facts = _free_base(subject)
     if subject.chain is None:
         skipped.append("the closed chain: the model names none ([closed_chain])")
+    elif subject.model.posture_dependent:
+        try:
+            checks += posture_checks(subject, seed)
+            facts |= fitted_facts(subject) if all(check.passed for check in checks) else {}
+        except InputError as error:
+            skipped.append(f"what depends on the posture: {error}")
     elif not is_parallelogram(subject.model):
         skipped.append("linkage inertia and gravity: the model states no parallelogram ([linkage])")
     else:
@@ -58,7 +66,7 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
         variants=_variants(subject),
         alpha_deg=alpha,
         radius=radius,
-        facts=_free_base(subject),
+        facts=facts,
         not_checked=tuple(skipped),
     )
 
@@ -80,8 +88,8 @@ def _free_base(subject: Subject) -> dict[str, tuple[float, str, str]]:
 
 
 def _variants(subject: Subject) -> dict[str, tuple[float, float, float]]:
-    """Mass matrix of two-axis variants at alpha = 90 degrees."""
-    if subject.model.size != 2:
+    """Mass matrix of two-axis variants at alpha = 90 degrees, which is an angle of a parallelogram."""
+    if subject.model.size != 2 or subject.model.posture_dependent:
         return {}
     names = [*subject.plants, *(["s3n_full_paper"] if "s3n_full" in subject.plants else [])]
     q, v = np.array([[0.0, np.pi / 2]]), np.zeros((1, 2))

@@ -1,0 +1,106 @@
+"""Mechanisms whose transmission depends on the posture pass; with one thing wrong, that thing is named."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from workbench.core import Check, Verification
+from workbench.core.paths import models_folder
+from workbench.models import read_model
+from workbench.verification import verify
+from workbench.verification.posture import posture_checks
+from workbench.verification.subject import Subject
+
+
+def made(folder: Path, *changes: tuple[str, str, str]) -> Path:
+    """The five-bar with words replaced in one of its files (``toml``, ``xml`` or ``sdf``)."""
+    shipped = models_folder()
+    files = {
+        "toml": "five_bar.toml", "xml": "serial/five_bar.xml", "sdf": "closed_chain/five_bar.sdf",
+    }  # fmt: skip
+    texts = {kind: (shipped / name).read_text() for kind, name in files.items()}
+    for kind, old, new in changes:
+        assert old in texts[kind]
+        texts[kind] = texts[kind].replace(old, new)
+    for kind, name in files.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(texts[kind])
+    return folder / "five_bar.toml"
+
+
+def failures(checks: tuple[Check, ...] | list[Check]) -> set[str]:
+    return {check.name for check in checks if not check.passed}
+
+
+def broken(folder: Path, *changes: tuple[str, str, str]) -> Verification:
+    return verify(read_model(made(folder, *changes)), samples=8)
+
+
+def against_another(folder: Path, *changes: tuple[str, str, str]) -> set[str]:
+    """What fails when our engine reads a file that differs from Drake's."""
+    subject = Subject.of(read_model("five_bar"), 8, 0, 1e-9)
+    return failures(posture_checks(replace(subject, model=read_model(made(folder, *changes))), 0))
+
+
+def test_the_five_bar_agrees_in_every_engine_and_states_what_plain_mjcf_costs() -> None:
+    result = verify(read_model("five_bar"), samples=12)
+    assert result.passed, failures(result.checks)
+    exact = {c.name: c.value for c in result.checks}
+    names = ("mass_matrix", "coriolis", "gravity", "jacobian", "drives")
+    assert max(exact[f"posture_{name}"] for name in names) < 1e-9
+    assert 0.1 < result.facts["fitted_inertia_max"][0] < 5.0
+    assert not result.variants and not result.not_checked
+
+
+@pytest.mark.parametrize("name", ["four_bar", "ankle"])
+def test_other_mechanisms_agree(name: str) -> None:
+    checks = posture_checks(Subject.of(read_model(name), 8, 0, 1e-9), 0)
+    assert len(checks) == 9 and not failures(checks)
+
+
+def test_a_wrong_length_in_the_tree(tmp_path: Path) -> None:
+    old = '<body name="distal_1" pos="0 0 -0.16">'
+    result = broken(tmp_path, ("xml", old, old.replace("0.16", "0.17")))
+    assert "forward_kinematics" in failures(result.checks)
+
+
+def test_a_wrong_length_in_the_linkage(tmp_path: Path) -> None:
+    old = '<frame name="meet_2" attached_to="distal_2"><pose>0 0 -0.26'
+    result = broken(tmp_path, ("sdf", old, old.replace("0.26", "0.25")))
+    assert failures(result.checks) == {"transmission"}
+    assert "drive 'rear' moves" in next(c.hint for c in result.checks if not c.passed)
+
+
+def test_a_wrong_sign_in_the_transmission(tmp_path: Path) -> None:
+    result = broken(tmp_path, ("toml", "[1.385865, 1.594932]", "[1.385865, -1.594932]"))
+    assert failures(result.checks) == {"transmission"}
+
+
+def test_drives_in_the_wrong_order(tmp_path: Path) -> None:
+    result = broken(tmp_path, ("toml", '["drive_1", "drive_2"]', '["drive_2", "drive_1"]'))
+    assert "transmission" in failures(result.checks)
+
+
+def test_limits_that_the_mechanism_cannot_reach(tmp_path: Path) -> None:
+    result = broken(tmp_path, ("toml", "[-2.0, -1.2]", "[-2.6, -1.2]"))
+    assert failures(result.checks) == {"posture_workspace"}
+    assert "cannot be closed" in next(c.hint for c in result.checks if not c.passed)
+
+
+def test_without_limits_the_terms_are_compared_all_the_same(tmp_path: Path) -> None:
+    file = made(tmp_path, ("toml", "limits = [[0.4, 1.4], [-2.0, -1.2]]", ""))
+    result = verify(read_model(file), samples=8)
+    assert result.passed
+    assert any("no limits" in line for line in result.not_checked)
+
+
+def test_an_engine_with_another_mass_is_told(tmp_path: Path) -> None:
+    failed = against_another(tmp_path, ("sdf", "<mass>0.12</mass>", "<mass>0.13</mass>"))
+    assert failed == {"posture_mass_matrix", "posture_coriolis", "posture_gravity"}
+
+
+def test_an_engine_with_another_length_is_told(tmp_path: Path) -> None:
+    old = "0 0 -0.26 0 0 0</pose></frame>"
+    failed = against_another(tmp_path, ("sdf", old, old.replace("0.26", "0.255")))
+    assert {"posture_drives", "posture_jacobian", "posture_mass_matrix"} <= failed

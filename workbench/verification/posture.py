@@ -1,0 +1,171 @@
+"""A transmission that depends on the posture: our closed chain against Drake's, by term and in motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.core import Check, InputError, SimulationError
+from workbench.mechanism.linear import linearise
+from workbench.mechanism.simulate import simulate
+from workbench.s3n.posture import PostureDependent
+from workbench.s3n.posture_callback import CallbackWorld
+from workbench.s3n.posture_chain import PostureChain
+from workbench.s3n.posture_closure import workspace
+from workbench.s3n.posture_fitted import fit_native
+from workbench.s3n.posture_schedule import Schedule
+from workbench.s3n.posture_worlds import ScheduledWorld
+
+from .states import relative
+from .structure import EXACT
+from .subject import Subject
+
+_POSTURES = 3
+_OMEGA = 2.0 * np.pi * np.logspace(-1, 2, 40)  # 0.1 to 100 Hz, as in the paper
+_TINY = 1e-4  # rad, rad/s or N m: central differences of accelerations err by its square
+_BALANCE = 2e-6  # s, the same for the power balance
+_ROWS, _PERIOD, _STEP = 50, 0.002, 0.0005  # 0.1 s: short, since a workspace may be small
+_SWING = 15.0  # rad/s^2, what the torques of the swing would do at rest
+
+Facts = dict[str, tuple[float, str, str]]
+
+
+def posture_checks(subject: Subject, seed: int) -> list[Check]:
+    """Every term in our engine and in Drake; then the scheduled tree's motion and frequency responses.
+
+    Raises:
+        InputError: our engine cannot read the mechanism's file, or it has no limits.
+    """
+    terms = _terms(subject)
+    if not all(check.passed for check in terms):
+        return terms
+    checks = [*terms, _balance(subject)]
+    workspace(subject.model)
+    try:
+        schedule = Schedule(subject.model)
+    except InputError as error:
+        return [
+            *checks,
+            Check("posture_workspace", float("nan"), 0.0, "", "[closed_chain] limits", str(error)),
+        ]
+    return [*checks, _frf(subject, schedule), *_motion(subject, schedule, seed)]
+
+
+def fitted_facts(subject: Subject) -> Facts:
+    """What the mechanism is off by as plain MJCF: how good is good enough is the user's to say."""
+    error = fit_native(subject.model, allow=None).error
+    about = "As plain MJCF (workbench normalize): "
+    facts: Facts = {
+        "fitted_inertia_max": (100.0 * error.inertia_max, "%", f"{about}inertia off by up to"),
+        "fitted_inertia_rms": (100.0 * error.inertia_rms, "%", f"{about}inertia off by, rms"),
+        "fitted_gravity_rms": (100.0 * error.gravity_rms, "%", f"{about}gravity off by, rms"),
+        "fitted_velocity_rms": (100.0 * error.velocity_rms, "%", f"{about}velocity terms off by, rms"),
+    }
+    if error.torque_max is not None:
+        facts["fitted_torque_max"] = (100.0 * error.torque_max, "%", f"{about}torque astray, up to")
+    return facts
+
+
+def _terms(subject: Subject) -> list[Check]:
+    """Mass, velocity terms, gravity, J and drive positions at every state, rotors included."""
+    chain, model = subject.chain, subject.model
+    assert chain is not None
+    q, v = subject.states.position, subject.states.velocity
+    try:
+        ours = PostureChain(model).dynamics(q, v)
+    except SimulationError as error:
+        hint = f"Drake closes the loops where MuJoCo does not: {error}"
+        return [Check("posture_closure", float("nan"), EXACT, "", "MuJoCo, Drake", hint)]
+    j = np.array([chain.jacobian(row) for row in q])
+    rates = np.array([chain.jacobian_bias(*state) for state in zip(q, v, strict=True)])
+    rotor = np.array(model.actuators.inertia)
+    mass = np.array([r.mass for r in subject.real]) + np.einsum("nai,a,naj->nij", j, rotor, j)
+    bias = np.array([r.bias for r in subject.real]) + np.einsum("nai,a,na->ni", j, rotor, rates)
+    gravity = np.array([r.gravity for r in subject.real])
+    drives = np.array([chain.drive_position(row) for row in q])
+    pairs = {
+        "posture_drives": (ours.drives, drives),
+        "posture_jacobian": (ours.jacobian, j),
+        "posture_mass_matrix": (ours.mass, mass),
+        "posture_coriolis": (ours.bias, bias),
+        "posture_gravity": (ours.gravity, gravity),
+    }
+    return [
+        Check(name, relative(one - other, other), EXACT, "", "MuJoCo, Drake")
+        for name, (one, other) in pairs.items()
+    ]
+
+
+def _balance(subject: Subject) -> Check:
+    """v (M' v / 2 - bias) = 0 of our closed chain, relative to the power of the velocity terms."""
+    chain, q, v = PostureChain(subject.model), subject.states.position, subject.states.velocity
+    ahead, behind = (chain.mass(q + s * _BALANCE * v) for s in (1.0, -1.0))
+    bias = chain.bias(q, v)
+    rate = (ahead - behind) / (2.0 * _BALANCE)
+    made = np.einsum("ki,kij,kj->k", v, rate, v) / 2.0 - np.einsum("ki,ki->k", v, bias)
+    scale = float(np.abs(v * bias).sum(axis=1).max())
+    return Check("posture_power", float(np.abs(made).max()) / max(scale, 1e-12), 1e-6, "", "energy, work")
+
+
+def _frf(subject: Subject, schedule: Schedule) -> Check:
+    """Speed over torque in drive coordinates: the scheduled tree in MuJoCo, and the closed chain."""
+    chain, model = subject.chain, subject.model
+    assert chain is not None
+    worst = 0.0
+    for joints in _well_inside(subject, schedule.chain)[:_POSTURES]:
+        q = chain.drive_position(joints)
+        plant = linearise(chain, q, model.actuators.inertia, model.actuators.damping)
+        real = plant.frequency_response(_OMEGA)
+        ours = _response(schedule, joints, plant.holding)
+        worst = max(worst, float((np.abs(ours - real) / np.abs(real).max(axis=(1, 2), keepdims=True)).max()))
+    return Check("posture_frf", worst, 1e-5, "", f"scheduled MuJoCo, Drake, {_POSTURES} postures")
+
+
+def _response(schedule: Schedule, joints: np.ndarray, holding: np.ndarray) -> np.ndarray:
+    """Speed over torque (F, n, n) of the scheduled tree about a posture, drive coordinates."""
+    n, world = len(joints), ScheduledWorld(schedule, start=(joints, np.zeros(len(joints))))
+    rest, j = np.zeros(n), schedule.chain.jacobian(joints[None])[0]
+
+    def slope(way: int) -> np.ndarray:
+        columns = []
+        for unit in _TINY * np.eye(n):
+            ahead, behind = [joints, rest, holding], [joints, rest, holding]
+            ahead[way], behind[way] = ahead[way] + unit, behind[way] - unit
+            columns.append((world.acceleration(*ahead) - world.acceleration(*behind)) / (2.0 * _TINY))
+        return np.transpose(columns)
+
+    stiffness, drag, drive = slope(0), slope(1), slope(2)
+    s = 1j * _OMEGA[:, None, None]
+    return j @ np.linalg.solve(s * np.eye(n) - drag - stiffness / s, np.broadcast_to(drive, (len(s), n, n)))
+
+
+def _motion(subject: Subject, schedule: Schedule, seed: int) -> list[Check]:
+    """A swing of 0.1 s under held random torques about the middle of the workspace."""
+    chain, model = subject.chain, subject.model
+    assert chain is not None
+    joints = schedule.chain.box.mean(axis=1)
+    q = chain.drive_position(joints)
+    plant = linearise(chain, q, model.actuators.inertia, model.actuators.damping)
+    swing = np.random.default_rng(seed).standard_normal((_ROWS // 10, model.size))
+    torque = plant.holding + _SWING / np.sqrt(model.size) * np.repeat(swing, 10, axis=0) @ plant.mass
+    drives = model.actuators.inertia, model.actuators.damping
+    real = simulate(chain, *drives, torque, _PERIOD, q, substeps=2).position
+    start = joints, np.zeros_like(joints)
+    out = []
+    # what is held over a step errs by its square; the callback by the fourth power
+    for name, world, allowed in (
+        ("posture_motion", CallbackWorld(schedule, _STEP, "RK4", start), 1e-6),
+        ("posture_motion_scheduled", ScheduledWorld(schedule, _STEP, "RK4", start), 1e-4),
+    ):
+        path = [q]
+        for row in torque:
+            world.advance(row, round(_PERIOD / _STEP))
+            path.append(schedule.chain.at(world.state()[0]).drives[0])
+        off = relative(np.array(path) - real, real - real[0])
+        out.append(Check(name, off, allowed, "", f"MuJoCo, Drake, {_ROWS * _PERIOD:g} s"))
+    return out
+
+
+def _well_inside(subject: Subject, chain: PostureDependent) -> np.ndarray:
+    """Postures that differences do not lead out of the limits."""
+    q = subject.states.position
+    return q[chain.inside(q - _TINY) & chain.inside(q + _TINY)]
