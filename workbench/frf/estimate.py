@@ -25,7 +25,6 @@ from workbench.core import InputError, Recording
 from .algebra import kronecker, output_noise, solve_inputs
 from .excited import realisations
 from .measure import Measured, measure
-from .records import Choice
 from .response import Frf
 from .silent import distortion_covariance
 
@@ -101,7 +100,7 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
     free = sum(s.free for s in m.spectra)
     noise_v = np.sum([s.free * output_noise(g, s.covariance[here], ny) for s in m.spectra], axis=0) / free
     noise = kronecker(noise_v, unit)
-    sets = realisations(_driven(r, choice), nu, count)
+    sets = realisations(np.moveaxis(u if choice.reference is None else r, 2, 0), nu)
     wanted = "robust" if method == "auto" and len(sets) > 1 else method
     dof = np.full(len(g), float(free))
     # lines that stand close read the same noise between them
@@ -151,14 +150,9 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
     )
 
 
-def _driven(r: np.ndarray, choice: Choice) -> np.ndarray | None:
-    """References (E, F, nr) for finding realisations."""
-    return None if choice.reference is None else np.moveaxis(r, 2, 0)
-
-
 def _between(y: np.ndarray, u: np.ndarray, sets: list[list[int]]) -> np.ndarray:
     """Covariance of the mean response, from its scatter between realisations; (F, ny nu, ny nu)."""
-    each = np.stack([y[:, :, s] @ np.linalg.inv(u[:, :, s]) for s in sets])
+    each = np.stack([y[:, :, s] @ np.linalg.pinv(u[:, :, s]) for s in sets])
     d = (each - each.mean(axis=0)).reshape(len(sets), len(y), -1)
     return np.einsum("mfa,mfb->fab", d, d.conj()) / (len(sets) * (len(sets) - 1))
 

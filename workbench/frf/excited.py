@@ -17,6 +17,7 @@ _LOOKED_AT = 12  # last periods among which an input without a reference is sear
 _SILENT = 1e-4  # a reference's line below this part of the largest was not put there on purpose,
 _QUIETER = 0.03  # nor one below this part of the largest nearby: rounding and resampling put something on all
 _NEARBY = 8  # lines
+_SAME = 0.98  # agreement of spectra that share their phases, noise in a measured input allowed for
 
 
 def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
@@ -79,37 +80,63 @@ def common_lines(found: Sequence[np.ndarray], recordings: Sequence[Recording]) -
     return lines
 
 
-def realisations(reference: np.ndarray | None, inputs: int, experiments: int) -> list[list[int]]:
-    """Experiments put into whole sets of as many as there are inputs.
+def realisations(drive: np.ndarray, inputs: int) -> list[list[int]]:
+    """Experiments put into whole sets that tell the inputs apart, one set a realisation of the phases.
 
     Experiments of one set share their phases: on some axis their spectra are equal up to one factor. Where
-    that does not say it (one axis driven at a time, no reference) they are taken in the order given.
+    that does not say it (one axis driven at a time) they are taken in the order given. Sets that play the
+    same again are one realisation: they average noise, and show no distortion.
 
     Args:
-        reference: spectra (E, F, nr) at the excited lines, or None.
+        drive: spectra of what drove the experiments at the excited lines, (E, F, n): the reference, else the
+            inputs.
         inputs: number nu of inputs.
-        experiments: number E.
 
     Returns:
-        Sets of nu experiments; a single set of all where E is no multiple of nu.
+        Sets of nu experiments or a multiple of it; a single one of all where E is no multiple of nu.
     """
-    if experiments % inputs:
+    experiments = len(drive)
+    if experiments % inputs or experiments == inputs:
         return [list(range(experiments))]
-    in_order = [list(range(k, k + inputs)) for k in range(0, experiments, inputs)]
-    if reference is None or inputs == 1 or experiments == inputs:
-        return in_order
-    size = np.linalg.norm(reference, axis=1)
-    product = np.abs(np.einsum("efi,gfi->egi", reference.conj(), reference))
-    both = size[:, None] * size[None]
-    alike = np.where(both > 0, product / np.where(both > 0, both, 1.0), 0.0).max(axis=2) > 0.999
     sets, left = [], list(range(experiments))
+    alike = _alike(drive).max(axis=2) > _SAME
     while left:
         mine = [e for e in left if alike[left[0], e]]
-        if len(mine) != inputs:
-            return in_order
         sets.append(mine)
         left = [e for e in left if e not in mine]
-    return sets
+    if all(_whole(drive[s], inputs) for s in sets):
+        return sets
+    in_order = [list(range(k, k + inputs)) for k in range(0, experiments, inputs)]
+    merged: list[list[int]] = []
+    for s in in_order:
+        twin = next((m for m in merged if _same(drive[m[:inputs]], drive[s])), None)
+        if twin is None:
+            merged.append(s)
+        else:
+            twin.extend(s)
+    return merged
+
+
+def _alike(drive: np.ndarray) -> np.ndarray:
+    """How much the spectra (E, F, n) of two experiments agree up to a factor, by axis, (E, E, n); 0 to 1."""
+    size = np.linalg.norm(drive, axis=1)
+    product = np.abs(np.einsum("efi,gfi->egi", drive.conj(), drive))
+    both = size[:, None] * size[None]
+    return np.where(both > 0, product / np.where(both > 0, both, 1.0), 0.0)
+
+
+def _whole(drive: np.ndarray, inputs: int) -> bool:
+    """Whether experiments (E, F, n) tell as many inputs apart, at every line."""
+    if len(drive) % inputs:
+        return False
+    values = np.linalg.svd(np.moveaxis(drive, 0, 1), compute_uv=False)
+    return bool((values[:, inputs - 1] > 1e-3 * values[:, 0]).all())
+
+
+def _same(a: np.ndarray, b: np.ndarray) -> bool:
+    """Whether two sets (nu, F, n) play the same."""
+    product = np.abs(np.sum(a.conj() * b, axis=(1, 2)))
+    return bool((product > _SAME * np.linalg.norm(a, axis=(1, 2)) * np.linalg.norm(b, axis=(1, 2))).all())
 
 
 def _repeats(spectra: np.ndarray) -> np.ndarray:

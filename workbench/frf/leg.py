@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -11,7 +12,7 @@ from workbench.core import InputError
 
 from .actuator import delays, motion_of, to_velocity
 from .fit import Fit, Parameter, Problem, solve
-from .response import Channel, Frf
+from .response import Frf
 from .sampled import System, second_order
 
 _STARTS = 3
@@ -70,7 +71,7 @@ def fit_leg(
     one, zero = np.eye(2), np.zeros((2, 2))
     rows = np.concatenate([zero, one] if moves == "velocity" else [one, zero], axis=1)
 
-    def system_at(k: int, frf: Frf):
+    def system_at(k: int, frf: Frf) -> Callable[[np.ndarray], System]:
         mixed = np.cos(frf.posture[1] - frf.posture[0])
         pull = np.cos(np.array(frf.posture))
 
@@ -109,24 +110,13 @@ def _in_actuator_coordinates(frf: Frf, transmission: np.ndarray | None) -> Frf:
             remedy="give the transmission, q_p = J q_s",
         )
     j = np.asarray(transmission, float)
-    turned = frf.transformed(j, j.T, outputs=frf.outputs, inputs=frf.inputs)
+    named = [
+        tuple(replace(c, axis=f"actuator_{k + 1}") for k, c in enumerate(channels))
+        for channels in (frf.outputs, frf.inputs)
+    ]
+    turned = frf.transformed(j, j.T, outputs=named[0], inputs=named[1])
     posture = tuple(float(x) for x in j @ np.array(frf.posture))
-    return _replaced(turned, posture)
-
-
-def _replaced(frf: Frf, posture: tuple[float, ...]) -> Frf:
-    from dataclasses import replace
-
-    def named(channels: tuple[Channel, ...]) -> tuple[Channel, ...]:
-        return tuple(replace(c, axis=f"actuator_{k + 1}") for k, c in enumerate(channels))
-
-    return replace(
-        frf,
-        posture=posture,
-        coordinates="actuator",
-        outputs=named(frf.outputs),
-        inputs=named(frf.inputs),
-    )
+    return replace(turned, posture=posture, coordinates="actuator")
 
 
 def _starts(group: Sequence[Frf], moves: str, low: float, high: float, count: int) -> list[np.ndarray]:

@@ -203,7 +203,7 @@ def _solve(
             raise InputError(
                 f"around {frequency[bad]:.4g} Hz the inputs cannot be told apart",
                 file=recording.source,
-                remedy="excite every axis, or give a second record that drives them differently",
+                remedy="give a second record that drives the axes differently, or `estimate` what repeats",
             )
         back = np.conj(np.swapaxes(q, 1, 2))
         inside = back @ y
