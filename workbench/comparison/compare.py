@@ -13,6 +13,7 @@ from workbench.models import Model
 from workbench.simulation import Run, check_axes, scored_torque, simulate
 
 from .inverse import inverse_dynamics, needs_inverse, simulate_inverse
+from .lines import line_shares
 from .noise import DRAWS, NoiseModel, noise_seeds
 from .score import Scale, normalised, pooled, scored_signals, squares
 from .where import locate
@@ -143,7 +144,7 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
         noise_error=floor,
         noise_error_std=spread,
         consistent=fine,
-        where=() if fine else locate(entries, simulated.noisy, axis_units(model)),
+        where=() if fine else (*line_shares(entries), *locate(entries, simulated.noisy, axis_units(model))),
         inverse_dynamics=inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels),
         notes=_notes(recordings),
     )
