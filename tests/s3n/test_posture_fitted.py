@@ -101,7 +101,7 @@ def test_its_bodies_can_be_built(fitted: FittedTree) -> None:
 def test_the_file_says_what_it_is_off_by(fitted: FittedTree, tmp_path: Path) -> None:
     path = write_normalised(fitted, tmp_path / "four_bar.xml")
     text = path.read_text()
-    assert f"inertia: up to {fitted.error.inertia_max:.2%}" in text
+    assert f"inertia by up to {fitted.error.inertia_max:.2%}" in text
     again = mujoco.MjModel.from_xml_path(str(path))
     data = mujoco.MjData(again)
     data.qpos[:] = [0.2, 1.3]

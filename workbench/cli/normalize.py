@@ -9,7 +9,7 @@ import typer
 from workbench.core import InputError, WorkbenchError
 
 from .app import app
-from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs
+from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, progress
 
 
 @app.command()
@@ -22,17 +22,29 @@ def normalize(
             "--variant", metavar="NAME", help="kin_only, s3n_act, s3n_full or exact; else the model's own."
         ),
     ] = None,
+    allow_error: Annotated[
+        float,
+        typer.Option(
+            "--allow-error",
+            min=0.0,
+            help="Where the transmission depends on the posture: how far the fitted inertia may be off.",
+        ),
+    ] = 0.05,
     json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Write the S3N-normalised serial tree as plain MJCF, for anybody's training pipeline.
 
+    A mechanism whose transmission depends on the posture is fitted over its limits; how far the file is off
+    stands in it.
+
     Example: workbench normalize leg -o leg.xml --variant s3n_full
     """
     from workbench import report
     from workbench.effects import load_model
     from workbench.s3n import floating_base_error, normalise, write_normalised
+    from workbench.s3n.posture_fitted import FittedTree, fit_native
 
     from .normalize_table import normalize_table
 
@@ -40,9 +52,14 @@ def normalize(
         raise InputError("no output file", remedy="say where the MJCF goes: -o leg.xml")
     check_outputs(output, json, force=force)
     loaded = load_model(model)
-    tree = normalise(loaded, variant)
+    if loaded.posture_dependent and variant is None:
+        with progress(quiet) as tell:
+            tell("fitting the tree over the workspace")
+            tree = fit_native(loaded, allow=allow_error)
+    else:
+        tree = normalise(loaded, variant)
     base, unknown = None, "the model names no closed chain"
-    if loaded.closed_chain is not None:
+    if loaded.closed_chain is not None and not isinstance(tree, FittedTree):
         try:
             base = floating_base_error(loaded, variant)
         except WorkbenchError as error:  # the file is right on its fixed base all the same
@@ -61,6 +78,8 @@ def normalize(
             if base is None
             else {name: value for name, value in vars(base).items() if name != "postures"},
         }
+        if isinstance(tree, FittedTree):
+            content["fitted"] = {**vars(tree.error), "offsets": tree.offsets.tolist()}
         report.write_json(content, json, force=force)
     if not quiet and json != "-":
         report.print_table(normalize_table(tree, base, unknown))

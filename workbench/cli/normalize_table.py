@@ -7,6 +7,7 @@ from rich.text import Text
 
 from workbench.report.layout import table as new_table
 from workbench.s3n import FloatingBaseError, NormalisedTree
+from workbench.s3n.posture_fitted import FittedTree, error_lines
 
 
 def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknown: str) -> Group:
@@ -18,7 +19,8 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
         unknown: why they could not.
     """
     table = new_table("element", "quantity", ("before", "right"), ("after", "right"), "unit")
-    table.title, table.title_justify = f"{tree.model.name}, variant {tree.model.variant}", "left"
+    kind = "fitted over its limits" if isinstance(tree, FittedTree) else f"variant {tree.model.variant}"
+    table.title, table.title_justify = f"{tree.model.name}, {kind}", "left"
     last = ""
     for entry in tree.added:
         before = "new" if entry.before is None else f"{entry.before:.5g}"
@@ -31,6 +33,10 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
             Text(f"Not in the file, plain MJCF has no such thing: {', '.join(map(str, tree.left_out))}.")
         )
     parts += [Text(f"Left out: {line}.") for line in tree.removed]
+    if isinstance(tree, FittedTree):
+        off = ", ".join(error_lines(tree.error))
+        parts.append(Text(f"Not exact. Off from the closed chain, level base, over its limits: {off}."))
+        return Group(*parts)
     if base is None:
         parts.append(Text(f"Exact on its fixed base. Errors on a free base are not known: {unknown}."))
         return Group(*parts)

@@ -104,13 +104,13 @@ def fit_native(
 def error_lines(error: PostureError) -> list[str]:
     """What a fit is off by, in words."""
     lines = [
-        f"inertia: up to {error.inertia_max:.2%} (at {error.inertia_at}), {error.inertia_rms:.2%} rms",
-        f"gravity: up to {error.gravity_max:.3g} N m, {error.gravity_rms:.2%} rms",
-        f"velocity terms: {error.velocity_rms:.1%} rms",
+        f"inertia by up to {error.inertia_max:.2%} (at {error.inertia_at}), {error.inertia_rms:.2%} rms",
+        f"gravity by up to {error.gravity_max:.3g} N m, {error.gravity_rms:.2%} rms",
+        f"velocity terms by {error.velocity_rms:.1%} rms",
     ]
     if error.torque_max is not None and error.position_max is not None:
-        lines.append(f"torque of a drive that goes astray: up to {error.torque_max:.2%}")
-        lines.append(f"position of a drive: up to {error.position_max:.2g} rad")
+        lines.append(f"torque of a drive by up to {error.torque_max:.2%}")
+        lines.append(f"position of a drive by up to {error.position_max:.2g} rad")
     return lines
 
 
