@@ -5,6 +5,12 @@ from .explicit import explicit_spectral_radius
 from .floating_base import FloatingBaseError, floating_base_error
 from .loop import ConstraintSettings
 from .normalise import NormalisedTree, normalise, write_normalised
+from .posture import PostureDependent
+from .posture_chain import PostureChain, PostureDynamics
+from .posture_error import PostureError, posture_error
+from .posture_fitted import FittedTree, fit_native
+from .posture_schedule import Schedule
+from .posture_worlds import ScheduledBatch, ScheduledWorld
 from .runner import VariantRun, cost_per_step, run_variant
 from .variants import VARIANT_NAMES, with_variant
 
@@ -12,14 +18,24 @@ __all__ = [
     "VARIANT_NAMES",
     "ConstraintSettings",
     "Dynamics",
+    "FittedTree",
     "FloatingBaseError",
     "NormalisedTree",
+    "PostureChain",
+    "PostureDependent",
+    "PostureDynamics",
+    "PostureError",
+    "Schedule",
+    "ScheduledBatch",
+    "ScheduledWorld",
     "VariantRun",
     "compiled_dynamics",
     "cost_per_step",
     "explicit_spectral_radius",
+    "fit_native",
     "floating_base_error",
     "normalise",
+    "posture_error",
     "reduced",
     "run_variant",
     "variant_dynamics",
