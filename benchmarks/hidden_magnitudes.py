@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -95,8 +96,9 @@ def main() -> None:
     arguments = parser.parse_args()
     search = delayed(smallest)
     chosen = [seat for seat in seats() if seat[0] in (arguments.effects or FIRST_GUESS)]
-    found = Parallel(arguments.jobs, return_as="generator")(search(seat, arguments.seed) for seat in chosen)
-    for seat, (value, noise) in zip(chosen, found or (), strict=True):
+    work = Parallel(arguments.jobs, return_as="generator")
+    found: Any = work(search(seat, arguments.seed) for seat in chosen)
+    for seat, (value, noise) in zip(chosen, found, strict=True):
         print(f"        {seat!r}: {value:.2g},  # noise alone {noise:.4f}", flush=True)
 
 

@@ -1,6 +1,6 @@
 """Each hidden effect does what its equation says, seen from outside: in the logs."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -152,6 +152,22 @@ def test_friction_levels_are_recovered(axis: str, index: int) -> None:
     w, u = speed[:, index], lost[:, index]
     np.testing.assert_allclose(u[w > 0.2], 0.3 + 0.05 * w[w > 0.2], atol=2e-3)
     np.testing.assert_allclose(u[w < -0.2], -0.5 + 0.1 * w[w < -0.2], atol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters", "level"),
+    [
+        ("load_dependent_friction", {"torque": 0.1, "ratio": 0.2}, lambda w, u: 0.1 + 0.2 * np.abs(u)),
+        ("quadratic_drag", {"drag": 0.1}, lambda w, u: 0.1 * w**2),
+    ],
+)
+def test_resistance_grows_with_load_or_speed(effect: str, parameters: dict, level: Callable) -> None:
+    recording = log([HiddenEffect(effect, "knee", "actuator", parameters)], wave())
+    torque, speed = recording.signals["torque_measured"][:-1, 1], recording.velocity[:, 1]
+    w = 0.5 * (speed[1:] + speed[:-1])
+    moving = np.abs(w) > 0.2
+    lost = (torque - needed_torque(recording)[:, 1]) * np.sign(w)
+    np.testing.assert_allclose(lost[moving], level(w, torque)[moving], atol=2e-3)
 
 
 def test_stribeck_sticks_longer_than_coulomb() -> None:

@@ -37,7 +37,8 @@ class Drive:
         self._heat = [Heat(derating) for derating in machine.derating]
         self._current = (0.0, 0.0)
         self._speed, self._before, self._last = (0.0, 0.0), (0.0, 0.0), period  # now, a piece ago, its length
-        self._fine = any(machine.lag) or any(machine.speed_limit)
+        self._lags = any(machine.lag)
+        self._fine = self._lags or any(machine.speed_limit)
         self._plain = not (self._fine or any(machine.derating))
         #: Whether the drive has to be told the motors' speeds.
         self.feels_speed = any(machine.speed_limit)
@@ -55,7 +56,11 @@ class Drive:
     @property
     def torque(self) -> Pair:
         """What the torque sensor sees at the start of the row, just after an edge [N m]."""
-        target = self._within(self._pending[0 if self._rest else 1], self._speed)
+        target = self._pending[0 if self._rest else 1]
+        if self.feels_speed:
+            target = self._within(target, self._speed)
+        if not self._lags:
+            return target
         (lag1, lag2), (now1, now2) = self._lag, self._current
         return now1 if lag1 else target[0], now2 if lag2 else target[1]
 
@@ -83,11 +88,11 @@ class Drive:
             count = max(1, round(duration / _PIECE)) if self._fine else 1
             part = duration / count
             for _ in range(count):
-                measured = self._follow(self._within(target, self._speed_in(0.5 * part)), part)
-                kept = [heat.kept(u, part) for heat, u in zip(self._heat, measured, strict=True)]
-                u1, u2 = (g * k * u for g, k, u in zip(self._gain, kept, measured, strict=True))
+                allowed = self._within(target, self._speed_in(0.5 * part)) if self.feels_speed else target
+                u1, u2 = self._follow(allowed, part) if self._lags else allowed
+                kept1, kept2 = self._heat[0].kept(u1, part), self._heat[1].kept(u2, part)
                 self._last = part
-                yield u1 + bias[0], u2 + bias[1], part
+                yield self._gain[0] * kept1 * u1 + bias[0], self._gain[1] * kept2 * u2 + bias[1], part
 
     def _speed_in(self, time: float) -> Pair:
         """The motors' speeds some time from now [s], if they go on as they did [rad/s]."""
@@ -96,8 +101,6 @@ class Drive:
 
     def _within(self, torque: Pair, speed: Pair) -> Pair:
         """Torque that the speeds allow [N m]."""
-        if not self.feels_speed:
-            return torque
         first, second = map(_clip, torque, speed, self._speed_limit)
         return first, second
 

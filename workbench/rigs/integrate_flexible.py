@@ -18,7 +18,6 @@ from .events import TIGHT, crossing
 from .flexible import FlexibleLeg, Vector
 from .friction import merged
 from .hysteresis import Hysteresis
-from .integrate import STEP
 from .machine import Machine
 from .place import Law, Place
 
@@ -26,6 +25,7 @@ State = tuple[Vector, Vector]  # coordinates and speeds, both (n,)
 Rate = Callable[[Vector, Vector], Vector]
 Switch = Callable[[State], float]  # a quantity whose change of sign ends a smooth piece
 
+_STEP = 1e-3 / 3  # largest integration step [s]: a row in three
 _PART = 0.25  # a step over the time in which the fastest mode turns by a radian
 _SHORTEST = 1e-5  # s
 _MAX_EVENTS = 40  # in one step
@@ -98,7 +98,7 @@ class FlexibleIntegrator:
         # at a reversal a hysteresis is twice as stiff as at first
         springs = [(self.leg.direction(at), 2 * stiffness) for at, _, stiffness in machine.hystereses]
         fastest = self.leg.fastest(springs)
-        step = min(STEP, _PART / fastest) if fastest else STEP
+        step = min(_STEP, _PART / max(fastest, 1.0))
         if step < _SHORTEST:
             raise SimulationError(
                 f"a mode of the leg turns at {fastest:.2g} rad/s, too fast to follow: make its spring softer"

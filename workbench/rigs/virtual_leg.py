@@ -138,13 +138,12 @@ class VirtualLeg:
         state = leg.start(hip, hip + knee)
         seen = leg.motors(state)
         sensing = Sensing(machine, period, seen)
-        watched = sensing.look is not None or drive.feels_speed
+        watched, true = sensing.look is not None or drive.feels_speed, sensing.true
         step, asked = self.sensors.encoder, (0.0, 0.0)
-        for row in range(rows):
-            q1, q2, w1, w2 = seen if sensing.true else sensing.measure(seen)
+        for row, bias, (noise1, noise2) in zip(range(rows), unmeasured, velocity_noise, strict=True):
+            q1, q2, w1, w2 = seen if true else sensing.measure(seen)
             if step:
                 q1, q2 = round(q1 / step) * step, round(q2 / step) * step
-            noise1, noise2 = velocity_noise[row]
             w1, w2 = w1 + noise1, w2 + noise2
             if row % ticks == 0:
                 asked = _control(gains, q1, q2, w1, w2, reference[row], feedforward[row])
@@ -154,9 +153,9 @@ class VirtualLeg:
             command.append(asked)
             torque.append(drive.torque)
             if watched:
-                state, seen = _watched_row(leg, drive, state, unmeasured[row], sensing.look)
+                state, seen = _watched_row(leg, drive, state, bias, sensing.look)
             else:
-                for u1, u2, duration in drive.advance(unmeasured[row]):
+                for u1, u2, duration in drive.advance(bias):
                     state = leg.advance(state, u1, u2, duration)
                 seen = leg.motors(state)
             if not abs(seen[2]) + abs(seen[3]) < 1e3:
