@@ -1,4 +1,4 @@
-"""A rigid model of two masses on a spring fails at the resonance, and the comparison says so: measured data."""
+"""A rigid model of two masses on a spring fails at the resonance, and the comparison says so (measured)."""
 
 from pathlib import Path
 

@@ -144,11 +144,11 @@ def excite(
     if scaled.binding is None:
         typer.echo("The model states no limits: nothing was scaled.")
     else:
-        verb = "Scaled to" if scaled.factor < 1 else "Left at"
+        kept = f"Scaled to {scaled.factor:.3g} of" if scaled.factor < 1 else "Left at"
         share = 100 * scaled.usage[scaled.binding]
         typer.echo(
-            f"{verb} {scaled.factor:.3g} of the amplitude: tightest is the {scaled.binding}, of whose room "
-            f"{share:.3g} % is used."
+            f"{kept} the amplitude asked for: tightest is the {scaled.binding}, of whose room {share:.3g} % "
+            "is used."
         )
 
 

@@ -136,6 +136,6 @@ def whole_period(model: Model, period_s: float, rate_hz: float) -> float:
     tick = (model.controller.period_s or 0.0) * rate_hz
     rows = max(1, round(tick))
     # ticks between rows: as many of them as make whole rows, to a hundredth of a row
-    unit = rows if abs(tick - rows) < 1e-6 * rows else lcm(round(100 * tick), 100) // 100
+    unit = rows if abs(tick - rows) < 1e-6 * rows or tick == 0 else lcm(round(100 * tick), 100) // 100
     count = max(1, round(period_s * rate_hz / unit))
     return count * unit / rate_hz

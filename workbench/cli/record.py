@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,13 +14,27 @@ from .add import parse_place, parse_values
 from .app import app
 from .common import ForceOption, QuietOption
 
+if TYPE_CHECKING:
+    from workbench.frf import Design
+    from workbench.rigs import Experiment
+
+_RATE = 1000.0  # rows a second, of both rigs
+
 
 @app.command()
 def record(
-    rig: Annotated[str, typer.Argument(metavar="RIG", help="The rig: 'leg', the virtual parallel leg.")],
+    rig: Annotated[
+        str,
+        typer.Argument(
+            metavar="RIG", help="'leg', the virtual parallel leg, or 'actuator', its drive alone."
+        ),
+    ],
     experiments: Annotated[
         list[str] | None,
-        typer.Argument(metavar="EXPERIMENT...", help="Which of its experiments; all where none is named."),
+        typer.Argument(
+            metavar="EXPERIMENT...",
+            help="Designs from 'excite' (.toml), or the leg's experiments; all of these if none is named.",
+        ),
     ] = None,
     output: Annotated[
         str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.")
@@ -41,26 +57,100 @@ def record(
 
     Example: workbench record leg slow validation -o data --hide coulomb_friction@knee --set torque=0.25
     """
-    from workbench.rigs import HiddenEffect, VirtualLeg, demo_experiments
+    from workbench.rigs import HiddenEffect, VirtualLeg
 
-    if rig != "leg":
-        raise InputError(f"no rig is called '{rig}'", remedy="the built-in rig is 'leg'")
+    if rig not in ("leg", "actuator"):
+        raise InputError(f"no rig is called '{rig}'", remedy="the built-in rigs are 'leg' and 'actuator'")
     if not output:
         raise InputError("no output folder", remedy="say where the recordings go: -o FOLDER")
-    known = {e.name: e for e in demo_experiments(seed)}
-    for name in experiments or []:
-        if name not in known:
-            raise InputError(f"no experiment is called '{name}'", remedy=f"choose from {', '.join(known)}")
-    chosen = [known[name] for name in (experiments or known)]
-    hidden = []
-    if hide:
-        key = parse_place(hide)
-        numbers = {k: v.value for k, v in parse_values(set_ or []).items()}
-        hidden = [HiddenEffect(key.effect, key.axis, key.location, numbers)]
-    elif set_:
+    if set_ and not hide:
         raise InputError(
             "--set without --hide", remedy="name the effect to hide, e.g. --hide viscous_damping@hip"
         )
-    files = VirtualLeg(hidden, seed=seed).record_to(output, chosen, force=force)
+    if rig == "actuator":
+        if hide:
+            raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
+        count = _on_the_bench(experiments or [], Path(output), seed, force)
+    else:
+        hidden = []
+        if hide:
+            key = parse_place(hide)
+            numbers = {k: v.value for k, v in parse_values(set_ or []).items()}
+            hidden = [HiddenEffect(key.effect, key.axis, key.location, numbers)]
+        count = len(
+            VirtualLeg(hidden, seed=seed).record_to(output, _of_the_leg(experiments, seed), force=force)
+        )
     if not quiet:
-        typer.echo(f"Wrote {len(files)} recordings to {output}.")
+        typer.echo(f"Wrote {count} recordings to {output}.")
+
+
+def _of_the_leg(names: Sequence[str] | None, seed: int) -> list[Experiment]:
+    """The leg's own experiments and designs, in the order named."""
+    import numpy as np
+
+    from workbench.rigs import Experiment, demo_experiments
+
+    known = {e.name: e for e in demo_experiments(seed)}
+    chosen: list[Experiment] = []
+    for name in names or known:
+        if name in known:
+            chosen.append(known[name])
+            continue
+        if not name.endswith(".toml"):
+            raise InputError(
+                f"no experiment is called '{name}'",
+                remedy=f"choose from {', '.join(known)}, or give a design (.toml)",
+            )
+        design = _design(name, 2)
+        if not design.hold:
+            raise InputError(
+                "the design holds no posture", file=name, column="hold",
+                remedy="make it with 'excite' for a model whose loop has a controller",
+            )  # fmt: skip
+        for k, trial in enumerate(design.trials):
+            _, signals = design.play(k)
+            reference = signals["position_reference"]
+            push = signals.get("torque_feedforward", np.zeros_like(reference))
+            chosen.append(Experiment(trial.name, reference, push, design.excitation(k)))
+    return chosen
+
+
+def _on_the_bench(names: Sequence[str], folder: Path, seed: int, force: bool) -> int:
+    """Plays designs on the actuator's bench; returns how many recordings were written."""
+    from workbench.recordings import save_recording
+    from workbench.rigs.bench import VirtualBench
+
+    if not names:
+        raise InputError("nothing to play", remedy="give a design: workbench excite actuator -o design.toml")
+    recordings = []
+    for name in names:
+        design = _design(name, 1)
+        for k, trial in enumerate(design.trials):
+            _, signals = design.play(k)
+            if "torque_feedforward" not in signals:
+                raise InputError(
+                    "the design plays positions", file=name, remedy="the bench has no loop: --drive torque"
+                )
+            command = {trial.name: signals["torque_feedforward"][:, 0]}
+            recordings += VirtualBench(seed + len(recordings)).run(command, design.excitation(k))
+    folder.mkdir(parents=True, exist_ok=True)
+    for recording in recordings:
+        save_recording(recording, folder / f"{recording.name}.toml", compress=True, force=force)
+    return len(recordings)
+
+
+def _design(name: str, axes: int) -> Design:
+    """A design that a rig with this many axes can play.
+
+    Raises:
+        InputError: another number of axes, or another rate than the rigs'.
+    """
+    from workbench.frf import load_design
+
+    design = load_design(Path(name))
+    if len(design.axes) != axes or abs(design.rate_hz - _RATE) > 1e-6:
+        raise InputError(
+            f"a design of {len(design.axes)} axes at {design.rate_hz:g} Hz; the rig has {axes} at {_RATE:g}",
+            file=name, remedy="design it for this rig's model, with --rate 1000",
+        )  # fmt: skip
+    return design
