@@ -22,6 +22,7 @@ import numpy as np
 
 from workbench.mechanism.parse import GRAVITY
 
+from .along import Vector
 from .leg_file import leg_mass
 from .machine import Machine
 from .place import Place
@@ -31,8 +32,6 @@ THIGH, SHANK = 0, 1
 HIP_DRIVE = Place(0, (1.0, 0.0))
 KNEE_DRIVE = Place(1, (0.0, 1.0))
 KNEE_PIN = Place(1, (-1.0, 1.0), at_pin=True)
-
-Vector = list[float]
 
 
 class FlexibleLeg:

@@ -7,15 +7,16 @@ piece is smooth. Steps are a fraction of the fastest mode's time. Plain float co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from math import copysign
 from operator import itemgetter
 
 from workbench.core import SimulationError
 
+from .along import Along, Vector
 from .events import TIGHT, crossing
-from .flexible import FlexibleLeg, Vector
+from .flexible import FlexibleLeg
 from .friction import merged
 from .hysteresis import Hysteresis
 from .machine import Machine
@@ -31,22 +32,7 @@ _SHORTEST = 1e-5  # s
 _MAX_EVENTS = 40  # in one step
 
 
-class _Along:
-    """A direction (n,): reads the component of a vector along it, and lists its coordinates."""
-
-    def __init__(self, direction: Sequence[float]) -> None:
-        self.vector = list(direction)
-        self.terms = tuple((i, d) for i, d in enumerate(direction) if d)
-        self.read: Callable[[Vector], float] = _reader(self.terms)
-
-
-def _reader(terms: tuple[tuple[int, float], ...]) -> Callable[[Vector], float]:
-    if len(terms) == 1 and terms[0][1] == 1.0:
-        return itemgetter(terms[0][0])
-    return lambda vector: sum([d * vector[i] for i, d in terms])
-
-
-def _slip(along: _Along) -> Switch:
+def _slip(along: Along) -> Switch:
     """The speed along a direction."""
     return lambda state: along.read(state[1])
 
@@ -74,14 +60,14 @@ class FlexibleIntegrator:
                 for f in machine.frictions
             ]
         )
-        self._rubs = [_Along(f.direction) for f in self._frictions]
+        self._rubs = [Along(f.direction) for f in self._frictions]
         self._modes = [0] * len(self._frictions)  # 0 sticks, 1 and -1 slide
         self._memories = [
-            (_Along(leg.direction(at)), Hysteresis(torque, stiffness))
+            (Along(leg.direction(at)), Hysteresis(torque, stiffness))
             for at, torque, stiffness in machine.hystereses
         ]
-        self._passive: list[tuple[_Along, Law]] = [
-            *((_Along(leg.direction(p.at)), p.law) for p in machine.passive),
+        self._passive: list[tuple[Along, Law]] = [
+            *((Along(leg.direction(p.at)), p.law) for p in machine.passive),
             *((along, memory.torque) for along, memory in self._memories),
         ]
         self._switches = self._list_switches()
