@@ -43,8 +43,8 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=-1)
     arguments = parser.parse_args()
     seeds = range(*arguments.seeds)
-    found = Parallel(n_jobs=arguments.jobs)(delayed(identified)(seed) for seed in seeds)
-    rows = list(found)
+    work = Parallel(n_jobs=arguments.jobs)(delayed(identified)(seed) for seed in seeds)
+    rows: list[dict[str, Estimate]] = list(work)  # pyright: ignore[reportAssignmentType]
     low, high = (100.0 * binom.ppf(q, len(rows), 0.95) / len(rows) for q in (0.005, 0.995))
     out = table(
         "parameter", ("truth", "right"), ("worst error", "right"), ("bias", "right"), ("held", "right")
