@@ -42,7 +42,7 @@ def fit_native(
     model: Model,
     *,
     allow: float | None = ALLOWED,
-    branches: int = 10,
+    branches: int = 8,
     integrator: str | None = "implicitfast",
     chain: PostureDependent | None = None,
 ) -> FittedTree:

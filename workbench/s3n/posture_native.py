@@ -51,7 +51,7 @@ class Fit:
     basis: np.ndarray
 
 
-def fit(chain: PostureDependent, branches: int = 10) -> Fit:
+def fit(chain: PostureDependent, branches: int = 8) -> Fit:
     """Fit a mechanism over its workspace; some seconds.
 
     Args:
