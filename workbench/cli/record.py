@@ -33,7 +33,7 @@ def record(
         list[str] | None,
         typer.Argument(
             metavar="EXPERIMENT...",
-            help="Designs from 'excite' (.toml), or the leg's experiments; all of these if none is named.",
+            help="Designs from 'excite' (.toml), or the leg's experiments; the demo's six if none is named.",
         ),
     ] = None,
     output: Annotated[
@@ -88,11 +88,12 @@ def _of_the_leg(names: Sequence[str] | None, seed: int) -> list[Experiment]:
     """The leg's own experiments and designs, in the order named."""
     import numpy as np
 
-    from workbench.rigs import Experiment, demo_experiments
+    from workbench.rigs import Experiment, demo_experiments, revealing_experiments
 
-    known = {e.name: e for e in demo_experiments(seed)}
+    demo = demo_experiments(seed)
+    known = {e.name: e for e in (*demo, *revealing_experiments())}
     chosen: list[Experiment] = []
-    for name in names or known:
+    for name in names or [e.name for e in demo]:
         if name in known:
             chosen.append(known[name])
             continue
