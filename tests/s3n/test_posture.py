@@ -45,7 +45,8 @@ def test_drake_agrees_to_rounding(name: str) -> None:
 def test_series_are_the_chain(name: str) -> None:
     q, v = states(name, 12, seed=1)
     ours, wanted = series(name).dynamics(q, v), exact(name).dynamics(q, v)
-    for key, value in vars(wanted).items():
+    for key in ("mass", "bias", "gravity", "damping", "jacobian", "drives", "potential"):
+        value = getattr(wanted, key)
         np.testing.assert_allclose(
             getattr(ours, key), value, atol=2e-8 * np.abs(value).max(), err_msg=key, rtol=0
         )

@@ -181,10 +181,10 @@ class PostureDependent:
         sides: set[bool] = set()
 
         def sample(q: np.ndarray) -> np.ndarray:
-            margin = chain.margin(q)
-            if margin.min() < self.least_margin:
-                self.least_margin, self.least_at = float(margin.min()), q[int(np.argmin(margin))]
             at = chain.dynamics(q)
+            assert at.margin is not None
+            if at.margin.min() < self.least_margin:
+                self.least_margin, self.least_at = float(at.margin.min()), q[int(np.argmin(at.margin))]
             sides.update(np.linalg.det(at.jacobian) > 0.0)
             mass, energy = at.mass, at.potential
             if tree is not None:

@@ -31,6 +31,7 @@ class PostureDynamics:
         jacobian: J (N, n, n), d q_p / d q_s.
         drives: drive positions q_p (N, n) [rad or m].
         potential: energy of the weights (N,) [J].
+        margin: how far from a singular posture (N,), 1 at best and 0 there; None where it was not asked for.
     """
 
     mass: np.ndarray
@@ -40,6 +41,7 @@ class PostureDynamics:
     jacobian: np.ndarray
     drives: np.ndarray
     potential: np.ndarray
+    margin: np.ndarray | None = None
 
 
 class PostureChain:
@@ -115,4 +117,5 @@ class PostureChain:
             j,
             at.theta[c.drives],
             float(d.energy[0]),
+            at.margin,
         )

@@ -24,7 +24,7 @@ from .posture_links import Carried, Wanted, carry
 
 _NODES = {1: 40, 2: 12, 3: 7}  # postures an angle that are fitted
 CONSTANT = 1e-9  # largest change of a row of J that counts as none
-_ENOUGH, _STARTS = 0.005, 3  # a drive's tendon that is this good is taken, else the best of some
+_ENOUGH, _STARTS = 0.01, 3  # a drive's tendon that is this good is taken, else the best of some
 
 
 @dataclass(frozen=True)
