@@ -167,6 +167,13 @@ def test_what_states_no_mechanism_is_refused() -> None:
         PostureDependent(replace(leg, closed_chain=replace(leg.closed_chain, limits=())))
 
 
+def test_loops_that_are_not_named_are_refused() -> None:
+    own = model("five_bar")
+    assert own.closed_chain is not None
+    with pytest.raises(InputError, match=r"closed_chain.loops.*names no loops"):
+        PostureChain(replace(own, closed_chain=replace(own.closed_chain, loops=())))
+
+
 def test_a_start_that_does_not_close_is_refused() -> None:
     own = model("five_bar")
     assert own.closed_chain is not None
@@ -182,3 +189,13 @@ def test_a_series_of_one_angle_and_its_slope() -> None:
     np.testing.assert_allclose(found(x), np.exp(x), rtol=1e-11)
     np.testing.assert_allclose(found.slope(0)(x), np.exp(x), rtol=1e-9)
     assert tabulate(lambda q: np.sqrt(q), np.array([[0.0, 1.0]]), 1e-10) is None
+
+
+def test_a_series_of_three_angles() -> None:
+    box = np.array([[-1.0, 0.0], [0.0, 1.0], [0.5, 1.0]])
+    found = tabulate(lambda q: np.cos(q @ np.diag([1.0, 2.0, -1.0])).prod(axis=1, keepdims=True), box, 1e-11)
+    assert found is not None
+    q = np.random.default_rng(0).uniform(*box.T, (20, 3))
+    np.testing.assert_allclose(found(q)[:, 0], np.cos(q * [1.0, 2.0, -1.0]).prod(axis=1), atol=1e-9)
+    slope = -2.0 * np.sin(2.0 * q[:, 1]) * np.cos(q[:, 0]) * np.cos(q[:, 2])
+    np.testing.assert_allclose(found.slope(1)(q)[:, 0], slope, atol=1e-7)

@@ -60,11 +60,16 @@ class LoopClosure:
         model: names the closed chain; its start posture picks the branch.
 
     Raises:
-        InputError: it names none, or its loops do not close at the start posture.
+        InputError: it names none, or no loops, or they do not close at the start posture.
     """
 
     def __init__(self, model: Model) -> None:
         mechanism = mechanism_of(model)
+        if not mechanism.loops:
+            raise InputError(
+                f"model '{model.name}' names no loops", file=model.source, column="closed_chain.loops",
+                remedy="name the pairs of frames that coincide where the loops are closed",
+            )  # fmt: skip
         self.model, self.m = model, loop_spec(model, None).compile()
         # rotors and their drag act through J, beside the links
         self.m.dof_armature[:], self.m.dof_damping[:] = 0.0, 0.0
