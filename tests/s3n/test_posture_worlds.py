@@ -106,15 +106,16 @@ def test_energy_is_kept_without_drag() -> None:
     assert energy() == pytest.approx(before, abs=1e-7)
 
 
-def test_a_batch_is_its_worlds() -> None:
+@pytest.mark.parametrize("hold", [1, 2])
+def test_a_batch_is_its_worlds(hold: int) -> None:
     q, v = states("five_bar", 4)
     q, v = 0.3 * (q - middle("five_bar")) + middle("five_bar"), 0.1 * v
     torque = np.random.default_rng(5).normal(size=q.shape)
-    batch = ScheduledBatch(schedule("five_bar"), 4, threads=1)
+    batch = ScheduledBatch(schedule("five_bar"), 4, threads=1, hold=hold)
     batch.put(q, v)
     batch.step(torque, 5)
     for k in range(4):
-        world = ScheduledWorld(schedule("five_bar"), start=(q[k], v[k]))
+        world = ScheduledWorld(schedule("five_bar"), start=(q[k], v[k]), hold=hold)
         world.advance(torque[k], 5)
         np.testing.assert_allclose(batch.state()[0][k], world.state()[0], atol=1e-12)
         np.testing.assert_allclose(batch.state()[1][k], world.state()[1], atol=1e-10)

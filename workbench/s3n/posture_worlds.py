@@ -91,12 +91,13 @@ class ScheduledBatch:
         step: integration step [s].
         integrator: of MuJoCo.
         threads: of the batch; 0: all CPUs.
+        hold: steps between two writes; what is held errs by the square of that time.
 
     Attributes:
         batch: MuJoCo's, for everything beside the mechanism; its ``qfrc_applied`` on the joints is written
-            over at every step.
+            over at every write.
         inertia, damping: of the drives (N, n), to be changed world by world.
-        outside: which worlds were outside the limits at the last step, (N,); only with ``hold``.
+        outside: which worlds were outside the limits at the last write, (N,); if the schedule holds there.
 
     Raises:
         InputError: no such integrator.
@@ -109,12 +110,14 @@ class ScheduledBatch:
         step: float = 0.001,
         integrator: str = "implicitfast",
         threads: int = 0,
+        hold: int = 1,
     ) -> None:
         m = schedule.spec(step, integrator).compile()
-        first = ScheduledWorld(schedule, step, integrator, _inside(m, schedule))
+        first = ScheduledWorld(schedule, step, integrator, _inside(m, schedule), hold)
         m.dof_armature[:], m.tendon_armature[:] = first.m.dof_armature, first.m.tendon_armature
         _settle(m)
-        self.schedule, self.batch, self.ahead = schedule, Batch(m, count, threads), first.ahead
+        self.schedule, self.batch = schedule, Batch(m, count, threads)
+        self.hold, self.ahead = hold, first.ahead
         self._places, self._dofs, self._tendons = first.places, first.dofs, first.tendons
         self._own = first.own
         fields = ("dof_armature", "dof_damping", "tendon_armature", "tendon_damping")
@@ -134,13 +137,13 @@ class ScheduledBatch:
         return self._q[:, self._places].copy(), self._v[:, self._dofs].copy()
 
     def step(self, torque: np.ndarray, steps: int = 1) -> None:
-        """Take `steps` steps under torques on the drives (N, n) [N m], fields written at each.
+        """Take `steps` steps under torques on the drives (N, n) [N m].
 
         Raises:
             SimulationError: a world leaves the limits (unless the schedule holds there).
         """
         armature, damping, pair_armature, pair_damping = self._fields
-        for _ in range(steps):
+        for done in range(0, steps, self.hold):
             q, v = self.state()
             self.outside = ~self.schedule.chain.inside(q)
             self.schedule.check(q)
@@ -151,7 +154,7 @@ class ScheduledBatch:
             pair_armature[:, self._tendons] = f.pair_armature
             pair_damping[:, self._tendons] = f.pair_damping
             self._force[:, self._dofs] = f.torque
-            self.batch.step()
+            self.batch.step(nstep=min(self.hold, steps - done))
 
 
 def look_ahead(step: float, integrator: str, hold: int) -> float:
