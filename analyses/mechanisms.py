@@ -3,10 +3,10 @@
     python analyses/mechanisms.py -o out/mechanisms
 
 Ways: the serial tree with J by virtual work only (kin_only), rotors behind a J that is frozen at the middle
-(s3n_frozen), the fitted plain MJCF, fields written at every step (scheduled), inertia added in MuJoCo's
-callback, and the loop closed by equality constraints. A chirp in joint coordinates is tracked by a joint
-loop, once by the closed chain in Drake and once by each way. Times alternate, so that a busy machine disturbs
-all alike, and count as ratios to kin_only.
+(s3n_frozen), the fitted plain MJCF, fields written at every step (scheduled) or every fourth, inertia added
+in MuJoCo's callback, and the loop closed by equality constraints. A chirp in joint coordinates is tracked by a
+joint loop, once by the closed chain in Drake and once by each way. Times alternate, so that a busy machine
+disturbs all alike, and count as ratios to kin_only.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ from workbench.s3n.posture_error import relative_inertia, workspace_grid
 from workbench.s3n.worlds import World, make_world
 
 NAMES = ("four_bar", "five_bar", "ankle")
-WAYS = ("kin_only", "s3n_frozen", "fitted", "scheduled", "callback", "constraint")
+WAYS = ("kin_only", "s3n_frozen", "fitted", "scheduled", "scheduled_4", "callback", "constraint")
 PERIOD, SECONDS = 0.004, 2.0
 STEPS = (0.00025, 0.0005, 0.001, 0.002, 0.004)  # of the motion [s], whole parts of the period
 LONGEST = (0.002, 0.003, 0.004, 0.006, 0.008, 0.010, 0.012, 0.015, 0.020, 0.030)  # control period = step [s]
 WORLDS = 256
-_COLORS = ("#D55E00", "#E69F00", "#009E73", "#0072B2", "#56B4E9", "#1a1c1e")
+_COLORS = ("#D55E00", "#E69F00", "#009E73", "#0072B2", "#CC79A7", "#56B4E9", "#1a1c1e")
 
 
 @dataclass(frozen=True)
@@ -103,8 +103,8 @@ class Bench:
     def world(self, way: str, step: float) -> World:
         """One world at rest in the middle of the workspace."""
         start = self.middle, np.zeros_like(self.middle)
-        if way == "scheduled":
-            return ScheduledWorld(self.schedule, step, "implicitfast", start)
+        if way.startswith("scheduled"):
+            return ScheduledWorld(self.schedule, step, "implicitfast", start, 4 if way.endswith("4") else 1)
         if way == "callback":
             return CallbackWorld(self.schedule, step, "implicitfast", start)
         if way == "constraint":
@@ -190,7 +190,7 @@ def inertia_error(bench: Bench, way: str) -> tuple[float, float]:
     """Largest and rms relative error of the inertia over the workspace."""
     q = workspace_grid(bench.chain.box)
     real = bench.chain.mass(q)
-    if way in ("scheduled", "callback"):
+    if way in ("scheduled", "scheduled_4", "callback"):
         world, mass = bench.world("scheduled", 0.001), np.empty_like(real)
         for k, row in enumerate(q):
             world.put(row, np.zeros_like(row))
@@ -265,7 +265,7 @@ def costs(bench: Bench, rounds: int = 150) -> dict[str, float]:
     times: dict[str, list[float]] = {way: [] for way in WAYS}
     for _ in range(rounds):
         for way, world in worlds.items():
-            steps = 20 if way in ("scheduled", "callback") else 200
+            steps = 20 if way.startswith("scheduled") or way == "callback" else 200
             mujoco.mj_resetData(world.m, world.data)
             world.put(bench.middle, np.zeros_like(bench.middle))
             if way == "constraint":
@@ -286,26 +286,28 @@ def _in_c(world: World) -> Callable[[np.ndarray, int], None]:
     return advance
 
 
-def batch_costs(bench: Bench, rounds: int = 120, steps: int = 5) -> dict[str, float]:
+def batch_costs(bench: Bench, rounds: int = 120, steps: int = 4) -> dict[str, float]:
     """The same of a world among `WORLDS` in a batch on one thread; the callback has none."""
     plain = {way: bench.plain(way) for way in ("kin_only", "s3n_frozen", "fitted")}
     loop = bench.world("constraint", 0.001)
     batches = {way: Batch(m, WORLDS, 1) for way, m in (*plain.items(), ("constraint", loop.m))}
     for way, batch in batches.items():
         batch.bind("qpos")[:] = loop.data.qpos if way == "constraint" else bench.middle
-    scheduled = ScheduledBatch(bench.schedule, WORLDS, threads=1)
+    scheduled = {
+        way: ScheduledBatch(bench.schedule, WORLDS, threads=1, hold=hold)
+        for way, hold in (("scheduled", 1), ("scheduled_4", 4))
+    }
     start = np.tile(bench.middle, (WORLDS, 1))
-    times: dict[str, list[float]] = {way: [] for way in (*batches, "scheduled")}
+    times: dict[str, list[float]] = {way: [] for way in (*batches, *scheduled)}
     for _ in range(rounds):
         for way in times:
-            if way == "scheduled":
-                scheduled.put(start, np.zeros_like(start))
+            if way in scheduled:
+                scheduled[way].put(start, np.zeros_like(start))
             begun = time.perf_counter()
-            if way == "scheduled":
-                scheduled.step(np.zeros_like(start), steps)
+            if way in scheduled:
+                scheduled[way].step(np.zeros_like(start), steps)
             else:
-                for _ in range(steps):
-                    batches[way].step()
+                batches[way].step(nstep=steps)
             times[way].append(time.perf_counter() - begun)
     base = np.array(times["kin_only"])
     out = {way: float(np.median(np.array(values) / base)) for way, values in times.items()}
@@ -353,7 +355,7 @@ def result_figure(results: dict[str, dict[str, Entry]]) -> Figure:
         top, bottom = axes[:, column]
         top.set_xscale("log")
         bottom.set_xscale("log")
-        for (way, e), color, marker in zip(entries.items(), _COLORS, "osD^vX", strict=True):
+        for (way, e), color, marker in zip(entries.items(), _COLORS, "osD^*vX", strict=True):
             style = {"color": color, "marker": marker, "ms": 5, "label": way}
             top.plot(1e3 * np.array(STEPS), 1e3 * e.position, lw=1, **style)
             cost = e.cost if np.isnan(e.batch) else e.batch
@@ -373,7 +375,7 @@ def result_figure(results: dict[str, dict[str, Entry]]) -> Figure:
         ax.grid(alpha=0.25)
         ax.spines[["top", "right"]].set_visible(False)
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=6, frameon=False, fontsize=8)
+    figure.legend(handles, labels, loc="outside lower center", ncols=7, frameon=False, fontsize=8)
     return figure
 
 
