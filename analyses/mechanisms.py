@@ -4,8 +4,8 @@
 
 Ways: the serial tree with J by virtual work only (kin_only), rotors behind a J that is frozen at the middle
 (s3n_frozen), the fitted plain MJCF, fields written at every step (scheduled) or every fourth, inertia added
-in MuJoCo's callback, and the loop closed by equality constraints. A chirp in joint coordinates is tracked by a
-joint loop, once by the closed chain in Drake and once by each way. Times alternate, so that a busy machine
+in MuJoCo's callback, and the loop closed by equality constraints. A chirp in joint coordinates is tracked by
+a joint loop, once by the closed chain in Drake and once by each way. Times alternate, so that a busy machine
 disturbs all alike, and count as ratios to kin_only.
 """
 
