@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from workbench.diagnosis.sensitivity import normal
+from workbench.diagnosis.normal import normal
 from workbench.diagnosis.solve import solve
 
 

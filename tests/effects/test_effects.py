@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.simulation.make import having, leg_experiment, simulated, slide_experiment
-from workbench.comparison.inverse import required_torque
+from tests.effects.cases import CASES, MODELS, Case, equation, experiment, reference, with_effect
+from tests.simulation.make import having, slide_experiment
 from workbench.core import EffectKey, Recording
 from workbench.effects import (
     EFFECTS,
     Door,
-    Effect,
     Motion,
     compile_plant,
     effect_named,
@@ -23,120 +21,12 @@ from workbench.effects import (
     load_model,
     places,
 )
-from workbench.models import Model, Placement, write_model
-from workbench.simulation import Run, Track, motion_of, simulate
+from workbench.models import Placement, write_model
+from workbench.simulation import Run, Track, motion_of, required_torque, simulate
 
-#: One set of parameters an effect, for a rotary axis.
-VALUES: dict[str, dict[str, float]] = {
-    "actuator_inertia_coupling": {},
-    "linkage_inertia": {"M11": 0.00967, "M12": 0.002893, "M22": 0.00516},
-    "linkage_gravity": {"g1": 0.163091, "g2": 0.132743},
-    "viscous_damping": {"damping": 0.1},
-    "coulomb_friction": {"torque": 0.3},
-    "reflected_inertia": {"inertia": 0.01},
-    "payload_mass": {"mass": 0.2},
-    "torque_constant_error": {"gain": 0.85},
-    "torque_bias": {"torque": -0.4},
-    "command_delay": {"time": 0.0023},
-    "parallel_spring": {"stiffness": 1.5, "rest": 0.3},
-    "asymmetric_friction": {
-        "damping_positive": 0.1,
-        "damping_negative": 0.02,
-        "torque_positive": 0.2,
-        "torque_negative": 0.4,
-    },
-    "stribeck_friction": {"coulomb": 0.15, "static": 0.4, "speed": 0.5},
-}
-#: The same for a slide of 95 kg.
-ON_THE_SLIDE = {
-    **VALUES,
-    "viscous_damping": {"damping": 200.0},
-    "coulomb_friction": {"torque": 20.0},
-    "reflected_inertia": {"inertia": 9.0},
-    "payload_mass": {"mass": 10.0},
-    "torque_bias": {"torque": 15.0},
-    "parallel_spring": {"stiffness": 3000.0, "rest": 0.01},
-    "asymmetric_friction": {
-        "damping_positive": 100.0,
-        "damping_negative": 200.0,
-        "torque_positive": 15.0,
-        "torque_negative": 25.0,
-    },
-    "stribeck_friction": {"coulomb": 15.0, "static": 40.0, "speed": 0.03},
-}
-#: Where a law has nothing but one of its parts.
-PARTS = {
-    "asymmetric_friction": (
-        {"damping_positive": 0.0, "damping_negative": 0.0, "torque_positive": 0.3, "torque_negative": 0.0},
-        {"damping_positive": 0.2, "damping_negative": 0.1, "torque_positive": 0.0, "torque_negative": 0.0},
-    ),
-    "stribeck_friction": ({"coulomb": 0.0, "static": 0.4, "speed": 1.0},),
-    "linkage_inertia": ({"M11": 0.01, "M12": 0.0, "M22": 0.0}, {"M11": 0.02, "M12": -0.003, "M22": 0.002}),
-    "linkage_gravity": ({"g1": -0.3, "g2": 0.2},),
-    "torque_constant_error": ({"gain": 1.3},),
-}
-MODELS = ("leg_kin_only", "leg", "emps")
-
-
-@dataclass(frozen=True)
-class Case:
-    """An effect in one place of one shipped model."""
-
-    model: str
-    key: EffectKey
-    values: tuple[tuple[str, float], ...]
-
-    @property
-    def whole(self) -> bool:
-        """Whether it has all parts of its law."""
-        values = ON_THE_SLIDE if self.model == "emps" else VALUES
-        return dict(self.values) == values[self.key.effect]
-
-    @property
-    def effect(self) -> Effect:
-        return effect_named(self.key.effect)
-
-    @property
-    def added(self) -> Model:
-        return having(load_model(self.model), self.key, **dict(self.values))
-
-    def __str__(self) -> str:
-        part = ",".join(f"{k}={v:g}" for k, v in self.values)
-        return f"{self.model}+{self.key}[{part}]"
-
-
-def cases() -> list[Case]:
-    out = []
-    for name in MODELS:
-        for key in places(load_model(name)):
-            values = ON_THE_SLIDE if name == "emps" else VALUES
-            # what identification gave the Kin-Only leg is not free
-            fixed = name == "emps" or (name == "leg_kin_only" and key.effect.startswith("linkage"))
-            parts = () if fixed else PARTS.get(key.effect, ())
-            for given in (values[key.effect], *parts):
-                out.append(Case(name, key, tuple(given.items())))
-    return out
-
-
-CASES = cases()
 every_case = pytest.mark.parametrize("case", CASES, ids=str)
 every_place = pytest.mark.parametrize("case", [c for c in CASES if c.whole], ids=str)
-
-
-@cache
-def experiment(name: str) -> Recording:
-    model = load_model(name)
-    return slide_experiment(model, 0.9) if name == "emps" else leg_experiment(0.9)
-
-
-@cache
-def reference(name: str) -> Recording:
-    return simulated(load_model(name), experiment(name))
-
-
-@cache
-def with_effect(case: Case) -> Recording:
-    return simulated(case.added, experiment(case.model))
+every_torque = pytest.mark.parametrize("case", [c for c in CASES if c.effect.door < Door.SENSOR], ids=str)
 
 
 def midway(case: Case, run: Recording) -> tuple[Track, Motion]:
@@ -149,17 +39,6 @@ def midway(case: Case, run: Recording) -> tuple[Track, Motion]:
     signals = {name: values[:-1] for name, values in run.signals.items()}
     rows = replace(run, time=run.time[:-1], signals=signals, valid=None)
     return track, motion_of(track, rows, base, np.eye(base.model.size))
-
-
-def equation(case: Case, motion: Motion) -> np.ndarray:
-    """The effect's torque (N, n) by its equation, with the parameters of the case."""
-    effect, model = case.effect, load_model(case.model)
-    coefficients, shape = effect.to_coefficients(dict(case.values))
-    answer = effect.response(motion, model, Placement.of(model, case.key), shape)
-    torque = np.zeros_like(motion.position) if answer.offset is None else answer.offset
-    if len(answer.columns):
-        torque = torque + np.tensordot(coefficients, answer.columns, axes=1)
-    return torque
 
 
 def along(case: Case, motion: Motion) -> np.ndarray:
@@ -184,7 +63,7 @@ def test_coefficients_and_parameters_are_inverse(case: Case) -> None:
     assert (low <= coefficients).all() and (coefficients <= high).all()
 
 
-@every_case
+@every_torque
 def test_the_simulation_obeys_the_equation(case: Case) -> None:
     """What the model without the effect lacks along the motion with it is the effect's torque."""
     base = load_model(case.model)
@@ -212,6 +91,8 @@ def test_every_parameter_matters_and_a_written_model_simulates_alike(case: Case,
         models.append(replace(case, values=changed).added)
     again, *runs = simulate([Run(model, experiment(case.model)) for model in models])
     np.testing.assert_array_equal(again.position, with_effect(case).position)
+    if str(case.key) == "encoder_offset@slide":
+        return  # without gravity, and with the same inertia everywhere, nothing tells where zero is
     moved = [np.abs(run.position - again.position).max() for run in (reference(case.model), *runs)]
     assert min(moved) > 1e-5 * np.ptp(again.position, axis=0).max()
 
@@ -220,14 +101,15 @@ def test_every_parameter_matters_and_a_written_model_simulates_alike(case: Case,
 def test_friction_takes_energy(case: Case) -> None:
     _, motion = midway(case, reference(case.model))
     power = np.sum(equation(case, motion) * motion.velocity, axis=1)
-    assert (power <= 1e-12).all()
+    if case.key.effect != "presliding_hysteresis":  # a spring gives some back, in the end it takes
+        assert (power <= 1e-12).all()
     assert power.mean() < 0
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_places_are_where_effects_apply(name: str) -> None:
     model = load_model(name)
-    keys = places(model)
+    keys = places(model, ranked=False)
     assert len(set(keys)) == len(keys)
     for key in keys:
         effect = effect_named(key.effect)
@@ -246,7 +128,7 @@ def test_places_are_where_effects_apply(name: str) -> None:
 
 
 def test_no_payload_without_a_site() -> None:
-    keys = places(replace(load_model("leg"), payload_site=None))
+    keys = places(replace(load_model("leg"), payload_site=None), ranked=False)
     assert "payload_mass" not in {key.effect for key in keys}
 
 

@@ -31,13 +31,13 @@ def assert_equal(a: Model, b: Model) -> None:
 @st.composite
 def applied(draw: st.DrawFn, model: Model) -> AppliedEffect:
     """An effect that this model can have, with values that a body can have."""
-    key = draw(st.sampled_from(places(model)))
+    key = draw(st.sampled_from(places(model, ranked=False)))
     effect = effect_named(key.effect)
     low, high = effect.bounds(model, Placement.of(model, key))
     spans = zip(np.maximum(low, -1e3), np.minimum(high, 1e3), strict=True)
     coefficients = np.array([draw(st.floats(float(a), float(b))) for a, b in spans])
-    known = {p.name: p for p in effect.parameters}
-    shape = {name: draw(st.floats(max(known[name].lower, 1e-6), 0.2)) for name in effect.nonlinear}
+    lowest = {name: low for name, (low, _) in effect.shape_bounds(model, Placement.of(model, key)).items()}
+    shape = {name: draw(st.floats(max(lowest[name], 1e-6), 0.2)) for name in effect.nonlinear}
     std = draw(st.floats(0, 1))
     values = effect.to_parameters(coefficients, shape)
     return check_effect(model, AppliedEffect(key, {k: Estimate(v, std, "") for k, v in values.items()}))

@@ -11,7 +11,7 @@ from tests.simulation.make import LEG_LOOP, having, leg_experiment, simulated
 from workbench.core import Controller, EffectKey, Recording
 from workbench.effects import compile_plant, effect_named, load_model
 from workbench.models import Model, Placement
-from workbench.simulation import Track, linearise, motion_of, prepare, propagate
+from workbench.simulation import Disturbance, Track, linearise, motion_of, prepare, propagate
 
 LEG = load_model("leg")
 CASCADE = Controller(
@@ -72,18 +72,18 @@ def predicted(model: Model, asked: Recording, run: Recording) -> list[tuple[np.n
     # what a row's step has on average: the speed at its middle, the acceleration across it
     track = Track(q + h / 2 * w + h / 8 * rise, w + rise / 2, rise / h)
     motion = motion_of(track, asked.with_signals(**run.signals), plant, to_actuator)
-    torques, taps = [], []
-    for key, values in EFFECTS:
+    torques, taps = [], {}
+    for number, (key, values) in enumerate(EFFECTS):
         effect = effect_named(key.effect)
         coefficients, shape = effect.to_coefficients(values)
         answer = effect.response(motion, model, Placement.of(model, key), shape)
-        torque = np.tensordot(coefficients, answer.columns, axes=1) + (
-            0.0 if answer.offset is None else answer.offset
-        )
-        torques.append(torque)
-        taps.append(np.zeros_like(torque) if answer.tap is None else answer.tap)
+        torques.append(np.tensordot(coefficients, answer.columns, axes=1))
+        if answer.offset is not None:
+            torques[-1] = torques[-1] + answer.offset
+        if answer.tap is not None:
+            taps[number] = answer.tap
     loop = linearise(plant, prepare(asked.with_signals(**run.signals), model), track)
-    ((position, torque),) = propagate([loop], [np.stack(torques)], [np.stack(taps)])
+    ((position, torque),) = propagate([loop], [Disturbance(np.stack(torques), taps)])
     return [(position[:, :, k], torque[:, :, k]) for k in range(len(EFFECTS))]
 
 
@@ -124,10 +124,10 @@ def test_runs_of_any_length_side_by_side() -> None:
         run = leg_experiment(seconds).with_signals(**simulated(LEG, leg_experiment(seconds)).signals)
         track = Track(run.position, run.velocity, np.gradient(run.velocity, run.period, axis=0))
         loops.append(linearise(plant, prepare(run, LEG), track))
-        torques.append(np.random.default_rng(len(run)).normal(0, 0.1, (2, len(run), 2)))
-    together = propagate(loops, torques, [None] * 3)
+        torques.append(Disturbance(np.random.default_rng(len(run)).normal(0, 0.1, (2, len(run), 2))))
+    together = propagate(loops, torques)
     for loop, torque, (position, tap) in zip(loops, torques, together, strict=True):
-        ((q, u),) = propagate([loop], [torque], [None])
+        ((q, u),) = propagate([loop], [torque])
         np.testing.assert_allclose(position, q, atol=1e-14)
         np.testing.assert_allclose(tap, u, atol=1e-12)
 
@@ -138,7 +138,7 @@ def test_a_drive_at_its_limit_passes_nothing_on() -> None:
     run = asked.with_signals(**simulated(weak, asked).signals)
     track = Track(run.position, run.velocity, np.gradient(run.velocity, run.period, axis=0))
     loop = linearise(compile_plant(weak), prepare(run, weak), track)
-    ((_, torque),) = propagate([loop], [np.full((1, len(run), 2), 0.1)], [None])
+    ((_, torque),) = propagate([loop], [Disturbance(np.full((1, len(run), 2), 0.1))])
     limited = ~loop.open
     assert limited.mean() > 0.9
     np.testing.assert_array_equal(torque[limited], 0.0)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import mujoco
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
@@ -13,7 +12,7 @@ from workbench.core import InputError, InverseDynamics, Recording
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
-from workbench.simulation import Track, joint_columns, motion_of, scored_torque, smooth_track
+from workbench.simulation import motion_of, required_torque, scored_torque, smooth_track
 
 from .noise import DRAWS, NoiseModel, noise_seeds
 
@@ -29,53 +28,6 @@ def needs_inverse(model: Model, recording: Recording) -> bool:
     """Whether a recording's loop is unknown, so that only inverse dynamics can be compared."""
     known = recording.controller.kind != "unknown"
     return not known and (model.controller.kind == "unknown" or recording.get("position_reference") is None)
-
-
-def required_torque(plant: Plant, track: Track) -> np.ndarray:
-    """Motor torque (N, n) at the tap that a track needs, actuator coordinates, by MuJoCo's inverse dynamics.
-
-    Dry friction acts against the motion with its full bound; the chain's gain and bias are undone.
-    """
-    model, m = plant.model, plant.mujoco
-    data = mujoco.MjData(m)
-    back = np.linalg.inv(model.transmission)
-    q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
-    qpos, dofs = joint_columns(m, model.joints)
-    smooth = copy_without_friction(m)
-    joint = np.empty_like(q)
-    for k in range(len(q)):
-        data.qpos[qpos], data.qvel[dofs], data.qacc[dofs] = q[k], w[k], a[k]
-        mujoco.mj_inverse(smooth, data)
-        joint[k] = data.qfrc_inverse[dofs]
-    torque = joint @ back + dry_friction(plant, track)
-    return (torque - plant.chain.bias) / plant.chain.gain
-
-
-def copy_without_friction(m: mujoco.MjModel) -> mujoco.MjModel:
-    """The same model with dry friction switched off."""
-    import copy
-
-    out = copy.copy(m)
-    out.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
-    return out
-
-
-def dry_friction(plant: Plant, track: Track) -> np.ndarray:
-    """Torque that overcomes the model's dry friction along a track, (N, n), actuator coordinates."""
-    model, m = plant.model, plant.mujoco
-    back = np.linalg.inv(model.transmission)
-    total = np.zeros_like(track.velocity)
-    for location, matrix in (("actuator", model.transmission), ("joint", np.eye(model.size))):
-        for index, row in enumerate(matrix):
-            name = f"{location}:{index}"
-            loss = np.full(len(total), float(m.tendon_frictionloss[m.tendon(name).id]))
-            speed = track.velocity @ (row @ back)
-            for term in plant.chain.friction:
-                if term.tendon == name:
-                    loss = loss + term.law(speed, np.zeros_like(speed), *term.parameters)
-            width = 0.01 * float(np.sqrt(np.mean(speed**2))) + 1e-12
-            total += (loss * np.tanh(speed / width))[:, None] * (back.T @ row)[None, :]
-    return total
 
 
 def inverse_dynamics(
@@ -116,7 +68,7 @@ def torque_pair(
     if name == "torque_command":
         tap = motion_of(track, recording, plant, to_actuator).torque
     tap = 0.5 * (tap + np.vstack([tap[:1], tap[:-1]]))
-    needed = required_torque(plant, track)
+    needed = required_torque(plant, track, recording.period)
     measured, needed = lowpass(tap, recording), lowpass(needed, recording)
     edge = min(len(tap) // 10, int(0.1 / recording.period))
     valid = recording.valid.copy()

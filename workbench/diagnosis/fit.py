@@ -13,7 +13,8 @@ from workbench.simulation import Run, simulate
 
 from .data import Data
 from .hypothesis import Fit, Hypothesis, moved, room
-from .sensitivity import Normal, Scene, normal, respond, total
+from .normal import Normal, normal, total
+from .sensitivity import Scene, respond
 from .solve import solve
 from .uncertainty import covariance_of, with_deviations
 

@@ -66,17 +66,18 @@ def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
 
 
 def room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-    """How far each unknown may move: to its physical bound, nonlinear ones at most by half of themselves."""
+    """How far each unknown may move: to its physical bound, nonlinear ones by as much as a step may."""
     low, high = [np.zeros(0)], [np.zeros(0)]
     for applied, _ in blocks(hypothesis):
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(applied.values)
-        lower, upper = effect.bounds(hypothesis.base, Placement.of(hypothesis.base, applied.key))
-        reach = np.array([0.5 * abs(shape[name]) + 1e-5 for name in effect.nonlinear])
+        place = Placement.of(hypothesis.base, applied.key)
+        lower, upper = effect.bounds(hypothesis.base, place)
+        own, limits = effect.reach(shape), effect.shape_bounds(hypothesis.base, place)
+        reach = np.array([own[name] for name in effect.nonlinear])
         now = np.array([shape[name] for name in effect.nonlinear])
-        own = {p.name: p for p in effect.parameters}
-        floor = np.array([own[name].lower for name in effect.nonlinear])
-        ceiling = np.array([own[name].upper for name in effect.nonlinear])
+        floor = np.array([limits[name][0] for name in effect.nonlinear])
+        ceiling = np.array([limits[name][1] for name in effect.nonlinear])
         low += [lower - coefficients, np.maximum(-reach, floor - now)]
         high += [upper - coefficients, np.minimum(reach, ceiling - now)]
     return np.concatenate(low), np.concatenate(high)

@@ -31,7 +31,7 @@ def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothes
         return Hypothesis(base, free, (*current.hypothesis.stated, added))
     coefficients, shape = candidate.coefficients, candidate.shape
     given_up = [a for a in free if contains(candidate.key, a.key)]
-    if given_up:
+    if given_up and len(coefficients):
         linear, _ = scene.columns(candidate.key, shape)
         target = combine(
             [*linear, *(scene.total(a, a.values) for a in given_up)],

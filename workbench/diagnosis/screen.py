@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +12,11 @@ from workbench.effects import effect_named, places
 from workbench.models import AppliedEffect, Placement
 
 from .data import Data
-from .sensitivity import Column, Normal, Scene, normal, respond, total
+from .normal import Normal, normal, total
+from .sensitivity import Column, Scene, respond
 from .solve import solve
+
+_BLOCK = 64  # columns that march together; only those of one effect are held against each other
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,8 @@ class Candidate:
 
 @dataclass(frozen=True)
 class _Entry:
+    """An effect of one shape: where its columns stand in a block, and what one unit does."""
+
     key: EffectKey
     shape: Mapping[str, float]
     linear: list[int]
@@ -59,38 +64,43 @@ def screen(
     Returns:
         Candidates, best first, and the judged error without any of them (parameters of `free` refitted).
     """
+    following = [c for applied in free for c in scene.derivatives(applied)]
+    kept, known = list(range(len(following))), respond([scene], [following], data)[0]
+    best: dict[EffectKey, Candidate] = {}
+    without: float | None = None
+    for columns, entries in _blocks(scene, len(following), {applied.key for applied in free}):
+        pieces, held_out = _equations(scene, known, columns, data, simulated)
+        if without is None:
+            anywhere = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
+            without = _judge(pieces, held_out, kept, None, anywhere)[0]
+        for entry in entries:
+            candidate = _candidate(scene, entry, kept, pieces, held_out)
+            before = best.get(entry.key)
+            if before is None or candidate.judged < before.judged:
+                best[entry.key] = candidate
+    return sorted(best.values(), key=lambda c: c.judged), without or 0.0
+
+
+def _blocks(scene: Scene, first: int, taken: set[EffectKey]) -> Iterator[tuple[list[Column], list[_Entry]]]:
+    """All effects in all places and shapes, in blocks of `_BLOCK` columns that are numbered from `first`."""
     columns: list[Column] = []
-    for applied in free:
-        columns += scene.derivatives(applied)
-    kept = list(range(len(columns)))
     entries: list[_Entry] = []
-    taken = {applied.key for applied in free}
     for key in places(scene.model):
         if key in taken:
             continue
-        effect = effect_named(key.effect)
-        place = Placement.of(scene.model, key)
-        for shape in effect.shapes(scene.motions[0], scene.model, place):
+        effect, place = effect_named(key.effect), Placement.of(scene.model, key)
+        for shape in effect.shapes(scene.motions, scene.model, place):
             linear, fixed = scene.columns(key, shape)
-            start = len(columns)
-            columns += linear
-            where = None
-            if fixed is not None:
-                where = len(columns)
-                columns.append(fixed)
             own = [*linear, *([fixed] if fixed else [])]
-            entries.append(
-                _Entry(key, shape, list(range(start, start + len(linear))), where, _strength(scene, own))
-            )
-    pieces, held_out = _equations(scene, columns, data, simulated)
-    without = _judge(pieces, held_out, kept, None, (np.full(len(kept), -np.inf), np.full(len(kept), np.inf)))
-    best: dict[EffectKey, Candidate] = {}
-    for entry in entries:
-        candidate = _candidate(scene, entry, kept, pieces, held_out)
-        known = best.get(entry.key)
-        if known is None or candidate.judged < known.judged:
-            best[entry.key] = candidate
-    return sorted(best.values(), key=lambda c: c.judged), without[0]
+            if columns and len(columns) + len(own) > _BLOCK:
+                yield columns, entries
+                columns, entries = [], []
+            start = first + len(columns)
+            columns += own
+            where = start + len(linear) if fixed is not None else None
+            numbers = list(range(start, start + len(linear)))
+            entries.append(_Entry(key, shape, numbers, where, _strength(scene, own)))
+    yield columns, entries
 
 
 def _candidate(
@@ -106,10 +116,18 @@ def _candidate(
 
 
 def _equations(
-    scene: Scene, columns: list[Column], data: Data, simulated: Sequence[Recording]
+    scene: Scene,
+    known: list[np.ndarray],
+    columns: list[Column],
+    data: Data,
+    simulated: Sequence[Recording],
 ) -> tuple[list[Normal], Normal | None]:
-    """Normal equations of each training fold, and of the held-out recordings together."""
-    responses = respond([scene], [columns], data)[0]
+    """Normal equations of each training fold, and of the held-out recordings together.
+
+    `known`: responses of the unknowns that stand before `columns`, per recording.
+    """
+    fresh = respond([scene], [columns], data)[0]
+    responses = [np.concatenate(pair, axis=-1) for pair in zip(known, fresh, strict=True)]
     residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
     pieces = [normal(responses[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
     held_out: Normal | None = None
@@ -150,10 +168,25 @@ def _shifted(piece: Normal, index: list[int], fixed: int | None) -> Normal:
 
 
 def _strength(scene: Scene, columns: list[Column]) -> float:
-    """Root mean square of the largest column over that of the motor torque: what one unit does."""
-    motor = np.sqrt(np.mean([np.mean(m.torque**2) for m in scene.motions]))
-    sizes = [np.sqrt(np.mean([np.mean(t**2) for t in c.torque])) for c in columns]
-    return float(max(sizes, default=0.0) / max(motor, 1e-300))
+    """What one unit of the largest column does: torque over the motor's, or a reading over the motion's."""
+
+    def size(parts: Sequence[np.ndarray | None]) -> float:
+        there = [np.mean(p**2) for p in parts if p is not None]
+        return float(np.sqrt(np.mean(there))) if there else 0.0
+
+    motor = size([m.torque for m in scene.motions])
+    moved = size([m.position - m.position.mean(axis=0) for m in scene.motions])
+    rate = size([m.velocity for m in scene.motions])
+    shares = [
+        max(
+            size(c.torque) / max(motor, 1e-300),
+            size(c.command) / max(motor, 1e-300),
+            size([None if r is None else r[0] for r in c.reading]) / max(moved, 1e-300),
+            size([None if r is None else r[1] for r in c.reading]) / max(rate, 1e-300),
+        )
+        for c in columns
+    ]
+    return max(shares, default=0.0)
 
 
 def _detectable(pieces: list[Normal], entry: _Entry, kept: list[int]) -> float:

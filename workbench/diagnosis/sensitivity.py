@@ -1,35 +1,65 @@
-"""What each unknown would change in the recorded signals, and the normal equations of that."""
+"""What each unknown would change in the recorded signals."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
-from operator import add
 
 import numpy as np
 
+from workbench.comparison import scored_signals
 from workbench.core import EffectKey, Recording
 from workbench.effects import Motion, compile_plant, effect_named
 from workbench.models import AppliedEffect, Model, Placement
-from workbench.simulation import Loop, Track, linearise, motion_of, prepare, propagate, smooth_track
+from workbench.simulation import (
+    Disturbance,
+    Loop,
+    Run,
+    Track,
+    linearise,
+    motion_of,
+    prepare,
+    propagate,
+    simulate,
+    smooth_track,
+)
 
 from .data import Data
+from .hypothesis import applied_effect
+
+_PROBE = 0.03  # of an unknown: the step of a difference of simulations
+
+
+Part = tuple[np.ndarray | None, ...]
 
 
 @dataclass(frozen=True)
 class Column:
-    """One unknown along every recording: torque on the mechanism and change at the tap, (N, n) each."""
+    """One unknown along every recording, in actuator coordinates; None where it changes nothing.
+
+    `torque` on the mechanism (N, n), `tap` and `command` (N, n), `reading` (2, N, n), as in `Disturbance`.
+    """
 
     torque: tuple[np.ndarray, ...]
-    tap: tuple[np.ndarray | None, ...]
+    tap: Part
+    command: Part
+    reading: Part
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One unknown whose derivative is that of simulations: a model with a little more of it, and how much."""
+
+    model: Model
+    change: float
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A model on the recordings: motions that were made, loops linearised about them."""
+    """A model on the recordings: its runs, motions that were made, loops linearised about them."""
 
     model: Model
+    runs: tuple[Recording, ...]
     motions: tuple[Motion, ...]
     loops: tuple[Loop, ...]
 
@@ -45,69 +75,116 @@ class Scene:
                 recording, usable, e.to_actuator, levels.position_std, levels.velocity_std
             )
             motions.append(motion_of(track, recording, plant, e.to_actuator))
-            loops.append(linearise(plant, e, track))
-        return Scene(model, tuple(motions), tuple(loops))
+            loops.append(linearise(plant, e, track, motions[-1].gain))
+        return Scene(model, tuple(simulated[:count]), tuple(motions), tuple(loops))
 
     def columns(self, key: EffectKey, shape: Mapping[str, float]) -> tuple[list[Column], Column | None]:
         """All linear columns of an effect and its fixed part, evaluating it once a recording."""
         place = Placement.of(self.model, key)
         responses = [effect_named(key.effect).response(m, self.model, place, shape) for m in self.motions]
         linear = [
-            Column(tuple(r.columns[i] for r in responses), tuple(None for _ in responses))
+            Column(
+                tuple(r.columns[i] for r in responses),
+                tuple(None for _ in responses),
+                tuple(None if r.commands is None else r.commands[i] for r in responses),
+                tuple(None if r.readings is None else r.readings[i] for r in responses),
+            )
             for i in range(len(responses[0].columns))
         ]
-        if responses[0].offset is None:
+        if responses[0].offset is None and responses[0].reading is None:
             return linear, None
-        fixed = Column(tuple(r.offset for r in responses), tuple(r.tap for r in responses))  # type: ignore[arg-type]
+        fixed = Column(
+            tuple(
+                np.zeros_like(m.position) if r.offset is None else r.offset
+                for m, r in zip(self.motions, responses, strict=True)
+            ),
+            tuple(r.tap for r in responses),
+            tuple(None for _ in responses),
+            tuple(r.reading for r in responses),
+        )
         return linear, fixed
 
     def total(self, applied: AppliedEffect, values: Mapping[str, float]) -> Column:
-        """The torque of an effect with given parameter values."""
+        """What an effect with given parameter values does."""
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(values)
         linear, fixed = self.columns(applied.key, shape)
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
-    def derivatives(self, applied: AppliedEffect) -> list[Column]:
-        """Derivative of an installed effect's torque by each coefficient, then each nonlinear parameter.
+    def derivatives(self, applied: AppliedEffect) -> list[Column | Trial]:
+        """Derivative of what an installed effect does by each coefficient, then each nonlinear parameter.
 
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """
         effect = effect_named(applied.key.effect)
-        scene = replace(self, motions=tuple(effect.before(m, applied.values) for m in self.motions))
+        if effect.by_runs:
+            return [*self._trials(applied)]
+        place = Placement.of(self.model, applied.key)
+        scene = replace(self, motions=tuple(effect.before(m, place, applied.values) for m in self.motions))
         coefficients, shape = effect.to_coefficients(applied.values)
-        out = scene.columns(applied.key, shape)[0]
+        out: list[Column | Trial] = [*scene.columns(applied.key, shape)[0]]
+        limits = effect.shape_bounds(self.model, place)
         for name in effect.nonlinear:
-            parameter = next(p for p in effect.parameters if p.name == name)
             step = max(0.05 * abs(shape[name]), 1e-12)
             if name == "time":
                 step = 0.2 * scene.motions[0].step
-            low = max(shape[name] - step, parameter.lower)
-            high = min(shape[name] + step, parameter.upper)
+            low = max(shape[name] - step, limits[name][0])
+            high = min(shape[name] + step, limits[name][1])
             pair = [
                 scene.total(applied, effect.to_parameters(coefficients, {**shape, name: value}))
                 for value in (low, high)
             ]
             slope = combine(pair, [-1.0 / (high - low), 1.0 / (high - low)])
-            out.append(Column(slope.torque, tuple(None for _ in slope.tap)))
+            out.append(replace(slope, tap=tuple(None for _ in slope.tap)))
+        return out
+
+    def _trials(self, applied: AppliedEffect) -> list[Trial]:
+        """One model for each unknown of an effect, moved by `_PROBE` of it to where there is room."""
+        effect, place = effect_named(applied.key.effect), Placement.of(self.model, applied.key)
+        coefficients, shape = effect.to_coefficients(applied.values)
+        lower, upper = effect.bounds(self.model, place)
+        limits = effect.shape_bounds(self.model, place)
+        names = effect.nonlinear
+        low = np.array([*lower, *(limits[name][0] for name in names)])
+        high = np.array([*upper, *(limits[name][1] for name in names)])
+        now = np.array([*coefficients, *(shape[name] for name in names)])
+        least = effect.least(shape)
+        out = []
+        for i, value in enumerate(now):
+            change = max(_PROBE * abs(value), least[i])
+            change = change if value + change <= high[i] or value - change < low[i] else -change
+            moved = now + change * (np.arange(len(now)) == i)
+            count = len(coefficients)
+            own = dict(zip(names, map(float, moved[count:]), strict=True))
+            changed = applied_effect(self.model, applied, effect.to_parameters(moved[:count], own))
+            effects = tuple(changed if e is applied else e for e in self.model.effects)
+            out.append(Trial(replace(self.model, effects=effects), change))
         return out
 
 
 def combine(columns: Sequence[Column], factors: Sequence[float]) -> Column:
     """Linear combination of columns."""
-    count = len(columns[0].torque)
-    torque, tap = [], []
-    for i in range(count):
-        torque.append(np.sum([f * c.torque[i] for c, f in zip(columns, factors, strict=True)], axis=0))
-        taps = [f * t for c, f in zip(columns, factors, strict=True) if (t := c.tap[i]) is not None]
-        tap.append(np.sum(taps, axis=0) if taps else None)
-    return Column(tuple(torque), tuple(tap))
+
+    def mixed(parts: Sequence[Part]) -> Part:
+        out: list[np.ndarray | None] = []
+        for own in zip(*parts, strict=True):
+            there = [f * p for f, p in zip(factors, own, strict=True) if p is not None]
+            out.append(np.sum(there, axis=0) if there else None)
+        return tuple(out)
+
+    torque = mixed([c.torque for c in columns])
+    return Column(
+        tuple(t for t in torque if t is not None),
+        mixed([c.tap for c in columns]),
+        mixed([c.command for c in columns]),
+        mixed([c.reading for c in columns]),
+    )
 
 
 def respond(
-    scenes: Sequence[Scene], columns: Sequence[Sequence[Column]], data: Data
+    scenes: Sequence[Scene], columns: Sequence[Sequence[Column | Trial]], data: Data
 ) -> list[list[np.ndarray]]:
-    """Send columns round the loops of their scenes; all scenes march together.
+    """Send columns round the loops of their scenes; all scenes march together, as do all trials.
 
     Args:
         scenes: S of them.
@@ -117,78 +194,69 @@ def respond(
     Returns:
         Per scene and recording the weighted change of the scored signals, (N, 2, n, C).
     """
-    width = max((len(c) for c in columns), default=0)
-    if width == 0:
-        return [
-            [np.zeros((*m.position.shape[:1], 2, m.position.shape[1], 0)) for m in s.motions] for s in scenes
-        ]
-    loops, torques, taps = [], [], []
-    for scene, own in zip(scenes, columns, strict=True):
-        for i, motion in enumerate(scene.motions):
-            torque = np.zeros((width, *motion.position.shape))
-            tap = np.zeros_like(torque) if any(c.tap[i] is not None for c in own) else None
-            for k, column in enumerate(own):
-                torque[k] = column.torque[i]
-                if tap is not None and column.tap[i] is not None:
-                    tap[k] = column.tap[i]
-            loops.append(scene.loops[i])
-            torques.append(torque)
-            taps.append(tap)
-    flat = propagate(loops, torques, taps)
-    out, position = [], 0
-    for scene, own in zip(scenes, columns, strict=True):
+    linear = [[c for c in own if isinstance(c, Column)] for own in columns]
+    marched = _marched(scenes, linear)
+    tried = _tried(scenes, [[c for c in own if isinstance(c, Trial)] for own in columns], data)
+    out = []
+    for s, own in enumerate(columns):
+        first = [k for k, c in enumerate(own) if isinstance(c, Column)]
+        second = [k for k, c in enumerate(own) if isinstance(c, Trial)]
         rows = []
-        for i in range(len(scene.motions)):
-            q, u = flat[position]
-            position += 1
-            stacked = np.stack([q, u], axis=1)[..., : len(own)] * data.weight[None, :, :, None]
-            stacked[~data.recordings[i].valid] = 0.0
-            rows.append(stacked)
+        for i, motion in enumerate(scenes[s].motions):
+            whole = np.zeros((len(motion.position), 2, motion.position.shape[1], len(own)))
+            whole[..., first] = marched[s][i][..., : len(first)]
+            whole[..., second] = tried[s][i]
+            whole *= data.weight[None, :, :, None]
+            whole[~data.recordings[i].valid] = 0.0
+            rows.append(whole)
         out.append(rows)
     return out
 
 
-@dataclass(frozen=True)
-class Normal:
-    """Normal equations of one piece of data: gram (C, C), right side (C,), squared residual, samples."""
-
-    gram: np.ndarray
-    right: np.ndarray
-    square: float
-    samples: int
-
-    def __add__(self, other: Normal) -> Normal:
-        return Normal(
-            self.gram + other.gram,
-            self.right + other.right,
-            self.square + other.square,
-            self.samples + other.samples,
-        )
-
-    def __sub__(self, part: Normal) -> Normal:
-        return Normal(
-            self.gram - part.gram,
-            self.right - part.right,
-            self.square - part.square,
-            self.samples - part.samples,
-        )
-
-    def pick(self, index: Sequence[int]) -> Normal:
-        """Only these unknowns."""
-        i = np.asarray(index, int)
-        return Normal(self.gram[np.ix_(i, i)], self.right[i], self.square, self.samples)
-
-    def after(self, solution: np.ndarray) -> float:
-        """Squared residual when the unknowns take these values."""
-        return float(self.square - 2.0 * self.right @ solution + solution @ self.gram @ solution)
+def _marched(scenes: Sequence[Scene], columns: Sequence[Sequence[Column]]) -> list[list[np.ndarray]]:
+    """Position and torque, (N, 2, n, C) per scene and recording, by the linearised loops."""
+    width = max((len(c) for c in columns), default=0)
+    if width == 0:
+        return [[np.zeros((len(m.position), 2, m.position.shape[1], 0)) for m in s.motions] for s in scenes]
+    loops, disturbances = [], []
+    for scene, own in zip(scenes, columns, strict=True):
+        for i, motion in enumerate(scene.motions):
+            torque = np.zeros((width, *motion.position.shape))
+            for k, column in enumerate(own):
+                torque[k] = column.torque[i]
+            taps, commands, readings = (
+                {k: part for k, c in enumerate(own) if (part := getattr(c, name)[i]) is not None}
+                for name in ("tap", "command", "reading")
+            )
+            loops.append(scene.loops[i])
+            disturbances.append(Disturbance(torque, taps, commands, readings))
+    flat = iter(propagate(loops, disturbances))
+    return [[np.stack(next(flat), axis=1) for _ in s.motions] for s in scenes]
 
 
-def normal(response: np.ndarray, residual: np.ndarray) -> Normal:
-    """Normal equations from weighted responses (N, 2, n, C) and weighted residuals (N, 2, n)."""
-    x, y = response.reshape(residual.size, response.shape[-1]), residual.reshape(-1)
-    return Normal(x.T @ x, x.T @ y, float(y @ y), len(residual))
+def _tried(scenes: Sequence[Scene], trials: Sequence[Sequence[Trial]], data: Data) -> list[list[np.ndarray]]:
+    """The same by differences of simulations, all in one batch; what does not run changes nothing."""
+    asked = [
+        Run(t.model, r)
+        for scene, own in zip(scenes, trials, strict=True)
+        for t in own
+        for r in data.recordings[: len(scene.motions)]
+    ]
+    made = iter(simulate(asked, strict=False) if asked else ())
+    out = []
+    for scene, own in zip(scenes, trials, strict=True):
+        slopes = [
+            [_difference(next(made), run, data.recordings[i]) / t.change for i, run in enumerate(scene.runs)]
+            for t in own
+        ]
+        empty = [np.zeros((len(m.position), 2, m.position.shape[1], 0)) for m in scene.motions]
+        out.append([np.stack([s[i] for s in slopes], axis=-1) if own else e for i, e in enumerate(empty)])
+    return out
 
 
-def total(pieces: Sequence[Normal]) -> Normal:
-    """Normal equations of all pieces together."""
-    return reduce(add, pieces)
+def _difference(moved: Recording, run: Recording, measured: Recording) -> np.ndarray:
+    """Change of the scored signals, (N, 2, n)."""
+    out = np.zeros((len(run), 2, len(run.axes)))
+    for k, name in enumerate(scored_signals(measured)):
+        out[:, k] = moved.signals[name] - run.signals[name]
+    return out if np.isfinite(out).all() else np.zeros_like(out)

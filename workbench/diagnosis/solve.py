@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear
 
-from .sensitivity import Normal
+from .normal import Normal
 
 _RIDGE = 1e-7  # of each unknown's own information
 

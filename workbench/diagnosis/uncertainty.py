@@ -14,7 +14,7 @@ from workbench.models import AppliedEffect
 
 from .data import Data
 from .hypothesis import Fit, Hypothesis, blocks
-from .sensitivity import Normal
+from .normal import Normal
 
 _STEP_SHARE = 0.005  # of a row's period: how well a delay inside a step is known
 _ONSET_SHARE = 0.003  # of a dry friction's parameters: what a hard stop and a short creep differ by
@@ -62,6 +62,7 @@ def covariance_of(
 def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) -> Hypothesis:
     """Standard deviations of the parameters by the delta method."""
     free = []
+    floor = data.pool(data.floor)
     for applied, block in blocks(hypothesis):
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(applied.values)
@@ -81,6 +82,10 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         )
         onset = (_ONSET_SHARE if effect.dry else 0.0) * np.abs(middle)
         fine = np.hypot(late, onset)
+        if applied.key.axis is not None:
+            axis = hypothesis.base.axes.index(applied.key.axis)
+            blur = effect.blur(applied.values, *(float(x) for x in np.sqrt(floor[:, axis])))
+            fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in effect.parameters]))
         deviation = np.hypot(deviation, fine)
         parameters = {
             p.name: Estimate(float(middle[i]), float(deviation[i]), applied.parameters[p.name].unit)

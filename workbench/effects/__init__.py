@@ -1,11 +1,14 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
 from .base import Door, Effect, Parameter, Response
-from .build import Plant, build, compile_plant, tendon_row
+from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, places
-from .chain import Build, FrictionTerm, SensorErrors, TorqueChain, TorqueTerm
+from .chain import Build, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
-from .motion import Motion, held
+from .lag import follow, heat
+from .motion import Line, Motion, held, torque_bounds
+from .presliding_hysteresis import wound
+from .stiffness import tendon_row
 
 __all__ = [
     "EFFECTS",
@@ -13,6 +16,8 @@ __all__ = [
     "Door",
     "Effect",
     "FrictionTerm",
+    "HysteresisTerm",
+    "Line",
     "Motion",
     "Parameter",
     "Plant",
@@ -26,8 +31,12 @@ __all__ = [
     "compile_plant",
     "contains",
     "effect_named",
+    "follow",
+    "heat",
     "held",
     "load_model",
     "places",
     "tendon_row",
+    "torque_bounds",
+    "wound",
 ]

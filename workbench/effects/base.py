@@ -10,10 +10,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement
+from workbench.models import Model, Placement, joint_kinds
 
 from .chain import Build
-from .motion import Motion
+from .motion import Line, Motion
 
 INF = float("inf")
 
@@ -25,6 +25,8 @@ class Door(IntEnum):
     MOTOR = 1  # after torque_measured: gain, bias
     FRICTION = 2  # opposes motion at an axis
     MECHANISM = 3  # inertia, gravity, springs
+    SENSOR = 4  # what the log and the controller read of the motion
+    CONTROLLER = 5  # what the loop makes of it
 
 
 @dataclass(frozen=True)
@@ -54,23 +56,45 @@ _LINEAR_UNITS = {
     "rad": "m",
     "rad/s": "m/s",
     "kg*m^2": "kg",
+    "1/(N*m)^2": "1/N^2",
+    "1/rev": "rad/m",
 }
 
 
 @dataclass(frozen=True)
 class Response:
-    """An effect's torque along a motion, split into what is linear in unknown coefficients.
+    """What an effect does along a motion, split into what is linear in unknown coefficients.
+
+    Everything is in actuator coordinates. None: nothing there.
 
     Attributes:
-        columns: torque on the mechanism per unit of each coefficient, shape (k, N, n), actuator
-            coordinates; k may be 0.
+        columns: torque on the mechanism per unit of each coefficient, shape (k, N, n); k may be 0.
         offset: torque that has no free coefficient, (N, n), or None.
-        tap: change of `torque_measured` itself, (N, n), or None where the tap does not see it.
+        tap: change of `torque_measured` itself by what has no free coefficient, (N, n).
+        commands: change of the torque that the controller asks for from a row on, per unit of each
+            coefficient, (k, N, n).
+        readings: change of the position and the velocity that sensors read, per unit, (k, 2, N, n).
+        reading: the same of what has no free coefficient, (2, N, n).
     """
 
     columns: np.ndarray
     offset: np.ndarray | None = None
     tap: np.ndarray | None = None
+    commands: np.ndarray | None = None
+    readings: np.ndarray | None = None
+    reading: np.ndarray | None = None
+
+    @staticmethod
+    def read(motion: Motion, readings: np.ndarray) -> Response:
+        """The response of a sensor: `readings` (k, 2, N, n), and no torque."""
+        return Response(np.zeros((len(readings), *motion.position.shape)), readings=readings)
+
+    @staticmethod
+    def passed(motion: Motion, line: Line) -> Response:
+        """What another line between command and tap would change; no free coefficient."""
+        (at, mean), (new_at, new_mean) = motion.line.passed, line.passed
+        empty = np.zeros((0, *motion.position.shape))
+        return Response(empty, offset=(new_mean - mean) * motion.gain, tap=new_at - at)
 
 
 class Effect:
@@ -89,6 +113,8 @@ class Effect:
         nonlinear: parameters that do not enter the torque linearly.
         dry: whether it sticks, so that the model's sliding speed matters.
         basic: whether it is one of the groups to start from: inertia, viscous, Coulomb.
+        by_runs: whether a fit has to take its derivatives from simulations, since no column is exact near
+            parameters that do something.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
         locations: where on an axis it can sit.
         source: where the equation comes from.
@@ -106,6 +132,7 @@ class Effect:
     nonlinear: ClassVar[tuple[str, ...]] = ()
     dry: ClassVar[bool] = False
     basic: ClassVar[bool] = False
+    by_runs: ClassVar[bool] = False
     axes: ClassVar[Literal["each", "all"]] = "each"
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     source: ClassVar[str]
@@ -118,10 +145,36 @@ class Effect:
         del key
         return model.size > 0
 
-    def shapes(self, motion: Motion, model: Model, place: Placement | None) -> Sequence[Mapping[str, float]]:
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
         """Values to try for the parameters that do not enter linearly; one empty choice if all do."""
-        del motion, model, place
+        del motions, model, place
         return ({},)
+
+    def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
+        """Physical bounds of the values in a shape."""
+        del model, place
+        return {p.name: (p.lower, p.upper) for p in self.parameters if p.name in self.nonlinear}
+
+    def least(self, shape: Mapping[str, float]) -> np.ndarray:
+        """Smallest changes (k + nonlinear,) of the unknowns that simulations show, if `by_runs`."""
+        return np.full(len(self.parameters), 1e-9)
+
+    def blur(
+        self, values: Mapping[str, float], position_noise: float, torque_noise: float
+    ) -> dict[str, float]:
+        """How far noise of the motion [rad or m] and the torque [N m or N] may shift parameters.
+
+        A limit cuts the peaks of noise off but leaves its troughs, and a hysteresis remembers the noise, so
+        that runs with noise are on average not the run without, which is what a fit simulates.
+        """
+        del values, position_noise, torque_noise
+        return {}
+
+    def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
+        """How far one step of a fit may move the values of a shape: half of themselves."""
+        return {name: 0.5 * abs(value) + 1e-5 for name, value in shape.items()}
 
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
@@ -129,9 +182,9 @@ class Effect:
         """The effect's torque along a motion, given the nonlinear parameters in `shape`."""
         raise NotImplementedError
 
-    def before(self, motion: Motion, values: Mapping[str, float]) -> Motion:
+    def before(self, motion: Motion, place: Placement | None, values: Mapping[str, float]) -> Motion:
         """The motion as the chain saw it before this effect was installed with these values."""
-        del values
+        del place, values
         return motion
 
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
@@ -174,3 +227,16 @@ def single(place: Placement, torque: np.ndarray, motion: Motion) -> np.ndarray:
     By virtual work: tau_s = row^T torque, and tau_p = J^-T tau_s (paper, Eq. 4).
     """
     return torque[:, None] * (np.linalg.inv(motion.transmission).T @ place.row)[None, :]
+
+
+def read_on(place: Placement, position: np.ndarray, velocity: np.ndarray, motion: Motion) -> np.ndarray:
+    """Change (N,) of one drive's reading of position and velocity, as that of all drives, (2, N, n)."""
+    out = np.zeros((2, *motion.position.shape))
+    out[0, :, place.index], out[1, :, place.index] = position, velocity
+    return out
+
+
+def is_rotary(model: Model, axis: str) -> bool:
+    """Whether an axis turns, by the joint that its drive moves first."""
+    row = np.abs(model.transmission[model.axes.index(axis)])
+    return joint_kinds(model)[int(row.argmax())] == "hinge"

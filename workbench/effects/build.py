@@ -14,6 +14,7 @@ from workbench.models import Model, Placement, axis_tendon, base_spec, joint_kin
 from .catalogue import effect_named
 from .chain import Build, TorqueChain
 from .friction_constraint import set_friction_constraints
+from .stiffness import count_substeps, tendon_row
 
 
 @dataclass(frozen=True)
@@ -21,18 +22,21 @@ class Plant:
     """A compiled model: MuJoCo's, and the torque chain in front of it.
 
     `drives` (n, nv): speeds of MuJoCo's joints to those of the drives; its transpose takes torque back.
+    `lift` (nv, n): serial coordinates to MuJoCo's joints as long as nothing bends. `substeps`: steps of
+    MuJoCo's in one of the simulation, more than one where springs are stiff.
     """
 
     model: Model
     mujoco: mujoco.MjModel
     chain: TorqueChain
     drives: np.ndarray
+    lift: np.ndarray
+    substeps: int = 1
 
-    def state_at(self, start: np.ndarray) -> np.ndarray:
+    def state_at(self, serial: np.ndarray) -> np.ndarray:
         """Position and rate of MuJoCo's joints (2, nv) from those of the serial joints, (2, n)."""
-        out = np.stack([self.mujoco.qpos0, np.zeros(self.mujoco.nv)])
-        out[:, [self.mujoco.joint(name).dofadr[0] for name in self.model.joints]] = start
-        return out
+        apart = np.where(self.lift.any(axis=1), 0.0, self.mujoco.qpos0)
+        return serial @ self.lift.T + np.stack([apart, np.zeros_like(apart)])
 
 
 def build(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Build:
@@ -57,19 +61,21 @@ def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = (
         SimulationError: MuJoCo refuses it (a mass or inertia that no body has); says why.
     """
     made = build(model, timestep, held)
+    for term in made.chain.hysteresis:
+        # what the spring does the simulation says step by step
+        made.spec.tendon(term.spring).springyield = 0.0
     try:
         compiled = made.spec.compile()
     except ValueError as error:
         effects = ", ".join(str(e.key) for e in model.effects) or "no effects"
         raise SimulationError(f"model '{model.name}' with {effects} cannot be compiled: {error}") from error
+    substeps = count_substeps(compiled, made.chain)
+    compiled.opt.timestep = timestep / substeps
+    for term in made.chain.hysteresis:
+        compiled.tendon_stiffness[compiled.tendon(term.spring).id] = 0.0
     set_friction_constraints(compiled, made.chain, model, joint_kinds(model))
     drives = np.stack([tendon_row(compiled, axis_tendon(i)) for i in range(model.size)])
-    return Plant(model, compiled, made.chain, drives)
-
-
-def tendon_row(m: mujoco.MjModel, name: str) -> np.ndarray:
-    """Coefficients (nv,) of a fixed tendon: its speed is their product with the joints' speeds."""
-    ident, row = m.tendon(name).id, np.zeros(m.nv)
-    for k in range(m.tendon_adr[ident], m.tendon_adr[ident] + m.tendon_num[ident]):
-        row[m.jnt_dofadr[m.wrap_objid[k]]] += m.wrap_prm[k]
-    return row
+    lift = np.zeros((compiled.nv, model.size))
+    for i, name in enumerate(model.joints):
+        lift[compiled.joint(name).dofadr[0], i] = 1.0
+    return Plant(model, compiled, made.chain, drives, lift, substeps)

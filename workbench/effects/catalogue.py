@@ -8,17 +8,31 @@ from workbench.models import Model
 from .actuator_inertia_coupling import ActuatorInertiaCoupling
 from .asymmetric_friction import AsymmetricFriction
 from .base import Effect
+from .cogging import Cogging
 from .command_delay import CommandDelay
+from .controller_gain_error import ControllerGainError
 from .coulomb_friction import CoulombFriction
+from .current_loop_lag import CurrentLoopLag
+from .encoder_eccentricity import EncoderEccentricity
+from .encoder_offset import EncoderOffset
+from .encoder_scale import EncoderScale
 from .linkage_coriolis import LinkageCoriolis
 from .linkage_gravity import LinkageGravity
 from .linkage_inertia import LinkageInertia
+from .load_dependent_friction import LoadDependentFriction
 from .parallel_spring import ParallelSpring
 from .payload_mass import PayloadMass
+from .presliding_hysteresis import PreslidingHysteresis
+from .quadratic_drag import QuadraticDrag
 from .reflected_inertia import ReflectedInertia
+from .sensor_delay import SensorDelay
+from .speed_torque_limit import SpeedTorqueLimit
 from .stribeck_friction import StribeckFriction
+from .thermal_derating import ThermalDerating
 from .torque_bias import TorqueBias
 from .torque_constant_error import TorqueConstantError
+from .torque_saturation import TorqueSaturation
+from .velocity_filter_lag import VelocityFilterLag
 from .viscous_damping import ViscousDamping
 
 EFFECTS: tuple[Effect, ...] = (
@@ -36,6 +50,26 @@ EFFECTS: tuple[Effect, ...] = (
     ParallelSpring(),
     AsymmetricFriction(),
     StribeckFriction(),
+    LoadDependentFriction(),
+    QuadraticDrag(),
+    TorqueSaturation(),
+    SpeedTorqueLimit(),
+    Cogging(),
+    EncoderOffset(),
+    EncoderScale(),
+    EncoderEccentricity(),
+    SensorDelay(),
+    VelocityFilterLag(),
+    ControllerGainError(),
+    CurrentLoopLag(),
+    ThermalDerating(),
+    PreslidingHysteresis(),
+)
+
+#: Effects that models can have and that are simulated, but that a diagnosis does not rank yet: on measured
+#: drives they took shares of friction that is known, or two readings of them are in use.
+UNRANKED = frozenset(
+    {"load_dependent_friction", "presliding_hysteresis", "cogging", "thermal_derating", "speed_torque_limit"}
 )
 
 _BY_NAME = {effect.name: effect for effect in EFFECTS}
@@ -54,13 +88,16 @@ def effect_named(name: str) -> Effect:
     return _BY_NAME[name]
 
 
-def places(model: Model) -> tuple[EffectKey, ...]:
+def places(model: Model, *, ranked: bool = True) -> tuple[EffectKey, ...]:
     """Every effect in every place where it could be added to this model.
 
     An effect that the model has may be added once more where its parameters may be wrong: increments add up.
+    With `ranked`, only those that a diagnosis tries.
     """
     keys: list[EffectKey] = []
     for effect in EFFECTS:
+        if ranked and effect.name in UNRANKED:
+            continue
         if effect.axes == "all":
             candidates = [EffectKey(effect.name, None)]
         else:

@@ -36,6 +36,16 @@ class TorqueTerm:
     parameters: tuple[float, ...]
 
 
+@dataclass(frozen=True)
+class HysteresisTerm:
+    """Dahl's friction of `torque` [N m or N] and `stiffness`: the spring `spring` beside a `tendon`."""
+
+    spring: str
+    tendon: str
+    torque: float
+    stiffness: float
+
+
 @dataclass
 class SensorErrors:
     """What lies between the drives' true motion and what the log and the controller read of it.
@@ -86,25 +96,29 @@ class SensorErrors:
 class TorqueChain:
     """What happens between `torque_command` and the mechanism, in the order of these fields.
 
-    command -> `delay_s` -> `limit` -> `stall`, `no_load` -> **torque_measured** -> `gain` -> `bias` ->
-    `torques` -> `friction` -> mechanism. Arrays (n,), actuator coordinates; what is not there has its
-    neutral value. Each term of `friction` adds to its tendon's constant friction loss, while MuJoCo's
-    friction constraint decides sign and sticking. Terms of the state are evaluated at the middle of a step.
-    `sensors` stand between the motion and the loop, whose true gains are `kp_scale` and `kd_scale` times
-    those stated (by axis of the controller's coordinates).
+    command -> `delay_s` -> `limit` -> `stall`, `no_load` -> `lag` -> **torque_measured** -> `gain` ->
+    `heating`, `heat_time` -> `bias` -> `torques` -> `friction`, `hysteresis` -> mechanism. Arrays (n,),
+    actuator coordinates; what is not there has its neutral value. Each term of `friction` adds to its
+    tendon's constant friction loss, while MuJoCo's friction constraint decides sign and sticking. Terms of
+    the state are evaluated at the middle of a step. `sensors` stand between the motion and the loop, whose
+    true gains are `kp_scale` and `kd_scale` times those stated (by axis of the controller's coordinates).
     """
 
     delay_s: float
     limit: np.ndarray
     stall: np.ndarray
     no_load: np.ndarray
+    lag: np.ndarray
     gain: np.ndarray
+    heating: np.ndarray
+    heat_time: np.ndarray
     bias: np.ndarray
     sensors: SensorErrors
     kp_scale: np.ndarray
     kd_scale: np.ndarray
     torques: list[TorqueTerm] = field(default_factory=list)
     friction: list[FrictionTerm] = field(default_factory=list)
+    hysteresis: list[HysteresisTerm] = field(default_factory=list)
 
     @staticmethod
     def of(model: Model) -> TorqueChain:
@@ -115,7 +129,10 @@ class TorqueChain:
             limit=np.array(model.actuators.torque_limit),
             stall=np.inf * one,
             no_load=np.inf * one,
+            lag=0.0 * one,
             gain=one.copy(),
+            heating=0.0 * one,
+            heat_time=one.copy(),
             bias=0.0 * one,
             sensors=SensorErrors.of(model.size),
             kp_scale=one.copy(),
@@ -130,7 +147,7 @@ class TorqueChain:
     @property
     def follows_state(self) -> bool:
         """Whether torques or friction bounds are to be set step by step."""
-        return bool(self.torques or self.friction)
+        return bool(self.torques or self.friction or self.hysteresis)
 
 
 @dataclass

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import Estimate, InputError
-from workbench.models import AppliedEffect, Model, Placement, joint_kinds, read_model
+from workbench.models import AppliedEffect, Model, Placement, read_model
 
+from .base import is_rotary
 from .catalogue import effect_named
 
 
@@ -83,5 +84,4 @@ def axis_unit(model: Model, axis: str) -> str:
 
 def axis_units(model: Model) -> tuple[str, ...]:
     """``rad`` or ``m`` per axis, by the joint that its drive moves first."""
-    kinds = joint_kinds(model)
-    return tuple("m" if kinds[int(abs(row).argmax())] == "slide" else "rad" for row in model.transmission)
+    return tuple("rad" if is_rotary(model, axis) else "m" for axis in model.axes)

@@ -11,7 +11,7 @@ from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Response
 from .chain import Build
-from .motion import Motion, held
+from .motion import Motion
 
 
 class CommandDelay(Effect):
@@ -27,23 +27,23 @@ class CommandDelay(Effect):
     reveal = "a multisine up to a quarter of the control rate"
     mujoco = "native: delay of the actuator"
 
-    def shapes(self, motion: Motion, model: Model, place: Placement | None) -> Sequence[Mapping[str, float]]:
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
         """Delays from a tenth of a row to some rows beyond the controller's usual step."""
-        longest = max(12.0 * motion.step, 0.012)
-        return [{"time": float(t)} for t in np.geomspace(0.1 * motion.step, longest, 14)]
+        step = motions[0].step
+        longest = max(12.0 * step, 0.012)
+        return [{"time": float(t)} for t in np.geomspace(0.1 * step, longest, 14)]
 
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
     ) -> Response:
         """No free coefficient: the late command minus the command in time."""
-        late_at, late_mean = held(motion.command, motion.step, motion.delay + shape["time"])
-        at, mean = held(motion.command, motion.step, motion.delay)
-        rows, n = motion.position.shape
-        return Response(np.zeros((0, rows, n)), offset=(late_mean - mean) * motion.gain, tap=late_at - at)
+        return Response.passed(motion, replace(motion.line, delay=motion.line.delay + shape["time"]))
 
-    def before(self, motion: Motion, values: Mapping[str, float]) -> Motion:
+    def before(self, motion: Motion, place: Placement | None, values: Mapping[str, float]) -> Motion:
         """Without this delay in the chain."""
-        return replace(motion, delay=motion.delay - values["time"])
+        return replace(motion, line=replace(motion.line, delay=motion.line.delay - values["time"]))
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

@@ -9,6 +9,8 @@ from workbench.models import Model
 
 from .chain import TorqueChain
 
+_LOAD = 0.05  # share of the torque limit that loads a drive at least
+_UNLIMITED = 100.0  # N m: what a drive without a limit is taken to have
 _STABLE = 1.5  # largest product of rate and step; Runge-Kutta 4 needs less than 2.78
 
 
@@ -39,7 +41,9 @@ def set_friction_constraints(
         around = 10.0 * slow * np.array([-1.0, 0.0, 1.0])
         loss = float(m.tendon_frictionloss[ident])
         laws = [t for t in chain.friction if t.tendon == name]
-        loss += sum(float(np.max(t.law(around, np.zeros(3), *t.parameters))) for t in laws)
+        # one that grows with the load sets in at the sliding speed under a small one, above it later
+        load = np.full(3, _LOAD * min(float(model.actuators.torque_limit[int(index)]), _UNLIMITED))
+        loss += sum(float(np.max(t.law(around, load, *t.parameters))) for t in laws)
         if loss <= 0.0:
             continue
         rate = loss / slow * float(m.tendon_invweight0[ident])

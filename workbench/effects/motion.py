@@ -2,12 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from workbench.models import Placement
+from workbench.models import Model, Placement
+
+from .lag import lagged_line
+
+_ROWS = 10_000  # of all recordings, enough to see how a drive's torque is limited
+
+
+@dataclass(frozen=True)
+class Line:
+    """The way of a command through the drives to the tap, at N rows of n axes, actuator coordinates.
+
+    Attributes:
+        step: row step [s].
+        command: ``torque_command`` as it stands at each row, (N, n).
+        speed: of the drives, (N, n).
+        delay: [s].
+        limit, stall, no_load, lag: of the chain, (n,) each; infinite and zero where there is none.
+        measured: what was measured at the tap, (N, n), or None.
+    """
+
+    step: float
+    command: np.ndarray
+    speed: np.ndarray
+    delay: float
+    limit: np.ndarray
+    stall: np.ndarray
+    no_load: np.ndarray
+    lag: np.ndarray
+    measured: np.ndarray | None = None
+
+    @cached_property
+    def passed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Torque at the tap: just after each row's time, and its mean over the step, (N, n) each."""
+        newer, older, fraction = late(self.command, self.step, self.delay)
+        limits = torque_bounds(self.speed, self.limit, self.stall, self.no_load)
+        at = np.clip(older if fraction else newer, *limits)
+        newer, older = np.clip(newer, *limits), np.clip(older, *limits)
+        mean = (1.0 - fraction) * newer + fraction * older
+        for i in np.flatnonzero(self.lag):
+            at[:, i], mean[:, i] = lagged_line(older[:, i], newer[:, i], fraction, self.lag[i] / self.step)
+        return at, mean
 
 
 @dataclass(frozen=True)
@@ -15,13 +56,15 @@ class Motion:
     """N rows of n axes in actuator coordinates, SI, uniform step `step` [s].
 
     Attributes:
-        position, velocity, acceleration: (N, n).
+        position, velocity, acceleration: true motion of the drives, (N, n).
         torque: motor torque at the tap of ``torque_measured``, the mean over the row's step, (N, n).
-        command: ``torque_command`` as it stands at each row, (N, n); the chain's delay not applied.
-        delay: the chain's delay [s].
-        gain: the chain's gain behind the tap, (n,).
+        line: how the command came to be that torque.
+        gain: the chain's gain behind the tap, (N, n): that of the motor, less what heat takes.
         transmission: J with q_p = J q_s, (n, n).
         kinematics: site name -> Jacobian of the site's world position with respect to q_p, (N, 3, n).
+        required: motor torque at the tap that a model needs for this motion, (N, n).
+        law: number of a controller's axis -> torque command that its gains on position error and on
+            velocity ask for, (2, N, n), actuator coordinates, held from tick to tick.
         gravity: (3,) [m/s^2].
         axis_units: ``rad`` or ``m`` per axis.
     """
@@ -31,18 +74,56 @@ class Motion:
     velocity: np.ndarray
     acceleration: np.ndarray
     torque: np.ndarray
-    command: np.ndarray
-    delay: float
+    line: Line
     gain: np.ndarray
     transmission: np.ndarray
     kinematics: Callable[[str], np.ndarray]
+    required: Callable[[Model], np.ndarray]
+    law: Callable[[int], np.ndarray]
     gravity: np.ndarray
     axis_units: tuple[str, ...]
+
+    @property
+    def command(self) -> np.ndarray:
+        """``torque_command`` as it stands at each row, (N, n); the chain's delay not applied."""
+        return self.line.command
 
     def along(self, place: Placement) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position, speed and acceleration (N,) of the coordinate that a placement names."""
         row = place.row @ np.linalg.inv(self.transmission)
         return self.position @ row, self.velocity @ row, self.acceleration @ row
+
+
+def torque_bounds(
+    speed: np.ndarray, limit: np.ndarray, stall: np.ndarray, no_load: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest torque of drives at a speed; arrays broadcast, infinite where there is no limit.
+
+    What is left at a speed falls from the stall torque at rest to nothing at the no-load speed.
+    """
+    if not np.isfinite(stall).any():
+        return -limit, limit
+    with np.errstate(invalid="ignore"):  # infinity times zero where there is no such limit
+        left = np.where(np.isfinite(stall), stall * np.clip(1.0 - np.abs(speed) / no_load, 0.0, 1.0), np.inf)
+    top = np.minimum(limit, left)
+    return -top, top
+
+
+def at_tap(motions: Sequence[Motion], axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """What a drive's limits see, some rows of all motions, (M,) each: torque asked for, speed, torque given.
+
+    The last is None where torque was not measured.
+    """
+    part = slice(None, None, max(1, sum(len(m.position) for m in motions) // _ROWS))
+    asked, speed, given = [], [], []
+    for m in motions:
+        newer, older, fraction = late(m.line.command, m.step, m.line.delay)
+        asked.append((older if fraction else newer)[part, axis])
+        speed.append(m.velocity[part, axis])
+        given.append(None if m.line.measured is None else m.line.measured[part, axis])
+    known = [g for g in given if g is not None]
+    measured = np.concatenate(known) if len(known) == len(given) else None
+    return np.concatenate(asked), np.concatenate(speed), measured
 
 
 def held(command: np.ndarray, step: float, delay: float) -> tuple[np.ndarray, np.ndarray]:
@@ -57,14 +138,22 @@ def held(command: np.ndarray, step: float, delay: float) -> tuple[np.ndarray, np
         ``(at, mean)``, each like `command`: the torque just after each row's time, and its mean over
         the step that follows (which gives a held torque's impulse exactly).
     """
+    newer, older, fraction = late(command, step, delay)
+    if fraction == 0.0:
+        return newer, newer
+    return older, (1.0 - fraction) * newer + fraction * older
+
+
+def late(command: np.ndarray, step: float, delay: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """A held command behind a delay: what acts in the later part of each step, what before, and how long.
+
+    The last is a share of the step, 0 where nothing changes inside it.
+    """
     steps = delay / step
     whole = int(np.floor(steps + 1e-9))
     fraction = max(steps - whole, 0.0) if steps - whole > 1e-9 else 0.0
     newer = _shift(command, whole)
-    if fraction == 0.0:
-        return newer, newer
-    older = _shift(command, whole + 1)
-    return older, (1.0 - fraction) * newer + fraction * older
+    return newer, _shift(command, whole + 1) if fraction else newer, fraction
 
 
 def _shift(values: np.ndarray, rows: int) -> np.ndarray:

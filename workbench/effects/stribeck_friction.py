@@ -33,10 +33,12 @@ class StribeckFriction(Effect):
     reveal = "very slow steady runs, from creeping upwards, in both directions"
     mujoco = "torque function of the speed: the level of the axis's friction loss, step by step"
 
-    def shapes(self, motion: Motion, model: Model, place: Placement | None) -> Sequence[Mapping[str, float]]:
-        """Stribeck speeds from 0.5 % to 50 % of the top speed in the data."""
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
+        """Stribeck speeds from 0.5 % to 50 % of the top speed in the first recording."""
         assert place is not None
-        _, speed, _ = motion.along(place)
+        _, speed, _ = motions[0].along(place)
         top = float(np.quantile(np.abs(speed), 0.99)) + 1e-9
         return [{"speed": float(v)} for v in top * np.geomspace(0.005, 0.5, 9)]
 

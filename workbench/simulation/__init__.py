@@ -2,11 +2,16 @@
 
 from .control import SensorNoise
 from .experiment import Experiment, check_axes, prepare, scored_torque
-from .linear import Loop, linearise, propagate
+from .inverse import required_torque
+from .linear import Loop, linearise
+from .march import Disturbance, propagate
+from .motion import motion_of
 from .run import Run, simulate
-from .trajectory import Track, joint_columns, motion_of, smooth_track
+from .trajectory import TRUE_MOTION, Track, joint_columns, smooth_track
 
 __all__ = [
+    "TRUE_MOTION",
+    "Disturbance",
     "Experiment",
     "Loop",
     "Run",
@@ -18,6 +23,7 @@ __all__ = [
     "motion_of",
     "prepare",
     "propagate",
+    "required_torque",
     "scored_torque",
     "simulate",
     "smooth_track",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.effects import Plant
+from workbench.effects import Plant, follow, torque_bounds
 
 from .experiment import Experiment
 
@@ -43,6 +43,15 @@ class Drives:
             np.stack([getattr(p.chain, name) for p in plants])[:, None]
             for name in ("limit", "stall", "no_load", "gain", "bias")
         )
+        # torque measured behind the drive has its lag already
+        behind = np.array([e.behind == "all" for e in experiments])[:, None]
+        self.lag = np.where(behind, 0.0, np.stack([p.chain.lag for p in plants])) / step
+        self.heating, heat_time = (
+            np.stack([getattr(p.chain, name) for p in plants]) for name in ("heating", "heat_time")
+        )
+        self.cooling = heat_time / step
+        self.current, self.heat = np.zeros_like(self.lag), np.zeros_like(self.lag)
+        self.lags, self.heats = bool(self.lag.any()), bool(self.heating.any())
         self.follow_speed = any(p.chain.follows_speed for p in plants)
         pairs = zip(plants, experiments, strict=True)
         self.before = np.stack([p.model.transmission @ e.start[1] for p, e in pairs])
@@ -75,19 +84,48 @@ class Drives:
             tap = np.clip(at, -limit, limit)
             newer, older = np.clip(newer, -limit, limit), np.clip(older, -limit, limit)
         mean = newer * (1 - fraction) + older * fraction
-        shaft = self.gain[:active] * mean[:, :-1] + self.bias[:active]
+        edges = older - newer
+        if self.lags:
+            tap, mean = self._behind_lag(tap, mean, older, newer, active)
+            edges = np.where(self.lag[:active, None] > 0, 0.0, edges)
+        gain = self.gain[:active]
+        if self.heats:
+            gain = gain * self._cool_share(mean[:, :-1], active)
+        shaft = gain * mean[:, :-1] + self.bias[:active]
         early = None
         if fraction.any():
-            edge = (older - newer)[:, :-1].sum(axis=1)
             share = 0.5 * self.step_s**2 * (fraction * (1.0 - fraction))[:, 0]
-            early = share * self.gain[:active, 0] * edge
+            early = share * (gain * edges[:, :-1]).sum(axis=1)
         return Passed(tap, shaft, early)
+
+    def _behind_lag(
+        self, tap: np.ndarray, mean: np.ndarray, older: np.ndarray, newer: np.ndarray, active: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Tap and mean torque behind the current loops; the state moves on by all substeps but the last."""
+        tap, mean = tap.copy(), mean.copy()
+        ratio, fraction = self.lag[:active], self.fraction[:active, 0]
+        there, now = ratio > 0, self.current[:active]
+        for k in range(tap.shape[1]):
+            after, behind = follow(now, older[:, k], newer[:, k], fraction, ratio)
+            tap[:, k] = np.where(there, now, tap[:, k])
+            mean[:, k] = np.where(there, behind, mean[:, k])
+            if k < tap.shape[1] - 1:
+                now = after
+        self.current[:active] = now
+        return tap, mean
+
+    def _cool_share(self, mean: np.ndarray, active: int) -> np.ndarray:
+        """What heat leaves of the motors' gain over each substep, (active, c, n)."""
+        out, heat = np.empty_like(mean), self.heat[:active]
+        none = np.zeros((active, 1))
+        for k in range(mean.shape[1]):
+            square = mean[:, k] ** 2
+            heat, warm = follow(heat, square, square, none, self.cooling[:active])
+            out[:, k] = np.maximum(1.0 - self.heating[:active] * warm, 0.0)
+        self.heat[:active] = heat
+        return out
 
     def _bounds(self, speed: np.ndarray, active: int) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest torque at a speed (active, n), each (active, 1, n)."""
-        stall, share = self.stall[:active], speed[:, None] / self.no_load[:active]
-        with np.errstate(invalid="ignore"):  # a drive without such a limit: infinity times zero
-            high = np.where(np.isfinite(stall), stall * np.clip(1.0 - share, 0.0, 1.0), np.inf)
-            low = np.where(np.isfinite(stall), stall * np.clip(1.0 + share, 0.0, 1.0), np.inf)
-        limit = self.limit[:active]
-        return -np.minimum(limit, low), np.minimum(limit, high)
+        parts = (a[:active] for a in (self.limit, self.stall, self.no_load))
+        return torque_bounds(speed[:, None], *parts)

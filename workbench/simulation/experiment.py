@@ -180,7 +180,21 @@ def _start(
     first = reference[0] if controller.coordinates == "joint" else back @ reference[0]
     rest = np.linalg.inv(to_actuator) @ j @ first
     away = np.abs(np.stack([position - rest, rate])) > 6.0 * doubt
-    return measured if away.any() else np.stack([first, np.zeros_like(first)])
+    if not away.any():
+        return np.stack([first, np.zeros_like(first)])
+    if away[0].any() and _stands_still(recording):
+        # somewhere else than it should be, as with an encoder that errs: the loop is about to jerk
+        return np.stack([back @ to_actuator @ recording.position[:2].mean(axis=0), np.zeros_like(first)])
+    return measured
+
+
+def _stands_still(recording: Recording) -> bool:
+    """Whether a recording's first row is at rest, as far as the noise of its velocity lets see."""
+    velocity = recording.get("velocity")
+    if velocity is None:
+        return False
+    noise = np.median(np.abs(np.diff(velocity, axis=0)), axis=0)
+    return bool((np.abs(velocity[0]) <= 4.0 * noise).all())
 
 
 def _first_rows(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

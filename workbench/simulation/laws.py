@@ -29,6 +29,19 @@ class _Law:
     parameters: np.ndarray
 
 
+@dataclass
+class _Spring:
+    """Hysteresis on one tendon for some runs: state z (members,) at the places where the axes were last."""
+
+    members: np.ndarray
+    tendon: int
+    row: np.ndarray
+    torque: np.ndarray
+    ratio: np.ndarray
+    place: np.ndarray
+    state: np.ndarray
+
+
 class Laws:
     """All laws of a batch; with none, `present` is False and nothing needs to be done step by step."""
 
@@ -36,8 +49,11 @@ class Laws:
         model, self.step = plants[0].mujoco, step
         self.friction = _gathered([p.chain.friction for p in plants], model)
         self.torques = _gathered([p.chain.torques for p in plants], model)
-        self.present = bool(self.friction or self.torques)
+        self.present = any(p.chain.follows_state for p in plants)
         self.before = batch.bind("qvel").copy()
+        self.springs = _springs(plants, batch)
+        if self.springs:
+            self.stiffness, self.rest = batch.expand("tendon_stiffness"), batch.expand("tendon_lengthspring")
         if self.friction:
             self.loss = batch.expand("tendon_frictionloss")
             self.constant = self.loss.copy()
@@ -60,12 +76,28 @@ class Laws:
             place = (position[m] + 0.5 * self.step * middle[m]) @ law.row
             torque = law.law(place, middle[m] @ law.row, *law.parameters[live].T)
             force[m] += torque[:, None] * law.row
+        for spring in self.springs:
+            self._bend(spring, position, middle, force)
         if self.friction:
             self.loss[:count] = self.constant[:count]
         for law in self.friction:
             m, live = _live(law, count)
             bound = law.law(middle[m] @ law.row, shaft[m, law.axis], *law.parameters[live].T)
             self.loss[m, law.tendon] += bound
+
+    def _bend(self, spring: _Spring, position: np.ndarray, middle: np.ndarray, force: np.ndarray) -> None:
+        """Hysteresis as a force and a spring about where the axis is, right at the end of the step too."""
+        live = spring.members < len(position)
+        m, ratio = spring.members[live], spring.ratio[live]
+        place = position[m] @ spring.row
+        spring.state[live] = _wound(spring.state[live], place - spring.place[live], ratio)
+        spring.place[live] = place
+        state, level = spring.state[live], spring.torque[live]
+        coming = self.step * (middle[m] @ spring.row)
+        way = np.where(coming == 0.0, 1e-12, coming)
+        self.stiffness[m, spring.tendon] = level * (_wound(state, way, ratio) - state) / way
+        self.rest[m, spring.tendon] = place[:, None]
+        force[m] -= (level * state)[:, None] * spring.row
 
 
 def _live(law: _Law, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -95,3 +127,23 @@ def _gathered(terms: Sequence[Sequence[FrictionTerm | TorqueTerm]], model: mujoc
         )
         for (tendon, law, _), entries in found.items()
     ]
+
+
+def _springs(plants: Sequence[Plant], batch: Batch) -> list[_Spring]:
+    """The hysteresis of all runs, one entry a tendon; relaxed where the runs start."""
+    model, found = plants[0].mujoco, []
+    for name in dict.fromkeys(t.spring for p in plants for t in p.chain.hysteresis):
+        own = [(i, t) for i, p in enumerate(plants) for t in p.chain.hysteresis if t.spring == name]
+        members, row = np.array([i for i, _ in own]), tendon_row(model, name)
+        torque = np.array([max(t.torque, 1e-12) for _, t in own])
+        ratio = np.array([t.stiffness for _, t in own]) / torque
+        place = batch.bind("qpos")[members] @ row
+        tendon = model.tendon(name).id
+        found.append(_Spring(members, tendon, row, torque, ratio, place, np.zeros(len(own))))
+    return found
+
+
+def _wound(state: np.ndarray, moved: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+    """Dahl's state after a way without a reversal, exact."""
+    side = np.sign(moved)
+    return side - (side - state) * np.exp(-ratio * np.abs(moved))

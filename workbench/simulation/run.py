@@ -16,6 +16,7 @@ from .control import Controllers, SensorNoise
 from .drives import Drives
 from .experiment import Experiment, prepare
 from .sense import Sensors
+from .trajectory import TRUE_MOTION
 from .world import group_worlds
 
 
@@ -37,7 +38,8 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
 
     Returns:
         One recording a run, in the coordinates of its own: position, velocity, torque_command and
-        torque_measured as the log would show them (without sensor noise unless the run has it).
+        torque_measured as the log would show them (without sensor noise unless the run has it). Where
+        sensors err, `extra` holds the motion that was made, under the names of `TRUE_MOTION`.
 
     Raises:
         SimulationError: unstable (with `strict`), naming model, recording and time.
@@ -139,10 +141,11 @@ class _Trace:
             "torque_command": command,
             "torque_measured": torque,
         }
+        true = () if self.sensors.honest else (self.position[i, rows], self.velocity[i, rows])
         return replace(
             run.recording,
             signals=signals,
-            extra={},
+            extra={name: v @ to_rows.T for name, v in zip(TRUE_MOTION, true, strict=False)},
             derived=(),
             notes=(),
             name=run.recording.name,

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from workbench.core import Recording
-from workbench.effects import Motion, Plant, axis_units, held
 
+#: Names in `Recording.extra` of the motion that a simulation made, where its sensors show another.
+TRUE_MOTION = ("true_position", "true_velocity")
 _SMOOTH = 15  # lines over which the spectrum of the correction is averaged
 
 
@@ -35,6 +35,7 @@ def smooth_track(
     Position and velocity are fused by their noise at each frequency, and a Wiener filter keeps of the
     difference what stands above the noise. The smaller the difference, the less noise gets in: a right
     model leaves its own noise-free motion. Without a simulation the measurement itself is smoothed.
+    What a simulation's sensors show is held against the measurement, the motion it made is corrected.
 
     Args:
         measured, simulated: recordings in the same coordinates; `simulated` None for no prior motion.
@@ -53,6 +54,8 @@ def smooth_track(
         dq[:, i], dw[:, i], da[:, i] = _fuse(
             measured.position[:, i] - base_q[:, i], rate, position_std[i], velocity_std[i], step
         )
+    if simulated is not None and TRUE_MOTION[0] in simulated.extra:
+        base_q, base_w = (np.nan_to_num(simulated.extra[name]) for name in TRUE_MOTION)
     q, w = base_q + dq, base_w + dw
     a = np.gradient(base_w, step, axis=0) + da
     return Track(q @ to_actuator.T, w @ to_actuator.T, a @ to_actuator.T)
@@ -104,56 +107,6 @@ def _extend(x: np.ndarray, pad: int) -> np.ndarray:
 
 def _extend_even(x: np.ndarray, pad: int) -> np.ndarray:
     return np.concatenate([x[pad:0:-1], x, x[-2 : -pad - 2 : -1]])
-
-
-def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.ndarray) -> Motion:
-    """Everything that effects need to know of a motion."""
-    model = plant.model
-    step = recording.period
-    from_log = np.linalg.inv(to_actuator).T
-    command = recording.get("torque_command")
-    measured = recording.get("torque_measured")
-    known = command if command is not None else measured
-    rows = np.zeros_like(track.position) if known is None else known @ from_log.T
-    delay = plant.chain.delay_s if command is not None and recording.timing.delay == "motor" else 0.0
-    limit = plant.chain.limit
-    mean = np.clip(held(rows, step, delay)[1], -limit, limit)
-    return Motion(
-        step=step,
-        position=track.position,
-        velocity=track.velocity,
-        acceleration=track.acceleration,
-        torque=mean,
-        command=rows,
-        delay=delay,
-        gain=plant.chain.gain,
-        transmission=model.transmission,
-        kinematics=lambda site: site_jacobian(plant, track, site),
-        gravity=np.array(plant.mujoco.opt.gravity),
-        axis_units=axis_units(model),
-    )
-
-
-def site_jacobian(plant: Plant, track: Track, site: str, stride: int = 4) -> np.ndarray:
-    """Jacobian of a site's world position with respect to q_p along a track, shape (N, 3, n).
-
-    Evaluated at every `stride`-th row and interpolated by cubic splines, whose slope is right as well.
-    """
-    m, model = plant.mujoco, plant.model
-    data = mujoco.MjData(m)
-    joints = track.position @ np.linalg.inv(model.transmission).T
-    qpos, dofs = joint_columns(m, model.joints)
-    rows = np.unique(np.append(np.arange(0, len(joints), stride), len(joints) - 1))
-    some, full = np.empty((len(rows), 3, model.size)), np.zeros((3, m.nv))
-    ident = m.site(site).id
-    for k, row in enumerate(rows):
-        data.qpos[qpos] = joints[row]
-        mujoco.mj_kinematics(m, data)
-        mujoco.mj_comPos(m, data)
-        mujoco.mj_jacSite(m, data, full, None, ident)
-        some[k] = full[:, dofs]
-    dense = CubicSpline(rows, some)(np.arange(len(joints)))
-    return dense @ np.linalg.inv(model.transmission)
 
 
 def joint_columns(m: mujoco.MjModel, joints: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:

@@ -29,6 +29,7 @@ class _Group:
         state = np.stack([p.state_at(s) for p, s in zip(plants, start, strict=True)])
         self.batch.bind("qpos")[:], self.batch.bind("qvel")[:] = state[:, 0], state[:, 1]
         self.give = np.stack([_give(p) for p in plants])
+        self.substeps = first.substeps
         self.laws = Laws(plants, self.batch, first.mujoco.opt.timestep)
 
     def step(self, shaft: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -37,17 +38,21 @@ class _Group:
         Returns:
             Positions and speeds of the drives after each step, (count, c, n) each.
         """
+        many = self.substeps
         applied = shaft @ self.drives
         ids = None if count == self.batch.nsim else np.arange(count)
         if not self.laws.present:
-            out = self.batch.rollout(shaft.shape[1], applied, _APPLIED, ("qpos", "qvel"), ids)
-            return out["qpos"] @ self.drives.T, out["qvel"] @ self.drives.T
+            applied = np.repeat(applied, many, axis=1) if many > 1 else applied
+            out = self.batch.rollout(applied.shape[1], applied, _APPLIED, ("qpos", "qvel"), ids)
+            q, w = (out[name][:, many - 1 :: many] @ self.drives.T for name in ("qpos", "qvel"))
+            return q, w
         q, w = np.empty_like(shaft), np.empty_like(shaft)
         force, qpos, qvel = (self.batch.bind(name) for name in ("qfrc_applied", "qpos", "qvel"))
         for k in range(shaft.shape[1]):
-            force[:count] = applied[:, k]
-            self.laws.apply(qpos[:count], qvel[:count].copy(), shaft[:, k], force)
-            self.batch.step(ids)
+            for _ in range(many):
+                force[:count] = applied[:, k]
+                self.laws.apply(qpos[:count], qvel[:count].copy(), shaft[:, k], force)
+                self.batch.step(ids)
             q[:, k], w[:, k] = qpos[:count] @ self.drives.T, qvel[:count] @ self.drives.T
         return q, w
 
@@ -105,10 +110,9 @@ def group_worlds(plants: Sequence[Plant], starts: np.ndarray) -> Worlds:
     """
     groups: dict[tuple[object, ...], list[int]] = defaultdict(list)
     for i, plant in enumerate(plants):
-        m = plant.mujoco
-        counts = (m.nq, m.nv, m.nbody, m.ngeom, m.nsite, m.ntendon, m.neq, m.nM, plant.chain.follows_state)
-        layout = (*counts, plant.model.serial, plant.model.joints, plant.drives.tobytes())
-        groups[layout].append(i)
+        shapes = (getattr(plant.mujoco, name).shape for name in MODEL_FIELDS if not name.startswith("opt."))
+        machine = plant.model.serial, plant.model.joints, plant.drives.tobytes()
+        groups[*shapes, *machine, plant.substeps, plant.chain.follows_state].append(i)
     made = [_Group([plants[i] for i in ids], np.array(ids), starts[ids]) for ids in groups.values()]
     return Worlds(made, plants)
 

@@ -1,0 +1,56 @@
+"""Normal equations of pieces of data, to be added, taken apart and solved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Normal equations of one piece of data: gram (C, C), right side (C,), squared residual, samples."""
+
+    gram: np.ndarray
+    right: np.ndarray
+    square: float
+    samples: int
+
+    def __add__(self, other: Normal) -> Normal:
+        return Normal(
+            self.gram + other.gram,
+            self.right + other.right,
+            self.square + other.square,
+            self.samples + other.samples,
+        )
+
+    def __sub__(self, part: Normal) -> Normal:
+        return Normal(
+            self.gram - part.gram,
+            self.right - part.right,
+            self.square - part.square,
+            self.samples - part.samples,
+        )
+
+    def pick(self, index: Sequence[int]) -> Normal:
+        """Only these unknowns."""
+        i = np.asarray(index, int)
+        return Normal(self.gram[np.ix_(i, i)], self.right[i], self.square, self.samples)
+
+    def after(self, solution: np.ndarray) -> float:
+        """Squared residual when the unknowns take these values."""
+        return float(self.square - 2.0 * self.right @ solution + solution @ self.gram @ solution)
+
+
+def normal(response: np.ndarray, residual: np.ndarray) -> Normal:
+    """Normal equations from weighted responses (N, 2, n, C) and weighted residuals (N, 2, n)."""
+    x, y = response.reshape(residual.size, response.shape[-1]), residual.reshape(-1)
+    return Normal(x.T @ x, x.T @ y, float(y @ y), len(residual))
+
+
+def total(pieces: Sequence[Normal]) -> Normal:
+    """Normal equations of all pieces together."""
+    return reduce(add, pieces)

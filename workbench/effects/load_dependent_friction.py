@@ -1,0 +1,55 @@
+"""Friction that grows with the torque that a gear transmits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response, single, smooth_sign
+from .chain import Build, FrictionTerm
+from .motion import Motion
+
+
+class LoadDependentFriction(Effect):
+    """torque = -(f + r |u|) sign(w), u the torque of the axis's motor."""
+
+    name = "load_dependent_friction"
+    parameters = (Parameter("torque", "N*m"), Parameter("ratio", "1", upper=0.9))
+    door = Door.FRICTION
+    dry = True
+    tier = 1
+    contains = ("coulomb_friction",)
+    locations = ("actuator", "joint")
+    source = "Hamon, Gautier, Garrec, New dry friction model with load- and velocity-dependence, ICRA 2010"
+    shows = "torque residual steps at each reversal, the more the higher the motor torque"
+    reveal = "slow motion with many reversals, once with and once without a load"
+    mujoco = "torque function of the motor torque: the level of the axis's friction loss, step by step"
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """Two columns: minus the sign of the speed, by itself and times the size of the motor torque."""
+        assert place is not None
+        _, speed, _ = motion.along(place)
+        sign = smooth_sign(speed)
+        load = np.abs(motion.gain * motion.torque)[:, place.index]
+        return Response(np.stack([single(place, row, motion) for row in (-sign, -load * sign)]))
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """A friction level of the tendon that depends on the motor torque."""
+        assert place is not None
+        parameters = values["torque"], values["ratio"]
+        build.chain.friction.append(FrictionTerm(place.tendon, loaded_level, parameters))
+
+
+def loaded_level(
+    speed: np.ndarray, torque: np.ndarray, constant: np.ndarray, ratio: np.ndarray
+) -> np.ndarray:
+    """Bound on the friction under a motor torque, all arrays broadcast."""
+    del speed
+    return constant + ratio * np.abs(torque)

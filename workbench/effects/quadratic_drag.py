@@ -1,0 +1,41 @@
+"""Drag that grows with the square of the speed: air, oil, a fan."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response, single
+from .chain import Build
+from .motion import Motion
+
+
+class QuadraticDrag(Effect):
+    """torque = -c w |w|."""
+
+    name = "quadratic_drag"
+    parameters = (Parameter("drag", "N*m*s^2/rad^2"),)
+    door = Door.FRICTION
+    locations = ("actuator", "joint")
+    source = "Rayleigh's drag equation; windage and churning losses"
+    shows = "torque residual odd in speed, growing with its square"
+    reveal = "steady runs at several speeds up to the highest, in both directions"
+    mujoco = "native: quadratic damping of the axis's tendon (MuJoCo 4)"
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """One column: minus the speed times its size."""
+        assert place is not None
+        _, speed, _ = motion.along(place)
+        return Response(single(place, -speed * np.abs(speed), motion)[None])
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """Second damping coefficient of the tendon."""
+        assert place is not None
+        build.spec.tendon(place.tendon).damping[1] += values["drag"]

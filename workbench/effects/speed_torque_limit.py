@@ -1,0 +1,80 @@
+"""A drive whose torque falls with speed, as back-EMF eats its voltage."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response
+from .chain import Build
+from .motion import Motion, at_tap
+
+
+class SpeedTorqueLimit(Effect):
+    """|torque| <= s (1 - |w| / w0), none beyond w0, driving and braking alike, before the measured torque."""
+
+    name = "speed_torque_limit"
+    parameters = (
+        Parameter("stall_torque", "N*m", lower=1e-6),
+        Parameter("no_load_speed", "rad/s", lower=1e-6),
+    )
+    nonlinear = ("stall_torque", "no_load_speed")
+    by_runs = True
+    door = Door.COMMAND
+    tier = 1
+    contains = ("torque_saturation",)
+    source = "torque-speed line of DC motors; Hughes, Electric Motors and Drives, Ch. 3"
+    shows = "measured torque has a ceiling that falls as speed rises"
+    reveal = "hard accelerations from rest up to the highest speed, in both directions"
+    mujoco = "torque function of the speed"
+
+    def applies(self, model: Model, key: EffectKey) -> bool:
+        """Once a drive: two lines are no line."""
+        return not model.has(self.name, key.axis)
+
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
+        """Lines that cut something off; the likely ones if the torque was measured."""
+        assert place is not None
+        asked, speed, measured = at_tap(motions, place.index)
+        top, fast = float(np.abs(asked).max()) + 1e-9, float(np.abs(speed).max()) + 1e-9
+        stalls, ends = (0.4, 0.6, 0.9, 1.3, 2.0), np.geomspace(0.4, 3.0, 6)
+        if measured is not None:
+            stalls, ends = np.geomspace(0.05, 3.0, 24), np.geomspace(0.3, 20.0, 20)
+        tried = [(top * s, fast * e) for s in stalls for e in ends]
+        if measured is not None:
+            share = np.abs(speed)
+            left = [s * np.clip(1.0 - share / e, 0.0, 1.0) for s, e in tried]
+            off = [np.sum((np.clip(asked, -x, x) - measured) ** 2) for x in left]
+            tried = [tried[k] for k in np.argsort(off)[:6]]
+        return [{"stall_torque": float(s), "no_load_speed": float(v)} for s, v in tried]
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No free coefficient: what the falling ceiling takes away."""
+        assert place is not None
+        stall, no_load = motion.line.stall.copy(), motion.line.no_load.copy()
+        stall[place.index], no_load[place.index] = shape["stall_torque"], shape["no_load_speed"]
+        return Response.passed(motion, replace(motion.line, stall=stall, no_load=no_load))
+
+    def blur(
+        self, values: Mapping[str, float], position_noise: float, torque_noise: float
+    ) -> dict[str, float]:
+        """A third of the noise at rest, all of it where the line falls."""
+        share = torque_noise / values["stall_torque"]
+        return {"stall_torque": 0.3 * torque_noise, "no_load_speed": share * values["no_load_speed"]}
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """Line of the chain."""
+        assert place is not None
+        build.chain.stall[place.index] = values["stall_torque"]
+        build.chain.no_load[place.index] = values["no_load_speed"]

@@ -1,0 +1,63 @@
+"""A drive that gives less torque than the model believes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response
+from .chain import Build
+from .motion import Motion, at_tap
+
+
+class TorqueSaturation(Effect):
+    """torque clipped to [-limit, limit], before the measured torque."""
+
+    name = "torque_saturation"
+    parameters = (Parameter("limit", "N*m", lower=1e-6, about="the lower of this and the model's counts"),)
+    nonlinear = ("limit",)
+    by_runs = True
+    door = Door.COMMAND
+    source = "current limit of drives, tau = k_t i; Astrom and Hagglund, Advanced PID Control, Ch. 3"
+    shows = "measured torque has a ceiling that the command exceeds, at every speed"
+    reveal = "steps or chirps whose command goes well beyond the ceiling, at several speeds"
+    mujoco = "native: force range of the actuator"
+
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
+        """Ceilings from a tenth of the highest torque to all of it; the likely ones if it was measured."""
+        assert place is not None
+        asked, _, measured = at_tap(motions, place.index)
+        top = float(np.abs(asked).max()) + 1e-9
+        if measured is None:
+            return [{"limit": float(v)} for v in top * np.geomspace(0.1, 0.97, 16)]
+        tried = top * np.geomspace(0.03, 0.99, 150)
+        off = np.array([np.sum((np.clip(asked, -v, v) - measured) ** 2) for v in tried])
+        return [{"limit": float(v)} for v in tried[np.argsort(off)[:4]]]
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No free coefficient: what the ceiling takes away."""
+        assert place is not None
+        limit = motion.line.limit.copy()
+        limit[place.index] = min(limit[place.index], shape["limit"])
+        return Response.passed(motion, replace(motion.line, limit=limit))
+
+    def blur(
+        self, values: Mapping[str, float], position_noise: float, torque_noise: float
+    ) -> dict[str, float]:
+        """A tenth of the noise."""
+        return {"limit": 0.1 * torque_noise}
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """Limit of the chain."""
+        assert place is not None
+        build.chain.limit[place.index] = min(build.chain.limit[place.index], values["limit"])

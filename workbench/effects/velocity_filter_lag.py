@@ -1,0 +1,66 @@
+"""A measured velocity that is filtered more than the model knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.signal import lfilter
+
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response, read_on
+from .chain import Build
+from .motion import Motion
+
+
+class VelocityFilterLag(Effect):
+    """T dv/dt = w - v, v the measured velocity; the loop reads the same."""
+
+    name = "velocity_filter_lag"
+    parameters = (Parameter("time_constant", "s", upper=0.5),)
+    nonlinear = ("time_constant",)
+    by_runs = True
+    door = Door.SENSOR
+    source = "first-order low-pass of the drive's speed estimate; Ellis, Control System Design Guide, Ch. 9"
+    shows = (
+        "less damping of the loop at high frequency; measured velocity behind the measured position's rate"
+    )
+    reveal = "a chirp or multisine beyond the filter's corner, with position and velocity logged"
+    mujoco = "filter of the velocity that is read"
+
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
+        """Corners from a fifth of a row on."""
+        step = motions[0].step
+        return [{"time_constant": float(t)} for t in np.geomspace(0.2 * step, max(40.0 * step, 0.04), 12)]
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No free coefficient: the filtered velocity minus the velocity."""
+        assert place is not None
+        speed = motion.along(place)[1]
+        change = lagged(speed, motion.step, shape["time_constant"]) - speed
+        return Response(
+            np.zeros((0, *motion.position.shape)),
+            reading=read_on(place, np.zeros_like(speed), change, motion),
+        )
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """Lag of the sensor; lags of one sensor add up."""
+        assert place is not None
+        build.chain.sensors.lag[place.index] += values["time_constant"]
+
+
+def lagged(values: np.ndarray, step: float, time_constant: float) -> np.ndarray:
+    """Rows (N,) behind a first-order lag, exact for what changes linearly between rows, settled at first."""
+    ratio = time_constant / step
+    kept = np.exp(-1.0 / ratio)
+    # y1 = kept y0 + (x1 - x0) (1 - ratio (1 - kept)) + x0 (1 - kept)
+    rise = 1.0 - ratio * (1.0 - kept)
+    start = values[0] - rise * values[0]
+    return lfilter([rise, 1.0 - kept - rise], [1.0, -kept], values, zi=[start])[0]

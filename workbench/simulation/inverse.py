@@ -1,0 +1,101 @@
+"""The torque that a model needs for a motion."""
+
+from __future__ import annotations
+
+import copy
+
+import mujoco
+import numpy as np
+
+from workbench.effects import Plant, TorqueChain, heat, tendon_row, wound
+
+from .trajectory import Track
+
+
+def required_torque(plant: Plant, track: Track, step: float | None = None) -> np.ndarray:
+    """Motor torque (N, n) at the tap that a track needs, actuator coordinates, by MuJoCo's inverse dynamics.
+
+    Dry friction acts against the motion with its full bound; the chain's gain and bias are undone, and what
+    heat takes where the rows' `step` [s] is given.
+    """
+    model, m = plant.model, plant.mujoco
+    data = mujoco.MjData(m)
+    back = np.linalg.inv(model.transmission)
+    q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
+    dofs = np.array([m.joint(name).dofadr[0] for name in model.joints])
+    smooth = copy_without_friction(m)
+    joint = np.empty_like(q)
+    for k in range(len(q)):
+        data.qpos[dofs], data.qvel[dofs], data.qacc[dofs] = q[k], w[k], a[k]
+        mujoco.mj_inverse(smooth, data)
+        joint[k] = data.qfrc_inverse[dofs]
+    torque = joint @ back - laws_of_state(plant, track)
+    # friction that grows with the load needs a torque to know the torque it needs
+    needed = torque + dry_friction(plant, track, torque)
+    if any(t.law(0.0, 1.0, *t.parameters) != t.law(0.0, 0.0, *t.parameters) for t in plant.chain.friction):
+        for _ in range(3):
+            needed = torque + dry_friction(plant, track, needed)
+    chain = plant.chain
+    cold = tap = (needed - chain.bias) / chain.gain
+    if step is not None and chain.heating.any():
+        for _ in range(5):
+            tap = cold * chain.gain / np.maximum(gain_along(chain, tap, step), 1e-3)
+    return tap
+
+
+def gain_along(chain: TorqueChain, torque: np.ndarray, step: float) -> np.ndarray:
+    """Gain of the motors (N, n) along a torque at the tap (N, n), less what heat takes."""
+    out = np.tile(chain.gain, (len(torque), 1))
+    for i in np.flatnonzero(chain.heating):
+        warm = heat(torque[:, i], step, chain.heat_time[i])
+        out[:, i] *= np.maximum(1.0 - chain.heating[i] * warm, 0.0)
+    return out
+
+
+def copy_without_friction(m: mujoco.MjModel) -> mujoco.MjModel:
+    """The same model with dry friction switched off."""
+    out = copy.copy(m)
+    out.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
+    return out
+
+
+def laws_of_state(plant: Plant, track: Track) -> np.ndarray:
+    """Torque of the chain's laws of the state along a track, (N, n), actuator coordinates."""
+    total = np.zeros_like(track.velocity)
+    for term in plant.chain.torques:
+        row = _row(plant, term.tendon)
+        torque = term.law(track.position @ row, track.velocity @ row, *term.parameters)
+        total += torque[:, None] * row[None, :]
+    for term in plant.chain.hysteresis:
+        row = _row(plant, term.tendon)
+        state = wound(track.position @ row, term.stiffness / max(term.torque, 1e-12))
+        total -= term.torque * state[:, None] * row[None, :]
+    return total
+
+
+def dry_friction(plant: Plant, track: Track, torque: np.ndarray) -> np.ndarray:
+    """Torque that overcomes the model's dry friction along a track, (N, n), actuator coordinates.
+
+    `torque` (N, n) is that on the drives' shafts, which may load the friction.
+    """
+    model, m = plant.model, plant.mujoco
+    total = np.zeros_like(track.velocity)
+    for location in ("actuator", "joint"):
+        for index in range(model.size):
+            name = f"{location}:{index}"
+            row = _row(plant, name)
+            loss = np.full(len(total), float(m.tendon_frictionloss[m.tendon(name).id]))
+            speed = track.velocity @ row
+            for term in plant.chain.friction:
+                if term.tendon == name:
+                    loss = loss + term.law(speed, torque[:, index], *term.parameters)
+            width = 0.01 * float(np.sqrt(np.mean(speed**2))) + 1e-12
+            total += (loss * np.tanh(speed / width))[:, None] * row[None, :]
+    return total
+
+
+def _row(plant: Plant, tendon: str) -> np.ndarray:
+    """Coefficients (n,) of a tendon over the drives' coordinates."""
+    m, model = plant.mujoco, plant.model
+    dofs = [m.joint(name).dofadr[0] for name in model.joints]
+    return tendon_row(m, tendon)[dofs] @ np.linalg.inv(model.transmission)

@@ -1,0 +1,119 @@
+"""Everything that effects need to know of a motion, from a recording and the track that was made."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from workbench.core import Recording
+from workbench.effects import Line, Motion, Plant, axis_units, compile_plant
+from workbench.models import Model
+
+from .experiment import prepare, scored_torque
+from .inverse import gain_along, required_torque
+from .trajectory import Track, interpolate, joint_columns
+
+_EVERY_S = 0.004  # inverse dynamics is smooth within this time
+
+
+def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.ndarray) -> Motion:
+    """What the model `plant` and the recording say of a track."""
+    model, chain, step = plant.model, plant.chain, recording.period
+    command = recording.get("torque_command")
+    measured = recording.get("torque_measured")
+    known, back = command if command is not None else measured, np.linalg.inv(to_actuator)
+    rows = np.zeros_like(track.position) if known is None else known @ back
+    line = Line(
+        step=step,
+        command=rows,
+        speed=track.velocity,
+        delay=chain.delay_s if command is not None and recording.timing.delay == "motor" else 0.0,
+        limit=chain.limit,
+        stall=chain.stall,
+        no_load=chain.no_load,
+        lag=chain.lag if command is not None else np.zeros_like(chain.lag),
+        measured=measured @ back
+        if scored_torque(recording) == "torque_measured" and measured is not None
+        else None,
+    )
+
+    known_models: dict[int, tuple[Model, np.ndarray]] = {}
+
+    def required(other: Model) -> np.ndarray:
+        if id(other) not in known_models:
+            known_models[id(other)] = other, _required(other, track, step)
+        return known_models[id(other)][1]
+
+    return Motion(
+        step=step,
+        position=track.position,
+        velocity=track.velocity,
+        acceleration=track.acceleration,
+        torque=line.passed[1],
+        line=line,
+        gain=gain_along(chain, line.passed[1], step),
+        transmission=model.transmission,
+        kinematics=lambda site: site_jacobian(plant, track, site),
+        required=required,
+        law=lambda axis: gain_shares(recording, plant, track, axis),
+        gravity=np.array(plant.mujoco.opt.gravity),
+        axis_units=axis_units(model),
+    )
+
+
+def _required(model: Model, track: Track, step: float) -> np.ndarray:
+    """Torque (N, n) at the tap that a model needs for a track; worked out at some rows."""
+    stride = max(1, round(_EVERY_S / step))
+    rows = np.unique(np.append(np.arange(0, len(track.position), stride), len(track.position) - 1))
+    some = Track(track.position[rows], track.velocity[rows], track.acceleration[rows])
+    return interpolate(rows, required_torque(compile_plant(model), some, stride * step), len(track.position))
+
+
+def gain_shares(recording: Recording, plant: Plant, track: Track, axis: int) -> np.ndarray:
+    """Torque command that a loop's stated gains ask for on one controller axis along a track, (2, N, n).
+
+    First the share that grows with the gain on position (kp), then that with the gain on velocity (kd of a
+    PD loop, kv of a cascade), in actuator coordinates, held from tick to tick; zero for an open loop.
+    """
+    e, j = prepare(recording, plant.model), plant.model.transmission
+    c, rows = e.controller, len(track.position)
+    out = np.zeros((2, rows, plant.model.size))
+    if c.kind not in ("pd", "cascade_pv"):
+        return out
+    joint = c.coordinates == "joint"
+    back = np.linalg.inv(j)
+    sense = (back if joint else np.eye(len(j)))[axis]
+    drive = (back.T if joint else np.eye(len(j)))[:, axis]
+    ticks = np.unique(np.minimum(np.ceil(e.ticks / e.stride - 1e-9).astype(int), rows - 1))
+    away = e.reference[ticks, axis] - track.position[ticks] @ sense
+    rate = e.reference_rate[ticks, axis] - track.velocity[ticks] @ sense
+    if c.kind == "pd":
+        shares = np.stack([c.kp[axis] * away, c.kd[axis] * rate])
+    else:
+        whole = c.gain[axis] * c.kv[axis]
+        shares = np.stack([whole * c.kp[axis] * away, whole * (c.kp[axis] * away + rate)])
+    last = np.searchsorted(ticks, np.arange(rows), side="right") - 1
+    return shares[:, last, None] * drive
+
+
+def site_jacobian(plant: Plant, track: Track, site: str, stride: int = 4) -> np.ndarray:
+    """Jacobian of a site's world position with respect to q_p along a track, shape (N, 3, n).
+
+    Evaluated at every `stride`-th row and interpolated by cubic splines, whose slope is right as well.
+    """
+    m, model = plant.mujoco, plant.model
+    data = mujoco.MjData(m)
+    joints = track.position @ np.linalg.inv(model.transmission).T
+    qpos, dofs = joint_columns(m, model.joints)
+    rows = np.unique(np.append(np.arange(0, len(joints), stride), len(joints) - 1))
+    some, full = np.empty((len(rows), 3, model.size)), np.zeros((3, m.nv))
+    ident = m.site(site).id
+    for k, row in enumerate(rows):
+        data.qpos[qpos] = joints[row]
+        mujoco.mj_kinematics(m, data)
+        mujoco.mj_comPos(m, data)
+        mujoco.mj_jacSite(m, data, full, None, ident)
+        some[k] = full[:, dofs]
+    dense = CubicSpline(rows, some)(np.arange(len(joints)))
+    return dense @ np.linalg.inv(model.transmission)
