@@ -31,7 +31,7 @@ def assert_equal(a: Model, b: Model) -> None:
 @st.composite
 def applied(draw: st.DrawFn, model: Model) -> AppliedEffect:
     """An effect that this model can have, with values that a body can have."""
-    key = draw(st.sampled_from(places(model, ranked=False)))
+    key = draw(st.sampled_from(places(model)))
     effect = effect_named(key.effect)
     low, high = effect.bounds(model, Placement.of(model, key))
     spans = zip(np.maximum(low, -1e3), np.minimum(high, 1e3), strict=True)
