@@ -14,6 +14,8 @@ from .lines import Grid, select_lines
 from .mixing import Mixing, mixing_matrix, mode_name
 from .phases import low_crest_phases, random_phases, schroeder_phases, synthesise
 
+_MOST = 100_000_000  # samples of a period
+
 
 def multisine(
     axes: Sequence[str],
@@ -61,6 +63,13 @@ def multisine(
         InputError: a band, rate, amplitude or combination that cannot be played.
     """
     rows = _rows(period_s, rate_hz)
+    # before any line is made: of a band far beyond the rate there would be too many to hold
+    if np.isfinite(f_max_hz) and f_max_hz >= rate_hz / 2:
+        raise InputError(
+            f"lines up to {f_max_hz:g} Hz at a rate of {rate_hz:g} Hz",
+            column="f_max_hz",
+            remedy=f"lower f_max_hz below {rate_hz / 2:g} Hz, or raise the rate",
+        )
     lines = select_lines(f_min_hz, f_max_hz, period_s, grid=grid, per_decade=per_decade, seed=seed)
     if 2 * lines[-1] >= rows:
         problem = f"lines up to {f_max_hz:g} Hz at a rate of {rate_hz:g} Hz"
@@ -124,6 +133,11 @@ def _rows(period_s: float, rate_hz: float) -> int:
     if not (np.isfinite(period_s) and period_s > 0):
         raise InputError(f"a period of {period_s:g} s", column="period_s", remedy="give a positive period")
     rows = round(period_s * rate_hz)
+    if rows > _MOST:
+        raise InputError(
+            f"a period of {period_s:g} s is {rows:.3g} samples at {rate_hz:g} Hz", column="period_s",
+            remedy=f"shorten it: {_MOST:.0e} samples are the most",
+        )  # fmt: skip
     if rows < 4 or abs(rows - period_s * rate_hz) > 1e-6 * rows:
         raise InputError(
             f"a period of {period_s:g} s is {period_s * rate_hz:g} samples at {rate_hz:g} Hz",
