@@ -8,9 +8,11 @@ import pytest
 
 from workbench.core import Estimate, Excitation, InputError, Recording
 from workbench.identification import (
+    actuator_sheet,
     check_physical,
     identify_actuator,
     identify_leg,
+    leg_sheet,
     serial_form,
     with_actuator,
     with_leg,
@@ -101,3 +103,23 @@ def test_the_wrong_machine_is_refused() -> None:
         identify_actuator(leg())
     with pytest.raises(InputError, match="1 axes"):
         identify_leg(bench())
+
+
+def test_pages_hold_estimates_fit_residual_and_judgement() -> None:
+    found = identify_actuator(bench())
+    sheet = actuator_sheet(found)
+    assert (
+        sheet.tone == "consistent" and "delay 3.00" in sheet.sentence and "model is enough" in sheet.sentence
+    )
+    drawing = next(s for s in sheet.sections if s.drawings).drawings[0]
+    labels = [row.label for row in drawing.panels[0].rows]
+    assert [label.split(" [")[0] for label in labels] == ["magnitude", "phase", "residual"]
+    judged = next(s for s in sheet.sections if s.id == "judgement").tables[0]
+    assert [row[-1] for row in judged.rows] == ["yes", "yes"]
+
+    of_leg = identify_leg(leg())
+    page = leg_sheet(of_leg, with_leg(with_actuator(read_model("leg_kin_only"), found), of_leg))
+    rows = {row[0]: row for row in page.sections[0].tables[0].rows}
+    assert rows["M11"][1].startswith("0.047") or rows["M11"][1].startswith("0.048")
+    assert rows["M22"][2].startswith("0.0162") and rows["M12"][2] == "0"
+    assert len(next(s for s in page.sections if s.drawings).drawings[0].panels) == 4

@@ -4,10 +4,7 @@ import base64
 import gzip
 import hashlib
 import re
-import shutil
-import subprocess
 from dataclasses import replace
-from html.parser import HTMLParser
 from itertools import pairwise
 
 import numpy as np
@@ -18,33 +15,9 @@ from workbench.report import render_page, write_page
 from workbench.report.pack import plots
 
 from . import build
+from .browser import CHROMIUM, NASTY, Page, chromium
 
 COMMAND = "workbench improve models/leg.toml chirp.toml -o better.toml"
-NASTY = '</script><img src="http://x.invalid/a" onerror="console.error(1)">{{ 7*7 }}<b>'
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
-
-class Page(HTMLParser):
-    """What the tests ask of a page: tags, their attributes, and the text outside scripts and styles."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[tuple[str, dict[str, str | None]]] = []
-        self.words: list[str] = []
-        self.inside = ""
-        self.feed(text)
-        self.text = " ".join(" ".join(self.words).split())
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append((tag, dict(attrs)))
-        self.inside = tag
-
-    def handle_endtag(self, tag):
-        self.inside = ""
-
-    def handle_data(self, data):
-        if self.inside not in ("script", "style"):
-            self.words.append(data)
 
 
 @pytest.fixture(scope="module", params=["compare", "diagnose", "improve", "demo"])
@@ -152,26 +125,6 @@ def test_it_is_written_whole_or_not_at_all(tmp_path, comparison):
     with pytest.raises(InputError, match="cannot read"):
         write_page(comparison, path, command=COMMAND, inputs=[tmp_path / "gone"], force=True)
     assert path.read_bytes() == before and len(list(tmp_path.iterdir())) == 1
-
-
-def chromium(page, profile, *more: str) -> tuple[str, str]:
-    quiet = (
-        "--disable-background-networking",
-        "--disable-component-update",
-        "--disable-sync",
-        "--no-first-run",
-    )
-    done = subprocess.run(
-        [
-            str(CHROMIUM),
-            *("--headless", "--no-sandbox", "--disable-gpu", *quiet, f"--user-data-dir={profile}"),
-            *("--enable-logging=stderr", "--virtual-time-budget=20000", *more, "--dump-dom", page.as_uri()),
-        ],
-        capture_output=True,
-        text=True,
-        timeout=90,
-    )
-    return done.stdout, "\n".join(line for line in done.stderr.splitlines() if "CONSOLE" in line)
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")

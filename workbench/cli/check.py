@@ -7,13 +7,23 @@ from typing import Annotated
 import typer
 
 from .app import app
-from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, progress
+from .common import (
+    ForceOption,
+    HtmlOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    check_outputs,
+    deliver_sheet,
+    progress,
+)
 
 
 @app.command()
 def check(
     model: ModelArgument,
     json: JsonOption = None,
+    html: HtmlOption = None,
     samples: Annotated[
         int, typer.Option("--samples", min=3, max=100_000, help="Random postures and speeds.")
     ] = 50,
@@ -37,7 +47,7 @@ def check(
     from workbench.models import read_model
     from workbench.verification import verify
 
-    check_outputs(json, force=force)
+    check_outputs(json, html, force=force)
     loaded = read_model(model)
     with progress(quiet) as tell:
         tell("comparing engines over random postures")
@@ -46,5 +56,8 @@ def check(
         report.print_table(report.verification_table(result))
     if json:
         report.write_json(report.verification_dict(result), json, force=force)
+    if html:
+        sheet = report.verification_sheet(result)
+        deliver_sheet(sheet, html, inputs=[model], seeds={"postures": seed}, force=force)
     if not result.passed:
         raise typer.Exit(1)

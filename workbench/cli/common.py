@@ -6,12 +6,15 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording
 from workbench.core.files import check_free
+
+if TYPE_CHECKING:
+    from workbench.report import Sheet
 
 ModelArgument = Annotated[
     str, typer.Argument(metavar="MODEL", help="Model file (.toml or .xml), or a shipped model's name.")
@@ -109,6 +112,19 @@ def deliver(
     if json:
         report.write_json(content, json, force=force)
     if html:
-        files = [Path(p) for p in inputs if Path(p).is_file()]
-        command = " ".join(["workbench", *sys.argv[1:]])
-        report.write_page(result, html, command=command, seeds=seeds, inputs=files, truth=truth, force=force)
+        report.write_page(result, html, **_made_by(inputs, seeds), truth=truth, force=force)
+
+
+def deliver_sheet(
+    sheet: Sheet, html: str, *, inputs: Sequence[str], seeds: Mapping[str, int] | None = None, force: bool
+) -> None:
+    """Write a page made of parts."""
+    from workbench import report
+
+    report.write_sheet(sheet, html, **_made_by(inputs, seeds or {}), force=force)
+
+
+def _made_by(inputs: Sequence[str], seeds: Mapping[str, int]) -> dict[str, Any]:
+    """How a page says that it can be made again."""
+    files = [Path(p) for p in inputs if Path(p).is_file()]
+    return {"command": " ".join(["workbench", *sys.argv[1:]]), "seeds": seeds, "inputs": files}

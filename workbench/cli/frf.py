@@ -10,11 +10,13 @@ import typer
 from .app import app
 from .common import (
     ForceOption,
+    HtmlOption,
     JsonOption,
     ModelArgument,
     QuietOption,
     RecordingsArgument,
     check_outputs,
+    deliver_sheet,
     progress,
     read_recordings,
 )
@@ -25,6 +27,7 @@ def frf(
     model: ModelArgument,
     recordings: RecordingsArgument,
     json: JsonOption = None,
+    html: HtmlOption = None,
     figure: Annotated[
         str | None, typer.Option("--figure", metavar="FILE", help="Draw it (.png, .svg, .pdf).")
     ] = None,
@@ -39,11 +42,11 @@ def frf(
     """
     from workbench import report
     from workbench.models import read_model
-    from workbench.verification import compare_frf, frf_figure
+    from workbench.verification import compare_frf, frf_figure, frf_sheet
 
     from .frf_output import frf_dict, frf_table
 
-    check_outputs(json, figure, force=force)
+    check_outputs(json, html, figure, force=force)
     loaded, data = read_model(model), read_recordings(recordings)
     with progress(quiet) as tell:
         tell("estimating responses")
@@ -51,6 +54,8 @@ def frf(
     if json:
         content: dict[str, Any] = frf_dict(loaded, found)
         report.write_json(content, json, force=force)
+    if html:
+        deliver_sheet(frf_sheet(loaded.name, found), html, inputs=[model, *recordings], force=force)
     if figure:
         for place, path in zip(found, _numbered(Path(figure), len(found)), strict=True):
             report.save_figure(frf_figure(place), path, force=force)

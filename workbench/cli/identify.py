@@ -11,7 +11,16 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, RecordingsArgument, check_outputs, read_recordings
+from .common import (
+    ForceOption,
+    HtmlOption,
+    JsonOption,
+    QuietOption,
+    RecordingsArgument,
+    check_outputs,
+    deliver_sheet,
+    read_recordings,
+)
 
 identify = typer.Typer(
     name="identify",
@@ -36,6 +45,7 @@ def actuator(
     model: _Base = "leg_kin_only",
     output: _Output = "",
     json: JsonOption = None,
+    html: HtmlOption = None,
     figure: _Figure = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -45,18 +55,20 @@ def actuator(
     Example: workbench identify actuator bench/multisine.toml --model leg_kin_only -o with_actuator.toml
     """
     from workbench import report
-    from workbench.identification import fit_figure, identify_actuator, with_actuator
+    from workbench.identification import actuator_sheet, fit_figure, identify_actuator, with_actuator
     from workbench.models import read_model, write_model
 
     from .identify_output import actuator_dict, actuator_table
 
-    check_outputs(output or None, json, figure, force=force)
+    check_outputs(output or None, json, html, figure, force=force)
     base = read_model(model) if output else None
     found = identify_actuator(read_recordings(recordings))
     if base is not None:
         write_model(replace(with_actuator(base, found), name=Path(output).stem), output, force=force)
     if json:
         report.write_json(actuator_dict(found), json, force=force)
+    if html:
+        deliver_sheet(actuator_sheet(found), html, inputs=[model, *recordings], force=force)
     if figure:
         report.save_figure(fit_figure(found.fit), Path(figure), force=force)
     if not quiet and json != "-":
@@ -79,6 +91,7 @@ def leg(
     ] = None,
     output: _Output = "",
     json: JsonOption = None,
+    html: HtmlOption = None,
     figure: _Figure = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -88,12 +101,19 @@ def leg(
     Example: workbench identify leg sum.toml difference.toml --model leg_kin_only -o s3n_full.toml
     """
     from workbench import report
-    from workbench.identification import fit_figure, identify_actuator, identify_leg, with_actuator, with_leg
+    from workbench.identification import (
+        fit_figure,
+        identify_actuator,
+        identify_leg,
+        leg_sheet,
+        with_actuator,
+        with_leg,
+    )
     from workbench.models import read_model, write_model
 
     from .identify_output import leg_dict, leg_table
 
-    check_outputs(output or None, json, figure, force=force)
+    check_outputs(output or None, json, html, figure, force=force)
     base = read_model(model)
     if actuator:
         base = with_actuator(base, identify_actuator(read_recordings(actuator)))
@@ -109,6 +129,9 @@ def leg(
         write_model(replace(built, name=Path(output).stem), output, force=force)
     if json:
         report.write_json(leg_dict(found, built), json, force=force)
+    if html:
+        inputs = [model, *recordings, *(actuator or [])]
+        deliver_sheet(leg_sheet(found, built), html, inputs=inputs, force=force)
     if figure:
         report.save_figure(fit_figure(found.fit), Path(figure), force=force)
     if not quiet and json != "-":

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from workbench.core import FORMAT, Estimate
 from workbench.frf import Fit
-from workbench.identification import ActuatorIdentification, LegIdentification
+from workbench.identification import ActuatorIdentification, LegIdentification, readable
 from workbench.models import Model
 from workbench.report.layout import table, text, verdict
 from workbench.report.numbers import interval
@@ -48,7 +48,7 @@ def actuator_table(found: ActuatorIdentification) -> Group:
     """Estimates with intervals, and whether the model was enough."""
     rows = table("", ("estimate (95 %)", "right"))
     for name, value in (("inertia", found.inertia), ("damping", found.damping), ("delay", found.delay)):
-        rows.add_row(name, interval(_readable(value)))
+        rows.add_row(name, interval(readable(value)))
     return Group(rows, *_judged(found.fit))
 
 
@@ -61,13 +61,13 @@ def leg_table(found: LegIdentification, built: Model) -> Group:
     for name, value, (own, over) in zip(
         ("M11", "M12", "M22"), (found.M11, found.M12, found.M22), shares, strict=True
     ):
-        rows.add_row(name, interval(_readable(value)), f"{own:.5g}", f"{over:.5g}")
+        rows.add_row(name, interval(readable(value)), f"{own:.5g}", f"{over:.5g}")
     for name, value in (
         *((f"damping {axis}", d) for axis, d in zip(built.axes, found.damping, strict=True)),
         ("delay", found.delay),
         *((f"gravity {axis}", g) for axis, g in zip(built.axes, found.gravity, strict=True)),
     ):
-        rows.add_row(name, interval(_readable(value)), "", "")
+        rows.add_row(name, interval(readable(value)), "", "")
     return Group(rows, *_judged(found.fit))
 
 
@@ -90,8 +90,3 @@ def _quality(fit: Fit) -> dict[str, Any]:
 
 def _estimate(value: Estimate) -> dict[str, Any]:
     return {"value": value.value, "std": value.std, "unit": value.unit}
-
-
-def _readable(value: Estimate) -> Estimate:
-    """Seconds as milliseconds."""
-    return Estimate(1e3 * value.value, 1e3 * value.std, "ms") if value.unit == "s" else value

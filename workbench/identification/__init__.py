@@ -2,16 +2,20 @@
 
 from .build import check_physical, serial_form, with_actuator, with_leg
 from .identify import identify_actuator, identify_leg
+from .page import actuator_sheet, leg_sheet, readable
 from .picture import fit_figure
 from .result import ActuatorIdentification, LegIdentification
 
 __all__ = [
     "ActuatorIdentification",
     "LegIdentification",
+    "actuator_sheet",
     "check_physical",
     "fit_figure",
     "identify_actuator",
     "identify_leg",
+    "leg_sheet",
+    "readable",
     "serial_form",
     "with_actuator",
     "with_leg",

@@ -5,10 +5,13 @@ from .json import comparison_dict, diagnosis_dict, improvement_dict, verificatio
 from .layout import print_table
 from .page import render_page, write_page
 from .sections import sentence
+from .sheet import Sheet, render_sheet, write_sheet
 from .tables import compare_table, diagnosis_table, improvement_table, truth_table
 from .verification import verification_table
+from .verification_sheet import verification_sheet
 
 __all__ = [
+    "Sheet",
     "compare_table",
     "comparison_dict",
     "diagnosis_dict",
@@ -19,13 +22,16 @@ __all__ = [
     "overlay_figure",
     "print_table",
     "render_page",
+    "render_sheet",
     "residual_figure",
     "save_figure",
     "sentence",
     "spectrum_figure",
     "truth_table",
     "verification_dict",
+    "verification_sheet",
     "verification_table",
     "write_json",
     "write_page",
+    "write_sheet",
 ]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import gzip
 from typing import Any
 
 import numpy as np
@@ -25,6 +23,7 @@ from .residuals import (
     units,
     worst_window,
 )
+from .shell import compress
 
 #: Points of all curves together; about 1.7 bytes of page each.
 _BUDGET = 1_100_000
@@ -56,11 +55,6 @@ class _Block:
         self.parts.append(planes)
         self.size += len(planes)
         return where
-
-
-def compress(data: bytes) -> str:
-    """gzip, then base64: what the page inflates when it is opened."""
-    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode("ascii")
 
 
 def plots(before: Comparison, after: Comparison | None) -> tuple[dict[str, Any], str]:

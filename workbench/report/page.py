@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 import base64
-import hashlib
-import platform
 from collections.abc import Mapping, Sequence
-from functools import cache
-from importlib import metadata, resources
 from pathlib import Path
 
-import jinja2
-
-from workbench.core import Comparison, Diagnosis, Improvement, InputError
+from workbench.core import Comparison, Diagnosis, Improvement
 from workbench.core.files import check_free, write_whole
 
 from .figures import figure_bytes, overlay_figure
 from .json import Truth
-from .numbers import plain, unbroken
-from .pack import compress, plots, worst_view
+from .numbers import plain
+from .pack import plots, worst_view
 from .residuals import worst_window
 from .sections import sections
-
-_PACKAGES = ("workbench", "numpy", "scipy", "drake", "mujoco", "pin", "plotly")
+from .shell import plotly, reproduce, template
 
 
 def write_page(
@@ -68,17 +61,12 @@ def render_page(
     if before is not None and before.recordings and before.axes:
         values, curves = plots(before, after)
         fallback = _fallback(before, after)
-    return _template().render(
+    return template("page.html.j2").render(
         **sections(result, before, after, truth),
-        reproduce={
-            "command": plain(command),
-            "seeds": [(plain(k), v) for k, v in (seeds or {}).items()],
-            "versions": _versions(),
-            "inputs": [(plain(p), _sha256(Path(p))) for p in inputs],
-        },
+        reproduce=reproduce(command, seeds, inputs),
         plots=values,
         curves=curves,
-        plotly=_plotly() if values else "",
+        plotly=plotly() if values else "",
         fallback=fallback,
     )
 
@@ -102,45 +90,3 @@ def _fallback(before: Comparison, after: Comparison | None) -> dict[str, str]:
         "axis": plain(axis),
         "recording": plain(before.recordings[index].recording.name),
     }
-
-
-@cache
-def _plotly() -> str:
-    from plotly.offline import get_plotlyjs  # slow to import, and only pages need it
-
-    return compress(get_plotlyjs().encode("utf-8"))
-
-
-@cache
-def _template() -> jinja2.Template:
-    environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(_read),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    environment.filters["unbroken"] = unbroken
-    return environment.get_template("page.html.j2")
-
-
-def _read(name: str) -> str:
-    return resources.files("workbench.report").joinpath("templates", name).read_text(encoding="utf-8")
-
-
-def _versions() -> list[tuple[str, str]]:
-    out = [("python", platform.python_version())]
-    for name in _PACKAGES:
-        try:
-            out.append((name, metadata.version(name)))
-        except metadata.PackageNotFoundError:
-            continue
-    return out
-
-
-def _sha256(path: Path) -> str:
-    try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as error:
-        raise InputError(f"cannot read: {error.strerror or error}", file=path) from error

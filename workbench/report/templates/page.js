@@ -1,19 +1,10 @@
-"use strict";
 (async () => {
-  const byId = (id) => document.getElementById(id);
-  const inflate = async (id) => {
-    const bytes = Uint8Array.from(atob(byId(id).textContent.trim()), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(stream).arrayBuffer();
-  };
-  if (typeof DecompressionStream === "undefined") return; // the picture stays
+  const { byId, inflate, able, loadPlotly, colour, clear, axisStyle, base, draw, show } = shell;
+  if (!able) return;
 
   const data = JSON.parse(byId("values").textContent);
   const block = new Uint8Array(await inflate("curves"));
-  const script = document.createElement("script");
-  script.textContent = new TextDecoder().decode(await inflate("plotly"));
-  document.head.append(script);
-  script.remove();
+  await loadPlotly();
 
   // A curve is zigzag differences of 32-bit integers, byte planes one after the other.
   const curve = (c) => {
@@ -59,30 +50,13 @@
   byId("pick-recording").value = state.recording;
   byId("pick-axis").value = state.axis;
   const coarse = matchMedia("(pointer: coarse)").matches;
-  const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-  const clear = (hex, alpha) => hex + Math.round(255 * alpha).toString(16).padStart(2, "0");
   const line = (when) => ({
     color: colour(when),
     width: when === "measured" ? 4 : 1.5,
     dash: when === "before" ? "6px,3px" : "solid",
   });
   const runs = data.after ? ["before", "after"] : ["before"];
-  const config = { displayModeBar: false, responsive: true, doubleClick: false };
-  const axisStyle = (title) => ({
-    title: { text: title, standoff: 8, font: { size: 12.5 } }, gridcolor: colour("rule"), zerolinecolor: colour("rule"),
-    linecolor: colour("quiet"), tickfont: { size: 11.5, color: colour("quiet") }, automargin: true, fixedrange: true, nticks: 6,
-  });
-  const base = () => ({
-    paper_bgcolor: colour("paper"), plot_bgcolor: colour("paper"), showlegend: false, hovermode: "x",
-    font: { family: getComputedStyle(document.body).fontFamily, color: colour("ink"), size: 12.5 },
-    hoverlabel: { bgcolor: colour("soft"), bordercolor: colour("rule"), font: { color: colour("ink") } },
-    dragmode: false,
-  });
   const round = (v) => (v === null || v === undefined ? "unknown" : Number(v.toPrecision(3)).toString());
-  const draw = (id, traces, layout, label) => {
-    byId(id).setAttribute("aria-label", label);
-    return Plotly.react(byId(id), traces, layout, config);
-  };
 
   const drawTime = () => {
     const recording = data.recordings[state.recording], view = recording.axes[state.axis], axis = data.axes[state.axis];
@@ -181,15 +155,7 @@
     in: (a, w) => [a + w / 4, a + (3 * w) / 4], out: (a, w) => [a - w / 2, a + 1.5 * w],
     left: (a, w) => [a - w / 2, a + w / 2], right: (a, w) => [a + w / 2, a + 1.5 * w], all: () => [0, Infinity],
   };
-  byId("fallback").hidden = true;
-  byId("plots").hidden = false;
-  try {
-    drawAll();
-  } catch (error) {
-    byId("fallback").hidden = false;
-    byId("plots").hidden = true;
-    throw error;
-  }
+  show(drawAll);
   document.querySelectorAll("[data-zoom]").forEach((button) => button.addEventListener("click", () => {
     const [a, b] = state.range || [0, data.recordings[state.recording].duration];
     look(...moves[button.dataset.zoom](a, b - a));
@@ -205,8 +171,5 @@
     drawTime();
   });
   byId("pick-axis").addEventListener("change", (e) => { state.axis = Number(e.target.value); drawAll(); });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
-  addEventListener("beforeprint", () => { document.documentElement.dataset.print = ""; drawAll(); });
-  addEventListener("afterprint", () => { delete document.documentElement.dataset.print; drawAll(); });
   document.documentElement.dataset.drawn = "yes";
 })();

@@ -1,0 +1,284 @@
+"""A page made of parts: what commands fill whose result is neither a comparison nor a diagnosis.
+
+A verdict, key numbers, and sections of sentences, tables and drawings. Whoever has the result says what is on
+the sheet; here it is laid out, with what every page has.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from workbench.core.files import check_free, write_whole
+
+from .figures import figure_bytes
+from .numbers import plain
+from .shell import compress, plotly, reproduce, template
+
+#: Most points of a curve; a longer one is thinned evenly along a logarithmic axis.
+_POINTS = 500
+
+#: Look of a curve: colour (a variable of the style sheet), dash, width. Lines are told apart without colour.
+STYLES: dict[str, tuple[str, str, float]] = {
+    "measured": ("measured", "dot", 5.0),
+    "noise": ("noise", "band", 8.0),
+    "closed_chain": ("ink", "solid", 1.6),
+    "fit": ("after", "solid", 1.6),
+    "kin_only": ("before", "6px,3px", 1.6),
+    "s3n_act": ("good", "2px,2px", 1.8),
+    "s3n_full": ("after", "9px,3px,2px,3px", 1.6),
+    "s3n_full_paper": ("quiet", "12px,3px", 1.2),
+    "exact": ("fifth", "4px,4px", 1.4),
+    "limit": ("noise", "2px,4px", 2.0),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One line or cloud of a panel.
+
+    Attributes:
+        name: in the key.
+        style: one of `STYLES`; another name looks like ``"fit"``.
+        x, y: shape (N,); NaN leaves a gap.
+        low, high: a band, (N,), or None.
+    """
+
+    name: str
+    style: str
+    x: np.ndarray
+    y: np.ndarray | None = None
+    low: np.ndarray | None = None
+    high: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One of the diagrams that stand above each other in a panel and share its x axis."""
+
+    label: str
+    curves: tuple[Curve, ...]
+    log: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Diagrams over one x axis.
+
+    Attributes:
+        title: over it.
+        x_label: with unit.
+        rows: top first.
+        summary: the same in a sentence, for who does not see it.
+        log: of the x axis.
+        wide: takes a whole line.
+    """
+
+    title: str
+    x_label: str
+    rows: tuple[Row, ...]
+    summary: str
+    log: bool = True
+    wide: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Panels with one key and one caption."""
+
+    panels: tuple[Panel, ...]
+    caption: str
+
+
+@dataclass(frozen=True)
+class SheetTable:
+    """A table.
+
+    Attributes:
+        caption: what it shows.
+        header: of the columns; ``>`` in front puts a column of numbers to the right.
+        rows: cells; the first of a row names it.
+    """
+
+    caption: str
+    header: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """One part of the page: sentences, then its tables, drawings, and a list."""
+
+    id: str
+    title: str
+    sentences: tuple[str, ...] = ()
+    tables: tuple[SheetTable, ...] = ()
+    drawings: tuple[Drawing, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """What a page says.
+
+    Attributes:
+        kind, model: "`kind` of `model`" is the page's name.
+        tone: ``"consistent"`` where nothing is to be done, ``"missing_effect"``, or ``"unexplained"``.
+        sentence: the verdict.
+        lines: up to three more sentences.
+        key_numbers: label, number, remark.
+        sections: the rest.
+        picture: for where scripts do not run, with the words for who does not see it.
+    """
+
+    kind: str
+    model: str
+    tone: Literal["consistent", "missing_effect", "unexplained"]
+    sentence: str
+    lines: tuple[str, ...] = ()
+    key_numbers: tuple[tuple[str, str, str], ...] = ()
+    sections: tuple[Section, ...] = ()
+    picture: tuple[Figure, str] | None = field(default=None)
+
+
+def write_sheet(
+    sheet: Sheet,
+    path: str | Path,
+    *,
+    command: str,
+    seeds: Mapping[str, int] | None = None,
+    inputs: Sequence[str | Path] = (),
+    force: bool = False,
+) -> Path:
+    """Write a sheet as one HTML page, whole or not at all; arguments and errors as `write_page`."""
+    check_free(path, force=force)
+    page = render_sheet(sheet, command=command, seeds=seeds, inputs=inputs)
+    return write_whole(path, page, force=force)
+
+
+def render_sheet(
+    sheet: Sheet,
+    *,
+    command: str,
+    seeds: Mapping[str, int] | None = None,
+    inputs: Sequence[str | Path] = (),
+) -> str:
+    """The page as HTML text; see `write_sheet`."""
+    panels = [p for s in sheet.sections for d in s.drawings for p in d.panels]
+    numbered = iter(range(len(panels)))
+    fallback = None
+    if sheet.picture is not None and panels:
+        figure, words = sheet.picture
+        picture = base64.b64encode(figure_bytes(figure, "png", dpi=110)).decode("ascii")
+        fallback = {"picture": picture, "words": plain(words)}
+    return template("sheet.html.j2").render(
+        kind=plain(sheet.kind),
+        model=plain(sheet.model),
+        tone=sheet.tone,
+        sentence=plain(sheet.sentence),
+        lines=[plain(line) for line in sheet.lines],
+        key_numbers=[tuple(map(plain, entry)) for entry in sheet.key_numbers],
+        sections=[_section(s, numbered) for s in sheet.sections],
+        reproduce=reproduce(command, seeds, inputs),
+        fallback=fallback,
+        values=compress(json.dumps([_panel(p) for p in panels]).encode()) if panels else "",
+        plotly=plotly() if panels else "",
+    )
+
+
+def _section(section: Section, numbered: Iterator[int]) -> dict[str, Any]:
+    return {
+        "id": section.id,
+        "title": plain(section.title),
+        "sentences": [plain(s) for s in section.sentences],
+        "tables": [_table(t) for t in section.tables],
+        "drawings": [
+            {
+                "caption": plain(d.caption),
+                "key": _key(d),
+                "panels": [
+                    {"id": f"plot-{next(numbered)}", "title": plain(p.title), "wide": p.wide}
+                    for p in d.panels
+                ],
+            }
+            for d in section.drawings
+        ],
+        "remarks": [plain(r) for r in section.remarks],
+    }
+
+
+def _table(table: SheetTable) -> dict[str, Any]:
+    return {
+        "caption": plain(table.caption),
+        "header": [(plain(h.lstrip(">")), h.startswith(">")) for h in table.header],
+        "rows": [[plain(cell) for cell in row] for row in table.rows],
+    }
+
+
+def _key(drawing: Drawing) -> list[dict[str, Any]]:
+    """Every curve's name once, with its look."""
+    seen = {c.name: c.style for p in drawing.panels for r in p.rows for c in r.curves}
+    out = []
+    for name, style in seen.items():
+        colour, dash, width = STYLES.get(style, STYLES["fit"])
+        dots = dash.replace("px", "").replace(",", " ") if dash[0].isdigit() else ""
+        shape = dash if dash in ("dot", "band") else "line"
+        out.append({"name": plain(name), "colour": colour, "dash": dots, "width": width, "shape": shape})
+    return out
+
+
+def _panel(panel: Panel) -> dict[str, Any]:
+    return {
+        "x": plain(panel.x_label),
+        "log": panel.log,
+        "summary": plain(panel.summary),
+        "rows": [
+            {
+                "y": plain(r.label),
+                "log": r.log,
+                "range": _range(r),
+                "curves": [_curve(c, panel.log) for c in r.curves],
+            }
+            for r in panel.rows
+        ],
+    }
+
+
+def _range(row: Row) -> list[float] | None:
+    """Powers of ten that hold all curves of a logarithmic diagram: a band that reaches to zero is cut."""
+    if not row.log:
+        return None
+    values = np.concatenate([np.asarray(c.y, float) for c in row.curves if c.y is not None])
+    logs = np.log10(values[np.isfinite(values) & (values > 0)])
+    if not len(logs):
+        return None
+    air = 0.05 * max(float(np.ptp(logs)), 0.3)
+    return [float(logs.min()) - air, float(logs.max()) + air]
+
+
+def _curve(curve: Curve, log: bool) -> dict[str, Any]:
+    colour, dash, width = STYLES.get(curve.style, STYLES["fit"])
+    keep = _kept(curve.x, log)
+    values = {"x": curve.x, "v": curve.y, "low": curve.low, "high": curve.high}
+    numbers = {k: _short(np.asarray(v)[keep]) for k, v in values.items() if v is not None}
+    return {"name": plain(curve.name), "colour": colour, "dash": dash, "width": width, **numbers}
+
+
+def _kept(x: np.ndarray, log: bool) -> np.ndarray:
+    """Which points are drawn."""
+    if len(x) <= _POINTS:
+        return np.arange(len(x))
+    ends = (max(float(x[0]), 1e-9), float(x[-1]))
+    wanted = np.geomspace(*ends, _POINTS) if log else np.linspace(x[0], x[-1], _POINTS)
+    return np.unique(np.clip(np.searchsorted(x, wanted), 0, len(x) - 1))
+
+
+def _short(values: np.ndarray) -> list[float | None]:
+    return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values]

@@ -1,0 +1,138 @@
+"""The page of ``workbench check``: every quantity, the variants' masses, the explicit variant's stability."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from workbench.core import Verification
+
+from .figures import AFTER, FLOOR
+from .numbers import number, unit_text
+from .sheet import Curve, Drawing, Panel, Row, Section, Sheet, SheetTable
+from .verification import sentence
+
+
+def verification_sheet(result: Verification) -> Sheet:
+    """What checking a model found."""
+    broken = [c for c in result.checks if not c.passed]
+    closest = max(
+        result.checks, key=lambda c: c.value / c.tolerance if c.tolerance > 0 else 0.0, default=None
+    )
+    margin = (
+        (
+            "Tightest",
+            closest.name.replace("_", " "),
+            f"{closest.value:.1e} of {closest.tolerance:.0e} allowed",
+        )
+        if closest is not None
+        else ("Tightest", "–", "")
+    )
+    stable = ()
+    if len(result.radius):
+        top = float(np.max(result.radius))
+        stable = (
+            (
+                "Explicit injection",
+                number(top),
+                "spectral radius; unstable" if top >= 1 else "spectral radius; stable",
+            ),
+        )
+    return Sheet(
+        kind="check",
+        model=result.model,
+        tone="consistent" if result.passed else "missing_effect",
+        sentence=sentence(result),
+        lines=tuple(f"{c.name.replace('_', ' ')}: {c.hint}." for c in broken if c.hint)[:3],
+        key_numbers=(
+            ("Agree", f"{len(result.checks) - len(broken)} of {len(result.checks)}", "quantities"),
+            margin,
+            *stable,
+        ),
+        sections=(_checks(result), *_masses(result), *_radius(result), *_stated(result)),
+        picture=(_figure(result), _words(result)) if len(result.radius) else None,
+    )
+
+
+def _checks(result: Verification) -> Section:
+    rows = tuple(
+        (
+            c.name.replace("_", " "),
+            "ok" if c.passed else "FAILS",
+            f"{c.value:.1e}",
+            f"{c.tolerance:.0e}",
+            unit_text(c.unit) or "relative",
+            c.about,
+        )
+        for c in result.checks
+    )
+    table = SheetTable(
+        "Largest difference between the engines and forms named, and the largest that counts as agreement",
+        ("Quantity", "Result", ">Difference", ">Allowed", "Unit", "Between"),
+        rows,
+    )
+    hints = tuple(f"{c.name.replace('_', ' ')}: {c.hint}" for c in result.checks if c.hint and not c.passed)
+    return Section("checks", "What was checked", tables=(table,), remarks=hints)
+
+
+def _masses(result: Verification) -> tuple[Section, ...]:
+    if not result.variants:
+        return ()
+    rows = tuple((name, *(f"{v:.5f}" for v in values)) for name, values in result.variants.items())
+    header = ("Variant", ">M11 [kg m²]", ">M12 [kg m²]", ">M22 [kg m²]")
+    table = SheetTable("Mass matrix at alpha = 90°, serial coordinates", header, rows)
+    return (Section("variants", "Inertia of the variants", tables=(table,)),)
+
+
+def _radius(result: Verification) -> tuple[Section, ...]:
+    if not len(result.radius):
+        return ()
+    alpha = np.asarray(result.alpha_deg, float)
+    panel = Panel(
+        "Spectral radius over posture",
+        "alpha [deg]",
+        (
+            Row(
+                "spectral radius",
+                (
+                    Curve("explicit injection", "fit", alpha, np.asarray(result.radius, float)),
+                    Curve("limit of stability", "limit", alpha, np.ones(len(alpha))),
+                ),
+            ),
+        ),
+        _words(result),
+        log=False,
+    )
+    text = (
+        "Where the coupling is fed back as a torque from the last step's acceleration, the error of that "
+        "acceleration is multiplied by this number at every step: at one and above it grows."
+    )
+    drawing = Drawing((panel,), "Explicit injection over the angle between the links.")
+    return (Section("explicit", "Explicit injection", (text,), drawings=(drawing,)),)
+
+
+def _words(result: Verification) -> str:
+    low, high = float(np.min(result.radius)), float(np.max(result.radius))
+    return f"The spectral radius of explicit injection goes from {number(low)} to {number(high)} over alpha."
+
+
+def _stated(result: Verification) -> tuple[Section, ...]:
+    lines = [
+        f"{about} {number(v)} {unit_text(unit)}".rstrip() + "." for v, unit, about in result.facts.values()
+    ]
+    lines += [f"Not checked: {line}" for line in result.not_checked]
+    return (Section("stated", "Stated, not judged", remarks=tuple(lines)),) if lines else ()
+
+
+def _figure(result: Verification) -> Figure:
+    with mpl.rc_context({"font.size": 9}):
+        figure = Figure(figsize=(6.0, 2.8), layout="constrained")
+        ax = figure.subplots()
+        ax.plot(result.alpha_deg, result.radius, color=AFTER, label="explicit injection")
+        ax.axhline(1.0, color=FLOOR, ls=(0, (1, 2)), label="limit of stability")
+        ax.set_xlabel("alpha [deg]")
+        ax.set_ylabel("spectral radius")
+        ax.legend(frameon=False)
+        ax.spines[["top", "right"]].set_visible(False)
+    return figure

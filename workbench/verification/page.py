@@ -1,0 +1,173 @@
+"""The page of ``workbench frf``: measurement, closed chain and serial variants in one picture a posture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.report.numbers import number
+from workbench.report.response import error_row, response_panel, words_of
+from workbench.report.sheet import Drawing, Panel, Section, Sheet, SheetTable
+
+from .picture import frf_figure
+from .responses import FrfComparison
+
+_DRAWN = 6  # postures; more make a page that no one reads
+_WITHIN = 1.5  # times the measurement's uncertainty at which a model counts as agreeing
+
+
+def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
+    """What a comparison of responses says.
+
+    Args:
+        model: its name.
+        found: one entry a posture, one at least.
+    """
+    names = list(found[0].models)
+    error = {n: _pooled([c.error[n] for c in found]) for n in names}
+    noise = _pooled([c.noise for c in found])
+    truth = "closed_chain" if "closed_chain" in names else min(names, key=lambda n: error[n])
+    good = error[truth] <= _WITHIN * noise
+    worst = max(found, key=lambda c: c.overall(truth))
+    drawn = sorted(found, key=lambda c: -c.overall(truth))[:_DRAWN]
+    lines = [
+        f"{worst.worst(truth):.3g} Hz is where the {words_of(truth)} stands out most."
+        if not good
+        else f"The measurement itself is sure to {percent_of(noise)}."
+    ]
+    if len(found) > len(drawn):
+        lines.append(f"The {len(drawn)} postures with the largest error are drawn; the tables hold all.")
+    return Sheet(
+        kind="frequency responses",
+        model=model,
+        tone="consistent" if good else "missing_effect",
+        sentence=_sentence(truth, error, noise, good),
+        lines=tuple(lines),
+        key_numbers=(
+            *((words_of(n), percent_of(error[n]), f"{number(error[n] / noise, 2)} × the uncertainty")
+              for n in _shown(error, truth)),
+            ("Measurement", percent_of(noise), "its own uncertainty"),
+            ("Lines", str(sum(len(c.frf) for c in found)), _span(found)),
+        ),
+        sections=(
+            Section("errors", "How far each model is", tables=(_table(found),)),
+            *(_section(c, k, len(drawn)) for k, c in enumerate(c for c in found if c in drawn)),
+            *_notes(found),
+        ),
+        picture=(frf_figure(worst), f"Measured response about {_posture(worst)}, and models."),
+    )  # fmt: skip
+
+
+def percent_of(share: float) -> str:
+    """A share in percent, two digits."""
+    return f"{number(100 * share, 2)} %"
+
+
+def _sentence(truth: str, error: dict[str, float], noise: float, good: bool) -> str:
+    others = {n: e for n, e in error.items() if n != truth}
+    how = (
+        f"The {words_of(truth)} agrees with the measured response to {percent_of(error[truth])}, "
+        "within its uncertainty"
+        if good
+        else f"The {words_of(truth)} misses the measured response by {percent_of(error[truth])}, "
+        f"{number(error[truth] / noise, 2)} times the measurement's uncertainty"
+    )
+    if not others:
+        return f"{how}."
+    best, last = min(others, key=others.__getitem__), max(others, key=others.__getitem__)
+    tail = f"; {last} by {percent_of(others[last])}" if last != best else ""
+    return f"{how}; of the serial trees {best} misses it by {percent_of(others[best])}{tail}."
+
+
+def _shown(error: dict[str, float], truth: str) -> list[str]:
+    """The closed chain and the nearest and the farthest tree."""
+    others = sorted((n for n in error if n != truth), key=lambda n: error[n])
+    return [truth, *dict.fromkeys([*others[:1], *others[-1:]])]
+
+
+def _pooled(parts: Sequence[np.ndarray]) -> float:
+    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+
+
+def _span(found: Sequence[FrfComparison]) -> str:
+    low = min(c.frf.frequency[0] for c in found)
+    high = max(c.frf.frequency[-1] for c in found)
+    return f"{low:.3g} to {high:.3g} Hz"
+
+
+def _posture(c: FrfComparison) -> str:
+    axes = dict.fromkeys(o.axis for o in c.frf.outputs)
+    unit = "m" if c.frf.outputs[0].unit in ("m", "m/s") else "rad"
+    return ", ".join(f"{a} {number(x)} {unit}" for a, x in zip(axes, c.frf.posture, strict=False))
+
+
+def _table(found: Sequence[FrfComparison]) -> SheetTable:
+    several = len(found) > 1
+    rows = [
+        (
+            name,
+            *([_posture(c)] if several else []),
+            percent_of(c.overall(name)),
+            number(c.overall(name) / c.overall_noise, 3),
+            f"{c.worst(name):.3g} Hz",
+        )
+        for c in found
+        for name in c.models
+    ]
+    return SheetTable(
+        "Relative error of every model over all lines and entries, and the line where it stands out most",
+        (
+            "Model",
+            *(["Posture"] if several else []),
+            ">Relative error",
+            ">Times the uncertainty",
+            ">Worst at",
+        ),
+        tuple(rows),
+    )
+
+
+def _section(c: FrfComparison, number_: int, count: int) -> Section:
+    ny, nu = c.frf.response.shape[1:]
+    upper = c.frf.magnitude_interval()[1] - np.abs(c.frf.response)
+    panels = [
+        response_panel(
+            f"{c.frf.outputs[i].axis} over {c.frf.inputs[j].axis}",
+            f"{c.frf.outputs[i].unit} / ({c.frf.inputs[j].unit})",
+            c.frf.frequency,
+            c.frf.response[:, i, j],
+            upper[:, i, j],
+            c.frf.std[:, i, j],
+            {name: g[:, i, j] for name, g in c.models.items()},
+        )
+        for i, j in np.ndindex(ny, nu)
+    ]
+    if ny * nu > 1:
+        low = 0.3 * min(float(np.min(c.noise)), *(float(np.median(e)) for e in c.error.values()))
+        words = ", ".join(f"{words_of(n)} {percent_of(c.overall(n))}" for n in c.models)
+        whole = Panel(
+            "All entries together",
+            "frequency [Hz]",
+            (error_row("relative error [%]", c.frf.frequency, c.noise, c.error, low),),
+            f"Relative error of all entries together, root mean square: {words}.",
+            wide=True,
+        )
+        panels.append(whole)
+    what = c.frf.outputs[0].signal
+    caption = (
+        f"From {c.frf.inputs[0].signal.replace('_', ' ')} to {what}. Grey: 95 % of the measurement's "
+        "magnitude and phase, and under the errors what its own uncertainty would make of them. Where noise "
+        f"rules, no phase is drawn. {c.frf.periods} periods, {c.frf.realisations} realisation(s)."
+    )
+    return Section(
+        f"posture-{number_ + 1}",
+        "Response" if count == 1 else f"Response {number_ + 1}",
+        sentences=(f"About {_posture(c)} ({c.frf.coordinates} coordinates).",),
+        drawings=(Drawing(tuple(panels), caption),),
+    )
+
+
+def _notes(found: Sequence[FrfComparison]) -> tuple[Section, ...]:
+    notes = tuple(dict.fromkeys(note for c in found for note in c.frf.notes))
+    return (Section("notes", "Notes", remarks=notes),) if notes else ()
