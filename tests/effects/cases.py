@@ -46,6 +46,10 @@ VALUES: dict[str, dict[str, float]] = {
     "current_loop_lag": {"time_constant": 0.004},
     "thermal_derating": {"coefficient": 0.01, "time_constant": 0.5},
     "presliding_hysteresis": {"torque": 0.2, "stiffness": 20.0},
+    "joint_compliance": {"stiffness": 60.0, "damping": 0.05},
+    "backlash": {"gap": 0.02, "stiffness": 200.0},
+    "base_compliance": {"stiffness": 20000.0, "damping": 40.0, "mass": 10.0},
+    "link_length_error": {"length": 0.02},
 }
 #: The same for a slide of 95 kg.
 ON_THE_SLIDE = {
@@ -71,6 +75,7 @@ ON_THE_SLIDE = {
     "encoder_offset": {"angle": 0.002},
     "thermal_derating": {"coefficient": 5e-5, "time_constant": 0.5},
     "presliding_hysteresis": {"torque": 15.0, "stiffness": 3e4},
+    "base_compliance": {"stiffness": 1e6, "damping": 2000.0, "mass": 50.0},
 }
 #: Where a law has nothing but one of its parts.
 PARTS = {

@@ -26,7 +26,16 @@ from workbench.simulation import Run, Track, motion_of, required_torque, simulat
 
 every_case = pytest.mark.parametrize("case", CASES, ids=str)
 every_place = pytest.mark.parametrize("case", [c for c in CASES if c.whole], ids=str)
-every_torque = pytest.mark.parametrize("case", [c for c in CASES if c.effect.door < Door.SENSOR], ids=str)
+#: Effects whose torque depends on the motion of the drives alone, and linearly on their coefficients.
+TORQUES = [
+    c
+    for c in CASES
+    if c.effect.door < Door.SENSOR and not c.effect.splits and c.key.effect != "link_length_error"
+]
+every_torque = pytest.mark.parametrize("case", TORQUES, ids=str)
+#: Nothing in the motion tells these: without gravity, and with the same inertia everywhere, where zero is;
+#: without a payload, where the foot is.
+UNSEEN = ("encoder_offset@slide", "link_length_error@knee")
 
 
 def midway(case: Case, run: Recording) -> tuple[Track, Motion]:
@@ -91,8 +100,8 @@ def test_every_parameter_matters_and_a_written_model_simulates_alike(case: Case,
         models.append(replace(case, values=changed).added)
     again, *runs = simulate([Run(model, experiment(case.model)) for model in models])
     np.testing.assert_array_equal(again.position, with_effect(case).position)
-    if str(case.key) == "encoder_offset@slide":
-        return  # without gravity, and with the same inertia everywhere, nothing tells where zero is
+    if str(case.key) in UNSEEN:
+        return
     moved = [np.abs(run.position - again.position).max() for run in (reference(case.model), *runs)]
     assert min(moved) > 1e-5 * np.ptp(again.position, axis=0).max()
 

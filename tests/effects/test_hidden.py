@@ -74,6 +74,13 @@ HIDDEN = [
     Hidden("current_loop_lag", "hip", {"time_constant": 0.003}, alike=2e-3),
     Hidden("thermal_derating", "hip", {"coefficient": 0.02, "time_constant": 1.0}, near=0.05),
     Hidden("presliding_hysteresis", "knee", {"torque": 0.2, "stiffness": 40.0}, alike=5e-3),
+    Hidden("joint_compliance", "knee", {"stiffness": 60.0, "damping": 0.02}, alike=1e-4),
+    Hidden("joint_compliance", "hip", {"stiffness": 150.0, "damping": 0.05}, alike=1e-4),
+    Hidden("backlash", "knee", {"gap": 0.01, "stiffness": 200.0}, alike=5e-3, near=0.05),
+    # what the linkage's bodies weigh sideways is not what crank and coupler do
+    Hidden("base_compliance", None, {"stiffness": 2e4, "damping": 40.0, "mass": 10.0}, alike=0.15, near=0.15),
+    # what hangs at the thigh's end a tree with a linkage does not know to the gram
+    Hidden("link_length_error", "hip", {"length": 0.03}, alike=0.2, near=0.3),
     Hidden("controller_gain_error", "knee", {"kp_scale": 0.8, "kd_scale": 1.2}),
 ]
 each = pytest.mark.parametrize("hidden", HIDDEN, ids=str)

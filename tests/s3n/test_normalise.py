@@ -78,6 +78,37 @@ def test_all_that_mujoco_holds_is_in_the_file() -> None:
         follows(model, tree.mujoco)
 
 
+BENDING = [
+    (EffectKey("joint_compliance", "hip"), {"stiffness": 60.0, "damping": 0.1}),
+    (EffectKey("joint_compliance", "knee"), {"stiffness": 60.0, "damping": 0.1}),
+    (EffectKey("joint_compliance", "knee", "joint"), {"stiffness": 60.0, "damping": 0.1}),
+    (EffectKey("backlash", "hip"), {"gap": 0.01, "stiffness": 60.0}),
+    (EffectKey("backlash", "knee", "joint"), {"gap": 0.01, "stiffness": 60.0}),
+    (EffectKey("base_compliance", None), {"stiffness": 2e4, "damping": 40.0, "mass": 10.0}),
+    (EffectKey("link_length_error", "hip"), {"length": 0.02}),
+]
+
+
+@pytest.mark.parametrize(("key", "values"), BENDING, ids=lambda x: str(x) if isinstance(x, EffectKey) else "")
+def test_what_bends_is_in_the_file(key: EffectKey, values: dict[str, float]) -> None:
+    model = load_model("leg")
+    model = replace(model, actuators=replace(model.actuators, delay_s=0.0))
+    model = having(model, EffectKey("coulomb_friction", "knee"), torque=0.1)
+    model = having(model, key, **values)
+    tree = normalise(model, integrator=None)
+    assert not tree.left_out
+    follows(model, tree.mujoco)
+
+
+def test_a_base_and_springs_at_drives_and_pins_stand_in_one_tree() -> None:
+    model = load_model("leg")
+    for key, values in (BENDING[0], BENDING[2], BENDING[5]):
+        model = having(model, key, **values)
+    m = normalise(model).mujoco
+    assert {m.joint(i).name for i in range(m.njnt)} >= {"hip", "knee", "base:x"} and m.njnt == 5
+    assert m.jnt_stiffness[m.joint("base:x").id] == 2e4
+
+
 def test_motors_answer_late_by_the_models_delay() -> None:
     """Commands reach the drives as late as if they had been held back by hand; fractions of a step too."""
     late = having(load_model("leg"), EffectKey("command_delay", None), time=0.0015)
@@ -107,12 +138,17 @@ def follows(model: Model, m: mujoco.MjModel) -> None:
     wanted = simulated(model, recording)
     data = mujoco.MjData(m)
     start = np.linalg.solve(model.transmission, recording.position[0])
-    data.qpos[:] = start
-    track = [model.transmission @ data.qpos]
+    plant = compile_plant(model)
+    for value, own in zip(plant.state_at(np.stack([start, start]))[0], range(plant.mujoco.njnt), strict=True):
+        data.qpos[m.joint(plant.mujoco.joint(own).name).qposadr[0]] = value
+    order = [m.joint(plant.mujoco.joint(i).name).qposadr[0] for i in range(plant.mujoco.njnt)]
+    track = [plant.drives @ data.qpos[order]]
+    # the file's own timestep may be too long for its springs, of which its header warns
+    m.opt.timestep /= plant.substeps
     for row in range(len(t) - 1):
         data.ctrl[:] = command[row]
-        mujoco.mj_step(m, data)
-        track.append(model.transmission @ data.qpos)
+        mujoco.mj_step(m, data, plant.substeps)
+        track.append(plant.drives @ data.qpos[order])
     np.testing.assert_allclose(np.array(track), wanted.position, atol=1e-6)
 
 

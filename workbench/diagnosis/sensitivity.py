@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from workbench.comparison import scored_signals
 from workbench.core import EffectKey, Recording
-from workbench.effects import Motion, compile_plant, effect_named
+from workbench.effects import Motion, Plant, compile_plant, effect_named
 from workbench.models import AppliedEffect, Model, Placement
 from workbench.simulation import (
     Disturbance,
+    Experiment,
     Loop,
     Run,
     Track,
@@ -56,32 +58,60 @@ class Trial:
 
 @dataclass(frozen=True)
 class Scene:
-    """A model on the recordings: its runs, motions that were made, loops linearised about them."""
+    """A model on the first recordings of some data, with its runs of them.
+
+    What the motions were and how the loops answer is worked out when it is asked for: simulations that are
+    held against each other need neither.
+    """
 
     model: Model
+    data: Data
     runs: tuple[Recording, ...]
-    motions: tuple[Motion, ...]
-    loops: tuple[Loop, ...]
 
     @staticmethod
     def of(model: Model, data: Data, simulated: Sequence[Recording], count: int) -> Scene:
         """The first `count` recordings of `data` with a model's runs of them."""
-        plant = compile_plant(model)
-        levels, motions, loops = data.noise.levels, [], []
-        for recording, run in zip(data.recordings[:count], simulated[:count], strict=True):
-            e = prepare(recording, model)
-            usable = run if np.isfinite(run.position).all() else None
-            track: Track = smooth_track(
-                recording, usable, e.to_actuator, levels.position_std, levels.velocity_std
-            )
-            motions.append(motion_of(track, recording, plant, e.to_actuator))
-            loops.append(linearise(plant, e, track, motions[-1].gain))
-        return Scene(model, tuple(simulated[:count]), tuple(motions), tuple(loops))
+        return Scene(model, data, tuple(simulated[:count]))
 
-    def columns(self, key: EffectKey, shape: Mapping[str, float]) -> tuple[list[Column], Column | None]:
-        """All linear columns of an effect and its fixed part, evaluating it once a recording."""
-        place = Placement.of(self.model, key)
-        responses = [effect_named(key.effect).response(m, self.model, place, shape) for m in self.motions]
+    @cached_property
+    def _plant(self) -> Plant:
+        return compile_plant(self.model)
+
+    @cached_property
+    def _tracks(self) -> tuple[tuple[Recording, Experiment, Track], ...]:
+        levels, out = self.data.noise.levels, []
+        for recording, run in zip(self.data.recordings, self.runs, strict=False):
+            e = prepare(recording, self.model)
+            usable = run if np.isfinite(run.position).all() else None
+            track = smooth_track(recording, usable, e.to_actuator, levels.position_std, levels.velocity_std)
+            out.append((recording, e, track))
+        return tuple(out)
+
+    @cached_property
+    def motions(self) -> tuple[Motion, ...]:
+        """The motions that were made, one a recording."""
+        return tuple(motion_of(track, r, self._plant, e.to_actuator) for r, e, track in self._tracks)
+
+    @cached_property
+    def loops(self) -> tuple[Loop, ...]:
+        """The loops linearised about them."""
+        pairs = zip(self._tracks, self.motions, strict=True)
+        return tuple(linearise(self._plant, e, track, m.gain) for (_, e, track), m in pairs)
+
+    @property
+    def bends(self) -> bool:
+        """Whether links and motors are apart, so that a torque on the links is not one on the motors."""
+        return any(effect_named(e.key.effect).splits for e in self.model.effects)
+
+    def columns(
+        self, key: EffectKey, shape: Mapping[str, float], motions: Sequence[Motion] | None = None
+    ) -> tuple[list[Column], Column | None]:
+        """All linear columns of an effect and its fixed part, evaluating it once a recording.
+
+        `motions` stand in for the scene's own.
+        """
+        place, motions = Placement.of(self.model, key), self.motions if motions is None else motions
+        responses = [effect_named(key.effect).response(m, self.model, place, shape) for m in motions]
         linear = [
             Column(
                 tuple(r.columns[i] for r in responses),
@@ -93,22 +123,22 @@ class Scene:
         ]
         if responses[0].offset is None and responses[0].reading is None:
             return linear, None
+        none = [np.zeros_like(m.position) for m in motions]
         fixed = Column(
-            tuple(
-                np.zeros_like(m.position) if r.offset is None else r.offset
-                for m, r in zip(self.motions, responses, strict=True)
-            ),
+            tuple(zero if r.offset is None else r.offset for zero, r in zip(none, responses, strict=True)),
             tuple(r.tap for r in responses),
             tuple(None for _ in responses),
             tuple(r.reading for r in responses),
         )
         return linear, fixed
 
-    def total(self, applied: AppliedEffect, values: Mapping[str, float]) -> Column:
+    def total(
+        self, applied: AppliedEffect, values: Mapping[str, float], motions: Sequence[Motion] | None = None
+    ) -> Column:
         """What an effect with given parameter values does."""
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(values)
-        linear, fixed = self.columns(applied.key, shape)
+        linear, fixed = self.columns(applied.key, shape, motions)
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
     def derivatives(self, applied: AppliedEffect) -> list[Column | Trial]:
@@ -117,21 +147,21 @@ class Scene:
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """
         effect = effect_named(applied.key.effect)
-        if effect.by_runs:
+        if effect.by_runs or self.bends:
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)
-        scene = replace(self, motions=tuple(effect.before(m, place, applied.values) for m in self.motions))
+        motions = [effect.before(m, place, applied.values) for m in self.motions]
         coefficients, shape = effect.to_coefficients(applied.values)
-        out: list[Column | Trial] = [*scene.columns(applied.key, shape)[0]]
+        out: list[Column | Trial] = [*self.columns(applied.key, shape, motions)[0]]
         limits = effect.shape_bounds(self.model, place)
         for name in effect.nonlinear:
             step = max(0.05 * abs(shape[name]), 1e-12)
             if name == "time":
-                step = 0.2 * scene.motions[0].step
+                step = 0.2 * motions[0].step
             low = max(shape[name] - step, limits[name][0])
             high = min(shape[name] + step, limits[name][1])
             pair = [
-                scene.total(applied, effect.to_parameters(coefficients, {**shape, name: value}))
+                self.total(applied, effect.to_parameters(coefficients, {**shape, name: value}), motions)
                 for value in (low, high)
             ]
             slope = combine(pair, [-1.0 / (high - low), 1.0 / (high - low)])
@@ -202,8 +232,8 @@ def respond(
         first = [k for k, c in enumerate(own) if isinstance(c, Column)]
         second = [k for k, c in enumerate(own) if isinstance(c, Trial)]
         rows = []
-        for i, motion in enumerate(scenes[s].motions):
-            whole = np.zeros((len(motion.position), 2, motion.position.shape[1], len(own)))
+        for i, run in enumerate(scenes[s].runs):
+            whole = np.zeros((len(run), 2, len(run.axes), len(own)))
             whole[..., first] = marched[s][i][..., : len(first)]
             whole[..., second] = tried[s][i]
             whole *= data.weight[None, :, :, None]
@@ -216,11 +246,9 @@ def respond(
 def _marched(scenes: Sequence[Scene], columns: Sequence[Sequence[Column]]) -> list[list[np.ndarray]]:
     """Position and torque, (N, 2, n, C) per scene and recording, by the linearised loops."""
     width = max((len(c) for c in columns), default=0)
-    if width == 0:
-        return [[np.zeros((len(m.position), 2, m.position.shape[1], 0)) for m in s.motions] for s in scenes]
     loops, disturbances = [], []
     for scene, own in zip(scenes, columns, strict=True):
-        for i, motion in enumerate(scene.motions):
+        for i, motion in enumerate(scene.motions if own else ()):
             torque = np.zeros((width, *motion.position.shape))
             for k, column in enumerate(own):
                 torque[k] = column.torque[i]
@@ -230,8 +258,15 @@ def _marched(scenes: Sequence[Scene], columns: Sequence[Sequence[Column]]) -> li
             )
             loops.append(scene.loops[i])
             disturbances.append(Disturbance(torque, taps, commands, readings))
-    flat = iter(propagate(loops, disturbances))
-    return [[np.stack(next(flat), axis=1) for _ in s.motions] for s in scenes]
+    flat = iter(propagate(loops, disturbances) if loops else ())
+    return [
+        [np.stack(next(flat), axis=1) for _ in scene.motions] if own else [_empty(r) for r in scene.runs]
+        for scene, own in zip(scenes, columns, strict=True)
+    ]
+
+
+def _empty(run: Recording) -> np.ndarray:
+    return np.zeros((len(run), 2, len(run.axes), 0))
 
 
 def _tried(scenes: Sequence[Scene], trials: Sequence[Sequence[Trial]], data: Data) -> list[list[np.ndarray]]:
@@ -240,7 +275,7 @@ def _tried(scenes: Sequence[Scene], trials: Sequence[Sequence[Trial]], data: Dat
         Run(t.model, r)
         for scene, own in zip(scenes, trials, strict=True)
         for t in own
-        for r in data.recordings[: len(scene.motions)]
+        for r in data.recordings[: len(scene.runs)]
     ]
     made = iter(simulate(asked, strict=False) if asked else ())
     out = []
@@ -249,8 +284,10 @@ def _tried(scenes: Sequence[Scene], trials: Sequence[Sequence[Trial]], data: Dat
             [_difference(next(made), run, data.recordings[i]) / t.change for i, run in enumerate(scene.runs)]
             for t in own
         ]
-        empty = [np.zeros((len(m.position), 2, m.position.shape[1], 0)) for m in scene.motions]
-        out.append([np.stack([s[i] for s in slopes], axis=-1) if own else e for i, e in enumerate(empty)])
+        rows = range(len(scene.runs))
+        out.append(
+            [np.stack([s[i] for s in slopes], axis=-1) if own else _empty(scene.runs[i]) for i in rows]
+        )
     return out
 
 

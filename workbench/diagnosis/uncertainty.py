@@ -82,10 +82,10 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         )
         onset = (_ONSET_SHARE if effect.dry else 0.0) * np.abs(middle)
         fine = np.hypot(late, onset)
-        if applied.key.axis is not None:
-            axis = hypothesis.base.axes.index(applied.key.axis)
-            blur = effect.blur(applied.values, *(float(x) for x in np.sqrt(floor[:, axis])))
-            fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in effect.parameters]))
+        axis = applied.key.axis
+        noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]
+        blur = effect.blur(applied.values, *(float(x) for x in np.sqrt(noise)))
+        fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in effect.parameters]))
         deviation = np.hypot(deviation, fine)
         parameters = {
             p.name: Estimate(float(middle[i]), float(deviation[i]), applied.parameters[p.name].unit)

@@ -1,6 +1,7 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
 from .base import Door, Effect, Parameter, Response
+from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, places
 from .chain import Build, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
@@ -11,6 +12,7 @@ from .presliding_hysteresis import wound
 from .stiffness import tendon_row
 
 __all__ = [
+    "BASE_JOINT",
     "EFFECTS",
     "Build",
     "Door",

@@ -115,6 +115,7 @@ class Effect:
         basic: whether it is one of the groups to start from: inertia, viscous, Coulomb.
         by_runs: whether a fit has to take its derivatives from simulations, since no column is exact near
             parameters that do something.
+        splits: whether it gives the tree new joints, and so has to be installed before anything sits on it.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
         locations: where on an axis it can sit.
         source: where the equation comes from.
@@ -133,6 +134,7 @@ class Effect:
     dry: ClassVar[bool] = False
     basic: ClassVar[bool] = False
     by_runs: ClassVar[bool] = False
+    splits: ClassVar[bool] = False
     axes: ClassVar[Literal["each", "all"]] = "each"
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     source: ClassVar[str]

@@ -9,10 +9,11 @@ import mujoco
 import numpy as np
 
 from workbench.core import SimulationError
-from workbench.models import Model, Placement, axis_tendon, base_spec, joint_kinds
+from workbench.models import AppliedEffect, Model, Placement, axis_tendon, joint_kinds
 
 from .catalogue import effect_named
 from .chain import Build, TorqueChain
+from .flexible import rotor_name
 from .friction_constraint import set_friction_constraints
 from .stiffness import count_substeps, tendon_row
 
@@ -47,11 +48,19 @@ def build(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Bu
         timestep: integration step [s].
         held: joints that the rig holds still.
     """
-    out = Build(base_spec(model, timestep, held), TorqueChain.of(model))
-    for applied in sorted(model.effects, key=lambda e: effect_named(e.key.effect).door):
+    out = Build.of(model, timestep, held)
+    for applied in sorted(model.effects, key=_turn):
         effect = effect_named(applied.key.effect)
         effect.install(out, model, Placement.of(model, applied.key), applied.values)
     return out
+
+
+def _turn(applied: AppliedEffect) -> tuple[bool, bool, bool, int]:
+    """New joints first, the base's ahead of those at pins, these ahead of those at drives; then by doors."""
+    effect = effect_named(applied.key.effect)
+    if not effect.splits:
+        return True, True, True, effect.door
+    return False, applied.key.axis is not None, applied.key.location == "actuator", 0
 
 
 def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Plant:
@@ -75,7 +84,16 @@ def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = (
         compiled.tendon_stiffness[compiled.tendon(term.spring).id] = 0.0
     set_friction_constraints(compiled, made.chain, model, joint_kinds(model))
     drives = np.stack([tendon_row(compiled, axis_tendon(i)) for i in range(model.size)])
-    lift = np.zeros((compiled.nv, model.size))
+    return Plant(model, compiled, made.chain, drives, _lift(compiled, model), substeps)
+
+
+def _lift(m: mujoco.MjModel, model: Model) -> np.ndarray:
+    """Serial coordinates to MuJoCo's joints as long as nothing bends, (nv, n)."""
+    lift, names = np.zeros((m.nv, model.size)), {m.joint(i).name for i in range(m.njnt)}
     for i, name in enumerate(model.joints):
-        lift[compiled.joint(name).dofadr[0], i] = 1.0
-    return Plant(model, compiled, made.chain, drives, lift, substeps)
+        unit, row = np.eye(model.size)[i], model.transmission[i]
+        pin, drive = rotor_name(i, "joint"), rotor_name(i, "actuator")
+        for joint, coordinate in ((name, unit), (pin, unit), (drive, row)):
+            if joint in names:
+                lift[m.joint(joint).dofadr[0]] = coordinate
+    return lift

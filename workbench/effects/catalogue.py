@@ -7,7 +7,9 @@ from workbench.models import Model
 
 from .actuator_inertia_coupling import ActuatorInertiaCoupling
 from .asymmetric_friction import AsymmetricFriction
+from .backlash import Backlash
 from .base import Effect
+from .base_compliance import BaseCompliance
 from .cogging import Cogging
 from .command_delay import CommandDelay
 from .controller_gain_error import ControllerGainError
@@ -16,6 +18,8 @@ from .current_loop_lag import CurrentLoopLag
 from .encoder_eccentricity import EncoderEccentricity
 from .encoder_offset import EncoderOffset
 from .encoder_scale import EncoderScale
+from .joint_compliance import JointCompliance
+from .link_length_error import LinkLengthError
 from .linkage_coriolis import LinkageCoriolis
 from .linkage_gravity import LinkageGravity
 from .linkage_inertia import LinkageInertia
@@ -64,12 +68,26 @@ EFFECTS: tuple[Effect, ...] = (
     CurrentLoopLag(),
     ThermalDerating(),
     PreslidingHysteresis(),
+    JointCompliance(),
+    Backlash(),
+    BaseCompliance(),
+    LinkLengthError(),
 )
 
 #: Effects that models can have and that are simulated, but that a diagnosis does not rank yet: on measured
 #: drives they took shares of friction that is known, or two readings of them are in use.
 UNRANKED = frozenset(
-    {"load_dependent_friction", "presliding_hysteresis", "cogging", "thermal_derating", "speed_torque_limit"}
+    {
+        "load_dependent_friction",
+        "presliding_hysteresis",
+        "cogging",
+        "thermal_derating",
+        "speed_torque_limit",
+        "joint_compliance",
+        "backlash",
+        "base_compliance",
+        "link_length_error",
+    }
 )
 
 _BY_NAME = {effect.name: effect for effect in EFFECTS}

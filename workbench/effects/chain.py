@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from workbench.models import Model
+from workbench.models import Model, axis_tendon, base_spec
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,23 @@ class TorqueChain:
 
 @dataclass
 class Build:
-    """A model on its way to MuJoCo: the spec that effects edit, and the chain in front of it."""
+    """A model on its way to MuJoCo: the spec that effects edit, and the chain in front of it.
+
+    `rows`: the joints that each axis's tendon wraps, with their coefficients.
+    """
 
     spec: mujoco.MjSpec
     chain: TorqueChain
+    rows: dict[str, dict[str, float]]
+
+    @staticmethod
+    def of(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Build:
+        """A model before any effect: its serial tree, and the chain of its drives."""
+        rows = {
+            axis_tendon(i, location): {
+                name: float(c) for name, c in zip(model.joints, row, strict=True) if c and name not in held
+            }
+            for location, matrix in (("actuator", model.transmission), ("joint", np.eye(model.size)))
+            for i, row in enumerate(matrix)
+        }
+        return Build(base_spec(model, timestep, held), TorqueChain.of(model), rows)

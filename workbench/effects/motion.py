@@ -63,6 +63,9 @@ class Motion:
         transmission: J with q_p = J q_s, (n, n).
         kinematics: site name -> Jacobian of the site's world position with respect to q_p, (N, 3, n).
         required: motor torque at the tap that a model needs for this motion, (N, n).
+        inertia: mass matrix of links and rotors, (N, n, n); `rotor`: inertia and damping of each drive's own
+            rotor, (n,) each.
+        momentum: momentum of the whole machine by the drives' speeds, (N, 3, n), and its mass [kg].
         law: number of a controller's axis -> torque command that its gains on position error and on
             velocity ask for, (2, N, n), actuator coordinates, held from tick to tick.
         gravity: (3,) [m/s^2].
@@ -79,6 +82,9 @@ class Motion:
     transmission: np.ndarray
     kinematics: Callable[[str], np.ndarray]
     required: Callable[[Model], np.ndarray]
+    inertia: Callable[[], np.ndarray]
+    rotor: tuple[np.ndarray, np.ndarray]
+    momentum: Callable[[], tuple[np.ndarray, float]]
     law: Callable[[int], np.ndarray]
     gravity: np.ndarray
     axis_units: tuple[str, ...]

@@ -62,6 +62,8 @@ def _numbers(m: mujoco.MjModel) -> Iterator[tuple[tuple[str, str], tuple[float, 
         along = m.wrap_type[m.tendon_adr[t]] == mujoco.mjtWrap.mjWRAP_JOINT
         slide = along and m.jnt_type[first] == mujoco.mjtJoint.mjJNT_SLIDE
         yield from _axis(f"tendon {m.tendon(t).name}", own, slide)
+        play = float(np.ptp(m.tendon_lengthspring[t]))
+        yield (f"tendon {m.tendon(t).name}", "dead band"), (play, "m" if slide else "rad")
     for a in range(m.nu):
         element = f"motor {m.actuator(a).name}"
         yield (element, "gear"), (float(m.actuator_gear[a, 0]), "")

@@ -7,55 +7,56 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from workbench.effects import Plant, TorqueChain
-from workbench.models import Model, Placement, axis_tendon
+from workbench.effects import BASE_JOINT, Build, Plant
+from workbench.models import Model, axis_tendon
 
 #: Stages of the torque chain that a motor of plain MJCF has.
 MOTOR_STAGES = ("delay_s", "limit", "gain", "bias")
 _LINEAR = mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_TENDON
 
 
-def settle_axes(spec: mujoco.MjSpec, plant: Plant) -> list[str]:
+def settle_axes(made: Build, plant: Plant) -> list[str]:
     """Take every axis that moves one joint from its tendon to that joint, which costs less a step.
 
     Args:
-        spec: a built tree, changed in place: the tendon of a drive that moves several joints gets the axis's
+        made: a built tree, changed in place: the tendon of a drive that moves several joints gets the axis's
             name, the others go.
         plant: the same, compiled.
 
     Returns:
         name of the tendon that moves with each drive, in the order of the axes; empty for a joint.
     """
-    model, names = plant.model, []
+    model, spec, names = plant.model, made.spec, []
     for index, axis in enumerate(model.axes):
         name = axis if all(t.name != axis for t in spec.tendons) else f"{axis}_drive"
-        tendon = spec.tendon(axis_tendon(index))
-        if np.count_nonzero(model.transmission[index]) == 1:
-            _to_joint(spec, plant, index, "actuator", name)
+        tendon = axis_tendon(index)
+        if len(made.rows[tendon]) == 1:
+            _to_joint(made, plant, tendon, name)
             names.append("")
         else:
-            _dry(tendon, plant.mujoco, axis_tendon(index))
-            tendon.name = name
+            _dry(spec.tendon(tendon), plant.mujoco, tendon)
+            spec.tendon(tendon).name = name
             names.append(name)
-        _to_joint(spec, plant, index, "joint", f"{axis}_pin")
+        _to_joint(made, plant, axis_tendon(index, "joint"), f"{axis}_pin")
+    if BASE_JOINT in made.rows:
+        _to_joint(made, plant, BASE_JOINT, BASE_JOINT)
     return names
 
 
-def _to_joint(spec: mujoco.MjSpec, plant: Plant, index: int, location: str, name: str) -> None:
+def _to_joint(made: Build, plant: Plant, axis: str, name: str) -> None:
     """Move inertia, damping, spring and dry friction of a tendon to its only joint, and delete it."""
-    model, tendon = plant.model, spec.tendon(axis_tendon(index, location))
-    row = model.transmission[index] if location == "actuator" else np.eye(model.size)[index]
-    coefficient = float(row[np.flatnonzero(row)[0]])
-    joint = spec.joint(model.joints[int(np.flatnonzero(row)[0])])
+    spec, tendon = made.spec, made.spec.tendon(axis)
+    ((moved, coefficient),) = made.rows[axis].items()
+    joint = spec.joint(moved)
     if tendon.frictionloss and joint.frictionloss:
         # two frictions side by side set in each its own way
-        _dry(tendon, plant.mujoco, axis_tendon(index, location))
+        _dry(tendon, plant.mujoco, axis)
         tendon.name = name
         return
     joint.armature += coefficient**2 * tendon.armature
     joint.damping = np.asarray(joint.damping) + coefficient**2 * np.asarray(tendon.damping)
     if tendon.frictionloss:
-        _dry(joint, plant.mujoco, axis_tendon(index, location))
+        _dry(joint, plant.mujoco, axis)
         joint.frictionloss = abs(coefficient) * tendon.frictionloss
     stiffness = coefficient**2 * float(tendon.stiffness[0])
     if stiffness:
@@ -71,17 +72,17 @@ def _dry(element: Any, m: mujoco.MjModel, tendon: str) -> None:
     element.solref_friction, element.solimp_friction = m.tendon_solref_fri[ident], m.tendon_solimp_fri[ident]
 
 
-def add_motors(spec: mujoco.MjSpec, model: Model, chain: TorqueChain, tendons: list[str]) -> None:
+def add_motors(made: Build, model: Model, tendons: list[str]) -> None:
     """One motor a drive, commanded by its torque; J^T is in the motor's transmission (paper, Eq. 4)."""
-    step = spec.option.timestep
+    spec, chain, step = made.spec, made.chain, made.spec.option.timestep
     for index, (axis, tendon) in enumerate(zip(model.axes, tendons, strict=True)):
-        row = Placement(index, "actuator", model.transmission[index]).row
+        joint, coefficient = next(iter(made.rows[axis_tendon(index)].items()))
         motor = spec.add_actuator(name=axis)
         motor.set_to_motor()
         motor.trntype = _LINEAR[bool(tendon)]
-        motor.target = tendon or model.joints[int(np.flatnonzero(row)[0])]
+        motor.target = tendon or joint
         motor.gear = np.zeros(6)
-        motor.gear[0] = 1.0 if tendon else row[np.flatnonzero(row)[0]]
+        motor.gear[0] = 1.0 if tendon else coefficient
         gain, bias, limit = (float(x[index]) for x in (chain.gain, chain.bias, chain.limit))
         motor.gainprm[0] = gain
         if bias:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
 from workbench.core import InputError, SimulationError
-from workbench.effects import TorqueChain
+from workbench.effects import Build
 from workbench.models import Model, load_mjcf
 
 from .additions import additions
@@ -77,7 +77,8 @@ def fit_native(
         spec.delete(actuator)
     if integrator is not None:
         spec.option.integrator = INTEGRATORS[integrator]
-    add_motors(spec, model, TorqueChain.of(model), write_fit(found, spec))
+    tendons = write_fit(found, spec)
+    add_motors(replace(Build.of(model), spec=spec), model, tendons)
     anchor_assets(spec, model.serial)
     spec.modelname = model.name
     try:

@@ -22,13 +22,14 @@ def required_torque(plant: Plant, track: Track, step: float | None = None) -> np
     data = mujoco.MjData(m)
     back = np.linalg.inv(model.transmission)
     q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
-    dofs = np.array([m.joint(name).dofadr[0] for name in model.joints])
     smooth = copy_without_friction(m)
     joint = np.empty_like(q)
     for k in range(len(q)):
-        data.qpos[dofs], data.qvel[dofs], data.qacc[dofs] = q[k], w[k], a[k]
+        # links and motors as one: what bends is taken as rigid
+        data.qpos[:], data.qvel[:] = plant.state_at(np.stack([q[k], w[k]]))
+        data.qacc[:] = plant.lift @ a[k]
         mujoco.mj_inverse(smooth, data)
-        joint[k] = data.qfrc_inverse[dofs]
+        joint[k] = data.qfrc_inverse @ plant.lift
     torque = joint @ back - laws_of_state(plant, track)
     # friction that grows with the load needs a torque to know the torque it needs
     needed = torque + dry_friction(plant, track, torque)
@@ -96,6 +97,4 @@ def dry_friction(plant: Plant, track: Track, torque: np.ndarray) -> np.ndarray:
 
 def _row(plant: Plant, tendon: str) -> np.ndarray:
     """Coefficients (n,) of a tendon over the drives' coordinates."""
-    m, model = plant.mujoco, plant.model
-    dofs = [m.joint(name).dofadr[0] for name in model.joints]
-    return tendon_row(m, tendon)[dofs] @ np.linalg.inv(model.transmission)
+    return tendon_row(plant.mujoco, tendon) @ plant.lift @ np.linalg.inv(plant.model.transmission)

@@ -137,6 +137,9 @@ def _slopes(plant: Plant, track: Track, period: float) -> tuple[np.ndarray, ...]
     m = copy.copy(plant.mujoco)
     m.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER  # the derivative functions know no Runge-Kutta
     m.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
+    for i in range(m.ntendon):
+        if m.tendon(i).name.startswith("flex:"):
+            m.tendon_lengthspring[i] = 0.0  # a gap that is closed: within it nothing would hold the links
     data = mujoco.MjData(m)
     back = np.linalg.inv(plant.model.transmission).T
     q, w, a = track.position @ back, track.velocity @ back, track.acceleration @ back

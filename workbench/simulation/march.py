@@ -43,6 +43,14 @@ def propagate(
     Returns:
         Per run ``(position, torque)``, each (N, n, C), in the recording's coordinates.
     """
+    counts = {loop.drives.shape[1] for loop in loops}
+    if len(counts) > 1:
+        found: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        for count in counts:
+            part = [i for i, loop in enumerate(loops) if loop.drives.shape[1] == count]
+            answers = propagate([loops[i] for i in part], [disturbances[i] for i in part])
+            found.update(zip(part, answers, strict=True))
+        return [found[i] for i in range(len(loops))]
     order = sorted(range(len(loops)), key=lambda i: -loops[i].experiment.substeps)
     chosen = [loops[i] for i in order]
     position, tap = _March(chosen, [disturbances[i] for i in order]).run()

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
+
 import mujoco
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from workbench.core import Recording
 from workbench.effects import Line, Motion, Plant, axis_units, compile_plant
-from workbench.models import Model
+from workbench.models import Model, axis_tendon
 
 from .experiment import prepare, scored_torque
 from .inverse import gain_along, required_torque
@@ -56,6 +59,9 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         transmission=model.transmission,
         kinematics=lambda site: site_jacobian(plant, track, site),
         required=required,
+        inertia=cache(lambda: mass_matrix(plant, track)),
+        rotor=rotor_of(plant),
+        momentum=cache(lambda: momentum_of(plant, track)),
         law=lambda axis: gain_shares(recording, plant, track, axis),
         gravity=np.array(plant.mujoco.opt.gravity),
         axis_units=axis_units(model),
@@ -68,6 +74,52 @@ def _required(model: Model, track: Track, step: float) -> np.ndarray:
     rows = np.unique(np.append(np.arange(0, len(track.position), stride), len(track.position) - 1))
     some = Track(track.position[rows], track.velocity[rows], track.acceleration[rows])
     return interpolate(rows, required_torque(compile_plant(model), some, stride * step), len(track.position))
+
+
+def rotor_of(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
+    """Inertia and damping (n,) of each drive, as its tendon has them, or its joint where it moves but one."""
+    m, drives = plant.mujoco, plant.model.actuators
+    tendons = [m.tendon(axis_tendon(i)).id for i in range(plant.model.size)]
+    coupled = plant.model.has("actuator_inertia_coupling")
+    own = (0.0, 0.0) if coupled else (np.array(drives.inertia), np.array(drives.damping))
+    return m.tendon_armature[tendons] + own[0], m.tendon_damping[tendons] + own[1]
+
+
+def mass_matrix(plant: Plant, track: Track) -> np.ndarray:
+    """Mass matrix (N, n, n) in actuator coordinates along a track, links and rotors moving as one."""
+    m, full = plant.mujoco, np.zeros((plant.mujoco.nv, plant.mujoco.nv))
+
+    def at(data: mujoco.MjData) -> np.ndarray:
+        mujoco.mj_fullM(m, data, full)
+        return plant.lift.T @ full @ plant.lift
+
+    back = np.linalg.inv(plant.model.transmission)
+    return back.T @ _along(plant, track, at) @ back
+
+
+def momentum_of(plant: Plant, track: Track) -> tuple[np.ndarray, float]:
+    """Momentum of all bodies by the drives' speeds (N, 3, n), and their mass [kg]."""
+    m, part = plant.mujoco, np.zeros((3, plant.mujoco.nv))
+    mass = float(m.body_subtreemass[0])
+
+    def at(data: mujoco.MjData) -> np.ndarray:
+        mujoco.mj_jacSubtreeCom(m, data, part, 0)
+        return mass * part @ plant.lift
+
+    return _along(plant, track, at) @ np.linalg.inv(plant.model.transmission), mass
+
+
+def _along(plant: Plant, track: Track, at: Callable[[mujoco.MjData], np.ndarray]) -> np.ndarray:
+    """A matrix that depends on the posture, at all rows; worked out at every fourth."""
+    m, data = plant.mujoco, mujoco.MjData(plant.mujoco)
+    joints = track.position @ np.linalg.inv(plant.model.transmission).T
+    rows = np.unique(np.append(np.arange(0, len(joints), 4), len(joints) - 1))
+    some = []
+    for row in rows:
+        data.qpos[:] = plant.state_at(np.stack([joints[row], joints[row]]))[0]
+        mujoco.mj_fwdPosition(m, data)
+        some.append(np.copy(at(data)))
+    return interpolate(rows, np.stack(some), len(joints))
 
 
 def gain_shares(recording: Recording, plant: Plant, track: Track, axis: int) -> np.ndarray:

@@ -1,0 +1,166 @@
+"""A fixture that gives way under the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import mujoco
+import numpy as np
+
+from workbench.core import EffectKey, SimulationError
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response
+from .chain import Build
+from .flexible import frequencies, spring_wind
+from .lacking import explains_most
+from .motion import Motion
+
+BASE_JOINT = "base:x"
+_NONE = np.zeros(0)
+_TRIED = 4
+
+
+class BaseCompliance(Effect):
+    """m x'' + d x' + k x = force of the machine on its base along x; the machine rides on it."""
+
+    name = "base_compliance"
+    parameters = (
+        Parameter("stiffness", "N/m", lower=1e-3),
+        Parameter("damping", "N*s/m"),
+        Parameter("mass", "kg", lower=1e-3, about="of the moving part of the fixture, without the machine"),
+    )
+    # rate^2 = k / m, share = d / (2 sqrt(k m)): what shows each by itself
+    nonlinear = ("rate", "share", "mass")
+    by_runs = True
+    splits = True
+    door = Door.MECHANISM
+    tier = 1
+    axes = "all"
+    source = "Newton's law for a base on a spring; Ott et al., Base force feedback, IROS 2006"
+    shows = "torque residual at one frequency on all axes that push the base sideways; FRF peaks in common"
+    reveal = "chirps of each axis through the fixture's resonance, and an accelerometer on the base"
+    mujoco = "native: a slide joint with stiffness and damping between world and base"
+
+    def applies(self, model: Model, key: EffectKey) -> bool:
+        """Once."""
+        return not model.has(self.name)
+
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
+        """Resonances from 2 Hz on, hardly and well damped, of fixtures light and heavy."""
+        machine = motions[0].momentum()[1]
+        choices = []
+        for together in frequencies(motions, 2.0, 80.0, 14):
+            for mass in machine * np.array([0.3, 1.0, 3.0, 10.0, 30.0]):
+                rate = together * np.sqrt((mass + machine) / mass)
+                choices += [{"rate": float(rate), "share": s, "mass": float(mass)} for s in (0.03, 0.2)]
+        made = [np.stack([_recoil(m, self.to_parameters(_NONE, c)) for c in choices]) for m in motions]
+        return [choices[k] for k in explains_most(motions, model, made)[:_TRIED]]
+
+    def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
+        """Any fixture that rings rather than creeps."""
+        return {"rate": (0.1, 1e5), "share": (0.0, 5.0), "mass": (1e-3, np.inf)}
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No free coefficient: what the base's acceleration makes the links feel."""
+        recoil = _recoil(motion, self.to_parameters(_NONE, shape))
+        return Response(np.zeros((0, *motion.position.shape)), offset=recoil)
+
+    def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
+        """Stiffness and damping of what rings at this rate with this share of critical damping."""
+        rate, mass = shape["rate"], shape["mass"]
+        damping = 2.0 * shape["share"] * mass * rate
+        return {"stiffness": mass * rate**2, "damping": damping, "mass": mass}
+
+    def to_coefficients(self, values: Mapping[str, float]) -> tuple[np.ndarray, dict[str, float]]:
+        """Rate and share of the fixture without the machine."""
+        mass, rate = values["mass"], float(np.sqrt(values["stiffness"] / values["mass"]))
+        return _NONE, {"rate": rate, "share": values["damping"] / (2.0 * mass * rate), "mass": mass}
+
+    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
+        """No coefficients."""
+        return _NONE, _NONE
+
+    def blur(
+        self, values: Mapping[str, float], position_noise: float, torque_noise: float
+    ) -> dict[str, float]:
+        """A twentieth: how well a tree knows what its machine weighs sideways (see `weights`)."""
+        return {name: 0.05 * value for name, value in values.items()}
+
+    def least(self, shape: Mapping[str, float]) -> np.ndarray:
+        """Small beside the others."""
+        return np.array([1e-6 * shape["rate"], 1e-3, 1e-6 * shape["mass"]])
+
+    def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
+        """A fifth of the rate, half of the mass, some damping."""
+        share = max(0.5 * shape["share"], 0.02)
+        return {"rate": 0.2 * shape["rate"], "share": share, "mass": 0.5 * shape["mass"]}
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """A slide with the fixture's mass, before the first joint of the body that stands on the ground."""
+        root = _root(build.spec, model)
+        _put_first(build, root, values["mass"])
+        build.rows[BASE_JOINT] = {BASE_JOINT: 1.0}
+        spring = build.spec.add_tendon(name=BASE_JOINT)
+        spring.wrap_joint(BASE_JOINT, 1.0)
+        spring.stiffness[0], spring.damping[0] = values["stiffness"], values["damping"]
+        spring.springlength = np.zeros(2)
+
+
+def _root(spec: mujoco.MjSpec, model: Model) -> mujoco.MjsBody:
+    """The one body on the ground that carries all joints.
+
+    Raises:
+        SimulationError: there are several.
+    """
+    roots = [b for b in spec.worldbody.bodies if not b.name.startswith("rotor:")]
+    moving = [b for b in roots if b.joints or b.find_all("joint")]
+    if len(moving) != 1:
+        raise SimulationError(f"model '{model.name}' stands on the ground with {len(moving)} bodies, not one")
+    return moving[0]
+
+
+def _put_first(build: Build, body: mujoco.MjsBody, mass: float) -> None:
+    """Give a body a slide along x before its other joints, made anew; before anything sits on tendons."""
+    for tendon in build.rows:
+        build.spec.delete(build.spec.tendon(tendon))
+    kept = [{key: getattr(joint, key) for key in _JOINT} for joint in body.joints]
+    kept = [{k: np.copy(v) if isinstance(v, np.ndarray) else v for k, v in each.items()} for each in kept]
+    for joint in list(body.joints):
+        build.spec.delete(joint)
+    axis = np.zeros(3)
+    inverse = np.zeros(4)
+    mujoco.mju_negQuat(inverse, np.asarray(body.quat, float))
+    mujoco.mju_rotVecQuat(axis, np.array([1.0, 0.0, 0.0]), inverse)
+    body.add_joint(name=BASE_JOINT, type=mujoco.mjtJoint.mjJNT_SLIDE, axis=axis, armature=mass)
+    body.simple = 0  # MuJoCo takes slides of one body for perpendicular where it may
+    for each in kept:
+        body.add_joint(**each)
+    for tendon, row in build.rows.items():
+        fresh = build.spec.add_tendon(name=tendon)
+        for joint, coefficient in row.items():
+            fresh.wrap_joint(joint, coefficient)
+
+
+#: What a joint is made of.
+_JOINT = (
+    "name", "type", "pos", "axis", "ref", "stiffness", "springref", "springyield", "springdamper", "limited",
+    "range", "margin", "solref_limit", "solimp_limit", "actfrclimited", "actfrcrange", "armature", "damping",
+    "frictionloss", "solref_friction", "solimp_friction", "group", "actgravcomp", "userdata",
+)  # fmt: skip
+
+
+def _recoil(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+    """Torque (N, n) that the links feel as the base gives way to their motion."""
+    momentum, machine = motion.momentum()
+    sideways = momentum[:, 0]
+    push = -np.gradient(np.einsum("ki,ki->k", sideways, motion.velocity), motion.step)
+    total = values["mass"] + machine
+    moved = spring_wind(push, motion.step, total, values["stiffness"], values["damping"])
+    return -sideways * moved[:, None]

@@ -1,0 +1,145 @@
+"""Drives and links that move apart: a coordinate of its own for the motor's side of an axis.
+
+A rigid drive turns with a row of the transmission. Here its motor turns a joint of its own at the base,
+which carries all that sits at the drive (its tendon: inertia, damping, friction, spring), and a tendon
+couples it to the links by a spring. At a pin it is the coordinate of that pin which the transmission moves,
+ahead of the joint of the links: every drive that turns with it turns with the new joint. Where only one
+drive does, as at the knee of a parallelogram, that is the same machine in other words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from scipy.linalg import expm
+from scipy.signal import lfilter
+
+from workbench.core import EffectKey
+from workbench.models import Model, Placement, axis_tendon
+
+from .base import is_rotary
+from .chain import Build
+from .motion import Motion
+
+SPLITTING = ("joint_compliance", "backlash")
+_RIGID = 200.0  # Hz: what rings faster, no loop and no log of a millisecond's rows tells from rigid
+_NOTHING = 1e-9  # kg, kg m^2: what a joint's body must have, beside a rotor of 1e-2 kg m^2
+
+
+def rotor_name(index: int, location: str) -> str:
+    """Joint on the motor's side of an axis."""
+    return f"rotor:{location}:{index}"
+
+
+def can_split(model: Model, key: EffectKey) -> bool:
+    """Whether an axis can be given a spring in series: once, and where its rotor's inertia is its own."""
+    if key.axis is None:
+        return False
+    if any(e.key.effect in SPLITTING and _seat(e.key) == _seat(key) for e in model.effects):
+        return False
+    row = model.transmission[model.axes.index(key.axis)]
+    alone = np.count_nonzero(row) == 1 or model.has("actuator_inertia_coupling")
+    return model.actuators.inertia[model.axes.index(key.axis)] > 0 and (key.location == "joint" or alone)
+
+
+def _seat(key: EffectKey) -> tuple[str | None, str]:
+    return key.axis, key.location
+
+
+def split(
+    build: Build, model: Model, place: Placement, stiffness: float, damping: float, gap: float = 0.0
+) -> None:
+    """Give an axis a joint on its motor's side and a spring to the links; before anything sits there."""
+    name = rotor_name(place.index, place.location)
+    # a tendon couples inertias of joints along one branch only, and other joints turn with a pin's drives
+    before = build.spec.joint(model.joints[place.index]).parent.parent
+    _add_joint(build.spec.worldbody if place.location == "actuator" else before, model, place.index, name)
+    if place.location == "actuator":
+        own = axis_tendon(place.index)
+        links, build.rows[own] = build.rows[own], {name: 1.0}
+        _wrap_again(build, own)
+    else:
+        links = {model.joints[place.index]: 1.0}
+        for index in range(model.size):
+            row = build.rows[axis_tendon(index)]
+            if model.joints[place.index] in row:
+                row[name] = row.pop(model.joints[place.index])
+                _wrap_again(build, axis_tendon(index))
+    if not model.has("actuator_inertia_coupling"):
+        _move_rotor(build, model, place, name)
+    spring = build.spec.add_tendon(name=f"flex:{place.location}:{place.index}")
+    spring.wrap_joint(name, 1.0)
+    for joint, coefficient in links.items():
+        spring.wrap_joint(joint, -coefficient)
+    spring.stiffness[0], spring.damping[0] = stiffness, damping
+    spring.springlength = np.array([-0.5, 0.5]) * gap
+
+
+def _add_joint(parent: mujoco.MjsBody, model: Model, index: int, name: str) -> None:
+    kind = mujoco.mjtJoint.mjJNT_HINGE if is_rotary(model, model.axes[index]) else mujoco.mjtJoint.mjJNT_SLIDE
+    body = parent.add_body(name=name, gravcomp=1.0)
+    body.add_joint(name=name, type=kind, axis=[0.0, -1.0, 0.0])
+    body.explicitinertial, body.mass, body.ipos = True, _NOTHING, np.zeros(3)
+    body.inertia = np.full(3, _NOTHING)
+
+
+def _wrap_again(build: Build, tendon: str) -> None:
+    """A tendon over other joints; it must carry nothing yet."""
+    build.spec.delete(build.spec.tendon(tendon))
+    fresh = build.spec.add_tendon(name=tendon)
+    for joint, coefficient in build.rows[tendon].items():
+        fresh.wrap_joint(joint, coefficient)
+
+
+def _move_rotor(build: Build, model: Model, place: Placement, name: str) -> None:
+    """Without the coupling of actuators the drive's inertia sits on its serial joint: take it from there."""
+    inertia, damping = model.actuators.inertia[place.index], model.actuators.damping[place.index]
+    joint, rotor = build.spec.joint(model.joints[place.index]), build.spec.joint(name)
+    joint.armature = max(joint.armature - inertia, 0.0)
+    joint.damping[0] = max(joint.damping[0] - damping, 0.0)
+    rotor.armature, rotor.damping[0] = inertia, damping
+
+
+def link_inertia(motion: Motion, index: int) -> tuple[float, np.ndarray]:
+    """Inertia of the links at a drive (mean over a motion), and their column of inertia there, (N, n)."""
+    column = motion.inertia()[:, :, index].copy()
+    column[:, index] -= motion.rotor[0][index]
+    return float(column[:, index].mean()), column
+
+
+def transmitted(motion: Motion, model: Model, index: int) -> np.ndarray:
+    """Torque (N,) that would reach rigid links by a model: what it needs, less what the rotor takes."""
+    inertia, damping = (part[index] for part in motion.rotor)
+    needed = (motion.gain * motion.required(model))[:, index]
+    return needed - inertia * motion.acceleration[:, index] - damping * motion.velocity[:, index]
+
+
+def spring_wind(
+    torque: np.ndarray, step: float, inertia: float, stiffness: float, damping: float
+) -> np.ndarray:
+    """Second derivative (N,) of a spring's wind under the torque that passes through it rigidly.
+
+    The links lag behind the motor by the wind d, and what they need falls by their inertia times d'':
+    inertia d'' + damping d' + stiffness d = torque.
+    """
+    change = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
+    whole = expm(step * np.block([[change, np.array([[0.0], [1.0 / inertia]])], [np.zeros((1, 3))]]))
+    kept, added = whole[:2, :2], whole[:2, 2]
+    trace, seen, through = float(np.trace(kept)), change[1], 1.0 / inertia
+    bottom = np.array([1.0, -trace, float(np.linalg.det(kept))])
+    top = through * bottom + np.array([0.0, seen @ added, seen @ (kept - trace * np.eye(2)) @ added])
+    return np.asarray(lfilter(top, bottom, torque))
+
+
+def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count: int) -> np.ndarray:
+    """Rates [rad/s] between two frequencies [Hz], below what the rows resolve."""
+    rate = min(fastest, 0.2 / motions[0].step)
+    return 2.0 * np.pi * np.geomspace(min(slowest, 0.5 * rate), rate, count)
+
+
+def stiffest(model: Model, place: Placement | None) -> float:
+    """Stiffness [N m/rad or N/m] beyond which a fit need not look: the rotor would ring at `_RIGID`."""
+    assert place is not None
+    return model.actuators.inertia[place.index] * (2.0 * np.pi * _RIGID) ** 2

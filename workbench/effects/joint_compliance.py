@@ -1,0 +1,83 @@
+"""A spring between motor and link: a belt, a shaft in torsion, a harmonic drive's flexspline."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response
+from .chain import Build
+from .flexible import can_split, frequencies, link_inertia, split, spring_wind, stiffest, transmitted
+from .motion import Motion
+
+
+class JointCompliance(Effect):
+    """torque on the link = k (r - q) + d (r' - q'), r the motor's angle, which is logged, q the link's."""
+
+    name = "joint_compliance"
+    parameters = (
+        Parameter("stiffness", "N*m/rad", lower=1e-3),
+        Parameter("damping", "N*m*s/rad"),
+    )
+    nonlinear = ("stiffness", "damping")
+    by_runs = True
+    splits = True
+    door = Door.MECHANISM
+    tier = 1
+    locations = ("actuator", "joint")
+    source = "Spong, Modeling and control of elastic joint robots, J. Dyn. Sys. Meas. Control 109, 1987"
+    shows = "less inertia above, more below an antiresonance of the links; FRF with a dip and a peak"
+    reveal = "a chirp or multisine of this axis up to beyond the resonance"
+    mujoco = "native: a joint for the motor, and a tendon with stiffness and damping to the links"
+
+    def applies(self, model: Model, key: EffectKey) -> bool:
+        """Where a rotor can be taken off its link, once."""
+        return can_split(model, key)
+
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
+        """Antiresonances from 4 Hz on, hardly and well damped."""
+        assert place is not None
+        inertia, _ = link_inertia(motions[0], place.index)
+        rates = frequencies(motions, 4.0, 150.0, 12)
+        return [
+            {"stiffness": float(inertia * w**2), "damping": float(2.0 * share * inertia * w)}
+            for w in rates
+            for share in (0.03, 0.3)
+        ]
+
+    def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
+        """Up to what is as good as rigid."""
+        top = stiffest(model, place)
+        return {"stiffness": (1e-3, top), "damping": (0.0, top)}
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No free coefficient: what the links do not feel of the motor's motion, as the spring winds up."""
+        assert place is not None
+        inertia, column = link_inertia(motion, place.index)
+        torque = transmitted(motion, model, place.index)
+        wind = spring_wind(torque, motion.step, inertia, shape["stiffness"], shape["damping"])
+        return Response(np.zeros((0, *motion.position.shape)), offset=column * wind[:, None])
+
+    def least(self, shape: Mapping[str, float]) -> np.ndarray:
+        """Of the damping, a thousandth of what makes a spring on a rotor of 0.01 kg m^2 stop ringing."""
+        return np.array([1e-6, 1e-3 * np.sqrt(0.01 * shape["stiffness"])])
+
+    def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
+        """Half the stiffness; damping by as much as a lightly damped spring has."""
+        damping = max(0.5 * shape["damping"], 0.02 * np.sqrt(0.01 * shape["stiffness"]))
+        return {"stiffness": 0.5 * shape["stiffness"], "damping": float(damping)}
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """A joint for the motor and a tendon to the links."""
+        assert place is not None
+        split(build, model, place, values["stiffness"], values["damping"])

@@ -1,0 +1,83 @@
+"""A link that came out longer or shorter than drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from workbench.core import EffectKey, Estimate
+from workbench.models import AppliedEffect, Model, Placement, load_mjcf
+
+from .base import Door, Effect, Parameter, Response
+from .chain import Build
+from .motion import Motion
+
+_PROBE = 1e-3  # of the link's length: the change behind the column
+
+
+class LinkLengthError(Effect):
+    """The far end of a link lies farther out by `length`, and what hangs there with it; no mass changes.
+
+    The link of an axis is the body of its joint; its far end is the next serial joint, on the last link the
+    payload site. In a parallelogram the thigh (hip) takes the coupler along, so that opposite sides stay
+    equal and the transmission stays what it is; a longer shank (knee) moves the foot alone, which on a
+    fixed base only a payload feels.
+    """
+
+    name = "link_length_error"
+    parameters = (Parameter("length", "m", lower=-np.inf),)
+    door = Door.MECHANISM
+    tier = 1
+    source = "geometric calibration; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6"
+    shows = (
+        "inertia, coupling and gravity of the axis before the link, in the proportions of a mass at its end"
+    )
+    reveal = "a measured position of the foot; with torques alone, a payload at the foot"
+    mujoco = "native: position of the body or the site at the link's end"
+
+    def applies(self, model: Model, key: EffectKey) -> bool:
+        """To links that have an end: a further joint, or the payload site away from their own joint."""
+        if key.axis is None:
+            return False
+        if model.axes.index(key.axis) < model.size - 1:
+            return True
+        return model.payload_site is not None and _reach(model) > 0.0
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """One column: minus what a link that is a little longer needs more, per metre."""
+        assert place is not None
+        key = EffectKey(self.name, model.axes[place.index])
+        longer = model.with_effect(AppliedEffect(key, {"length": Estimate(_PROBE, 0.0, "m")}))
+        more = (motion.required(longer) - motion.required(model)) / _PROBE
+        return Response(-(motion.gain * more)[None])
+
+    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
+        """A tenth of a metre either way."""
+        return np.full(1, -0.1), np.full(1, 0.1)
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """The end of the link, and every body that sits just there."""
+        assert place is not None
+        link = build.spec.joint(model.joints[place.index]).parent
+        ends: list[mujoco.MjsBody | mujoco.MjsSite]
+        if place.index + 1 < model.size:
+            ends = [build.spec.joint(model.joints[place.index + 1]).parent]
+        else:
+            site = build.spec.site(model.payload_site)
+            ends = [site, *(b for b in link.bodies if np.array_equal(b.pos, site.pos))]
+        way = np.asarray(ends[0].pos, float).copy()
+        way /= max(float(np.linalg.norm(way)), 1e-12)
+        for end in ends:
+            end.pos = np.asarray(end.pos, float) + values["length"] * way
+
+
+def _reach(model: Model) -> float:
+    """Distance of the payload site from the last joint [m]."""
+    site = load_mjcf(model.serial).site(model.payload_site)
+    return float(np.linalg.norm(site.pos))
