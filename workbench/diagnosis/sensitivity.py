@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,6 +14,7 @@ from workbench.core import EffectKey, Recording
 from workbench.effects import Motion, Plant, compile_plant, effect_named
 from workbench.models import AppliedEffect, Model, Placement
 from workbench.simulation import (
+    CORES,
     Disturbance,
     Experiment,
     Loop,
@@ -79,13 +81,16 @@ class Scene:
 
     @cached_property
     def _tracks(self) -> tuple[tuple[Recording, Experiment, Track], ...]:
-        levels, out = self.data.noise.levels, []
-        for recording, run in zip(self.data.recordings, self.runs, strict=False):
+        levels = self.data.noise.levels
+
+        def one(recording: Recording, run: Recording) -> tuple[Recording, Experiment, Track]:
             e = prepare(recording, self.model)
             usable = run if np.isfinite(run.position).all() else None
             track = smooth_track(recording, usable, e.to_actuator, levels.position_std, levels.velocity_std)
-            out.append((recording, e, track))
-        return tuple(out)
+            return recording, e, track
+
+        with ThreadPoolExecutor(CORES) as pool:
+            return tuple(pool.map(one, self.data.recordings[: len(self.runs)], self.runs))
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
@@ -95,8 +100,12 @@ class Scene:
     @cached_property
     def loops(self) -> tuple[Loop, ...]:
         """The loops linearised about them."""
-        pairs = zip(self._tracks, self.motions, strict=True)
-        return tuple(linearise(self._plant, e, track, m.gain) for (_, e, track), m in pairs)
+
+        def one(made: tuple[Recording, Experiment, Track], motion: Motion) -> Loop:
+            return linearise(self._plant, made[1], made[2], motion.gain)
+
+        with ThreadPoolExecutor(CORES) as pool:
+            return tuple(pool.map(one, self._tracks, self.motions))
 
     @property
     def bends(self) -> bool:

@@ -7,6 +7,7 @@ from .catalogue import EFFECTS, contains, effect_named, places
 from .chain import Build, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
 from .lag import follow, heat
+from .law import LONGEST, Law, call_law, law
 from .motion import Line, Motion, held, torque_bounds
 from .presliding_hysteresis import wound
 from .stiffness import tendon_row
@@ -14,11 +15,13 @@ from .stiffness import tendon_row
 __all__ = [
     "BASE_JOINT",
     "EFFECTS",
+    "LONGEST",
     "Build",
     "Door",
     "Effect",
     "FrictionTerm",
     "HysteresisTerm",
+    "Law",
     "Line",
     "Motion",
     "Parameter",
@@ -29,6 +32,7 @@ __all__ = [
     "TorqueTerm",
     "axis_units",
     "build",
+    "call_law",
     "check_effect",
     "compile_plant",
     "contains",
@@ -36,6 +40,7 @@ __all__ = [
     "follow",
     "heat",
     "held",
+    "law",
     "load_model",
     "places",
     "tendon_row",

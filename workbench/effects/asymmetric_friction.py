@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Response, single, smooth_sign
 from .chain import Build, FrictionTerm
+from .law import law
 from .motion import Motion
 
 
@@ -54,15 +55,7 @@ class AsymmetricFriction(Effect):
         build.chain.friction.append(FrictionTerm(place.tendon, asymmetric_level, parameters))
 
 
-def asymmetric_level(
-    speed: np.ndarray,
-    torque: np.ndarray,
-    damping_positive: np.ndarray,
-    damping_negative: np.ndarray,
-    torque_positive: np.ndarray,
-    torque_negative: np.ndarray,
-) -> np.ndarray:
-    """Bound on the friction at a speed, all arrays broadcast."""
-    del torque
-    forward = torque_positive + damping_positive * speed
-    return np.where(speed > 0, forward, torque_negative - damping_negative * speed)
+@law
+def asymmetric_level(speed: float, torque: float, p: Sequence[float]) -> float:
+    """Bound on the friction at a speed; damping and Coulomb torque, each forwards and backwards."""
+    return p[2] + p[0] * speed if speed > 0.0 else p[3] - p[1] * speed

@@ -35,7 +35,7 @@ class Plant:
     substeps: int = 1
 
     def state_at(self, serial: np.ndarray) -> np.ndarray:
-        """Position and rate of MuJoCo's joints (2, nv) from those of the serial joints, (2, n)."""
+        """Position and rate of MuJoCo's joints (..., 2, nv) from those of the serial joints, (..., 2, n)."""
         apart = np.where(self.lift.any(axis=1), 0.0, self.mujoco.qpos0)
         return serial @ self.lift.T + np.stack([apart, np.zeros_like(apart)])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import mujoco
@@ -10,17 +10,18 @@ import numpy as np
 
 from workbench.models import Model, axis_tendon, base_spec
 
+from .law import Law
+
 
 @dataclass(frozen=True)
 class FrictionTerm:
     """Friction whose bound depends on the state, on one tendon.
 
-    `law(speed, torque, *parameters)` gives the bound [N m or N] for arrays of speeds and motor torques;
-    the parameters broadcast, so many candidates are evaluated in one call.
+    `law(speed, torque, *parameters)` gives the bound [N m or N] at a speed and a motor torque.
     """
 
     tendon: str
-    law: Callable[..., np.ndarray]
+    law: Law
     parameters: tuple[float, ...]
 
 
@@ -28,11 +29,11 @@ class FrictionTerm:
 class TorqueTerm:
     """A torque that depends on the state, on one tendon.
 
-    `law(position, speed, *parameters)` gives it [N m or N] for arrays; the parameters broadcast.
+    `law(position, speed, *parameters)` gives it [N m or N].
     """
 
     tendon: str
-    law: Callable[..., np.ndarray]
+    law: Law
     parameters: tuple[float, ...]
 
 
@@ -70,20 +71,6 @@ class SensorErrors:
         """Sensors that tell the truth."""
         zero = np.zeros(size)
         return SensorErrors(zero.copy(), np.ones(size), zero.copy(), zero.copy(), zero.copy())
-
-    @staticmethod
-    def stack(each: Sequence[SensorErrors]) -> SensorErrors:
-        """Those of W runs, arrays (W, 1, n); delays are left out."""
-        fields = [(e.offset, e.scale, e.sine, e.cosine, e.lag) for e in each]
-        offset, scale, sine, cosine, lag = (np.stack(v)[:, None] for v in zip(*fields, strict=True))
-        return SensorErrors(offset, scale, sine, cosine, lag)
-
-    def first(self, count: int) -> SensorErrors:
-        """Those of the first runs."""
-        offset, scale, sine, cosine, lag = (
-            a[:count] for a in (self.offset, self.scale, self.sine, self.cosine, self.lag)
-        )
-        return SensorErrors(offset, scale, sine, cosine, lag)
 
     @property
     def none(self) -> bool:
@@ -138,11 +125,6 @@ class TorqueChain:
             kp_scale=one.copy(),
             kd_scale=one.copy(),
         )
-
-    @property
-    def follows_speed(self) -> bool:
-        """Whether the torque at the tap depends on the speed, so that it is known one step at a time."""
-        return bool(np.isfinite(self.stall).any())
 
     @property
     def follows_state(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -10,6 +11,7 @@ from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Response, single
 from .chain import Build, TorqueTerm
+from .law import law
 from .motion import Motion
 
 _TRIED = 6  # orders that go on to the linearised loop
@@ -96,12 +98,10 @@ class Cogging(Effect):
         build.chain.torques.append(TorqueTerm(place.tendon, ripple, parameters))
 
 
-def ripple(
-    position: np.ndarray, speed: np.ndarray, torque: np.ndarray, order: np.ndarray, phase: np.ndarray
-) -> np.ndarray:
-    """The torque at a position, all arrays broadcast."""
-    del speed
-    return torque * np.sin(order * position + phase)
+@law
+def ripple(position: float, speed: float, p: Sequence[float]) -> float:
+    """The torque at a position; amplitude, order and phase."""
+    return p[0] * math.sin(p[1] * position + p[2])
 
 
 def _explained(angle: np.ndarray, count: np.ndarray, total: np.ndarray) -> float:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import lfilter
+from numba import njit
 
 
-def follow(
-    now: np.ndarray, older: np.ndarray, newer: np.ndarray, fraction: np.ndarray, ratio: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """One step of a lag behind a value that changes once within the step; arrays broadcast.
+@njit(cache=True)
+def follow(now: float, older: float, newer: float, fraction: float, ratio: float) -> tuple[float, float]:
+    """One step of a lag behind a value that changes once within the step; compiled.
 
     Args:
         now: output at the start of the step.
@@ -20,26 +19,25 @@ def follow(
     Returns:
         Output at the end of the step, and its mean over it.
     """
-    safe = np.where(ratio > 0, ratio, 1.0)
-    first = np.where(ratio > 0, np.exp(-fraction / safe), 0.0)
-    second = np.where(ratio > 0, np.exp((fraction - 1.0) / safe), 0.0)
+    if ratio <= 0.0:
+        return newer, fraction * older + (1.0 - fraction) * newer
+    first, second = np.exp(-fraction / ratio), np.exp((fraction - 1.0) / ratio)
     middle = older + (now - older) * first
     after = newer + (middle - newer) * second
     mean = fraction * older + (1.0 - fraction) * newer
-    mean = mean + ratio * ((now - older) * (1.0 - first) + (middle - newer) * (1.0 - second))
-    return after, mean
+    return after, mean + ratio * ((now - older) * (1.0 - first) + (middle - newer) * (1.0 - second))
 
 
+@njit(cache=True)
 def lagged_line(
     older: np.ndarray, newer: np.ndarray, fraction: float, ratio: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """The same over N rows, from zero: output at the start of each row, and its mean over the row, (N,)."""
-    first, second = np.exp(-fraction / ratio), np.exp((fraction - 1.0) / ratio)
-    added = (1.0 - first) * second * older + (1.0 - second) * newer
-    after = lfilter([1.0], [1.0, -first * second], added)
-    now = np.concatenate([[0.0], after[:-1]])
-    share, over = np.asarray(fraction), np.asarray(ratio)
-    return now, follow(now, older, newer, share, over)[1]
+    out, mean, now = np.empty(len(older)), np.empty(len(older)), 0.0
+    for k in range(len(older)):
+        out[k] = now
+        now, mean[k] = follow(now, older[k], newer[k], fraction, ratio)
+    return out, mean
 
 
 def heat(torque: np.ndarray, step: float, time_constant: float | np.ndarray) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Response, single, smooth_sign
 from .chain import Build, FrictionTerm
+from .law import law
 from .motion import Motion
 
 
@@ -47,9 +48,7 @@ class LoadDependentFriction(Effect):
         build.chain.friction.append(FrictionTerm(place.tendon, loaded_level, parameters))
 
 
-def loaded_level(
-    speed: np.ndarray, torque: np.ndarray, constant: np.ndarray, ratio: np.ndarray
-) -> np.ndarray:
-    """Bound on the friction under a motor torque, all arrays broadcast."""
-    del speed
-    return constant + ratio * np.abs(torque)
+@law
+def loaded_level(speed: float, torque: float, p: Sequence[float]) -> float:
+    """Bound on the friction under a motor torque; constant, ratio."""
+    return p[0] + p[1] * abs(torque)

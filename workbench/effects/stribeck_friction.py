@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -10,6 +11,7 @@ from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Response, single, smooth_sign
 from .chain import Build, FrictionTerm
+from .law import law
 from .motion import Motion
 
 
@@ -71,9 +73,7 @@ class StribeckFriction(Effect):
         build.chain.friction.append(FrictionTerm(place.tendon, stribeck_level, parameters))
 
 
-def stribeck_level(
-    speed: np.ndarray, torque: np.ndarray, coulomb: np.ndarray, static: np.ndarray, scale: np.ndarray
-) -> np.ndarray:
-    """Bound on the friction at a speed, all arrays broadcast."""
-    del torque
-    return coulomb + (static - coulomb) * np.exp(-((speed / scale) ** 2))
+@law
+def stribeck_level(speed: float, torque: float, p: Sequence[float]) -> float:
+    """Bound on the friction at a speed; Coulomb, static, Stribeck speed."""
+    return p[0] + (p[1] - p[0]) * math.exp(-((speed / p[2]) ** 2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.stats import chi2
@@ -143,6 +144,7 @@ def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> flo
     return float(np.sqrt(np.median(left / chi2.median(np.maximum(freedom, 1)))))
 
 
+@lru_cache(maxsize=32)
 def _slow_basis(width: int, count: int) -> np.ndarray:
     """Orthonormal cosines, and the odd powers that they lack at a window's ends, (width, count + 2)."""
     place = (np.arange(width) + 0.5) / width

@@ -6,10 +6,11 @@ from .inverse import required_torque
 from .linear import Loop, linearise
 from .march import Disturbance, propagate
 from .motion import motion_of
-from .run import Run, simulate
+from .run import CORES, Run, simulate
 from .trajectory import TRUE_MOTION, Track, joint_columns, smooth_track
 
 __all__ = [
+    "CORES",
     "TRUE_MOTION",
     "Disturbance",
     "Experiment",

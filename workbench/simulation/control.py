@@ -1,11 +1,12 @@
-"""The sampled loop: sensors, their noise, and the control law at each tick."""
+"""The sampled loop of one run: sensor noise, and the control law at each tick."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from workbench.core import Controller
 from workbench.effects import Plant, TorqueChain
@@ -53,104 +54,118 @@ class SensorNoise:
         return np.where(self.resolution > 0, np.round(noisy / safe) * safe, noisy)
 
 
-class Controllers:
-    """The control laws of W runs, evaluated together at a tick; arrays are (W, n)."""
+class ControlLaw(NamedTuple):
+    """A loop as numbers; arrays (n,) unless said otherwise.
 
-    def __init__(
-        self,
-        size: int,
-        experiments: Sequence[Experiment],
-        noises: Sequence[SensorNoise | None],
-        plants: Sequence[Plant],
-    ) -> None:
-        self.experiments = experiments
-        count, eye = len(experiments), np.eye(size)
-        rows = max(len(e.recording) for e in experiments)
-        substeps = max(e.substeps for e in experiments)
-        self.stride = np.array([e.stride for e in experiments])
-        self.kp, self.kd, self.output = (np.zeros((count, size)) for _ in range(3))
-        self.limit = np.full((count, size), np.inf)
-        self.read = np.zeros((count, size, size))  # actuator to recording coordinates
-        self.sense = np.zeros((count, size, size))  # recording to controller coordinates
-        self.drive = np.zeros((count, size, size))  # controller torque to actuator torque
-        self.reference, self.rate, self.constant = (np.zeros((count, rows, size)) for _ in range(3))
-        self.per_row = np.zeros(count, bool)
-        self.is_tick = np.zeros((count, substeps + 1), bool)
-        self.noise = np.zeros((count, 2, rows, size)) if any(noises) else None
-        self.resolution = np.zeros((count, size))
-        for i, (e, noise, plant) in enumerate(zip(experiments, noises, plants, strict=True)):
-            self._fill(i, e, noise, plant, eye)
-        self.feedback = np.zeros((count, size))
-        # a loop without a velocity sensor differentiates its encoder from tick to tick
-        self.differentiates = np.array([differentiates(e) for e in experiments])[:, None]
-        self.period = np.array([e.controller.period_s or e.recording.period for e in experiments])[:, None]
-        start = np.stack([e.start @ p.model.transmission.T for e, p in zip(experiments, plants, strict=True)])
-        before = np.einsum("wij,wj->wi", self.read, start[:, 0] - self.period * start[:, 1])
-        self.last_read = before
+    Attributes:
+        is_tick: (K + 1,), whether the controller samples at a substep.
+        stride: substeps in a row.
+        kp, kd, output, limit: torque = output * clip(kp * error + kd * rate error, limit).
+        read, sense, drive: (n, n), actuator to recording coordinates, these to the controller's, and the
+            controller's torque to actuator torque.
+        reference, rate, constant: (N, n); the last is added to the torque, actuator coordinates.
+        per_row: whether `constant` follows the rows rather than the ticks.
+        noise: (2, N, n) of the readings of position and rate, or (2, 0, n).
+        resolution: encoder step, 0 for none.
+        differentiates, period: whether the rate is taken from positions at successive ticks [s].
+        last_read, feedback: state, changed at each tick.
+    """
 
-    def _fill(self, i: int, e: Experiment, noise: SensorNoise | None, plant: Plant, eye: np.ndarray) -> None:
-        rows, back = len(e.recording), np.linalg.inv(plant.model.transmission)
-        c = true_controller(e.controller, plant.chain)
-        self.is_tick[i, e.ticks] = True
-        self.read[i] = np.linalg.inv(e.to_actuator)
-        self.sense[i] = (back if c.coordinates == "joint" else eye) @ e.to_actuator
-        self.drive[i] = back.T if c.coordinates == "joint" else eye
-        self.reference[i, :rows], self.rate[i, :rows] = e.reference, e.reference_rate
-        self.constant[i, :rows] = e.feedforward if e.replayed is None else e.replayed
-        self.per_row[i] = e.replayed is not None or not e.recording.timing.feedforward_held
-        if c.kind == "pd":
-            self.kp[i], self.kd[i], self.output[i] = c.kp, c.kd, 1.0
-        elif c.kind == "cascade_pv":
-            self.kp[i], self.kd[i] = np.multiply(c.kv, c.kp), c.kv
-            self.output[i] = c.gain
-            self.limit[i] = c.limit if c.limit else np.inf
-        if noise is not None and self.noise is not None:
-            draw = noise.draws(rows)
-            self.noise[i, 0, :rows] = noise.position_std * draw[0]
-            self.noise[i, 1, :rows] = noise.velocity_std * draw[1]
-            self.resolution[i] = noise.resolution
+    is_tick: np.ndarray
+    stride: int
+    kp: np.ndarray
+    kd: np.ndarray
+    output: np.ndarray
+    limit: np.ndarray
+    read: np.ndarray
+    sense: np.ndarray
+    drive: np.ndarray
+    reference: np.ndarray
+    rate: np.ndarray
+    constant: np.ndarray
+    per_row: bool
+    noise: np.ndarray
+    resolution: np.ndarray
+    differentiates: bool
+    period: float
+    last_read: np.ndarray
+    feedback: np.ndarray
 
-    def sample(
-        self, first: int, last: int, active: int, position: np.ndarray, velocity: np.ndarray
-    ) -> np.ndarray:
-        """Torque command (active, last - first + 1, n) from substep `first` on, actuator coordinates.
 
-        Args:
-            first, last: the chunk of substeps; no controller ticks inside it.
-            active: the first `active` runs take part.
-            position, velocity: what the sensors say at `first`, actuator coordinates, (active, n).
-        """
-        a = slice(0, active)
-        index = np.arange(active)
-        if self.is_tick[a, first].any():
-            self._tick(first, a, index, position, velocity)
-        out = np.repeat(self.feedback[a][:, None], last - first + 1, axis=1)
-        if self.per_row[a].any():
-            rows = np.arange(first, last + 1)[None, :] // self.stride[a][:, None]
-            out += np.where(self.per_row[a, None, None], self.constant[index[:, None], rows], 0.0)
-        return out
+def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> ControlLaw:
+    """The loop of an experiment on a plant, before its first tick."""
+    rows, n = e.reference.shape
+    eye, back = np.eye(n), np.linalg.inv(plant.model.transmission)
+    c = true_controller(e.controller, plant.chain)
+    is_tick = np.zeros(e.substeps + 1, np.bool_)
+    is_tick[e.ticks] = True
+    kp = kd = output = np.zeros(n)
+    limit = np.full(n, np.inf)
+    if c.kind == "pd":
+        kp, kd, output = np.array(c.kp, float), np.array(c.kd, float), np.ones(n)
+    elif c.kind == "cascade_pv":
+        kp, kd = np.multiply(c.kv, c.kp), np.array(c.kv, float)
+        output = np.array(c.gain, float)
+        limit = np.array(c.limit, float) if c.limit else limit
+    disturbed, resolution = np.zeros((2, 0, n)), np.zeros(n)
+    if noise is not None:
+        draw = noise.draws(rows)
+        disturbed = np.stack([noise.position_std * draw[0], noise.velocity_std * draw[1]])
+        resolution = np.ascontiguousarray(noise.resolution, float)
+    read = np.linalg.inv(e.to_actuator)
+    period = e.controller.period_s or e.recording.period
+    start = e.start @ plant.model.transmission.T
+    constant = e.feedforward if e.replayed is None else e.replayed
+    return ControlLaw(
+        is_tick=is_tick,
+        stride=e.stride,
+        kp=kp,
+        kd=kd,
+        output=output,
+        limit=limit,
+        read=_plain(read),
+        sense=_plain((back if c.coordinates == "joint" else eye) @ e.to_actuator),
+        drive=_plain(back.T if c.coordinates == "joint" else eye),
+        reference=_plain(e.reference),
+        rate=_plain(e.reference_rate),
+        constant=_plain(constant),
+        per_row=e.replayed is not None or not e.recording.timing.feedforward_held,
+        noise=disturbed,
+        resolution=resolution,
+        differentiates=differentiates(e),
+        period=float(period),
+        last_read=read @ (start[0] - period * start[1]),
+        feedback=np.zeros(n),
+    )
 
-    def _tick(
-        self, first: int, a: slice, index: np.ndarray, position: np.ndarray, velocity: np.ndarray
-    ) -> None:
-        """New feedback of the runs whose controllers sample at substep `first`."""
-        row = first // self.stride[a]
-        y = np.einsum("wij,wj->wi", self.read[a], position)
-        v = np.einsum("wij,wj->wi", self.read[a], velocity)
-        if self.noise is not None:
-            y, v = y + self.noise[index, 0, row], v + self.noise[index, 1, row]
-            safe = np.where(self.resolution[a] > 0, self.resolution[a], 1.0)
-            y = np.where(self.resolution[a] > 0, np.round(y / safe) * safe, y)
-        tick = self.is_tick[a, first][:, None]
-        v = np.where(self.differentiates[a], (y - self.last_read[a]) / self.period[a], v)
-        self.last_read[a] = np.where(tick, y, self.last_read[a])
-        z = np.einsum("wij,wj->wi", self.sense[a], y)
-        zv = np.einsum("wij,wj->wi", self.sense[a], v)
-        raw = self.kp[a] * (self.reference[index, row] - z) + self.kd[a] * (self.rate[index, row] - zv)
-        law = self.output[a] * np.clip(raw, -self.limit[a], self.limit[a])
-        fresh = np.einsum("wij,wj->wi", self.drive[a], law)
-        fresh += np.where(self.per_row[a, None], 0.0, self.constant[index, row])
-        self.feedback[a] = np.where(tick, fresh, self.feedback[a])
+
+@njit(cache=True)
+def tick(c: ControlLaw, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
+    """Sample at substep `k`: new feedback from what sensors say, actuator coordinates, (n,) each."""
+    row, n = k // c.stride, len(c.kp)
+    y, v = np.zeros(n), np.zeros(n)
+    for i in range(n):
+        for j in range(n):
+            y[i] += c.read[i, j] * position[j]
+            v[i] += c.read[i, j] * velocity[j]
+        if c.noise.shape[1] > 0:
+            y[i] += c.noise[0, row, i]
+            v[i] += c.noise[1, row, i]
+            if c.resolution[i] > 0.0:
+                y[i] = np.round(y[i] / c.resolution[i]) * c.resolution[i]
+        if c.differentiates:
+            v[i] = (y[i] - c.last_read[i]) / c.period
+        c.last_read[i] = y[i]
+        c.feedback[i] = 0.0 if c.per_row else c.constant[row, i]
+    for i in range(n):
+        z, rate = 0.0, 0.0
+        for j in range(n):
+            z += c.sense[i, j] * y[j]
+            rate += c.sense[i, j] * v[j]
+        raw = c.kp[i] * (c.reference[row, i] - z) + c.kd[i] * (c.rate[row, i] - rate)
+        law = c.output[i] * min(max(raw, -c.limit[i]), c.limit[i])
+        for j in range(n):
+            c.feedback[j] += c.drive[j, i] * law
 
 
 def true_controller(stated: Controller, chain: TorqueChain) -> Controller:
@@ -165,3 +180,7 @@ def true_controller(stated: Controller, chain: TorqueChain) -> Controller:
     return replace(
         stated, kp=scaled(stated.kp, position), kd=scaled(stated.kd, rate), kv=scaled(stated.kv, rate)
     )
+
+
+def _plain(values: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(values, float)

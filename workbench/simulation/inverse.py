@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.effects import Plant, TorqueChain, heat, tendon_row, wound
 
+from .native import inverse_forces
 from .trajectory import Track
 
 
@@ -19,17 +20,12 @@ def required_torque(plant: Plant, track: Track, step: float | None = None) -> np
     heat takes where the rows' `step` [s] is given.
     """
     model, m = plant.model, plant.mujoco
-    data = mujoco.MjData(m)
     back = np.linalg.inv(model.transmission)
     q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
     smooth = copy_without_friction(m)
-    joint = np.empty_like(q)
-    for k in range(len(q)):
-        # links and motors as one: what bends is taken as rigid
-        data.qpos[:], data.qvel[:] = plant.state_at(np.stack([q[k], w[k]]))
-        data.qacc[:] = plant.lift @ a[k]
-        mujoco.mj_inverse(smooth, data)
-        joint[k] = data.qfrc_inverse @ plant.lift
+    states = plant.state_at(np.stack([q, w], axis=1))
+    # links and motors as one: what bends is taken as rigid
+    joint = inverse_forces(smooth, states, a @ plant.lift.T) @ plant.lift
     torque = joint @ back - laws_of_state(plant, track)
     # friction that grows with the load needs a torque to know the torque it needs
     needed = torque + dry_friction(plant, track, torque)

@@ -1,40 +1,34 @@
-"""Torques that depend on the state, for the runs of one batch: evaluated together, once a step."""
+"""Torques that depend on the state, once a step."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
+from numba import njit
 
-from workbench.effects import FrictionTerm, Plant, TorqueTerm, tendon_row
+from workbench.effects import LONGEST, FrictionTerm, Plant, TorqueTerm, call_law, tendon_row
 
 
-@dataclass
-class _Law:
-    """One law on one tendon for some runs of a batch.
+class Terms(NamedTuple):
+    """L laws on tendons: where their code is, (L,); tendon and drive, (L,); row over joints (L, nv)."""
 
-    `members`: their numbers, ascending; `tendon`: its number; `row`: (nv,), speeds to the tendon's;
-    `axis`: of the drive; `parameters`: (members, k).
-    """
-
-    members: np.ndarray
-    tendon: int
+    address: np.ndarray
+    tendon: np.ndarray
+    axis: np.ndarray
     row: np.ndarray
-    axis: int
-    law: Callable[..., np.ndarray]
     parameters: np.ndarray
 
 
-@dataclass
-class _Spring:
-    """Hysteresis on one tendon for some runs: state z (members,) at the places where the axes were last."""
+class Springs(NamedTuple):
+    """Hysteresis on S tendons: number (S,), row over joints (S, nv), torque, ratio of stiffness to it.
 
-    members: np.ndarray
-    tendon: int
+    State: `place` where the axes were last, and Dahl's `state` there, (S,).
+    """
+
+    tendon: np.ndarray
     row: np.ndarray
     torque: np.ndarray
     ratio: np.ndarray
@@ -42,108 +36,132 @@ class _Spring:
     state: np.ndarray
 
 
-class Laws:
-    """All laws of a batch; with none, `present` is False and nothing needs to be done step by step."""
+class Laws(NamedTuple):
+    """All laws of one run.
 
-    def __init__(self, plants: Sequence[Plant], batch: Batch, step: float) -> None:
-        model, self.step = plants[0].mujoco, step
-        self.friction = _gathered([p.chain.friction for p in plants], model)
-        self.torques = _gathered([p.chain.torques for p in plants], model)
-        self.present = any(p.chain.follows_state for p in plants)
-        self.before = batch.bind("qvel").copy()
-        self.springs = _springs(plants, batch)
-        if self.springs:
-            self.stiffness, self.rest = batch.expand("tendon_stiffness"), batch.expand("tendon_lengthspring")
-        if self.friction:
-            self.loss = batch.expand("tendon_frictionloss")
-            self.constant = self.loss.copy()
+    Attributes:
+        present: whether there are any.
+        step: of MuJoCo's [s].
+        torques, friction, springs: the laws.
+        loss, stiffness, rest: views into the run's own MuJoCo model, per tendon.
+        constant: friction loss without laws, per tendon.
+        before: speeds of the joints a step ago, (nv,).
+    """
 
-    def apply(self, position: np.ndarray, speed: np.ndarray, shaft: np.ndarray, force: np.ndarray) -> None:
-        """Set friction bounds and add torques for the coming step, of the first runs of the batch.
-
-        Everything is taken at the middle of the step, by extrapolating the speed half a step.
-
-        Args:
-            position, speed: of all joints at the start of the step, (count, nv).
-            shaft: motor torque on the drives, (count, n).
-            force: on the joints, (count, nv); added to.
-        """
-        count = len(speed)
-        middle = 1.5 * speed - 0.5 * self.before[:count]
-        self.before[:count] = speed
-        for law in self.torques:
-            m, live = _live(law, count)
-            place = (position[m] + 0.5 * self.step * middle[m]) @ law.row
-            torque = law.law(place, middle[m] @ law.row, *law.parameters[live].T)
-            force[m] += torque[:, None] * law.row
-        for spring in self.springs:
-            self._bend(spring, position, middle, force)
-        if self.friction:
-            self.loss[:count] = self.constant[:count]
-        for law in self.friction:
-            m, live = _live(law, count)
-            bound = law.law(middle[m] @ law.row, shaft[m, law.axis], *law.parameters[live].T)
-            self.loss[m, law.tendon] += bound
-
-    def _bend(self, spring: _Spring, position: np.ndarray, middle: np.ndarray, force: np.ndarray) -> None:
-        """Hysteresis as a force and a spring about where the axis is, right at the end of the step too."""
-        live = spring.members < len(position)
-        m, ratio = spring.members[live], spring.ratio[live]
-        place = position[m] @ spring.row
-        spring.state[live] = _wound(spring.state[live], place - spring.place[live], ratio)
-        spring.place[live] = place
-        state, level = spring.state[live], spring.torque[live]
-        coming = self.step * (middle[m] @ spring.row)
-        way = np.where(coming == 0.0, 1e-12, coming)
-        self.stiffness[m, spring.tendon] = level * (_wound(state, way, ratio) - state) / way
-        self.rest[m, spring.tendon] = place[:, None]
-        force[m] -= (level * state)[:, None] * spring.row
+    present: bool
+    step: float
+    torques: Terms
+    friction: Terms
+    springs: Springs
+    loss: np.ndarray
+    stiffness: np.ndarray
+    rest: np.ndarray
+    constant: np.ndarray
+    before: np.ndarray
 
 
-def _live(law: _Law, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Members among the first `count` runs, and which of the law's they are."""
-    live = law.members < count
-    return law.members[live], live
+def laws_of(plant: Plant, model: mujoco.MjModel, state: np.ndarray) -> Laws:
+    """The laws of a plant for a run that starts at `state` (2, nv) and has a MuJoCo model of its own."""
+    chain = plant.chain
+    tendons = [t.spring for t in chain.hysteresis]
+    rows = np.array([tendon_row(model, name) for name in tendons]).reshape(-1, model.nv)
+    torque = np.array([max(t.torque, 1e-12) for t in chain.hysteresis])
+    springs = Springs(
+        tendon=np.array([model.tendon(name).id for name in tendons], np.intp),
+        row=rows,
+        torque=torque,
+        ratio=np.array([t.stiffness for t in chain.hysteresis]) / torque,
+        place=rows @ state[0],
+        state=np.zeros(len(tendons)),
+    )
+    return Laws(
+        present=chain.follows_state,
+        step=float(model.opt.timestep),
+        torques=_terms(chain.torques, model),
+        friction=_terms(chain.friction, model),
+        springs=springs,
+        loss=model.tendon_frictionloss,
+        stiffness=model.tendon_stiffness,
+        rest=model.tendon_lengthspring,
+        constant=model.tendon_frictionloss.copy(),
+        before=state[1].copy(),
+    )
 
 
-def _gathered(terms: Sequence[Sequence[FrictionTerm | TorqueTerm]], model: mujoco.MjModel) -> list[_Law]:
-    """Terms of all runs as few laws: one each tendon and law (and repetition in a run)."""
-    found: dict[tuple[str, Callable[..., np.ndarray], int], list[tuple[int, tuple[float, ...]]]]
-    found = defaultdict(list)
-    for i, own in enumerate(terms):
-        seen: dict[tuple[str, Callable[..., np.ndarray]], int] = defaultdict(int)
-        for term in own:
-            kind = (term.tendon, term.law)
-            found[*kind, seen[kind]].append((i, term.parameters))
-            seen[kind] += 1
-    return [
-        _Law(
-            np.array([i for i, _ in entries]),
-            model.tendon(tendon).id,
-            tendon_row(model, tendon),
-            int(tendon.partition(":")[2]),
-            law,
-            np.array([p for _, p in entries]),
-        )
-        for (tendon, law, _), entries in found.items()
-    ]
+def _terms(terms: Sequence[FrictionTerm | TorqueTerm], model: mujoco.MjModel) -> Terms:
+    table = np.zeros((len(terms), LONGEST))
+    for k, term in enumerate(terms):
+        table[k, : len(term.parameters)] = term.parameters
+    return Terms(
+        address=np.array([t.law.address for t in terms], np.intp),
+        tendon=np.array([model.tendon(t.tendon).id for t in terms], np.intp),
+        axis=np.array([int(t.tendon.partition(":")[2]) for t in terms], np.intp),
+        row=np.array([tendon_row(model, t.tendon) for t in terms]).reshape(-1, model.nv),
+        parameters=table,
+    )
 
 
-def _springs(plants: Sequence[Plant], batch: Batch) -> list[_Spring]:
-    """The hysteresis of all runs, one entry a tendon; relaxed where the runs start."""
-    model, found = plants[0].mujoco, []
-    for name in dict.fromkeys(t.spring for p in plants for t in p.chain.hysteresis):
-        own = [(i, t) for i, p in enumerate(plants) for t in p.chain.hysteresis if t.spring == name]
-        members, row = np.array([i for i, _ in own]), tendon_row(model, name)
-        torque = np.array([max(t.torque, 1e-12) for _, t in own])
-        ratio = np.array([t.stiffness for _, t in own]) / torque
-        place = batch.bind("qpos")[members] @ row
-        tendon = model.tendon(name).id
-        found.append(_Spring(members, tendon, row, torque, ratio, place, np.zeros(len(own))))
-    return found
+@njit(cache=True)
+def act(laws: Laws, position: np.ndarray, speed: np.ndarray, shaft: np.ndarray, force: np.ndarray) -> None:
+    """Set friction bounds and add torques for the coming step.
+
+    Everything is taken at the middle of the step, by extrapolating the speed half a step.
+
+    Args:
+        laws: of the run.
+        position, speed: of all joints at the start of the step, (nv,).
+        shaft: motor torque on the drives, (n,).
+        force: on the joints, (nv,); added to.
+    """
+    count = len(speed)
+    middle = np.empty(count)
+    for j in range(count):
+        middle[j] = 1.5 * speed[j] - 0.5 * laws.before[j]
+        laws.before[j] = speed[j]
+    own = laws.torques
+    for k in range(len(own.address)):
+        row, rate, place = own.row[k], 0.0, 0.0
+        for j in range(count):
+            rate += row[j] * middle[j]
+            place += row[j] * (position[j] + 0.5 * laws.step * middle[j])
+        torque = call_law(own.address[k], place, rate, own.parameters[k])
+        for j in range(count):
+            force[j] += torque * row[j]
+    _bend(laws, position, middle, force)
+    own = laws.friction
+    for k in range(len(own.address)):
+        laws.loss[own.tendon[k]] = laws.constant[own.tendon[k]]
+    for k in range(len(own.address)):
+        rate = 0.0
+        for j in range(count):
+            rate += own.row[k, j] * middle[j]
+        pulled = shaft[own.axis[k]]
+        bound = call_law(own.address[k], rate, pulled, own.parameters[k])  # pyright: ignore[reportArgumentType]
+        laws.loss[own.tendon[k]] += bound
 
 
-def _wound(state: np.ndarray, moved: np.ndarray, ratio: np.ndarray) -> np.ndarray:
+@njit(cache=True)
+def _bend(laws: Laws, position: np.ndarray, middle: np.ndarray, force: np.ndarray) -> None:
+    """Hysteresis as a force and a spring about where the axis is, right at the end of the step too."""
+    own = laws.springs
+    for k in range(len(own.tendon)):
+        place, rate = 0.0, 0.0
+        for j in range(len(middle)):
+            place += position[j] * own.row[k, j]
+            rate += middle[j] * own.row[k, j]
+        own.state[k] = _wound(own.state[k], place - own.place[k], own.ratio[k])
+        own.place[k] = place
+        way = laws.step * rate
+        way = 1e-12 if way == 0.0 else way
+        bent = _wound(own.state[k], way, own.ratio[k]) - own.state[k]
+        laws.stiffness[own.tendon[k]] = own.torque[k] * bent / way
+        laws.rest[own.tendon[k], 0] = laws.rest[own.tendon[k], 1] = place
+        for j in range(len(middle)):
+            force[j] -= own.torque[k] * own.state[k] * own.row[k, j]
+
+
+@njit(cache=True)
+def _wound(state: float, moved: float, ratio: float) -> float:
     """Dahl's state after a way without a reversal, exact."""
     side = np.sign(moved)
-    return side - (side - state) * np.exp(-ratio * np.abs(moved))
+    return side - (side - state) * np.exp(-ratio * abs(moved))

@@ -18,6 +18,7 @@ from workbench.effects import Plant, torque_bounds
 
 from .control import true_controller
 from .experiment import Experiment, differentiates, scored_torque
+from .native import inverse_slopes
 from .trajectory import Track, interpolate
 
 _EVERY_S = 0.004  # posture and speed change little within this time
@@ -140,17 +141,10 @@ def _slopes(plant: Plant, track: Track, period: float) -> tuple[np.ndarray, ...]
     for i in range(m.ntendon):
         if m.tendon(i).name.startswith("flex:"):
             m.tendon_lengthspring[i] = 0.0  # a gap that is closed: within it nothing would hold the links
-    data = mujoco.MjData(m)
     back = np.linalg.inv(plant.model.transmission).T
     q, w, a = track.position @ back, track.velocity @ back, track.acceleration @ back
     stride = max(1, round(_EVERY_S / period))
     rows = np.unique(np.append(np.arange(0, len(q), stride), len(q) - 1))
-    by_q, by_w, by_a = (np.zeros((m.nv, m.nv)) for _ in range(3))
-    out = np.empty((3, len(rows), m.nv, m.nv))
-    for k, row in enumerate(rows):
-        data.qpos[:], data.qvel[:] = plant.state_at(np.stack([q[row], w[row]]))
-        data.qacc[:] = plant.lift @ a[row]
-        mujoco.mjd_inverseFD(m, data, 1e-6, False, by_q, by_w, by_a, None, None, None, None)
-        # MuJoCo lays these out with one row per perturbed coordinate
-        out[0, k], out[1, k], out[2, k] = by_a.T, by_w.T, by_q.T
-    return rows, out[0], out[1], out[2]
+    states = plant.state_at(np.stack([q[rows], w[rows]], axis=1))
+    inertia, damping, stiffness = inverse_slopes(m, states, a[rows] @ plant.lift.T)
+    return rows, inertia, damping, stiffness

@@ -1,15 +1,19 @@
-"""Many small disturbances sent round linearised loops, all runs and columns side by side."""
+"""Many small disturbances sent round linearised loops, all columns side by side, as machine code."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from workbench.effects import follow
 
 from .linear import Loop
+from .run import CORES
 
 
 @dataclass(frozen=True)
@@ -37,203 +41,228 @@ def propagate(
     """Response of the position that is read and of the torque that is compared.
 
     Args:
-        loops: one a run; any lengths, one row period.
+        loops: one a run; any lengths and rates.
         disturbances: one a run; the same number of columns for all.
 
     Returns:
         Per run ``(position, torque)``, each (N, n, C), in the recording's coordinates.
     """
-    counts = {loop.drives.shape[1] for loop in loops}
-    if len(counts) > 1:
-        found: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-        for count in counts:
-            part = [i for i, loop in enumerate(loops) if loop.drives.shape[1] == count]
-            answers = propagate([loops[i] for i in part], [disturbances[i] for i in part])
-            found.update(zip(part, answers, strict=True))
-        return [found[i] for i in range(len(loops))]
-    order = sorted(range(len(loops)), key=lambda i: -loops[i].experiment.substeps)
-    chosen = [loops[i] for i in order]
-    position, tap = _March(chosen, [disturbances[i] for i in order]).run()
-    out: list[tuple[np.ndarray, np.ndarray] | None] = [None] * len(loops)
-    for slot, i in enumerate(order):
-        loop, rows = chosen[slot], len(chosen[slot].transition)
-        q = np.einsum("ij,kjc->kic", loop.read, position[slot, :rows])
-        u = tap[slot, :rows]
-        if not loop.at_command:
-            for column, extra in disturbances[i].taps.items():
-                u[:, :, column] += extra
-        out[i] = (q, np.einsum("ij,kjc->kic", loop.tap, u))
-    return [o for o in out if o is not None]
+    with ThreadPoolExecutor(CORES) as pool:
+        return list(pool.map(_propagate, loops, disturbances))
 
 
-class _March:
-    """The time loop, over all runs and columns together; runs are sorted longest first."""
-
-    def __init__(self, loops: list[Loop], disturbances: list[Disturbance]) -> None:
-        self.loops, self.disturbances = loops, disturbances
-        e = loops[0].experiment
-        self.step = e.step
-        self.stride = np.array([loop.experiment.stride for loop in loops])
-        if len({round(loop.experiment.step, 12) for loop in loops}) > 1 or len(set(self.stride)) > 1:
-            raise ValueError("runs of one call share one row period")
-        self.rows = max(len(loop.transition) for loop in loops)
-        self.n = e.feedforward.shape[1]
-        self.joints = loops[0].drives.shape[1]
-        self.count = disturbances[0].torque.shape[0]
-        steps = np.array([loop.delay for loop in loops]) / e.step
-        self.whole = np.floor(steps + 1e-9).astype(int)
-        self.fraction = np.where(steps - self.whole > 1e-9, steps - self.whole, 0.0)
-        self.commands = self._some("commands", self.n)
-        self.readings = self._some("readings", 2 * self.n)
-
-    def run(self) -> tuple[np.ndarray, np.ndarray]:
-        """Reading of the drives' position, and torque at the tap or command, (W, rows, n, C) each."""
-        loops, n, count, runs = self.loops, self.n, self.count, len(self.loops)
-        stride = int(self.stride[0])
-        position = np.zeros((runs, self.rows, n, count))
-        tap = np.zeros((runs, self.rows, n, count))
-        ring = int(self.whole.max()) + 2
-        history = np.zeros((ring, runs, n, count))
-        command = np.zeros((runs, n, count))
-        transition, entry, torque, passing, gain = self._stack()
-        period = np.array(
-            [e.controller.period_s or e.recording.period for e in (x.experiment for x in loops)]
-        )[:, None, None]
-        rate_by_ticks = np.array([loop.differentiates for loop in loops])[:, None, None]
-        lag = np.stack([loop.lag for loop in loops])[:, :, None] / self.step
-        lags, current = bool(lag.any()), np.zeros((runs, n, count))
-        last = np.array([loop.experiment.substeps for loop in loops])
-        ticks = np.zeros((runs, last.max() + 1), bool)
-        for i, loop in enumerate(loops):
-            ticks[i, loop.experiment.ticks] = True
-        any_tick = np.any(ticks, axis=0)
-        uniform = bool((ticks == ticks[0])[:, : last.min()].all())
-        whole, fraction = self.whole, self.fraction[:, None, None]
-        simple = bool((self.fraction == 0).all() and (whole == whole[0]).all())
-        index = np.arange(runs)
-        all_open = bool(passing.all())
-        at_command = np.array([loop.at_command for loop in loops])[:, None, None]
-        sensors = _Reading(loops, self.readings, count, self.step, int(last.max()))
-        feedback = np.stack([loop.feedback for loop in loops])
-        state = sensors.start()
-        read = sensors.reading(state, 0, 0)[:, :n] * 0.0
-        for k in range(int(last[0]) + 1):
-            row = k // stride
-            logged = k % stride == 0
-            if any_tick[k] or logged or sensors.remembers:
-                seen = sensors.reading(state, k, row)
-                if logged:
-                    position[:, row] = seen[:, :n]
-                if any_tick[k]:
-                    if rate_by_ticks.any():
-                        by_ticks = (seen[:, :n] - read) / period
-                        read = np.where(ticks[:, k, None, None], seen[:, :n], read)
-                        seen = np.concatenate(
-                            [seen[:, :n], np.where(rate_by_ticks, by_ticks, seen[:, n:])], axis=1
-                        )
-                    fresh = feedback @ seen
-                    command = fresh if uniform else np.where(ticks[:, k, None, None], fresh, command)
-            asked = command
-            if self.commands is not None:
-                asked = command.copy()
-                asked[:, :, self.commands[0]] += self.commands[1][:, row]
-            history[k % ring] = asked
-            if simple:
-                at = mean = history[(k - whole[0]) % ring]
-            else:
-                newer, older = history[(k - whole) % ring, index], history[(k - whole - 1) % ring, index]
-                at = np.where(fraction > 0, older, newer)
-                mean = (1 - fraction) * newer + fraction * older
-            if not all_open:
-                at, mean = at * passing[:, row], mean * passing[:, row]
-            if lags:
-                behind_now = current
-                current, behind = follow(current, mean, mean, np.zeros(1), lag)
-                at, mean = np.where(lag > 0, behind_now, at), np.where(lag > 0, behind, mean)
-            if logged:
-                tap[:, row] = np.where(at_command, asked, at)
-            state = transition[:, row] @ state + entry[:, row] @ (gain[:, row] * mean + torque[:, row])
-        return position, tap
-
-    def _some(self, kind: str, width: int) -> tuple[list[int], np.ndarray] | None:
-        """Columns that have a disturbance of a kind, and it, (W, rows, width, columns)."""
-        chosen = sorted({c for d in self.disturbances for c in getattr(d, kind)})
-        if not chosen:
-            return None
-        out = np.zeros((len(self.loops), self.rows, width, len(chosen)))
-        for i, disturbance in enumerate(self.disturbances):
-            for k, column in enumerate(chosen):
-                values = getattr(disturbance, kind).get(column)
-                if values is not None:
-                    rows = values.shape[-2]
-                    out[i, :rows, :, k] = values if values.ndim == 2 else np.concatenate([*values], axis=1)
-        return chosen, out
-
-    def _stack(self) -> tuple[np.ndarray, ...]:
-        """Matrices of all runs on one clock; a run that has ended stands still."""
-        runs, n, v = len(self.loops), self.n, self.joints
-        transition = np.zeros((runs, self.rows, 2 * v, 2 * v))
-        entry = np.zeros((runs, self.rows, 2 * v, n))
-        torque = np.zeros((runs, self.rows, n, self.count))
-        passing = np.ones((runs, self.rows, n, 1), bool)
-        gain = np.ones((runs, self.rows, n, 1))
-        for i, (loop, disturbance) in enumerate(zip(self.loops, self.disturbances, strict=True)):
-            rows = len(loop.transition)
-            transition[i, :rows], entry[i, :rows] = loop.transition, loop.entry
-            torque[i, :rows] = np.moveaxis(disturbance.torque, 0, -1)
-            passing[i, :rows, :, 0], gain[i, :rows, :, 0] = loop.open, loop.gain
-        return transition, entry, torque, passing, gain
+def _propagate(loop: Loop, disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:
+    around = _around(loop, disturbance)
+    rows, (n, _) = len(loop.transition), loop.drives.shape
+    count = len(disturbance.torque)
+    position, tap = np.zeros((2, rows, n, count))
+    _march(around, _reading(loop, disturbance), np.zeros_like(around.state), position, tap)
+    if not loop.at_command:
+        for column, extra in disturbance.taps.items():
+            tap[:, :, column] += extra
+    return np.einsum("ij,kjc->kic", loop.read, position), np.einsum("ij,kjc->kic", loop.tap, tap)
 
 
-class _Reading:
-    """What sensors make of small motions, for all runs: scale, lag, delay, and their own disturbances."""
+class _Around(NamedTuple):
+    """A loop and what enters it: N rows, K substeps, n axes, v joints, C columns.
 
-    def __init__(
-        self, loops: list[Loop], own: tuple[list[int], np.ndarray] | None, count: int, step: float, last: int
-    ) -> None:
-        self.loops, self.own, self.count = loops, own, count
-        n = loops[0].drives.shape[0]
-        self.n = n
-        two = np.eye(2)
-        self.map = np.stack([np.kron(two, loop.scale[:, None] * loop.drives) for loop in loops])
-        lag = np.stack([loop.sensor_lag for loop in loops])[:, :, None]
-        self.follow = 1.0 - np.where(lag > 0, np.exp(-step / np.where(lag > 0, lag, 1.0)), 0.0)
-        late = np.array([loop.sensor_delay for loop in loops]) / step
-        self.whole = np.floor(late + 1e-9).astype(int)
-        self.part = np.where(late - self.whole > 1e-9, late - self.whole, 0.0)[:, None, None]
-        self.lags, self.delays = bool((lag > 0).any()), bool((late > 0).any())
-        self.remembers = self.lags or self.delays
-        self.rate = np.zeros((len(loops), n, count))
-        self.ring = np.zeros((int(self.whole.max()) + 2, len(loops), 2 * n, count))
+    Attributes:
+        transition, entry: (N, 2v, 2v) and (N, 2v, n), over a substep.
+        torque: (N, n, C) on the mechanism; `commanded` (N, n, E) on the command of the columns `asking` (E,).
+        gain, open: (N, n), behind the tap; False where the drive saturates.
+        is_tick, stride, feedback, differentiates, period: as of `ControlLaw` and `Loop`.
+        whole, fraction: delay in substeps; `lag` (n,) over the substep.
+        at_command: whether the torque compared is the command.
+        state: (2v, C) at the start.
+    """
 
-    def start(self) -> np.ndarray:
-        """State (W, 2v, C) at which every run reads what it did without the disturbance."""
-        v = self.loops[0].drives.shape[1]
-        state = np.zeros((len(self.loops), 2 * v, self.count))
-        if self.own is not None:
-            first = self.own[1][:, 0]
-            for i, loop in enumerate(self.loops):
-                back = np.kron(np.eye(2), loop.start / loop.scale)
-                state[i][:, self.own[0]] = -back @ first[i]
-        return state
+    transition: np.ndarray
+    entry: np.ndarray
+    torque: np.ndarray
+    commanded: np.ndarray
+    asking: np.ndarray
+    gain: np.ndarray
+    open: np.ndarray
+    is_tick: np.ndarray
+    stride: int
+    feedback: np.ndarray
+    differentiates: bool
+    period: float
+    whole: int
+    fraction: float
+    lag: np.ndarray
+    at_command: bool
+    state: np.ndarray
 
-    def reading(self, state: np.ndarray, step: int, row: int) -> np.ndarray:
-        """Position and rate (W, 2n, C) that are read at a step; called at every step where it `remembers`."""
-        seen = self.map @ state
-        n = self.n
-        if self.lags:
-            self.rate += self.follow * (seen[:, n:] - self.rate)
-            seen[:, n:] = self.rate
-        if self.delays:
-            size, runs = len(self.ring), np.arange(len(self.loops))
-            if step == 0:
-                self.ring[:] = seen
-            self.ring[step % size] = seen
-            newer, older = (
-                self.ring[(step - self.whole) % size, runs],
-                self.ring[(step - self.whole - 1) % size, runs],
-            )
-            seen = (1.0 - self.part) * newer + self.part * older
-        if self.own is not None:
-            seen[:, :, self.own[0]] += self.own[1][:, row]
-        return seen
+
+class _Reading(NamedTuple):
+    """What sensors make of small motions.
+
+    Attributes:
+        map: (2n, 2v), state to position and rate that are read.
+        follow: (n,), share of a step in which the rate follows, 1 without a lag.
+        whole, part: delay in substeps; `remembers`: whether there is a lag or delay.
+        own: (N, 2n, R), disturbances of the readings of the columns `columns` (R,).
+    """
+
+    map: np.ndarray
+    follow: np.ndarray
+    whole: int
+    part: float
+    remembers: bool
+    own: np.ndarray
+    columns: np.ndarray
+
+
+def _around(loop: Loop, disturbance: Disturbance) -> _Around:
+    e, (n, v) = loop.experiment, loop.drives.shape
+    count = len(disturbance.torque)
+    delay = loop.delay / e.step
+    whole = int(np.floor(delay + 1e-9))
+    is_tick = np.zeros(e.substeps + 1, np.bool_)
+    is_tick[e.ticks] = True
+    asking, commanded = _some(disturbance.commands, len(loop.transition), n)
+    return _Around(
+        transition=np.ascontiguousarray(loop.transition),
+        entry=np.ascontiguousarray(loop.entry),
+        torque=np.ascontiguousarray(np.moveaxis(disturbance.torque, 0, -1)),
+        commanded=commanded,
+        asking=asking,
+        gain=np.ascontiguousarray(loop.gain),
+        open=np.ascontiguousarray(loop.open),
+        is_tick=is_tick,
+        stride=e.stride,
+        feedback=np.ascontiguousarray(loop.feedback),
+        differentiates=loop.differentiates,
+        period=float(e.controller.period_s or e.recording.period),
+        whole=whole,
+        fraction=float(delay - whole) if delay - whole > 1e-9 else 0.0,
+        lag=loop.lag / e.step,
+        at_command=loop.at_command,
+        state=_start(loop, disturbance, np.zeros((2 * v, count))),
+    )
+
+
+def _start(loop: Loop, disturbance: Disturbance, state: np.ndarray) -> np.ndarray:
+    """State (2v, C) at which the run reads what it did without the disturbance."""
+    back = np.kron(np.eye(2), loop.start / loop.scale)
+    for column, values in disturbance.readings.items():
+        state[:, column] = -back @ np.concatenate([values[0, 0], values[1, 0]])
+    return state
+
+
+def _reading(loop: Loop, disturbance: Disturbance) -> _Reading:
+    h, n = loop.experiment.step, len(loop.drives)
+    lag, late = loop.sensor_lag, loop.sensor_delay / h
+    whole = int(np.floor(late + 1e-9))
+    flat = {c: np.concatenate([*values], axis=1) for c, values in disturbance.readings.items()}
+    columns, own = _some(flat, len(loop.transition), 2 * n)
+    return _Reading(
+        map=np.kron(np.eye(2), loop.scale[:, None] * loop.drives),
+        follow=1.0 - np.where(lag > 0, np.exp(-h / np.where(lag > 0, lag, 1.0)), 0.0),
+        whole=whole,
+        part=float(late - whole) if late - whole > 1e-9 else 0.0,
+        remembers=bool((lag > 0).any() or late > 0),
+        own=own,
+        columns=columns,
+    )
+
+
+def _some(values: Mapping[int, np.ndarray], rows: int, width: int) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the columns that have something (E,), and it, (N, width, E)."""
+    columns = sorted(values)
+    table = np.zeros((rows, width, len(columns)))
+    for k, column in enumerate(columns):
+        table[:, :, k] = values[column]
+    return np.array(columns, np.intp), table
+
+
+@njit(cache=True)
+def _times(matrix: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
+    """Add to `out` (a, C) the product of (a, b) and (b, C), which are too narrow for a library's call."""
+    for i in range(matrix.shape[0]):
+        for j in range(matrix.shape[1]):
+            factor = matrix[i, j]
+            if factor != 0.0:
+                for c in range(values.shape[1]):
+                    out[i, c] += factor * values[j, c]
+
+
+@njit(cache=True, nogil=True)
+def _march(a: _Around, r: _Reading, fresh: np.ndarray, position: np.ndarray, tap: np.ndarray) -> None:
+    """Fill the reading of the drives' position and the torque compared, (N, n, C) each."""
+    n, count, last = position.shape[1], position.shape[2], len(a.is_tick) - 1
+    state, ring, late = a.state, a.whole + 2, r.whole + 2
+    history, seen_before = np.zeros((ring, n, count)), np.zeros((late, 2 * n, count))
+    command, asked, current = np.zeros((n, count)), np.zeros((n, count)), np.zeros((n, count))
+    read, slow = np.zeros((n, count)), np.zeros((n, count))
+    seen, drive = np.zeros((2 * n, count)), np.zeros((n, count))
+    for k in range(last + 1):
+        row, is_row = k // a.stride, k % a.stride == 0
+        if a.is_tick[k] or is_row or r.remembers:
+            _look(r, state, k, row, seen, slow, seen_before)
+            if is_row:
+                position[row] = seen[:n]
+            if a.is_tick[k]:
+                if a.differentiates:
+                    for i in range(n):
+                        for c in range(count):
+                            seen[n + i, c] = (seen[i, c] - read[i, c]) / a.period
+                            read[i, c] = seen[i, c]
+                command[:] = 0.0
+                _times(a.feedback, seen, command)
+        asked[:] = command
+        for e in range(len(a.asking)):
+            for i in range(n):
+                asked[i, a.asking[e]] += a.commanded[row, i, e]
+        history[k % ring] = asked
+        newer, older = history[(k - a.whole) % ring], history[(k - a.whole - 1) % ring]
+        for i in range(n):
+            gain = a.gain[row, i]
+            for c in range(count):
+                mean = (1.0 - a.fraction) * newer[i, c] + a.fraction * older[i, c]
+                at = older[i, c] if a.fraction > 0.0 else newer[i, c]
+                if not a.open[row, i]:
+                    at, mean = 0.0, 0.0
+                if a.lag[i] > 0.0:
+                    at = current[i, c]
+                    current[i, c], mean = follow(at, mean, mean, 0.0, a.lag[i])
+                if is_row:
+                    tap[row, i, c] = asked[i, c] if a.at_command else at
+                drive[i, c] = gain * mean + a.torque[row, i, c]
+        fresh[:] = 0.0
+        _times(a.transition[row], state, fresh)
+        _times(a.entry[row], drive, fresh)
+        state[:] = fresh
+
+
+@njit(cache=True)
+def _look(
+    r: _Reading,
+    state: np.ndarray,
+    k: int,
+    row: int,
+    seen: np.ndarray,
+    slow: np.ndarray,
+    before: np.ndarray,
+) -> None:
+    """Position and rate (2n, C) that are read at substep `k`; called at every one where it remembers."""
+    n, late = len(slow), len(before)
+    seen[:] = 0.0
+    _times(r.map, state, seen)
+    if r.remembers:
+        for i in range(n):
+            for c in range(seen.shape[1]):
+                slow[i, c] += r.follow[i] * (seen[n + i, c] - slow[i, c])
+                seen[n + i, c] = slow[i, c]
+        if k == 0:
+            for m in range(late):
+                before[m] = seen
+        before[k % late] = seen
+        newer, older = before[(k - r.whole) % late], before[(k - r.whole - 1) % late]
+        for i in range(2 * n):
+            for c in range(seen.shape[1]):
+                seen[i, c] = (1.0 - r.part) * newer[i, c] + r.part * older[i, c]
+    for e in range(len(r.columns)):
+        for i in range(2 * n):
+            seen[i, r.columns[e]] += r.own[row, i, e]

@@ -1,10 +1,11 @@
-"""Run models the way recordings were made: one pass over time, any number of runs side by side."""
+"""Run models the way recordings were made, any number of runs side by side."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -12,12 +13,15 @@ from workbench.core import Recording, SimulationError
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 
-from .control import Controllers, SensorNoise
-from .drives import Drives
+from .control import SensorNoise, control_law
+from .drives import drives_of
 from .experiment import Experiment, prepare
-from .sense import Sensors
+from .sense import logged, sensors_of
 from .trajectory import TRUE_MOTION
-from .world import group_worlds
+from .world import march, world_of
+
+#: Threads that run at once.
+CORES = os.cpu_count() or 1
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
     """Simulate every run: same references, controller, sampling, delay, injected torque, initial state.
 
     Args:
-        runs: any mixture of models and recordings; they are stepped together on all cores.
+        runs: any mixture of models and recordings; they run on all cores.
         strict: raise where a simulation becomes unstable; else its signals are NaN from there.
 
     Returns:
@@ -44,110 +48,70 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
     Raises:
         SimulationError: unstable (with `strict`), naming model, recording and time.
     """
-    results: list[Recording | None] = [None] * len(runs)
     experiments = [prepare(run.recording, run.model) for run in runs]
     compiled: dict[tuple[int, float], Plant] = {}
     for run, e in zip(runs, experiments, strict=True):
         if (id(run.model), e.step) not in compiled:
             compiled[id(run.model), e.step] = compile_plant(run.model, e.step)
     plants = [compiled[id(run.model), e.step] for run, e in zip(runs, experiments, strict=True)]
-    # runs whose torque follows the speed go step by step, and must not hold up the others
-    clocks = [
-        (round(e.step, 12), p.model.size, p.chain.follows_speed)
-        for e, p in zip(experiments, plants, strict=True)
-    ]
-    for clock in sorted(set(clocks)):
-        chosen = [i for i, own in enumerate(clocks) if own == clock]
-        # longest first, so that the runs still going are always a prefix
-        chosen.sort(key=lambda i: -experiments[i].substeps)
-        part = _march(
-            [runs[i] for i in chosen], [experiments[i] for i in chosen], [plants[i] for i in chosen], strict
-        )
-        for index, recording in zip(chosen, part, strict=True):
-            results[index] = recording
-    return [r for r in results if r is not None]
-
-
-def _march(
-    runs: list[Run], experiments: list[Experiment], plants: list[Plant], strict: bool
-) -> list[Recording]:
-    total = np.array([e.substeps for e in experiments])
-    boundaries = np.unique(np.concatenate([*(e.ticks for e in experiments), np.unique(total)]))
-    if plants[0].chain.follows_speed:
-        boundaries = np.arange(total[0] + 1)
-    trace = _Trace(runs, experiments, plants)
-    for first, last in pairwise(boundaries):
-        active = int(np.searchsorted(-total, -first, side="left"))
-        trace.advance(int(first), int(last), active)
+    results: list[Recording | None] = [None] * len(runs)
+    # the longest first, so that no core is left alone with one at the end
+    order = sorted(range(len(runs)), key=lambda i: -experiments[i].substeps)
+    with ThreadPoolExecutor(min(CORES, max(len(runs), 1))) as pool:
+        made = pool.map(lambda i: _run(runs[i], experiments[i], plants[i]), order)
+        for i, recording in zip(order, made, strict=True):
+            results[i] = recording
+    out = [r for r in results if r is not None]
     if strict:
-        trace.raise_where_unstable(runs)
-    return [trace.recording(i, run, e) for i, (run, e) in enumerate(zip(runs, experiments, strict=True))]
+        for run, e, recording in zip(runs, experiments, out, strict=True):
+            _raise_where_unstable(run, e, recording)
+    return out
 
 
-class _Trace:
-    """Motion of the drives, command and torque of every run over all substeps; filled chunk by chunk."""
+def _run(run: Run, e: Experiment, plant: Plant) -> Recording:
+    """One run: its loop marched through, and what the log shows, in the coordinates of its recording."""
+    n, substeps = plant.model.size, e.substeps
+    drives = drives_of(e, plant)
+    sensors, start = sensors_of(e, plant)
+    world, keep = world_of(plant, start)
+    pad = drives.whole + 1
+    command, torque = np.zeros((pad + substeps + 1, n)), np.zeros((substeps + 1, n))
+    position, velocity = np.full((2, substeps + 1, n), np.nan)
+    position[0], velocity[0] = start
+    control = control_law(e, plant, run.noise)
+    march(world, control, drives, sensors, pad, command, torque, position, velocity)
+    del keep
+    rows = slice(None, None, e.stride)
+    to_rows = np.linalg.inv(e.to_actuator)
+    seen, rate = position[rows].copy(), velocity[rows].copy()
+    logged(sensors, e.stride, seen, rate)
+    seen, rate = seen @ to_rows.T, rate @ to_rows.T
+    asked = command[pad:][rows] @ e.to_actuator
+    tap = torque[rows] @ e.to_actuator
+    if run.recording.timing.delay == "loop":
+        asked = tap
+    if run.noise is not None:
+        seen, rate, tap = run.noise.logged(seen, rate, tap)
+    signals = {"position": seen, "velocity": rate, "torque_command": asked, "torque_measured": tap}
+    true = () if sensors.honest else (position[rows], velocity[rows])
+    return replace(
+        run.recording,
+        signals=signals,
+        extra={name: v @ to_rows.T for name, v in zip(TRUE_MOTION, true, strict=False)},
+        derived=(),
+        notes=(),
+        name=run.recording.name,
+        source=None,
+    )
 
-    def __init__(self, runs: list[Run], experiments: list[Experiment], plants: list[Plant]) -> None:
-        count, n, substeps = len(runs), plants[0].model.size, experiments[0].substeps
-        self.experiments = experiments
-        self.sensors = Sensors(plants, experiments)
-        # what the log shows first is where the run starts; the truth may differ by the sensors' errors
-        self.worlds = group_worlds(plants, self.sensors.true_start)
-        self.drives = Drives(plants, experiments)
-        self.controllers = Controllers(n, experiments, [r.noise for r in runs], plants)
-        self.pad = self.drives.longest_delay + 1
-        self.position, self.velocity = self.sensors.position, self.sensors.velocity
-        self.command = np.zeros((count, self.pad + substeps + 1, n))
-        self.torque = np.zeros((count, substeps + 1, n))
 
-    def advance(self, first: int, last: int, active: int) -> None:
-        """Sample the controllers at substep `first` and step to `last`."""
-        held = slice(self.pad + first, self.pad + last + 1)
-        seen = self.sensors.read(first, active)
-        self.command[:active, held] = self.controllers.sample(first, last, active, *seen)
-        speed = self.velocity[:active, first]
-        passed = self.drives.pass_on(self.command, first, last, active, self.pad, speed)
-        self.torque[:active, first : last + 1] = passed.tap
-        q, w = self.worlds.step(passed.shaft, passed.early, active)
-        self.sensors.record(first, last, q, w)
-
-    def raise_where_unstable(self, runs: list[Run]) -> None:
-        """Name the first run whose state is not finite."""
-        for i, (run, e) in enumerate(zip(runs, self.experiments, strict=True)):
-            span = self.position[i, : e.substeps + 1]
-            bad = ~np.isfinite(span).all(axis=1)
-            if bad.any():
-                effects = ", ".join(str(e.key) for e in run.model.effects) or "no effects"
-                raise SimulationError(
-                    f"model '{run.model.name}' ({effects}) becomes unstable on recording "
-                    f"'{run.recording.name}' at {np.argmax(bad) * e.step:.3f} s; "
-                    "check its parameters, the controller gains and the delay"
-                )
-
-    def recording(self, i: int, run: Run, e: Experiment) -> Recording:
-        """The rows of run `i`, in the coordinates of its recording."""
-        rows = slice(0, e.substeps + 1, e.stride)
-        to_rows = np.linalg.inv(e.to_actuator)
-        position, velocity = (seen @ to_rows.T for seen in self.sensors.log(i, rows))
-        command = self.command[i, self.pad :][rows] @ e.to_actuator
-        torque = self.torque[i, rows] @ e.to_actuator
-        if run.recording.timing.delay == "loop":
-            command = torque
-        if run.noise is not None:
-            position, velocity, torque = run.noise.logged(position, velocity, torque)
-        signals = {
-            "position": position,
-            "velocity": velocity,
-            "torque_command": command,
-            "torque_measured": torque,
-        }
-        true = () if self.sensors.honest else (self.position[i, rows], self.velocity[i, rows])
-        return replace(
-            run.recording,
-            signals=signals,
-            extra={name: v @ to_rows.T for name, v in zip(TRUE_MOTION, true, strict=False)},
-            derived=(),
-            notes=(),
-            name=run.recording.name,
-            source=None,
+def _raise_where_unstable(run: Run, e: Experiment, made: Recording) -> None:
+    """Name a run whose state is not finite."""
+    bad = ~np.isfinite(made.position).all(axis=1)
+    if bad.any():
+        effects = ", ".join(str(effect.key) for effect in run.model.effects) or "no effects"
+        raise SimulationError(
+            f"model '{run.model.name}' ({effects}) becomes unstable on recording "
+            f"'{run.recording.name}' at {np.argmax(bad) * e.recording.period:.3f} s; "
+            "check its parameters, the controller gains and the delay"
         )

@@ -1,102 +1,63 @@
-"""The sensors of W runs: the motion that is made, and what the log and the controllers read of it."""
+"""The sensors of one run: the motion that is made, and what the log and the controller read of it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from workbench.effects import Plant, SensorErrors
 
 from .experiment import Experiment
 
 
-class Sensors:
-    """Motion and readings of all runs over K substeps; runs are sorted longest first.
+class Sensors(NamedTuple):
+    """What stands between motion and reading, as numbers; arrays (n,).
 
     Attributes:
-        position, velocity: true motion of the drives, (W, K + 1, n), actuator coordinates; NaN ahead.
-        true_start: position and rate of the serial joints at which readings are as the experiments want
-            them at the start, (W, 2, n).
+        honest: whether readings are the motion; nothing else counts then.
+        offset, scale, sine, cosine: of the encoder.
+        lag: of the rate, over the substep; 0 for none.
+        late: delay in substeps; `step` [s].
+        seen: (3, K + 1, n), readings without the delay: position, its rate, and the rate behind its lag.
     """
 
-    def __init__(self, plants: Sequence[Plant], experiments: Sequence[Experiment]) -> None:
-        count, n, substeps = len(plants), plants[0].model.size, experiments[0].substeps
-        self.position = np.full((count, substeps + 1, n), np.nan)
-        self.velocity = np.full((count, substeps + 1, n), np.nan)
-        wanted = np.stack([e.start for e in experiments])
-        transmissions = [p.model.transmission for p in plants]
-        start = np.stack([s @ j.T for s, j in zip(wanted, transmissions, strict=True)])
-        chains = [p.chain.sensors for p in plants]
-        self.honest = all(c.none for c in chains)
-        self.true_start = wanted
-        if self.honest:
-            self.position[:, 0], self.velocity[:, 0] = start[:, 0], start[:, 1]
-            return
-        # a neutral sensor passes values on to the last bit, so that runs may be mixed
-        self.errors = SensorErrors.stack(chains)
-        true = np.stack([true_motion(c, *s) for c, s in zip(chains, start, strict=True)])
-        self.position[:, 0], self.velocity[:, 0] = true[:, 0], true[:, 1]
-        self.true_start = np.stack([t @ np.linalg.inv(j).T for t, j in zip(true, transmissions, strict=True)])
-        steps = np.array([e.step for e in experiments])
-        self.step = steps[:, None, None]
-        self.late = np.array([c.delay_s for c in chains]) / steps
-        # readings without the delay: position, its rate, and the rate behind its lag
-        self.now = np.full((3, *self.position.shape), np.nan)
-        self.now[:, :, 0] = start[:, 0], start[:, 1], start[:, 1]
+    honest: bool
+    offset: np.ndarray
+    scale: np.ndarray
+    sine: np.ndarray
+    cosine: np.ndarray
+    lag: np.ndarray
+    late: float
+    step: float
+    seen: np.ndarray
 
-    def read(self, at: int, active: int) -> tuple[np.ndarray, np.ndarray]:
-        """Position and velocity that the first `active` runs read at substep `at`, (active, n) each."""
-        if self.honest:
-            return self.position[:active, at], self.velocity[:active, at]
-        runs = np.arange(active)
-        return self._delayed(runs, np.full(active, at))
 
-    def record(self, first: int, last: int, position: np.ndarray, velocity: np.ndarray) -> None:
-        """Take in the motion of substeps `first` + 1 to `last`, (active, c, n) each."""
-        active, new = len(position), slice(first + 1, last + 1)
-        self.position[:active, new], self.velocity[:active, new] = position, velocity
-        if self.honest:
-            return
-        e = self.errors.first(active)
-        seen, rate = reading(e, position, velocity)
-        self.now[0, :active, new], self.now[1, :active, new] = seen, rate
-        h, lagged = self.step[:active, 0], self.now[2]
-        lag = e.lag[:, 0]
-        safe = np.where(lag > 0, lag, 1.0)
-        kept = np.where(lag > 0, np.exp(-h / safe), 0.0)
-        before = self.now[1, :active, first]
-        for k in range(position.shape[1]):
-            # exact for a rate that changes linearly within a step
-            behind = (rate[:, k] - before) / h * lag
-            settled = lagged[:active, first + k] - before + behind
-            lagged[:active, first + k + 1] = rate[:, k] - behind + kept * settled
-            before = rate[:, k]
-
-    def log(self, run: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Position and velocity (N, n) that the log of a run shows at the substeps `rows`."""
-        if self.honest:
-            return self.position[run, rows], self.velocity[run, rows]
-        at = np.arange(self.position.shape[1])[rows]
-        return self._delayed(np.full(len(at), run), at)
-
-    def _delayed(self, runs: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Readings of `runs` at substeps `at`, late by each run's delay, before the start as at the start."""
-        when = np.maximum(at - self.late[runs], 0.0)
-        left = np.minimum(np.floor(when + 1e-9).astype(int), np.maximum(at - 1, 0))
-        part = np.where(when - left > 1e-9, when - left, 0.0)[:, None]
-        right = np.where(part[:, 0] > 0, left + 1, left)
-        h = self.step[runs, 0]
-        (q0, v0, w0), (q1, v1, w1) = self.now[:, runs, left], self.now[:, runs, right]
-        # cubic between two substeps, by the rates at both
-        rest = 1.0 - part
-        position = (
-            q0 * rest**2 * (1 + 2 * part)
-            + q1 * part**2 * (1 + 2 * rest)
-            + h * part * rest * (v0 * rest - v1 * part)
-        )
-        inside = part > 0
-        return np.where(inside, position, q0), np.where(inside, w0 * rest + w1 * part, w0)
+def sensors_of(e: Experiment, plant: Plant) -> tuple[Sensors, np.ndarray]:
+    """The sensors of a plant in an experiment, and the true motion of the drives at its start, (2, n)."""
+    errors: SensorErrors = plant.chain.sensors
+    start = e.start @ plant.model.transmission.T
+    honest = errors.none
+    n = len(start[0])
+    seen = np.full((3, 0 if honest else e.substeps + 1, n), np.nan)
+    true = start
+    if not honest:
+        # what the log shows first is where the run starts; the truth differs by the sensors' errors
+        true = np.stack(true_motion(errors, *start))
+        seen[:, 0] = start[0], start[1], start[1]
+    sensors = Sensors(
+        honest=honest,
+        offset=np.array(errors.offset, float),
+        scale=np.array(errors.scale, float),
+        sine=np.array(errors.sine, float),
+        cosine=np.array(errors.cosine, float),
+        lag=errors.lag / e.step,
+        late=errors.delay_s / e.step,
+        step=e.step,
+        seen=seen,
+    )
+    return sensors, true
 
 
 def reading(
@@ -119,3 +80,51 @@ def true_motion(
         true = true - (seen - position) / slope
     _, slope = reading(errors, true, np.ones_like(true))
     return true, velocity / slope
+
+
+@njit(cache=True)
+def record(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
+    """Take in the motion at substep `k` (above 0), (n,) each."""
+    if s.honest:
+        return
+    seen = s.seen
+    for i in range(len(position)):
+        sine, cosine = np.sin(position[i]), np.cos(position[i])
+        slope = s.scale[i] + s.sine[i] * cosine - s.cosine[i] * sine
+        rate, before = slope * velocity[i], seen[1, k - 1, i]
+        seen[0, k, i] = s.scale[i] * position[i] + s.sine[i] * sine + s.cosine[i] * cosine + s.offset[i]
+        seen[1, k, i] = seen[2, k, i] = rate
+        if s.lag[i] > 0.0:
+            # exact for a rate that changes linearly within a step
+            behind = (rate - before) * s.lag[i]
+            kept = np.exp(-1.0 / s.lag[i])
+            seen[2, k, i] = rate - behind + kept * (seen[2, k - 1, i] - before + behind)
+
+
+@njit(cache=True)
+def read(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
+    """Turn the motion at substep `k`, (n,) each, into what is read there, in place."""
+    if s.honest:
+        return
+    when = max(k - s.late, 0.0)
+    left = min(int(np.floor(when + 1e-9)), max(k - 1, 0))
+    part = when - left if when - left > 1e-9 else 0.0
+    right = left + 1 if part > 0.0 else left
+    rest, seen = 1.0 - part, s.seen
+    for i in range(len(position)):
+        q0, q1 = seen[0, left, i], seen[0, right, i]
+        v0, v1 = seen[1, left, i], seen[1, right, i]
+        w0, w1 = seen[2, left, i], seen[2, right, i]
+        position[i], velocity[i] = q0, w0
+        if part > 0.0:
+            # cubic between two substeps, by the rates at both
+            slopes = s.step * part * rest * (v0 * rest - v1 * part)
+            position[i] = q0 * rest**2 * (1 + 2 * part) + q1 * part**2 * (1 + 2 * rest) + slopes
+            velocity[i] = w0 * rest + w1 * part
+
+
+@njit(cache=True)
+def logged(s: Sensors, stride: int, position: np.ndarray, velocity: np.ndarray) -> None:
+    """Turn the motion at every `stride`-th substep, (N, n) each, into what the log shows, in place."""
+    for row in range(len(position)):
+        read(s, row * stride, position[row], velocity[row])

@@ -1,140 +1,142 @@
-"""The mechanisms of W runs in MuJoCo, stepped together."""
+"""One run stepped in MuJoCo from its first row to its last, as machine code."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Sequence
+import copy
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from mujoco.batch import MODEL_FIELDS, Batch
+from numba import njit
 
 from workbench.effects import Plant
 
-from .laws import Laws
+from .control import ControlLaw, tick
+from .drives import Drives, pass_on
+from .laws import Laws, act, laws_of
+from .native import mj_step
+from .sense import Sensors, read, record
 
-_APPLIED = mujoco.mjtState.mjSTATE_QFRC_APPLIED.value
 _TOO_FAST = 1e4  # rad/s or m/s: a run that goes faster is lost
 
 
-class _Group:
-    """Runs whose MuJoCo models have one layout, in one batch; `members` are their run numbers, ascending."""
+class World(NamedTuple):
+    """A mechanism in MuJoCo.
 
-    def __init__(self, plants: list[Plant], members: np.ndarray, start: np.ndarray) -> None:
-        first, self.members = plants[0], members
-        models = [p.mujoco for p in plants]
-        self.batch = Batch(models[0], len(models))
-        _spread(self.batch, models)
-        self.drives = first.drives
-        state = np.stack([p.state_at(s) for p, s in zip(plants, start, strict=True)])
-        self.batch.bind("qpos")[:], self.batch.bind("qvel")[:] = state[:, 0], state[:, 1]
-        self.give = np.stack([_give(p) for p in plants])
-        self.substeps = first.substeps
-        self.laws = Laws(plants, self.batch, first.mujoco.opt.timestep)
-
-    def step(self, shaft: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Advance the first `count` runs by the steps of `shaft` (count, c, n), torque on the drives.
-
-        Returns:
-            Positions and speeds of the drives after each step, (count, c, n) each.
-        """
-        many = self.substeps
-        applied = shaft @ self.drives
-        ids = None if count == self.batch.nsim else np.arange(count)
-        if not self.laws.present:
-            applied = np.repeat(applied, many, axis=1) if many > 1 else applied
-            out = self.batch.rollout(applied.shape[1], applied, _APPLIED, ("qpos", "qvel"), ids)
-            q, w = (out[name][:, many - 1 :: many] @ self.drives.T for name in ("qpos", "qvel"))
-            return q, w
-        q, w = np.empty_like(shaft), np.empty_like(shaft)
-        force, qpos, qvel = (self.batch.bind(name) for name in ("qfrc_applied", "qpos", "qvel"))
-        for k in range(shaft.shape[1]):
-            for _ in range(many):
-                force[:count] = applied[:, k]
-                self.laws.apply(qpos[:count], qvel[:count].copy(), shaft[:, k], force)
-                self.batch.step(ids)
-            q[:, k], w[:, k] = qpos[:count] @ self.drives.T, qvel[:count] @ self.drives.T
-        return q, w
-
-    def shift(self, early: np.ndarray, count: int) -> np.ndarray:
-        """Move the first `count` runs by M^-1 `early` (count, n) [N m s^2]; returns the drives' positions."""
-        qpos = self.batch.bind("qpos")
-        qpos[:count] += np.einsum("wij,wj->wi", self.give[:count], early)
-        return qpos[:count] @ self.drives.T
-
-    def rest(self, lost: np.ndarray) -> None:
-        """Put runs (indices) to rest, where they do no harm."""
-        self.batch.bind("qpos")[lost] = self.batch.model.qpos0
-        self.batch.bind("qvel")[lost] = 0.0
-
-
-class Worlds:
-    """All groups behind one face; arrays are over the W runs, longest first, in actuator coordinates."""
-
-    def __init__(self, groups: list[_Group], plants: Sequence[Plant]) -> None:
-        self.groups, self.count, self.size = groups, len(plants), plants[0].model.size
-        self.lost = np.zeros(len(plants), bool)
-
-    def step(self, shaft: np.ndarray, early: np.ndarray | None, active: int) -> tuple[np.ndarray, np.ndarray]:
-        """Advance the first `active` runs.
-
-        Args:
-            shaft: torque on the drives, the mean over each substep, (active, c, n).
-            early: moment of the impulses inside the chunk [N m s^2], (active, n), or None.
-            active: number of runs.
-
-        Returns:
-            Positions and speeds of the drives after each substep, (active, c, n) each.
-        """
-        q, w = np.full_like(shaft, np.nan), np.full_like(shaft, np.nan)
-        shaft = np.where(self.lost[:active, None, None], 0.0, shaft)
-        for group in self.groups:
-            count = int(np.searchsorted(group.members, active))
-            if count == 0:
-                continue
-            members = group.members[:count]
-            q[members], w[members] = group.step(shaft[members], count)
-            if early is not None:
-                q[members, -1] = group.shift(early[members], count)
-            self.lost[members] |= ~(np.abs(w[members]) < _TOO_FAST).all(axis=(1, 2))
-            if self.lost[members].any():
-                group.rest(np.flatnonzero(self.lost[members]))
-        q[self.lost[:active]], w[self.lost[:active]] = np.nan, np.nan
-        return q, w
-
-
-def group_worlds(plants: Sequence[Plant], starts: np.ndarray) -> Worlds:
-    """Put runs into batches by the layout of their MuJoCo models and the laws they need.
-
-    `starts`: position and rate of the serial joints that each run starts with, (W, 2, n).
+    Attributes:
+        model, data: addresses.
+        position, speed, force: views into the data, (nv,).
+        drives: (n, nv), speeds of the joints to those of the drives.
+        give: (nv, n), rate that an impulse on each drive makes, at the model's initial posture.
+        substeps: of MuJoCo's in one of the simulation.
+        laws: torques of the state.
     """
-    groups: dict[tuple[object, ...], list[int]] = defaultdict(list)
-    for i, plant in enumerate(plants):
-        shapes = (getattr(plant.mujoco, name).shape for name in MODEL_FIELDS if not name.startswith("opt."))
-        machine = plant.model.serial, plant.model.joints, plant.drives.tobytes()
-        groups[*shapes, *machine, plant.substeps, plant.chain.follows_state].append(i)
-    made = [_Group([plants[i] for i in ids], np.array(ids), starts[ids]) for ids in groups.values()]
-    return Worlds(made, plants)
+
+    model: int
+    data: int
+    position: np.ndarray
+    speed: np.ndarray
+    force: np.ndarray
+    drives: np.ndarray
+    give: np.ndarray
+    substeps: int
+    laws: Laws
 
 
-def _spread(batch: Batch, models: list[mujoco.MjModel]) -> None:
-    """Give every run its own values of the model fields that differ between runs."""
-    first = models[0]
-    distinct = {id(m): m for m in models}
-    for name in MODEL_FIELDS:
-        if name.startswith("opt."):
-            continue
-        base = getattr(first, name)
-        if any(not np.array_equal(base, getattr(m, name)) for m in distinct.values()):
-            own = batch.expand(name)
-            for i, model in enumerate(models):
-                own[i] = getattr(model, name)
+class Keep(NamedTuple):
+    """What must live as long as a world."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+
+
+def world_of(plant: Plant, start: np.ndarray) -> tuple[World, Keep]:
+    """A plant with its drives at a position and speed, (2, n); the second keeps the first's memory."""
+    model = copy.copy(plant.mujoco) if plant.chain.follows_state else plant.mujoco
+    data = mujoco.MjData(model)
+    state = plant.state_at(start @ np.linalg.inv(plant.model.transmission).T)
+    data.qpos[:], data.qvel[:] = state
+    world = World(
+        model=model._address,
+        data=data._address,
+        position=data.qpos,
+        speed=data.qvel,
+        force=data.qfrc_applied,
+        drives=np.ascontiguousarray(plant.drives),
+        give=_give(plant),
+        substeps=plant.substeps,
+        laws=laws_of(plant, model, state),
+    )
+    return world, Keep(model, data)
 
 
 def _give(plant: Plant) -> np.ndarray:
-    """Rate of the joints (nv, n) that an impulse on each drive makes, at the model's initial posture."""
     m = plant.mujoco
     data, full = mujoco.MjData(m), np.zeros((m.nv, m.nv))
     mujoco.mj_forward(m, data)
     mujoco.mj_fullM(m, data, full)
     return np.linalg.solve(full, plant.drives.T)
+
+
+@njit(cache=True, nogil=True)
+def march(
+    world: World,
+    control: ControlLaw,
+    drives: Drives,
+    sensors: Sensors,
+    pad: int,
+    command: np.ndarray,
+    torque: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+) -> None:
+    """Run over all K substeps; what lies behind the time at which a run is lost stays NaN.
+
+    Args:
+        world, control, drives, sensors: the run at its start.
+        pad: rows of `command` before the first substep, zero.
+        command: (pad + K + 1, n), filled.
+        torque: at the tap, (K + 1, n), filled.
+        position, velocity: true motion of the drives, (K + 1, n); the first rows given, the rest filled.
+    """
+    n, joints, last = torque.shape[1], len(world.speed), len(torque) - 1
+    q, w, shaft, early = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    for k in range(last + 1):
+        if control.is_tick[k]:
+            q[:], w[:] = position[k], velocity[k]
+            read(sensors, k, q, w)
+            tick(control, k, q, w)
+        for i in range(n):
+            fed = control.constant[k // control.stride, i] if control.per_row else 0.0
+            command[pad + k, i] = control.feedback[i] + fed
+        pass_on(drives, command, pad + k, velocity[k], torque[k], shaft, early)
+        if k == last:
+            return
+        _step(world, shaft)
+        if drives.fraction > 0.0:
+            for j in range(joints):
+                for i in range(n):
+                    world.position[j] += world.give[j, i] * early[i]
+        for i in range(n):
+            q[i] = w[i] = 0.0
+            for j in range(joints):
+                q[i] += world.drives[i, j] * world.position[j]
+                w[i] += world.drives[i, j] * world.speed[j]
+            if not abs(w[i]) < _TOO_FAST:
+                command[pad + k + 1 :], torque[k + 1 :] = np.nan, np.nan
+                return
+        position[k + 1], velocity[k + 1] = q, w
+        record(sensors, k + 1, q, w)
+
+
+@njit(cache=True)
+def _step(world: World, shaft: np.ndarray) -> None:
+    """Advance by one substep under torques on the drives' shafts, (n,)."""
+    for _ in range(world.substeps):
+        for j in range(len(world.force)):
+            world.force[j] = 0.0
+            for i in range(len(shaft)):
+                world.force[j] += world.drives[i, j] * shaft[i]
+        if world.laws.present:
+            act(world.laws, world.position, world.speed, shaft, world.force)
+        mj_step(world.model, world.data)

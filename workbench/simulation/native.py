@@ -1,0 +1,58 @@
+"""MuJoCo's functions for compiled loops, and the loops over the rows of a motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import llvmlite.binding as llvm
+import mujoco
+import numpy as np
+from numba import njit, types
+
+_NAMES = "libmujoco.so*", "libmujoco*.dylib", "mujoco.dll"
+_LIBRARY = next(path for name in _NAMES for path in Path(mujoco.__file__).parent.glob(name))
+llvm.load_library_permanently(str(_LIBRARY))
+
+#: ``mj_step(model, data)`` by the addresses of both.
+mj_step = types.ExternalFunction("mj_step", types.void(types.intp, types.intp))
+_inverse = types.ExternalFunction("mj_inverse", types.void(types.intp, types.intp))
+_slopes = types.ExternalFunction(
+    "mjd_inverseFD", types.void(types.intp, types.intp, types.float64, types.uint8, *[types.intp] * 7)
+)
+_STEP = 1e-6
+
+
+def inverse_forces(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """Forces (N, nv) by MuJoCo's inverse dynamics for states (N, 2, nv) and accelerations (N, nv)."""
+    data = mujoco.MjData(m)
+    out = np.empty_like(acceleration)
+    views = data.qpos, data.qvel, data.qacc, data.qfrc_inverse
+    _forces(m._address, data._address, views, states, acceleration, out)
+    return out
+
+
+def inverse_slopes(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    """Derivatives of these forces by acceleration, rate and position, (3, N, nv, nv); force in the rows."""
+    data = mujoco.MjData(m)
+    out = np.empty((3, len(acceleration), m.nv, m.nv))
+    _derivatives(m._address, data._address, (data.qpos, data.qvel, data.qacc), states, acceleration, out)
+    # MuJoCo lays these out with one row per perturbed coordinate
+    return out.swapaxes(-1, -2)
+
+
+@njit(cache=True, nogil=True)
+def _forces(model, data, views, states, acceleration, out):  # pyright: ignore
+    position, rate, change, force = views
+    for k in range(len(out)):
+        position[:], rate[:], change[:] = states[k, 0], states[k, 1], acceleration[k]
+        _inverse(model, data)
+        out[k] = force
+
+
+@njit(cache=True, nogil=True)
+def _derivatives(model, data, views, states, acceleration, out):  # pyright: ignore
+    position, rate, change = views
+    for k in range(out.shape[1]):
+        position[:], rate[:], change[:] = states[k, 0], states[k, 1], acceleration[k]
+        by_q, by_w, by_a = out[2, k].ctypes.data, out[1, k].ctypes.data, out[0, k].ctypes.data
+        _slopes(model, data, _STEP, 0, by_q, by_w, by_a, 0, 0, 0, 0)
