@@ -1,13 +1,15 @@
 """Both drives from command to the torque on their rotors, row by row.
 
-Delay, then limits, then current-loop lag; here the torque is measured; then gain, derating and bias. Torque
-is held over pieces of a row, at its mean over the piece where it changes.
+Delay, then limits, then current-loop lag; here the torque is measured; then whatever reshapes it, gain,
+derating and bias. Torque is held over pieces of a row, at its mean over the piece where it changes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from math import exp, floor
+
+import numpy as np
 
 from .machine import Derating, Machine, SpeedLimit
 
@@ -23,9 +25,10 @@ class Drive:
     Args:
         machine: the parts of the chain.
         period: of the rows [s].
+        generator: draws what is random in a drive.
     """
 
-    def __init__(self, machine: Machine, period: float) -> None:
+    def __init__(self, machine: Machine, period: float, generator: np.random.Generator | None = None) -> None:
         whole = floor(machine.delay / period + 1e-6)
         self._rest = max(0.0, machine.delay - whole * period)
         if self._rest < 1e-9:
@@ -39,7 +42,9 @@ class Drive:
         self._speed, self._before, self._last = (0.0, 0.0), (0.0, 0.0), period  # now, a piece ago, its length
         self._lags = any(machine.lag)
         self._fine = self._lags or any(machine.speed_limit)
-        self._plain = not (self._fine or any(machine.derating))
+        generator = generator or np.random.default_rng(0)
+        self._reshape = [(axis, make(generator)) for axis, make in machine.reshaped]
+        self._plain = not (self._fine or any(machine.derating) or self._reshape)
         #: Whether the drive has to be told the motors' speeds.
         self.feels_speed = any(machine.speed_limit)
 
@@ -89,10 +94,19 @@ class Drive:
             part = duration / count
             for _ in range(count):
                 allowed = self._within(target, self._speed_in(0.5 * part)) if self.feels_speed else target
-                u1, u2 = self._follow(allowed, part) if self._lags else allowed
+                u1, u2 = self._reshaped(self._follow(allowed, part) if self._lags else allowed, part)
                 kept1, kept2 = self._heat[0].kept(u1, part), self._heat[1].kept(u2, part)
                 self._last = part
                 yield self._gain[0] * kept1 * u1 + bias[0], self._gain[1] * kept2 * u2 + bias[1], part
+
+    def _reshaped(self, torque: Pair, duration: float) -> Pair:
+        """What the rotors get of a piece's measured torque [N m]."""
+        if not self._reshape:
+            return torque
+        both = list(torque)
+        for axis, reshape in self._reshape:
+            both[axis] = reshape(both[axis], duration)
+        return both[0], both[1]
 
     def _speed_in(self, time: float) -> Pair:
         """The motors' speeds some time from now [s], if they go on as they did [rad/s]."""

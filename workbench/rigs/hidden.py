@@ -16,6 +16,7 @@ from workbench.core import InputError
 from . import hidden_drive as drive
 from . import hidden_flexible as flexible
 from . import hidden_motion as motion
+from . import hidden_outside as outside
 from . import hidden_sensing as sensing
 from .machine import AXES, Machine
 from .place import Place
@@ -120,10 +121,26 @@ OUTSIDERS: Mapping[str, Installer] = MappingProxyType(
         "random_walk_torque": drive.random_walk_torque,
         "cubic_spring": motion.cubic_spring,
         "position_dependent_friction": motion.position_dependent_friction,
+        "rough_patch": outside.rough_patch,
+        "one_sided_spring": outside.one_sided_spring,
+        "cross_spring": outside.cross_spring,
+        "cross_damping": outside.cross_damping,
+        "drifting_torque": outside.drifting_torque,
+        "torque_hysteresis": outside.torque_hysteresis,
+        "torque_deadband": outside.torque_deadband,
+        "torque_dropout": outside.torque_dropout,
     }
 )
 WITHOUT_AXIS = frozenset(
-    {"command_delay", "sensor_delay", "linkage_inertia", "linkage_gravity", "payload_mass", "base_compliance"}
+    {
+        "command_delay",
+        "sensor_delay",
+        "linkage_inertia",
+        "linkage_gravity",
+        "payload_mass",
+        "base_compliance",
+        "cross_spring",
+    }
 )
 AT_JOINTS = frozenset(
     {
@@ -139,6 +156,8 @@ AT_JOINTS = frozenset(
         "parallel_spring",
         "cubic_spring",
         "position_dependent_friction",
+        "rough_patch",
+        "one_sided_spring",
     }
 )
 _ALL: Mapping[str, Installer] = MappingProxyType({**EFFECTS, **OUTSIDERS})

@@ -224,9 +224,10 @@ class Integrator:
 def passive_torque(passive: Passive) -> PassiveTorque:
     """What a smooth torque at one place is in actuator coordinates."""
     (d1, d2), law = passive.at.direction, passive.law
+    f1, f2 = passive.feels or passive.at.direction
 
     def torque(q1: float, q2: float, v1: float, v2: float) -> tuple[float, float]:
-        amount = law(d1 * q1 + d2 * q2, d1 * v1 + d2 * v2)
+        amount = law(f1 * q1 + f2 * q2, f1 * v1 + f2 * v2)
         return d1 * amount, d2 * amount
 
     return torque

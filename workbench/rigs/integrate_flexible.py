@@ -20,7 +20,7 @@ from .flexible import FlexibleLeg
 from .friction import merged
 from .hysteresis import Hysteresis
 from .machine import Machine
-from .place import Law, Place
+from .place import Law, Passive, Place
 
 State = tuple[Vector, Vector]  # coordinates and speeds, both (n,)
 Rate = Callable[[Vector, Vector], Vector]
@@ -66,13 +66,18 @@ class FlexibleIntegrator:
             (Along(leg.direction(at)), Hysteresis(torque, stiffness))
             for at, torque, stiffness in machine.hystereses
         ]
-        self._passive: list[tuple[Along, Law]] = [
-            *((Along(leg.direction(p.at)), p.law) for p in machine.passive),
-            *((along, memory.torque) for along, memory in self._memories),
+        self._passive: list[tuple[Along, Along, Law]] = [
+            *((*self._ways(p), p.law) for p in machine.passive),
+            *((along, along, memory.torque) for along, memory in self._memories),
         ]
         self._switches = self._list_switches()
         self._smooth = not (self._frictions or self._switches)
         self._step = self._choose_step(machine)
+
+    def _ways(self, passive: Passive) -> tuple[Along, Along]:
+        """Directions along which a smooth torque acts, and whose motion it feels."""
+        felt = replace(passive.at, direction=passive.feels or passive.at.direction)
+        return Along(self.leg.direction(passive.at)), Along(self.leg.direction(felt))
 
     def _list_switches(self) -> list[Switch]:
         """Where memories turn back and flanks meet; slips of dry friction have modes besides."""
@@ -175,8 +180,8 @@ class FlexibleIntegrator:
     def _applied(self, q: Vector, v: Vector, outside: Vector, load: tuple[float, float]) -> Vector:
         """All torque except that of stuck frictions and inertia (n,) [N m]."""
         t = self.leg.forces(q, v, outside)
-        for along, law in self._passive:
-            torque = law(along.read(q), along.read(v))
+        for along, felt, law in self._passive:
+            torque = law(felt.read(q), felt.read(v))
             for i, d in along.terms:
                 t[i] += d * torque
         for rub, mode in enumerate(self._modes):

@@ -23,6 +23,10 @@ TORQUE_LIMIT = 24.0  # clipped in the drive [N m]
 #: Torque on one axis over the rows of a run: row times (N,) [s], generator -> (N,) [N m].
 Disturbance = Callable[[np.ndarray, np.random.Generator], np.ndarray]
 
+#: Torque [N m] that a rotor gets, of the measured one and how long it acts [s], asked in time order;
+#: made anew for each run, whose generator draws what is random in it.
+Reshaped = Callable[[np.random.Generator], Callable[[float, float], float]]
+
 
 @dataclass(frozen=True)
 class SpeedLimit:
@@ -74,7 +78,8 @@ class Machine:
     """What hidden effects change; each list holds one value a motor, in the order of `AXES`.
 
     The torque chain reads, in this order: `delay`, `limit` and `speed_limit`, `lag`, (torque sensor),
-    `gain`, `derating`, `bias`, `disturbances`, `frictions` and `passive`, `rotor`, `couplings`, `links`.
+    `reshaped`, `gain`, `derating`, `bias`, `disturbances`, `frictions` and `passive`, `rotor`, `couplings`,
+    `links`.
     What the log shows of the motion: `encoders`, `sensor_delay`, `velocity_lag`, (noise).
 
     Attributes:
@@ -82,6 +87,7 @@ class Machine:
         limit: largest torque of each drive [N m].
         speed_limit: a limit that falls with speed, if any.
         lag: time constant of each current loop [s], 0 for none.
+        reshaped: what becomes of the torque behind its sensor as (axis index, function).
         gain: true torque over torque by the nominal constant.
         derating: how each drive loses torque to heat, if it does.
         bias: torque added after the sensor [N m].
@@ -106,6 +112,7 @@ class Machine:
     limit: list[float] = field(default_factory=lambda: [TORQUE_LIMIT, TORQUE_LIMIT])
     speed_limit: list[SpeedLimit | None] = field(default_factory=lambda: [None, None])
     lag: list[float] = field(default_factory=_zeros)
+    reshaped: list[tuple[int, Reshaped]] = field(default_factory=list)
     gain: list[float] = field(default_factory=_ones)
     derating: list[Derating | None] = field(default_factory=lambda: [None, None])
     bias: list[float] = field(default_factory=_zeros)

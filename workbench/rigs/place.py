@@ -29,7 +29,14 @@ class Place:
 
 @dataclass(frozen=True)
 class Passive:
-    """A smooth torque: `law` of position and speed at a place."""
+    """A smooth torque at a place.
+
+    Attributes:
+        at: where it acts.
+        law: of position and speed there.
+        feels: the direction whose position and speed it is of, where that is not the place's own.
+    """
 
     at: Place
     law: Law
+    feels: Direction | None = None

@@ -133,7 +133,7 @@ class VirtualLeg:
             np.multiply(self.controller.kd, machine.kd_scale),
         )
         gains = (*kp.tolist(), *kd.tolist())
-        leg, drive = moving_leg(machine), Drive(machine, period)
+        leg, drive = moving_leg(machine), Drive(machine, period, generator)
         hip, knee = reference[0]
         state = leg.start(hip, hip + knee)
         seen = leg.motors(state)
