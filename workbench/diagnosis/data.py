@@ -62,6 +62,25 @@ class Data:
         edges = np.linspace(0, len(self.recordings[0]), _BLOCKS + 1).astype(int)
         return tuple(Fold(0, slice(a, b)) for a, b in pairwise(edges))
 
+    def part(self, chosen: Sequence[int]) -> Data:
+        """Only these training recordings, none held out; weights as here."""
+        return replace(
+            self,
+            recordings=tuple(self.recordings[i] for i in chosen),
+            training=len(chosen),
+            floor=self.floor[list(chosen)],
+            draws=tuple(tuple(draw[i] for i in chosen) for draw in self.draws),
+        )
+
+    def telling(self, mean_squares: np.ndarray, share: float) -> tuple[int, ...]:
+        """The fewest training recordings that hold this share of the error above the noise."""
+        counts = np.array([np.sum(r.valid) for r in self.recordings[: self.training]])
+        above = np.maximum(mean_squares - self.floor, 0.0)[: self.training]
+        excess = counts * np.sum(above * self.weight**2, axis=(1, 2))
+        order = np.argsort(-excess)
+        enough = np.searchsorted(np.cumsum(excess[order]), share * excess.sum()) + 1
+        return tuple(sorted(int(i) for i in order[:enough]))
+
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
         """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
         measured = self.recordings[index]

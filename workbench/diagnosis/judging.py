@@ -21,6 +21,9 @@ HELPS = 0.05  # share of the excess that an effect must remove on data it was no
 # error at the start counts as nothing: what a first effect leaves is its own shape as often as a second one.
 _LATER = 0.05
 _LATER_TOLERANCE = 0.02
+# Of what is left it must remove this share: a cause that is there explains most of what the next one leaves,
+# while in a model that lacks something else many effects of one kind take a little of it each.
+_LATER_SHARE = 0.25
 TIE = 0.03  # relative difference of judged error below which two explanations are one
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
@@ -79,7 +82,10 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     for held_out in {False, data.training < len(data.recordings)}:
         before = plain.objective(plain.pool(current.mean_squares, held_out))
         after = plain.objective(plain.pool(found.mean_squares, held_out))
+        floor = plain.objective(plain.pool(plain.floor, held_out))
         if np.sqrt(after) > (1.0 - _LATER) * np.sqrt(before):
+            return False
+        if before - after < _LATER_SHARE * (before - floor):
             return False
     return True
 

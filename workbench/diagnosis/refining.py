@@ -16,9 +16,10 @@ from .hypothesis import Fit, Hypothesis, applied_effect
 from .judging import TIE
 from .screen import Candidate
 from .sensitivity import Scene, combine
-from .uncertainty import widened
+from .uncertainty import moved_apart, widened
 
 _SLIDING = (0.0005, 0.003, 0.01, 0.03)  # rad/s
+_TELLING = 0.6  # share of the rest by which the sliding speed is chosen
 
 
 def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothesis:
@@ -50,8 +51,9 @@ def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothes
 def settle(found: Fit, data: Data, floor: float) -> Fit:
     """Let the data say how dry friction sets in, where the rest could be due to that.
 
-    The sliding speed is a property of the contact that no catalogue lists. A grid finds it; how far the
-    parameters move from one grid point to the next is what its shape leaves open, and widens intervals.
+    The sliding speed is a property of the contact that no catalogue lists. A grid finds it on the recordings
+    where most of the rest is; how far the parameters move there from one grid point to the next is what its
+    shape leaves open, and widens intervals.
     """
     dry = any(effect_named(a.key.effect).dry for a in found.hypothesis.free)
     if not dry or found.trained < 1.03 * floor or found.trained > 50.0 * floor:
@@ -60,13 +62,14 @@ def settle(found: Fit, data: Data, floor: float) -> Fit:
     def at(speed: float) -> Hypothesis:
         return replace(found.hypothesis, base=replace(found.hypothesis.base, sliding_speed=speed))
 
-    best = int(np.argmin(values_of([at(speed) for speed in _SLIDING], data)))
-    around = [k for k in (best - 1, best, best + 1) if 0 <= k < len(_SLIDING)]
-    fits = [f for f in fit([at(_SLIDING[k]) for k in around], data, iterations=2) if f is not None]
-    if not fits:
+    some = data.part(data.telling(found.mean_squares, _TELLING))
+    best = int(np.argmin(values_of([at(speed) for speed in _SLIDING], some)))
+    chosen = fit([at(_SLIDING[best])], data, iterations=2)[0]
+    if chosen is None or chosen.trained >= found.trained:
         return found
-    chosen = min(fits, key=lambda f: f.trained)
-    return widened(chosen, fits) if chosen.trained < found.trained else found
+    around = [k for k in (best - 1, best + 1) if 0 <= k < len(_SLIDING)]
+    own, *others = fit([at(_SLIDING[k]) for k in (best, *around)], some, iterations=2)
+    return chosen if own is None else moved_apart(chosen, own, [o for o in others if o is not None])
 
 
 def polished(found: Fit, data: Data) -> Fit:

@@ -38,6 +38,20 @@ def widened(found: Fit, others: Sequence[Fit], share: float = 0.5) -> Fit:
     return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
 
 
+def moved_apart(found: Fit, own: Fit, others: Sequence[Fit], share: float = 0.5) -> Fit:
+    """Deviations that cover a `share` of the way from `own` to `others`, fits of one kind elsewhere."""
+    free = []
+    for k, applied in enumerate(found.hypothesis.free):
+        middle = own.hypothesis.free[k].parameters
+        parameters = {}
+        for name, estimate in applied.parameters.items():
+            rivals = [o.hypothesis.free[k].parameters[name].value for o in others]
+            away = max((abs(r - middle[name].value) for r in rivals), default=0.0)
+            parameters[name] = replace(estimate, std=float(np.hypot(estimate.std, share * away)))
+        free.append(AppliedEffect(applied.key, parameters))
+    return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
+
+
 def covariance_of(
     total: Normal, noise: np.ndarray, changes: np.ndarray, value: float, data: Data
 ) -> np.ndarray:

@@ -74,15 +74,10 @@ EFFECTS: tuple[Effect, ...] = (
     LinkLengthError(),
 )
 
-#: Effects that models can have and that are simulated, but that a diagnosis does not rank yet: on measured
-#: drives they took shares of friction that is known, or two readings of them are in use.
+#: Effects that models can have and that are simulated, but that a diagnosis does not rank yet: what bends
+#: between motor and link needs its stiffness found first.
 UNRANKED = frozenset(
     {
-        "load_dependent_friction",
-        "presliding_hysteresis",
-        "cogging",
-        "thermal_derating",
-        "speed_torque_limit",
         "joint_compliance",
         "backlash",
         "base_compliance",
