@@ -43,6 +43,9 @@ def test_names_the_hidden_effect_and_its_size(hidden: HiddenEffect) -> None:
     assert first.holdout_error_before is not None and first.holdout_error_after is not None
     assert first.holdout_error_after < 0.6 * first.holdout_error_before
     assert found.after is not None and found.after.error < 1.1 * found.noise_error
+    if hidden.effect == "coulomb_friction":
+        assert any("knee goes with the sign of speed, 0.2" in line for line in first.evidence)
+    assert found.evidence == ()  # nothing is left to be explained
     if first.key == key:
         for name, value in hidden.parameters.items():
             estimate = first.parameters[name]
@@ -75,6 +78,8 @@ def test_what_no_catalogue_lists_is_unexplained(outsider: HiddenEffect) -> None:
     found = diagnose(load_model("leg"), training, held_out)
     assert (found.verdict, found.findings) == ("unexplained", ())
     assert found.unexplained_fraction > 0.1
+    if outsider.effect == "cubic_spring":
+        assert any("hip goes with position" in line for line in found.evidence)
     assert found.where[0].axis in (outsider.axis, "hip", "knee") and found.next_experiment
 
 

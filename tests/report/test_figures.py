@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -73,3 +75,17 @@ def test_without_torque_only_position_is_drawn(tmp_path, without_torque):
 def test_an_unknown_axis_is_named(comparison):
     with pytest.raises(InputError, match="no axis 'ankle'"):
         overlay_figure(comparison, "ankle")
+
+
+def test_a_missing_inertia_shows_against_acceleration(comparison) -> None:
+    entry = comparison.recordings[0]
+    velocity = entry.simulated.signals["velocity"][:, 1]
+    missing = np.zeros_like(entry.recording.position)
+    missing[:, 1] = 0.05 * np.gradient(velocity, entry.recording.period)
+    torque = entry.simulated.signals["torque_measured"] + missing
+    measured = entry.recording.with_signals(torque_measured=torque)
+    heavy = replace(comparison, recordings=(replace(entry, recording=measured),))
+    against = binned(heavy, "knee", "torque_measured", "acceleration")
+    np.testing.assert_allclose(against.median, 0.05 * against.centre, atol=0.05 * np.ptp(against.centre) / 20)
+    load = binned(comparison, "knee", "torque_measured", "load")
+    assert np.ptp(load.centre) > 1.0

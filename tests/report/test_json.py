@@ -59,6 +59,7 @@ def test_diagnosis_has_the_documented_keys_in_order(diagnosis):
     assert finding["parameters"] == {"torque": {"value": 0.2541, "std": 0.0016, "unit": "N*m"}}
     assert starts_with(finding["indistinguishable_from"][0], "effect", "axis")
     assert starts_with(out["unexplained"]["where"][0], "axis", "signal", "range", "unit", "share")
+    assert out["unexplained"]["evidence"] == []
     assert out["not_excited"][1]["axis"] is None
 
 

@@ -147,8 +147,8 @@ def test_a_browser_draws_it_from_disk(tmp_path, what):
     assert 'data-drawn="yes"' in dom
     parsed = Page(dom)
     drawn = [a for t, a in parsed.tags if "js-plotly-plot" in (a.get("class") or "")]
-    assert len(drawn) == 7 and all(a["aria-label"] for a in drawn)
-    assert dom.count("js-line") >= 7
+    assert len(drawn) == 9 and all(a["aria-label"] for a in drawn)
+    assert dom.count("js-line") >= 9
     fallback = next(a for _, a in parsed.tags if a.get("id") == "fallback")
     assert "hidden" in fallback
     assert [t for t, _ in parsed.tags].count("img") == 1

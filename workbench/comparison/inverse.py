@@ -12,7 +12,7 @@ from workbench.core import InputError, InverseDynamics, Recording
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
-from workbench.simulation import motion_of, required_torque, scored_torque, smooth_track
+from workbench.simulation import Track, motion_of, required_torque, scored_torque, smooth_track
 
 from .noise import DRAWS, NoiseModel, noise_seeds
 
@@ -62,18 +62,26 @@ def torque_pair(
     n = model.size
     to_actuator = np.eye(n) if recording.coordinates == "actuator" else model.transmission
     track = smooth_track(recording, simulated, to_actuator, levels.position_std, levels.velocity_std)
-    name = scored_torque(recording)
-    assert name is not None
-    tap = recording.signals[name] @ np.linalg.inv(to_actuator)
-    if name == "torque_command":
-        tap = motion_of(track, recording, plant, to_actuator).torque
-    tap = 0.5 * (tap + np.vstack([tap[:1], tap[:-1]]))
+    tap = torque_at_tap(plant, recording, track, to_actuator)
     needed = required_torque(plant, track, recording.period)
     measured, needed = lowpass(tap, recording), lowpass(needed, recording)
     edge = min(len(tap) // 10, int(0.1 / recording.period))
     valid = recording.valid.copy()
     valid[:edge], valid[len(valid) - edge :] = False, False
     return measured, needed, valid
+
+
+def torque_at_tap(plant: Plant, recording: Recording, track: Track, to_actuator: np.ndarray) -> np.ndarray:
+    """Measured torque (N, n), or the command behind the model's delay; actuator coordinates.
+
+    That of a row is the mean of what acts just before and just after it.
+    """
+    name = scored_torque(recording)
+    assert name is not None
+    tap = recording.signals[name] @ np.linalg.inv(to_actuator)
+    if name == "torque_command":
+        tap = motion_of(track, recording, plant, to_actuator).torque
+    return 0.5 * (tap + np.vstack([tap[:1], tap[:-1]]))
 
 
 def lowpass(values: np.ndarray, recording: Recording) -> np.ndarray:

@@ -167,6 +167,7 @@ class Diagnosis:
         not_excited: effects that this data could not have shown.
         ranking: every candidate tried: (key, share of the excess that it removes), best first.
         before, after: the comparisons behind the verdict.
+        evidence: what the unexplained rest goes with, one line each.
     """
 
     model: str
@@ -181,6 +182,7 @@ class Diagnosis:
     ranking: tuple[tuple[EffectKey, float], ...] = ()
     before: Comparison | None = None
     after: Comparison | None = None
+    evidence: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

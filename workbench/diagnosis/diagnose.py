@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,8 +20,9 @@ from workbench.core import (
     Verdict,
 )
 from workbench.effects import effect_named
-from workbench.models import AppliedEffect, Model
+from workbench.models import Model
 
+from .evidence import Clues, finding_lines
 from .search import LIMIT, Progress, Search, Stage, search
 
 #: Share of the squared error above the noise that findings must explain before they are named. True
@@ -82,12 +83,13 @@ def improve(
     end = found.final if named else found.start
     data = found.start_data
     judged = len(held_out) > 0
+    evidence = {f.key: f.evidence for f in diagnosis.findings}
     verdict: Verdict = (
         "consistent" if (found.consistent_after if named else found.consistent_before) else "unexplained"
     )
     improvement = Improvement(
         model=model.name,
-        steps=tuple(_step(s, found, judged) for s in stages),
+        steps=tuple(_step(s, found, judged, evidence) for s in stages),
         error_before=data.score(found.start.mean_squares),
         error_after=data.score(end.mean_squares),
         holdout_error_before=data.score(found.start.mean_squares, held_out=True) if judged else None,
@@ -139,9 +141,18 @@ def _diagnosis(found: Search) -> Diagnosis:
         next_experiment=_next_experiment(verdict, findings, found, after),
         not_excited=tuple(c.key for c in found.screened if c.detectable < _SHOWN),
         ranking=_ranking(found),
+        evidence=_of_rest(verdict, found, after),
         before=before,
         after=after,
     )
+
+
+def _of_rest(verdict: Verdict, found: Search, after: Comparison) -> tuple[str, ...]:
+    """What is to be said of the part that stays unexplained."""
+    named = verdict == "missing_effect"
+    if verdict == "consistent" or (named and found.consistent_after):
+        return ()
+    return Clues(found.start_data, found.final if named else found.start).of_rest(after.where)
 
 
 def _comparison(model: Model, runs: Simulated, found: Search) -> Comparison:
@@ -170,7 +181,10 @@ def _findings(found: Search) -> tuple[Finding, ...]:
                 holdout_error_after=score(stage.fit.mean_squares, held_out=True) if judged else None,
                 probability=_probability(stage, found),
                 indistinguishable_from=stage.rivals,
-                evidence=_evidence(stage, applied, judged),
+                evidence=(
+                    *finding_lines(stage, applied, judged),
+                    *Clues(found.start_data, previous).of_finding(applied.key),
+                ),
             )
         )
     return tuple(findings)
@@ -184,21 +198,6 @@ def _probability(stage: Stage, found: Search) -> float:
     alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(stage.margin - 1.0, 0.0)))
     whole = 1.0 if found.consistent_after else found.explained
     return float(min(alone, _SUREST) * whole / (1 + len(stage.rivals)))
-
-
-def _evidence(stage: Stage, applied: AppliedEffect, judged: bool) -> tuple[str, ...]:
-    source = "held-out recordings" if judged else "data left out of the fit"
-    agree, of = stage.folds
-    lines = [
-        f"removes {100 * stage.removed_share:.1f} % of the squared error above the noise on {source}",
-        f"helps on {agree} of {of} {'held-out recordings' if judged else 'folds'}",
-    ]
-    others = [(k, s) for k, s in stage.ranking if k != applied.key and k not in stage.rivals]
-    if others:
-        key, share = others[0]
-        lines.append(f"next best, {key}, removes {100 * max(share, 0.0):.1f} %")
-    lines.append(f"where to see it: {effect_named(applied.key.effect).shows}")
-    return tuple(lines)
 
 
 def _next_experiment(
@@ -235,7 +234,7 @@ def _ranking(found: Search) -> tuple[tuple[EffectKey, float], ...]:
     return tuple(sorted((*simulated, *rest), key=lambda r: -r[1])[:12])
 
 
-def _step(stage: Stage, found: Search, judged: bool) -> Step:
+def _step(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectKey, tuple[str, ...]]) -> Step:
     applied = next(a for a in stage.fit.hypothesis.added if a.key == stage.added)
     score = found.start_data.score
     return Step(
@@ -244,6 +243,6 @@ def _step(stage: Stage, found: Search, judged: bool) -> Step:
         error=score(stage.fit.mean_squares),
         holdout_error=score(stage.fit.mean_squares, held_out=True) if judged else None,
         indistinguishable_from=stage.rivals,
-        evidence=_evidence(stage, applied, judged),
+        evidence=evidence.get(stage.added) or finding_lines(stage, applied, judged),
         removed=stage.dropped,
     )

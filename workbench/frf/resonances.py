@@ -12,6 +12,8 @@ from workbench.core import Estimate, InputError
 
 from .response import Frf
 
+_WIDEST = 0.3  # damping ratio beyond which a top or dip is none
+
 
 @dataclass(frozen=True)
 class Resonance:
@@ -35,7 +37,7 @@ def find_resonances(
         frf: measured response.
         output, input: which entry.
         prominence_db: how far a top or dip stands out of its surroundings, beside four deviations of noise.
-        lines: lines to each side that are fitted.
+        lines: lines to each side that are fitted; as many more as a well damped one takes.
 
     Raises:
         InputError: fewer lines than a fit needs.
@@ -55,9 +57,22 @@ def find_resonances(
             # the neighbours' noise as well: a top that noise made looks sure of itself
             near = slice(max(place - lines, 0), place + lines + 1)
             if prominence > 4 * max(noise[place], np.median(noise[near])):
-                fitted = _fitted(frf, g, std, int(place), kind, lines)
-                found += [fitted] if fitted is not None else []
+                found += _first_fitted(frf, g, std, int(place), kind, lines)
     return sorted(found, key=lambda r: r.frequency.value)
+
+
+def _first_fitted(
+    frf: Frf, g: np.ndarray, std: np.ndarray, place: int, kind: str, lines: int
+) -> list[Resonance]:
+    """The fit over the narrowest stretch that holds the whole of a top or dip: a damped one is wide."""
+    width = lines
+    while 2 * width + 1 <= len(frf):
+        fitted = _fitted(frf, g, std, place, kind, width)
+        # over a wide stretch a polynomial makes a root of anything
+        if fitted is not None and (width == lines or abs(fitted.damping.value) < _WIDEST):
+            return [fitted]
+        width *= 2
+    return []
 
 
 def _fitted(frf: Frf, g: np.ndarray, std: np.ndarray, place: int, kind: str, lines: int) -> Resonance | None:

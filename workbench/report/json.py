@@ -63,7 +63,11 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "error": result.error,
             "noise_error": result.noise_error,
             "findings": [_finding(f) for f in result.findings],
-            "unexplained": {"fraction": result.unexplained_fraction, "where": _where(result.where)},
+            "unexplained": {
+                "fraction": result.unexplained_fraction,
+                "where": _where(result.where),
+                "evidence": list(result.evidence),
+            },
             "next_experiment": result.next_experiment,
             "not_excited": _keys(result.not_excited),
             "model": result.model,

@@ -10,6 +10,7 @@ from workbench.core import Comparison, RecordingError
 
 from .numbers import handy, plain
 from .residuals import (
+    AGAINST,
     SIGNALS,
     Signal,
     binned,
@@ -163,9 +164,7 @@ def _axis(before: Comparison, after: Comparison | None, axis: str) -> dict[str, 
             "unit": unit,
             "residual_unit": small,
             "residual_factor": factor,
-            "against": {
-                q: {when: _bins(run, axis, name, q) for when, run in runs} for q in ("speed", "position")
-            },
+            "against": {q: {when: _bins(run, axis, name, q) for when, run in runs} for q in AGAINST[label]},
             "spectrum": spectra,
             "noise_density": _finite(floor),
         }

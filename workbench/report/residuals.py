@@ -12,6 +12,13 @@ from workbench.core import Comparison, RecordingError
 from .numbers import torque_unit
 
 Signal = Literal["position", "torque_measured"]
+Quantity = Literal["speed", "position", "load", "acceleration"]
+
+#: What the residual of a torque is drawn against, and that of a position.
+AGAINST: dict[str, tuple[Quantity, ...]] = {
+    "torque": ("speed", "position", "load", "acceleration"),
+    "position": ("speed", "position"),
+}
 
 #: The two signals that are compared, with their names in print.
 SIGNALS: tuple[tuple[Signal, str], ...] = (("position", "position"), ("torque_measured", "torque"))
@@ -92,8 +99,23 @@ def worst_window(entry: RecordingError, axis: str) -> tuple[float, float]:
     return float(t[start]), float(t[min(start + width, len(t) - 1)])
 
 
-def binned(comparison: Comparison, axis: str, name: Signal, against: Literal["speed", "position"]) -> Binned:
-    """Residual of one signal against speed or position, pooled over recordings.
+def _quantity(entry: RecordingError, against: Quantity, k: int) -> np.ndarray:
+    """What a residual is drawn against, (N,); load and acceleration are the model's own, free of noise."""
+    if against == "speed":
+        return speed(entry)[:, k]
+    if against == "position":
+        return entry.recording.position[:, k]
+    run = entry.simulated
+    if against == "load":
+        torque = run.get("torque_measured")
+        return np.full(len(run), np.nan) if torque is None else torque[:, k]
+    velocity = run.get("velocity")
+    motion = np.gradient(run.position[:, k], run.period) if velocity is None else velocity[:, k]
+    return np.gradient(motion, run.period)
+
+
+def binned(comparison: Comparison, axis: str, name: Signal, against: Quantity) -> Binned:
+    """Residual of one signal against speed, position, load or acceleration, pooled over recordings.
 
     Bins are of equal width over the middle 99 % of the quantity; those with few samples are left out.
     """
@@ -102,7 +124,7 @@ def binned(comparison: Comparison, axis: str, name: Signal, against: Literal["sp
         k = column(entry, axis)
         if k is None or not has(entry, name):
             continue
-        x = speed(entry)[:, k] if against == "speed" else entry.recording.position[:, k]
+        x = _quantity(entry, against, k)
         y = entry.residual(name)[:, k]
         good = np.asarray(entry.recording.valid, bool) & np.isfinite(x) & np.isfinite(y)
         xs.append(x[good])

@@ -42,6 +42,7 @@ def sections(
         "not_excited": [w.capital(w.effect_phrase(k)) for k in diagnosis.not_excited] if diagnosis else [],
         "where": _where(before.where if before else ()),
         "where_after": _where(_left(result, after)),
+        "rest": [plain(line) for line in diagnosis.evidence] if diagnosis else [],
         "scores": scores(before, after),
         "inverse": _inverse(before, after),
         "notes": [plain(n) for n in (before.notes if before else ())],

@@ -89,6 +89,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
         parts += [Text(), *_finding(place, finding)]
     if not good:
         parts += _shares("Where the unexplained rest sits", result.where)
+        parts += [_text(f"  {line}") for line in result.evidence]
     if result.next_experiment:
         parts += [Text(), Text.assemble(("Measure next: ", "bold"), plain(result.next_experiment))]
     if result.not_excited:

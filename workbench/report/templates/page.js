@@ -114,7 +114,9 @@
         marker: { size: 5, symbol: when === "before" ? "circle" : "square", color },
       });
     }
-    const unit = quantity === "speed" ? axis.speed_unit : axis.position.unit;
+    const unit = {
+      speed: axis.speed_unit, position: axis.position.unit, load: axis.torque.unit, acceleration: `${axis.speed_unit}²`,
+    }[quantity];
     draw(id, traces, small(`${quantity} [${unit}]`, `${signal} residual [${residual_unit}]`),
       `${axis.name}: median ${signal} residual against ${quantity}, with quartiles.`);
   };
@@ -140,7 +142,7 @@
   const drawAll = () => {
     drawTime();
     for (const signal of ["torque", "position"]) {
-      for (const quantity of ["speed", "position"]) drawAgainst(signal, quantity);
+      for (const quantity of Object.keys(data.axes[state.axis][signal].against)) drawAgainst(signal, quantity);
       drawSpectrum(signal);
     }
   };

@@ -1,0 +1,120 @@
+"""The lines under a finding: what it removes, and what responses and residuals say of it by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from workbench.core import EffectKey, Share
+from workbench.effects import Door, effect_named
+from workbench.models import AppliedEffect, Model
+
+from .data import Data
+from .hypothesis import Fit
+from .relations import Missing, missing_torque, relation_lines, relations
+from .responses import (
+    COMPLIANT,
+    DELAYS,
+    EVEN,
+    GAINS,
+    ODD,
+    Responses,
+    distortion_lines,
+    resonance_lines,
+    response_lines,
+    responses,
+)
+from .search import Stage
+
+_RULES = 0.5  # share of the residual torque that a relation has to explain to stand beside a finding
+#: Doors whose effects are torques on the mechanism; others shift what is commanded or read.
+_TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
+_IN_RESPONSES = frozenset({*DELAYS, *GAINS, *ODD, *EVEN, *COMPLIANT})
+
+
+@dataclass(frozen=True)
+class Clues:
+    """What training recordings show beside the runs of a model that lacks something.
+
+    Nothing is computed before a line asks for it.
+    """
+
+    data: Data
+    fit: Fit
+
+    @property
+    def model(self) -> Model:
+        """The model that lacks something."""
+        return self.fit.hypothesis.model
+
+    @cached_property
+    def responses(self) -> Responses | None:
+        """Measured and modelled frequency response, if the recordings give one."""
+        count = self.data.training
+        return responses(self.data.recordings[:count], self.fit.simulated[:count])
+
+    @cached_property
+    def missing(self) -> Missing | None:
+        """The torque that the model lacks, actuator coordinates."""
+        count = self.data.training
+        levels = self.data.noise.levels
+        return missing_torque(self.model, self.data.recordings[:count], self.fit.simulated[:count], levels)
+
+    def of_finding(self, key: EffectKey) -> list[str]:
+        """Lines that bear on one effect."""
+        lines = []
+        if key.effect in _IN_RESPONSES and self.responses is not None:
+            lines += response_lines(self.responses, key)
+        if effect_named(key.effect).door in _TORQUES and self.missing is not None:
+            missing = self.missing
+            if key.location == "joint":
+                missing = missing.in_joints(self.model.transmission)
+            found = relations(missing, key.axis or _worst(missing))
+            if found and found[0].share >= _RULES:
+                lines += relation_lines(key.axis or _worst(missing), found)
+        return lines
+
+    def of_rest(self, where: Sequence[Share]) -> tuple[str, ...]:
+        """Lines on what no effect explains, on the axis where most of it sits.
+
+        Args:
+            where: shares of the rest, largest first.
+        """
+        lines = []
+        if self.responses is not None:
+            lines += resonance_lines(self.responses, None)
+            lines += distortion_lines(self.responses, None)
+        if self.missing is not None:
+            known = [s.axis for s in where if s.axis in self.missing.axes]
+            axis = known[0] if known else _worst(self.missing)
+            lines += relation_lines(axis, relations(self.missing, axis))
+        return tuple(lines)
+
+
+def finding_lines(stage: Stage, applied: AppliedEffect, judged: bool) -> tuple[str, ...]:
+    """What an effect removes, where, and beside which other explanation.
+
+    Args:
+        stage: at which it was accepted.
+        applied: the effect.
+        judged: whether held-out recordings judged.
+    """
+    source = "held-out recordings" if judged else "data left out of the fit"
+    agree, of = stage.folds
+    lines = [
+        f"removes {100 * stage.removed_share:.1f} % of the squared error above the noise on {source}",
+        f"helps on {agree} of {of} {'held-out recordings' if judged else 'folds'}",
+    ]
+    others = [(k, s) for k, s in stage.ranking if k != applied.key and k not in stage.rivals]
+    if others:
+        key, share = others[0]
+        lines.append(f"next best, {key}, removes {100 * max(share, 0.0):.1f} %")
+    lines.append(f"where to see it: {effect_named(applied.key.effect).shows}")
+    return tuple(lines)
+
+
+def _worst(missing: Missing) -> str:
+    """The axis that lacks most torque."""
+    power = (missing.torque**2).sum(axis=0)
+    return missing.axes[int(power.argmax())]
