@@ -1,83 +1,106 @@
-"""How often the demonstration names the effect that is hidden: one line a seed, and a summary.
+"""An exam for the diagnosis: more than two hundred hidden effects, several at once, none, and unknown ones.
 
-python benchmarks/hidden_effects.py --seeds 100 120          # hidden effects
-python benchmarks/hidden_effects.py --seeds 100 120 --clean  # nothing hidden
-python benchmarks/hidden_effects.py --seeds 0 8 --outsider   # effects that no catalogue lists
+python benchmarks/hidden_effects.py --out marks.jsonl --jobs 2           # goes on where it stopped
+python benchmarks/hidden_effects.py --out marks.jsonl --first 60         # a fair sample of all kinds
+python benchmarks/hidden_effects.py --out marks.jsonl --cases s0-clean   # those whose name has this in it
+python benchmarks/hidden_effects.py --out marks.jsonl --others least_squares sysid  # and other methods
+python benchmarks/hidden_effects.py --report marks.jsonl --figures figures
 """
 
 from __future__ import annotations
 
 import argparse
-import tempfile
+import json
 import time
 from pathlib import Path
+from typing import Any
 
-from workbench.core import EffectKey
-from workbench.diagnosis import improve
-from workbench.effects import load_model
-from workbench.recordings import load_recordings
-from workbench.rigs import HiddenEffect, VirtualLeg, demo_experiments, draw_hidden
-
-#: Outsiders at sizes that raise the error severalfold.
-_OUTSIDE = (
-    HiddenEffect("periodic_disturbance", "knee", parameters={"torque": 0.4, "frequency": 3.7, "phase": 0.3}),
-    HiddenEffect("cubic_spring", "hip", parameters={"stiffness": 3.0, "rest": -0.2}),
-    HiddenEffect("random_walk_torque", "hip", parameters={"torque": 0.4, "time_constant": 0.3}),
-    HiddenEffect(
-        "position_dependent_friction", "knee", parameters={"torque": 0.3, "order": 6.0, "phase": 0.4}
-    ),
-)
+from baselines import METHODS
+from exam.cases import Case, all_cases
+from exam.figures import draw_all
+from exam.mark import mark, revision
+from exam.table import tables
+from joblib import Parallel, delayed
 
 
 def main() -> None:
-    """Run the study."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", nargs=2, type=int, default=(0, 4), metavar=("FIRST", "END"))
-    parser.add_argument("--clean", action="store_true")
-    parser.add_argument("--outsider", action="store_true")
-    arguments = parser.parse_args()
-    good, total = 0, 0
-    for seed in range(*arguments.seeds):
-        hidden = () if arguments.clean else (draw_hidden(seed),)
-        if arguments.outsider:
-            hidden = (_OUTSIDE[seed % len(_OUTSIDE)],)
-        started = time.perf_counter()
-        good += one(seed, hidden, known=not arguments.outsider)
-        total += 1
-        print(f"      {time.perf_counter() - started:.0f} s", flush=True)
-    print(f"{good} of {total} right")
-
-
-def one(seed: int, hidden: tuple[HiddenEffect, ...], *, known: bool) -> bool:
-    """One case; whether the answer is right."""
-    with tempfile.TemporaryDirectory() as folder:
-        files = VirtualLeg(hidden, seed=seed).record_to(Path(folder), demo_experiments(seed))
-        names = [str(f) for f in files]
-        held_out = load_recordings([n for n in names if "validation" in n])
-        training = load_recordings([n for n in names if "validation" not in n])
-        result, _ = improve(load_model("leg"), training, held_out, seed=seed)
-    truth = [EffectKey(h.effect, h.axis, h.location) for h in hidden]
-    steps = [s for s in result.steps if s.key not in {k for t in result.steps for k in t.removed}]
-    named = {k for s in steps for k in (s.key, *s.indistinguishable_from)}
-    right = set(truth) <= named and len(steps) == len(truth) if known else not steps
-    print(
-        f"{seed:5d} {'ok  ' if right else 'MISS'} {result.verdict:12s} "
-        f"{result.error_before / result.noise_error:6.2f} -> "
-        f"{result.error_after / result.noise_error:5.2f} x noise  "
-        f"truth {', '.join(map(str, truth)) or 'nothing'} {[dict(h.parameters) for h in hidden]}  found "
-        + "; ".join(
-            f"{s.key} { {k: f'{e.value:.4g}+-{e.std:.2g}' for k, e in s.parameters.items()} }"
-            for s in result.steps
-        )
-        + (
-            f"  look-alikes {[str(k) for s in steps for k in s.indistinguishable_from]}"
-            if named - set(truth)
-            else ""
-        )
+    """Runs cases, or reports on those that were run."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    if not result.steps and result.diagnosis:
-        print("      ranking", [(str(k), round(v, 3)) for k, v in result.diagnosis.ranking[:6]])
-    return right
+    parser.add_argument(
+        "--out", type=Path, help="one JSON line a case; cases that are there are not run again"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="draws another exam")
+    parser.add_argument("--jobs", type=int, default=-1)
+    parser.add_argument("--first", type=int, help="only so many cases; any beginning is a fair sample")
+    parser.add_argument("--cases", nargs="*", default=[], help="only cases whose name has one of these in it")
+    parser.add_argument("--others", nargs="*", default=[], choices=sorted(METHODS), help="also ask these")
+    parser.add_argument("--list", action="store_true", help="name the cases and stop")
+    parser.add_argument("--report", type=Path, nargs="+", help="marks to report on")
+    parser.add_argument("--figures", type=Path, help="folder for the report's figures")
+    arguments = parser.parse_args()
+    if arguments.report:
+        lines = read(arguments.report)
+        print(tables(lines))
+        if arguments.figures:
+            draw_all(lines, arguments.figures)
+        return
+    chosen = [
+        case
+        for case in all_cases(arguments.seed)
+        if not arguments.cases or any(part in case.name for part in arguments.cases)
+    ][: arguments.first]
+    if arguments.list:
+        print("\n".join(case.name for case in chosen))
+        return
+    if arguments.out is None:
+        parser.error("give --out or --report")
+    run(chosen, arguments.out, arguments.jobs, arguments.others)
+
+
+def run(cases: list[Case], out: Path, jobs: int, others: list[str]) -> None:
+    """Marks what `out` has not got, cases or others' answers, and writes each as soon as it is there."""
+    marks = {line["case"]: line for line in read([out])} if out.exists() else {}
+    work = [
+        (case, missing) for case in cases if (missing := _missing(marks.get(case.name), others)) is not None
+    ]
+    now, started = revision(), time.perf_counter()
+    tasks = (
+        delayed(mark)(case, {name: METHODS[name] for name in names}, now, marks.get(case.name))
+        for case, names in work
+    )
+    with out.open("a") as file:
+        file.write("\n")  # where a line was cut off by a stop
+        marked: Any = Parallel(jobs, return_as="generator_unordered")(tasks)
+        for number, line in enumerate(marked, 1):
+            file.write(json.dumps(line) + "\n")
+            file.flush()
+            left = (time.perf_counter() - started) / number * (len(work) - number) / 60
+            print(
+                f"{number:4d}/{len(work)} {line['case']:55s} {line.get('outcome') or line['failed']:12s} "
+                f"{'; '.join(f['key'] for f in line.get('findings', []))}  ({left:.0f} min left)",
+                flush=True,
+            )
+
+
+def _missing(line: dict[str, Any] | None, others: list[str]) -> list[str] | None:
+    """Which other methods are still to be asked; None where nothing is to be done."""
+    if line is None:
+        return others
+    return [name for name in others if name not in line["others"]] or None if "others" in line else None
+
+
+def read(files: list[Path]) -> list[dict[str, Any]]:
+    """The latest marks of each case; a line that was cut off by a stop is left out."""
+    lines = {}
+    for text in (text for file in files for text in file.read_text().splitlines()):
+        try:
+            line = json.loads(text)
+        except json.JSONDecodeError:
+            continue
+        lines[line["case"]] = line
+    return list(lines.values())
 
 
 if __name__ == "__main__":

@@ -1,0 +1,1 @@
+"""An exam for the diagnosis: cases drawn by seed, what an answer is worth, tables and figures of many."""

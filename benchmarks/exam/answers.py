@@ -1,0 +1,84 @@
+"""One form for what any method answers, and what a model that has been given it scores."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from workbench.comparison import compare
+from workbench.core import EffectKey, Estimate, Recording, SimulationError
+from workbench.core.results import Diagnosis
+from workbench.models import AppliedEffect, Model
+from workbench.rigs import HiddenEffect
+
+
+@dataclass(frozen=True)
+class Named:
+    """One effect that was named.
+
+    Attributes:
+        key: which and where.
+        parameters: name -> estimate.
+        probability: that the name is right; None where the method does not say.
+        also: what it says to be just as good.
+    """
+
+    key: EffectKey
+    parameters: Mapping[str, Estimate] = field(default_factory=dict)
+    probability: float | None = None
+    also: tuple[EffectKey, ...] = ()
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a method says of a case.
+
+    Attributes:
+        verdict: ``missing_effect``, ``consistent`` or ``unexplained``.
+        named: effects, best first; empty unless the verdict is ``missing_effect``.
+        error_after: on the data that judge, with all that is named in the model; None if not known.
+    """
+
+    verdict: str
+    named: tuple[Named, ...] = ()
+    error_after: float | None = None
+
+
+def answer_of(diagnosis: Diagnosis) -> Answer:
+    """A diagnosis as an answer."""
+    named = tuple(
+        Named(f.key, f.parameters, f.probability, f.indistinguishable_from) for f in diagnosis.findings
+    )
+    last = diagnosis.findings[-1] if diagnosis.findings else None
+    after = None if last is None else last.holdout_error_after
+    if last is not None and after is None:
+        after = last.error_after
+    return Answer(diagnosis.verdict, named, after)
+
+
+def key_of(hidden: HiddenEffect) -> EffectKey:
+    """The catalogue's name of what is hidden."""
+    return EffectKey(hidden.effect, hidden.axis, hidden.location)
+
+
+def with_truth(model: Model, hidden: Sequence[HiddenEffect]) -> Model:
+    """The model that has what is hidden, with the true parameters."""
+    for each in hidden:
+        values = {name: Estimate(value, 0.0, "") for name, value in each.parameters.items()}
+        model = model.with_effect(AppliedEffect(key_of(each), values))
+    return model
+
+
+def with_answer(model: Model, answer: Answer) -> Model:
+    """The model with all that is named."""
+    for each in answer.named:
+        model = model.with_effect(AppliedEffect(each.key, each.parameters))
+    return model
+
+
+def error_of(model: Model, recordings: Sequence[Recording]) -> float | None:
+    """`Comparison.error`; None where the model cannot run these recordings."""
+    try:
+        return float(compare(model, recordings, draws=2).error)
+    except SimulationError:
+        return None

@@ -1,0 +1,161 @@
+"""One case through the diagnosis and, if wanted, other methods: a dictionary that JSON can hold."""
+
+from __future__ import annotations
+
+import subprocess
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from workbench.comparison import compare
+from workbench.core import Recording, SimulationError
+from workbench.diagnosis import diagnose
+from workbench.effects import load_model
+
+from . import scoring
+from .answers import Answer, Named, answer_of, error_of, key_of, with_answer, with_truth
+from .cases import Case
+from .record import record
+
+#: Training recordings and seed -> answer.
+Method = Callable[[Sequence[Recording]], Answer]
+
+VISIBLE = 2.0  # error over noise
+
+
+def mark(
+    case: Case, others: Mapping[str, Method], revision: str = "", marks: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Makes the recordings, asks everyone, and marks the answers.
+
+    Args:
+        case: the question.
+        others: further methods by name; each is asked on the training recordings alone.
+        revision: of the code, kept with the marks.
+        marks: of this case already, to which only the others' are added.
+    """
+    if marks is not None:
+        data = record(case)
+        judging = data.held_out or data.training
+        new = {name: _asked(case, ask, data.training, judging, marks) for name, ask in others.items()}
+        return {**marks, "others": {**marks["others"], **new}}
+    line: dict[str, Any] = {
+        "case": case.name,
+        "kind": case.kind,
+        "seed": case.seed,
+        "size": case.size,
+        "recorded": case.recorded,
+        "revision": revision,
+        "truth": [
+            {"effect": h.effect, "axis": h.axis, "location": h.location, "parameters": dict(h.parameters)}
+            for h in case.hidden
+        ],
+    }
+    try:
+        data = record(case)
+    except SimulationError as error:
+        return {**line, "failed": f"rig: {error}"}
+    model = load_model("leg")
+    wall, cpu = time.perf_counter(), time.process_time()
+    try:
+        diagnosis = diagnose(model, data.training, data.held_out, seed=case.seed)
+    except Exception as error:  # what a user would see as a crash is a mark too
+        return {**line, "failed": f"diagnosis: {type(error).__name__}: {error}"}
+    line["wall_s"] = round(time.perf_counter() - wall, 2)
+    line["cpu_s"] = round(time.process_time() - cpu, 2)
+    before = compare(model, data.training, draws=4)
+    judging = data.held_out or data.training
+    known = case.kind != "outsider"
+    line["error"], line["noise_error"] = float(before.error), float(before.noise_error)
+    line["visible"] = bool(before.error >= VISIBLE * before.noise_error)
+    line["before"] = error_of(model, judging) if data.held_out else float(before.error)
+    line["floor"] = error_of(with_truth(model, case.hidden), judging) if known else None
+    line |= marked(case, answer_of(diagnosis), line)
+    line["error_stated"], line["noise_stated"] = float(diagnosis.error), float(diagnosis.noise_error)
+    line["unexplained_fraction"] = float(diagnosis.unexplained_fraction)
+    line["ranking"] = [[str(key), round(float(share), 4)] for key, share in diagnosis.ranking[:6]]
+    line["not_excited"] = [str(key) for key in diagnosis.not_excited]
+    line["next_experiment"] = diagnosis.next_experiment
+    line["others"] = {name: _asked(case, ask, data.training, judging, line) for name, ask in others.items()}
+    return line
+
+
+def _asked(
+    case: Case,
+    ask: Method,
+    training: Sequence[Recording],
+    judging: Sequence[Recording],
+    line: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Another method's marks; its model is put through the same comparison."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    try:
+        answer = ask(training)
+    except Exception as error:
+        return {"failed": f"{type(error).__name__}: {error}"}
+    spent = {
+        "wall_s": round(time.perf_counter() - wall, 2),
+        "cpu_s": round(time.process_time() - cpu, 2),
+    }
+    after = error_of(with_answer(load_model("leg"), answer), judging) if answer.named else None
+    return spent | marked(case, Answer(answer.verdict, answer.named, after), line)
+
+
+def marked(case: Case, answer: Answer, line: Mapping[str, Any]) -> dict[str, Any]:
+    """Outcome and numbers of one answer; `line` has the errors before and of the true model."""
+    known = case.kind != "outsider"
+    truth = [key_of(h) for h in case.hidden] if known else []
+    match = scoring.matches(truth, answer, line["floor"])
+    result, found = scoring.outcome(truth, answer, match), [each.how for each in match]
+    after = answer.error_after if answer.named else line["before"]
+    return {
+        "verdict": answer.verdict,
+        "outcome": result,
+        "good": scoring.good(case.kind, result, line["visible"]),
+        "first_right": bool(found and found[0] == "right"),
+        "false_findings": found.count("false"),
+        "after": after,
+        "removed": scoring.removed(line["before"], after, line["floor"]),
+        "findings": [_finding(named, how, case) for named, how in zip(answer.named, found, strict=True)],
+    }
+
+
+def _finding(named: Named, how: str, case: Case) -> dict[str, Any]:
+    own = [h for h in case.hidden if scoring.canonical(key_of(h)) == scoring.canonical(named.key)]
+    values = own[0].parameters if own and how == "right" else {}
+    return {
+        "key": str(named.key),
+        "effect": named.key.effect,
+        "axis": named.key.axis,
+        "location": named.key.location,
+        "is": how,
+        "probability": named.probability,
+        "also": [str(key) for key in named.also],
+        "parameters": {
+            name: {
+                "value": float(estimate.value),
+                "std": float(estimate.std),
+                "truth": values.get(name),
+                "covered": scoring.covered(name, values[name], estimate.value, estimate.std)
+                if name in values
+                else None,
+            }
+            for name, estimate in named.parameters.items()
+        },
+    }
+
+
+def revision() -> str:
+    """The code's commit, with a plus where it was changed since; empty where there is no git."""
+    folder = Path(__file__).parent
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(
+            ["git", *arguments], cwd=folder, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    try:
+        return git("rev-parse", "--short", "HEAD") + ("+" if git("status", "--porcelain", "-uno") else "")
+    except (OSError, subprocess.CalledProcessError):
+        return ""
