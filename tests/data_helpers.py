@@ -115,3 +115,36 @@ def write_recording(folder: Path, data: dict[str, Any] | None = None, /, **chang
     """Write ``made.toml`` and ``table.csv``; gives the TOML's path."""
     (folder / "table.csv").write_text(csv_text(two_axes() if data is None else data))
     return write_toml(folder / "made.toml", description(**changes))
+
+
+def two_mass(folder: Path) -> tuple[Path, Path]:
+    """A rigid model of the two inertias on a flexible coupling, and the TOML of their recording.
+
+    The current stands for the torque, so that inertia and damping are per torque constant.
+    """
+    table = data_folder("two_mass") / "MultisineTypeA.mat"
+    recording = write_toml(
+        folder / "two_mass.toml",
+        {
+            "format": 1,
+            "name": "two_mass",
+            "table": str(table.resolve()),
+            "axes": ["motor"],
+            "columns": {
+                "time": {"column": "time", "scale": 1e-6},
+                "position": "theta_mx",
+                "torque_command": "iq_refx",
+                "torque_measured": "iq_adx",
+            },
+            "controller": {"kind": "none"},
+            "excitation": {"kind": "multisine", "period_s": 1.0, "f_min_hz": 11.0, "f_max_hz": 250.0},
+        },
+    )
+    (folder / "rigid.xml").write_text(
+        """<mujoco model="rigid"><worldbody><body name="a">
+<joint name="motor" type="hinge" axis="0 0 1"/>
+<inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/></body></worldbody></mujoco>"""
+    )
+    both_masses = {"inertia": [0.00956], "damping": [0.1]}  # of the two, from a fit to the response
+    model = {"format": 1, "name": "rigid", "serial": "rigid.xml", "actuators": both_masses}
+    return write_toml(folder / "rigid.toml", model), recording

@@ -6,6 +6,7 @@ import re
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,11 @@ from workbench.diagnosis.responses import (
 )
 from workbench.effects import effect_named, load_model
 from workbench.frf import multisine as design_multisine
+from workbench.recordings import load_recording
 from workbench.rigs import Experiment, HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep
 from workbench.rigs.experiments import HOLD
+
+from ..data_helpers import two_mass
 
 DELAY = HiddenEffect("command_delay", parameters={"time": 0.0007})
 GAIN = HiddenEffect("torque_constant_error", "knee", parameters={"gain": 0.85})
@@ -124,6 +128,17 @@ def test_a_soft_joint_is_a_pair_that_the_model_has_not() -> None:
     assert low == pytest.approx(np.sqrt(60.0 / 0.00748) / (2 * np.pi), rel=0.1)
     assert high == pytest.approx(low * np.sqrt(1 + 0.00748 / 0.0162), rel=0.1)
     assert delay_line(periodic(COMPLIANCE), None, "input") == []
+
+
+def test_a_measured_coupling_is_a_pair_that_a_rigid_model_has_not(tmp_path: Path) -> None:
+    model, recording = two_mass(tmp_path)
+    measured = load_recording(recording)
+    run_of_it = simulate_with_noise(load_model(model), (measured,), draws=2).clean
+    found = responses([measured], run_of_it)
+    assert found is not None
+    (line,) = resonance_lines(found, "motor")
+    assert number(line, "anti-resonance")[0] == pytest.approx(53.0, abs=1.5)
+    assert number(line, "a resonance")[0] == pytest.approx(77.0, abs=1.5)
 
 
 def test_friction_is_odd_distortion_and_an_even_effect_is_not() -> None:

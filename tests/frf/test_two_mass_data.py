@@ -49,6 +49,9 @@ def test_resonance_and_antiresonance(frf) -> None:
     assert low.frequency.value == pytest.approx(53.0, abs=1.5)
     assert high.frequency.value == pytest.approx(77.0, abs=1.5)
     assert 0 < low.frequency.std < 0.5 and 0 < high.frequency.std < 0.5
+    # seen from the motor the squared ratio of the two is 1 + J_load / J_motor
+    ratio = (high.frequency.value / low.frequency.value) ** 2
+    assert ratio - 1 == pytest.approx(1.1, abs=0.1)
     # the load's own response has the resonance and no anti-resonance
     assert [r.kind for r in find_resonances(frf, output=1) if 40 < r.frequency.value < 100] == ["resonance"]
 

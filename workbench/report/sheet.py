@@ -255,7 +255,8 @@ def _range(row: Row) -> list[float] | None:
     """Powers of ten that hold all curves of a logarithmic diagram: a band that reaches to zero is cut."""
     if not row.log:
         return None
-    values = np.concatenate([np.asarray(c.y, float) for c in row.curves if c.y is not None])
+    shown = [c.high if c.y is None else c.y for c in row.curves]
+    values = np.concatenate([np.asarray(v, float) for v in shown if v is not None])
     logs = np.log10(values[np.isfinite(values) & (values > 0)])
     if not len(logs):
         return None

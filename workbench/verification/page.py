@@ -32,7 +32,7 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
     worst = max(found, key=lambda c: c.overall(truth))
     drawn = sorted(found, key=lambda c: -c.overall(truth))[:_DRAWN]
     lines = [
-        f"{worst.worst(truth):.3g} Hz is where the {words_of(truth)} stands out most."
+        f"It stands out most at {worst.worst(truth):.3g} Hz."
         if not good
         else f"The measurement itself is sure to {percent_of(noise)}."
     ]
@@ -66,11 +66,11 @@ def percent_of(share: float) -> str:
 
 def _sentence(truth: str, error: dict[str, float], noise: float, good: bool) -> str:
     others = {n: e for n, e in error.items() if n != truth}
+    named = "The closed chain" if truth == "closed_chain" else truth
     how = (
-        f"The {words_of(truth)} agrees with the measured response to {percent_of(error[truth])}, "
-        "within its uncertainty"
+        f"{named} agrees with the measured response to {percent_of(error[truth])}, within its uncertainty"
         if good
-        else f"The {words_of(truth)} misses the measured response by {percent_of(error[truth])}, "
+        else f"{named} misses the measured response by {percent_of(error[truth])}, "
         f"{number(error[truth] / noise, 2)} times the measurement's uncertainty"
     )
     if not others:
