@@ -11,11 +11,10 @@ from typer.testing import CliRunner
 
 from workbench.cli import excite as _  # noqa: F401  (registers the command)
 from workbench.cli.app import app
-from workbench.cli.excite_prediction import as_recording, whole_period
 from workbench.core import InputError
 from workbench.effects import load_model
 from workbench.frf import estimate, fit_leg, load_design
-from workbench.simulation import Run, simulate
+from workbench.simulation import Run, as_recording, simulate, whole_period
 
 HOLD = ("--posture", "hip=-0.55", "--posture", "knee=1.0472")
 SHORT = ("--period", "1", "--f-min", "1", "--f-max", "40", *HOLD)

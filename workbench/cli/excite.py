@@ -78,8 +78,7 @@ def excite(
     """
     from workbench import frf, report
     from workbench.effects import load_model
-
-    from .excite_prediction import held_posture, limits_of, predictor, whole_period
+    from workbench.simulation import held_posture, limits_of, predictor, whole_period
 
     if not output:
         raise InputError("no output file", remedy="say where the design goes: -o DESIGN.toml")

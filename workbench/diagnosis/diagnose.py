@@ -19,10 +19,10 @@ from workbench.core import (
     Step,
     Verdict,
 )
-from workbench.effects import effect_named
 from workbench.models import Model
 
 from .evidence import Clues, finding_lines
+from .next_experiment import next_experiment
 from .search import LIMIT, Progress, Search, Stage, search
 
 #: Share of the squared error above the noise that findings must explain before they are named. True
@@ -138,7 +138,7 @@ def _diagnosis(found: Search) -> Diagnosis:
         findings=findings,
         unexplained_fraction=float(rest),
         where=after.where,
-        next_experiment=_next_experiment(verdict, findings, found, after),
+        next_experiment=next_experiment(verdict, findings, found, after),
         not_excited=tuple(c.key for c in found.screened if c.detectable < _SHOWN),
         ranking=_ranking(found),
         evidence=_of_rest(verdict, found, after),
@@ -198,27 +198,6 @@ def _probability(stage: Stage, found: Search) -> float:
     alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(stage.margin - 1.0, 0.0)))
     whole = 1.0 if found.consistent_after else found.explained
     return float(min(alone, _SUREST) * whole / (1 + len(stage.rivals)))
-
-
-def _next_experiment(
-    verdict: Verdict, findings: Sequence[Finding], found: Search, after: Comparison
-) -> str | None:
-    for finding in findings:
-        if finding.indistinguishable_from:
-            rival = finding.indistinguishable_from[0]
-            ours, theirs = effect_named(finding.key.effect).reveal, effect_named(rival.effect).reveal
-            both = ours if ours == theirs else f"{ours}; {theirs}"
-            return f"To tell {finding.key} from {rival}: {both}."
-    if verdict == "unexplained" or (verdict == "missing_effect" and not found.consistent_after):
-        place = ""
-        if after.where:
-            w = after.where[0]
-            place = f" around {w.quantity} {w.range[0]:.3g} to {w.range[1]:.3g} {w.unit} of {w.axis}"
-        return (
-            f"The rest sits in the {after.where[0].signal if after.where else 'signals'}{place}: record slow "
-            "steady runs, reversals and a multisine there, and keep one recording for judging."
-        )
-    return None
 
 
 def _ranking(found: Search) -> tuple[tuple[EffectKey, float], ...]:

@@ -51,6 +51,7 @@ class Stage:
         before, after: judged error over the noise floor's.
         removed_share: share of the judged excess that it removed.
         rivals: effects that do as well, with the number of free parameters no smaller.
+        others: models with the best other explanations in place of it, best first.
         dropped: earlier effects that it made needless.
         ranking: what every simulated candidate removed of the excess, best first.
         margin: judged error of the best other explanation over this one's; infinite where there is none.
@@ -65,6 +66,7 @@ class Stage:
     after: float
     removed_share: float
     rivals: tuple[EffectKey, ...]
+    others: tuple[tuple[EffectKey, Model], ...]
     dropped: tuple[EffectKey, ...]
     ranking: tuple[tuple[EffectKey, float], ...]
     margin: float
@@ -240,6 +242,13 @@ def _next(
         after=kept.judged / floor,
         removed_share=(current.judged - kept.judged) / excess,
         rivals=(*rivals, *(k for k in dropped if not contains(candidate.key, k))),
+        others=tuple(
+            (c.key, f.hypothesis.model)
+            for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
+            if c is not candidate
+            and not contains(c.key, candidate.key)
+            and not contains(candidate.key, c.key)
+        ),
         dropped=tuple(a.key for a in current.hypothesis.added if a.key not in left),
         ranking=tuple(ranking),
         margin=margin(candidate, found, fits),

@@ -1,6 +1,7 @@
 """Runs a model the way a recording was made, one or thousands at once."""
 
 from .control import SensorNoise
+from .designs import as_recording, held_posture, joint_limits, limits_of, predictor, whole_period
 from .experiment import Experiment, check_axes, prepare, scored_torque
 from .inverse import required_torque
 from .linear import Loop, linearise
@@ -18,14 +19,20 @@ __all__ = [
     "Run",
     "SensorNoise",
     "Track",
+    "as_recording",
     "check_axes",
+    "held_posture",
     "joint_columns",
+    "joint_limits",
+    "limits_of",
     "linearise",
     "motion_of",
+    "predictor",
     "prepare",
     "propagate",
     "required_torque",
     "scored_torque",
     "simulate",
     "smooth_track",
+    "whole_period",
 ]

@@ -6,12 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import lcm
 
+import mujoco
 import numpy as np
 
 from workbench.core import Controller, InputError, Recording
 from workbench.effects import axis_units
 from workbench.frf import Design, Limit
 from workbench.models import Model
+
+from .run import Run, simulate
 
 
 def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
@@ -40,8 +43,6 @@ def joint_limits(model: Model) -> list[tuple[float, float]]:
     """Range of every joint [rad or m]: the mechanism's, else the serial tree's, else none."""
     if model.closed_chain is not None and model.closed_chain.limits:
         return list(model.closed_chain.limits)
-    import mujoco
-
     tree = mujoco.MjModel.from_xml_path(str(model.serial))
     joints = [tree.joint(name) for name in model.joints]
     return [tuple(float(x) for x in j.range) if tree.jnt_limited[j.id] else (-np.inf, np.inf) for j in joints]  # type: ignore[return-value]
@@ -78,8 +79,6 @@ def predictor(model: Model, limits: Sequence[Limit]) -> Callable[[Design], Mappi
 
     `limits` are those that will be asked about; columns of others are left out.
     """
-    from workbench.simulation import Run, simulate
-
     back = np.linalg.inv(model.transmission)
 
     def predict(design: Design) -> dict[str, np.ndarray]:

@@ -1,0 +1,227 @@
+"""What to measure next: the excitation on which two explanations would differ most."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.comparison import scored_signals
+from workbench.core import Comparison, EffectKey, Finding, InputError, Recording, SimulationError, Verdict
+from workbench.effects import effect_named
+from workbench.frf import Design, Limit, chirp, multisine, scale_to_limits
+from workbench.models import Model
+from workbench.simulation import (
+    Run,
+    as_recording,
+    held_posture,
+    joint_limits,
+    limits_of,
+    predictor,
+    simulate,
+    whole_period,
+)
+
+from .data import Data
+from .hypothesis import applied_effect
+from .search import Search
+
+_DOUBTFUL = 0.9  # a name less probable than this is worth another experiment
+_LENGTH_S = 6.0  # of each experiment that is tried
+_TOLD = 1.2  # error over the noise floor from which one experiment tells two models apart
+
+
+@dataclass(frozen=True)
+class Option:
+    """An experiment that might tell: band [Hz], and amplitude as a share of what was recorded."""
+
+    kind: str
+    drive: str
+    f_min: float
+    f_max: float
+    share: float
+    posture: float = 0.5  # place in the range of the last joint
+
+
+_OPTIONS = (
+    Option("chirp", "position", 0.1, 1.0, 1.0),
+    Option("chirp", "position", 0.2, 8.0, 0.5),
+    Option("multisine", "torque", 0.2, 5.0, 1.5),
+    Option("multisine", "torque", 0.5, 60.0, 1.0),
+    Option("multisine", "torque", 0.5, 60.0, 1.0, posture=0.25),
+    Option("multisine", "torque", 0.5, 60.0, 1.0, posture=0.75),
+)
+
+
+def next_experiment(
+    verdict: Verdict, findings: Sequence[Finding], found: Search, after: Comparison
+) -> str | None:
+    """One or two sentences: which motion would settle what is open; None where nothing is."""
+    for finding in findings:
+        stage = next(s for s in found.stages if s.added == finding.key)
+        rivals = finding.indistinguishable_from
+        if not rivals and finding.probability >= _DOUBTFUL:
+            continue
+        models = {key: model for key, model in stage.others if key in rivals or not rivals}
+        if models:
+            rival = next(iter(models))
+            return tell_apart(stage.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)
+        if rivals:
+            return (
+                f"{finding.key} and {rivals[0]} are one thing in two names on this machine: no motion tells "
+                f"them apart. What shows its size best: {effect_named(finding.key.effect).reveal}."
+            )
+    if verdict == "unexplained" or (verdict == "missing_effect" and not found.consistent_after):
+        place = ""
+        if after.where:
+            w = after.where[0]
+            place = f" around {w.quantity} {w.range[0]:.3g} to {w.range[1]:.3g} {w.unit} of {w.axis}"
+        return (
+            f"The rest sits in the {after.where[0].signal if after.where else 'signals'}{place}: record slow "
+            "steady runs, reversals and a multisine there, and keep one recording for judging."
+        )
+    return None
+
+
+def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, data: Data) -> str:
+    """The experiment on which two fitted models differ most, as a command.
+
+    Args:
+        ours, theirs: models with the effect `key`, and with `rival` in its place.
+        key, rival: the effects.
+        data: what was recorded, and the noise floor.
+    """
+    tried = []
+    for option in _OPTIONS:
+        try:
+            design, command = _design(ours, option, data.recordings)
+            tried.append((separation(ours, theirs, design, data), command))
+        except (InputError, SimulationError):
+            continue  # not on this machine: no loop that holds a posture, a limit that rest breaks already
+    ways = f"{effect_named(key.effect).reveal}; {effect_named(rival.effect).reveal}"
+    if not tried:
+        return f"To tell {key} from {rival}: {ways}."
+    ratio, command = max(tried)
+    if ratio < _TOLD:
+        return (
+            f"No excitation of the usual kinds tells {key} from {rival}: with the one true, the other would "
+            f"still score {ratio:.2f} times the noise floor ({command}). Try: {ways}."
+        )
+    return (
+        f"To tell {key} from {rival}: {command}. With the one true, the other would score {ratio:.2g} times "
+        "the noise floor there."
+    )
+
+
+def separation(ours: Model, theirs: Model, design: Design, data: Data) -> float:
+    """Error over the noise floor that `theirs` would have on an experiment if `ours` is true.
+
+    Its free parameters may follow, at the price that their deviations set: a weighted least-squares step on
+    derivatives by simulation.
+
+    Raises:
+        SimulationError: a model is unstable in the experiment.
+    """
+    recordings = [as_recording(ours, design, e) for e in range(len(design.trials))]
+    moved = [(model, std) for model, std in _moved(theirs)]
+    models = [ours, theirs, *(model for model, _ in moved)]
+    runs = simulate([Run(m, r) for m in models for r in recordings])
+    names, floor = scored_signals(data.recordings[0]), np.sqrt(data.pool(data.floor))
+    weight = np.where(floor > 0, 1.0 / np.where(floor > 0, floor, 1.0), 0.0)
+
+    def signals(index: int) -> np.ndarray:
+        part = runs[index * len(recordings) : (index + 1) * len(recordings)]
+        stacked = np.concatenate([np.stack([r.signals[name] for name in names], axis=1) for r in part])
+        return (stacked * weight[: len(names)]).ravel()
+
+    base = signals(1)
+    difference = signals(0) - base
+    # columns in deviations, so that the prior is one
+    columns = np.stack([signals(2 + k) - base for k in range(len(moved))], axis=1) if moved else None
+    if columns is not None:
+        gram = columns.T @ columns + np.eye(len(moved))
+        change = np.linalg.solve(gram, columns.T @ difference)
+        # what earlier recordings say against such a change counts too
+        difference = np.concatenate([difference - columns @ change, change])
+    rows = sum(len(r) for r in recordings)
+    counted = rows * np.count_nonzero(weight[: len(names)])
+    return float(np.sqrt(1.0 + np.sum(difference**2) / max(counted, 1.0)))
+
+
+def _moved(model: Model) -> list[tuple[Model, float]]:
+    """The model with each estimated parameter of its last effect one deviation away."""
+    if not model.effects:
+        return []
+    last = model.effects[-1]
+    out = []
+    for name, estimate in last.parameters.items():
+        if not (np.isfinite(estimate.std) and estimate.std > 0):
+            continue
+        changed = applied_effect(model, last, {**last.values, name: estimate.value + estimate.std})
+        effects = (
+            *model.effects[:-1],
+            replace(changed, parameters={**last.parameters, **changed.parameters}),
+        )
+        out.append((replace(model, effects=effects), estimate.std))
+    return out
+
+
+def _design(model: Model, option: Option, recordings: Sequence[Recording]) -> tuple[Design, str]:
+    """An option for this machine, no harder than what was recorded, and the command that makes it."""
+    rate = 1.0 / recordings[0].period
+    length = whole_period(model, _LENGTH_S, rate)
+    hold = held_posture(model, _posture(model, option.posture))
+    torque = np.max(
+        [_spread(r, ("torque_command", "torque_measured", "torque_feedforward")) for r in recordings], axis=0
+    )
+    travel = np.max([_spread(r, ("position",)) for r in recordings], axis=0)
+    size = option.share * (torque if option.drive == "torque" else np.sqrt(2.0) * travel)
+    size = [float(f"{s:.2g}") for s in np.maximum(size, 1e-6)]
+    band = {
+        "f_min_hz": option.f_min,
+        "f_max_hz": min(option.f_max, 0.2 * rate),
+        "rate_hz": rate,
+        "hold": hold,
+    }
+    driven = "torque_feedforward" if option.drive == "torque" else "position_reference"
+    if option.kind == "multisine":
+        design = multisine(model.axes, **band, period_s=length, rms=size, driven=driven, periods=1)
+    else:
+        if not hold:
+            raise InputError("no loop follows a reference")
+        design = chirp(model.axes, **band, duration_s=length, amplitude=size, driven=driven)
+    fastest = [float(np.abs(r.velocity).max()) for r in recordings]
+    limits: list[Limit] = limits_of(model, [max(fastest)])
+    scaled = scale_to_limits(design, predictor(model, limits), limits)
+    words = [
+        f"workbench excite {model.name} -o next.toml --kind {option.kind} --drive {option.drive}",
+        f"--f-min {option.f_min:g} --f-max {band['f_max_hz']:g} --period {length:g}",
+        *(f"--amplitude {s * scaled.factor:.2g}" for s in size),
+    ]
+    if option.posture != 0.5:
+        words += [f"--posture {name}={value:.3g}" for name, value in _posture(model, option.posture).items()]
+    return scaled.design, " ".join(words)
+
+
+def _posture(model: Model, place: float) -> dict[str, float]:
+    """Position reference with the last joint at a place in its range; empty where it has none.
+
+    Raises:
+        InputError: a posture is asked of a machine without a range or loop in joint coordinates.
+    """
+    low, high = joint_limits(model)[-1]
+    if place == 0.5:
+        return {}
+    if not np.isfinite(low) or model.controller.coordinates != "joint":
+        raise InputError("no range to choose a posture from")
+    return {model.joints[-1]: float(low + place * (high - low))}
+
+
+def _spread(recording: Recording, names: Sequence[str]) -> np.ndarray:
+    """Standard deviation (n,) of the first of these signals that is there and moves."""
+    for name in names:
+        values = recording.get(name)
+        if values is not None and np.ptp(values) > 0:
+            return values.std(axis=0)
+    return np.zeros(len(recording.axes))
