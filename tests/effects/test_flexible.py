@@ -135,8 +135,8 @@ def test_a_longer_thigh_carries_its_end_farther_out() -> None:
     zero = np.zeros_like(q)
     weight = required_torque(compile_plant(long), Track(q, zero, zero))
     before = required_torque(compile_plant(LEG), Track(q, zero, zero))
-    # the serial tree's shank, and the linkage's weight on it
-    hanging = 9.81 * 0.16 + 0.132743314 / 0.1
+    # the serial tree's shank, and the linkage's weight as of a mass there
+    hanging = 9.81 * 0.16 + 0.163091 / 0.175
     np.testing.assert_allclose((weight - before)[:, 0], 0.02 * hanging * np.sin(q[:, 0]), rtol=1e-4)
     np.testing.assert_allclose((weight - before)[:, 1], 0.0, atol=1e-9)
 

@@ -80,7 +80,7 @@ HIDDEN = [
     # what the linkage's bodies weigh sideways is not what crank and coupler do
     Hidden("base_compliance", None, {"stiffness": 2e4, "damping": 40.0, "mass": 10.0}, alike=0.15, near=0.15),
     # what hangs at the thigh's end a tree with a linkage does not know to the gram
-    Hidden("link_length_error", "hip", {"length": 0.03}, alike=0.2, near=0.3),
+    Hidden("link_length_error", "hip", {"length": 0.03}, alike=0.1, near=0.15),
     Hidden("controller_gain_error", "knee", {"kp_scale": 0.8, "kd_scale": 1.2}),
 ]
 each = pytest.mark.parametrize("hidden", HIDDEN, ids=str)

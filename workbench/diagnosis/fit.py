@@ -18,7 +18,7 @@ from .sensitivity import Scene, respond
 from .solve import solve
 from .uncertainty import covariance_of, with_deviations
 
-_ITERATIONS = 6
+ITERATIONS = 6
 ENOUGH = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
 _FAR_BEHIND = 8.0
 PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
@@ -49,7 +49,7 @@ class _Work:
 
 
 def fit(
-    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS, enough: float = ENOUGH
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = ITERATIONS, enough: float = ENOUGH
 ) -> list[Fit | None]:
     """Fit all hypotheses to the training recordings, simulating them side by side.
 

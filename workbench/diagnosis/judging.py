@@ -57,14 +57,18 @@ def rejudged(old: Fit, data: Data) -> Fit:
     return replace(old, trained=trained, judged=judged, agreeing=folds)
 
 
-def explained(data: Data, start: Fit, end: Fit) -> float:
-    """Share of the excess at the start that is gone at the end, of fitted or held-out data, the smaller."""
+def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
+    """Share of the excess at the start that is gone at the end, of fitted or held-out data, the smaller.
+
+    `at_end` has the floor of the last model, whose runs noise may drive farther apart than the first's.
+    """
     shares = []
     for held_out in {False, data.training < len(data.recordings)}:
         floor = data.pool(data.floor, held_out)
         first, last = data.pool(start.mean_squares, held_out), data.pool(end.mean_squares, held_out)
         before = data.objective(np.maximum(first - floor, 0.0))
-        after = data.objective(np.maximum(last - 1.03 * floor, 0.0))
+        rest = np.maximum(floor, at_end.pool(at_end.floor, held_out))
+        after = data.objective(np.maximum(last - 1.03 * rest, 0.0))
         shares.append(float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0)
     return min(shares)
 

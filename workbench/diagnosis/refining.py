@@ -74,7 +74,8 @@ def settle(found: Fit, data: Data, floor: float) -> Fit:
 
 def polished(found: Fit, data: Data) -> Fit:
     """The same effects with their parameters to the last digit that noise leaves."""
-    if not found.hypothesis.free:
+    free = found.hypothesis.free
+    if not free or any(effect_named(a.key.effect).wanders for a in free):
         return found
     better = fit([found.hypothesis], data, iterations=4, enough=PRECISE)[0]
     return found if better is None or better.trained > found.trained else widened(better, [found], share=0.0)

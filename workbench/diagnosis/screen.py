@@ -89,6 +89,8 @@ def _blocks(scene: Scene, first: int, taken: set[EffectKey]) -> Iterator[tuple[l
         if key in taken:
             continue
         effect, place = effect_named(key.effect), Placement.of(scene.model, key)
+        if effect.splits:
+            continue  # see `what_gives_way`
         for shape in effect.shapes(scene.motions, scene.model, place):
             linear, fixed = scene.columns(key, shape)
             own = [*linear, *([fixed] if fixed else [])]

@@ -14,7 +14,8 @@ from workbench.effects import contains, effect_named
 from workbench.models import Model
 
 from .data import Data, floor_of, gather
-from .fit import fit
+from .fit import ITERATIONS, fit
+from .giving import pins_of, what_gives_way
 from .hypothesis import Fit, Hypothesis
 from .judging import (
     AT_FLOOR,
@@ -35,6 +36,7 @@ from .screen import Candidate, screen
 from .sensitivity import Scene
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
+_ALL_OF_IT = 1.04  # judged error over the noise's, below which nothing more is looked for
 _SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
 
 Progress = Callable[[str], None]
@@ -149,11 +151,15 @@ def search(
         costless = any(a.key == stage.added for a in stage.fit.hypothesis.stated)
         if stages and not costless and not helps_later(stage.fit, current, start, data):
             break
+        wanders = any(effect_named(a.key.effect).wanders for a in stage.fit.hypothesis.free)
         progress(f"found {stage.added}; simulating the noise")
         fresh, runs = _refloor(stage.fit, data, seed)
         stages.append(replace(stage, data=fresh, runs=runs))
         current = rejudged(stage.fit, fresh)
+        # what is left of runs that part by themselves says nothing of a further effect
         data, done = fresh, is_consistent(fresh, current.mean_squares)
+        if wanders:
+            break
     # a signal that is a little off after all that could be found is no sign of one more effect
     done = done or (len(stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
     return Search(
@@ -165,8 +171,21 @@ def search(
         screened,
         before,
         done,
-        explained(first, start, current),
+        explained(first, start, current, data),
     )
+
+
+def _fitted(
+    scene: Scene, chosen: Sequence[Candidate], current: Fit, data: Data, progress: Progress
+) -> list[tuple[Candidate, Fit]]:
+    """Candidates with their fits, those left out that do not run; best first."""
+    progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
+    pairs: list[tuple[Candidate, Fit]] = []
+    for wanders, turns in ((False, ITERATIONS), (True, 1)):
+        part = [c for c in chosen if effect_named(c.key.effect).wanders is wanders]
+        results = fit([with_candidate(scene, c, current) for c in part], data, turns) if part else []
+        pairs += [(c, f) for c, f in zip(part, results, strict=True) if f is not None]
+    return sorted(pairs, key=lambda cf: cf[1].trained)
 
 
 def _start(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
@@ -208,17 +227,17 @@ def _next(
         settled = tier is tiers[1] and any(c in stated for c, f in fits if helps(f, current, excess))
         if not chosen or reached or settled:
             continue
-        progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
-        results = fit([with_candidate(scene, c, current) for c in chosen], data)
-        own = sorted(
-            ((c, f) for c, f in zip(chosen, results, strict=True) if f is not None),
-            key=lambda cf: cf[1].trained,
-        )
+        own = _fitted(scene, chosen, current, data, progress)
         # how friction sets in matters where the choice is made, not for those that are far behind
         fits += [
             (c, settle(f, data, floor) if f.trained < 1.5 * own[0][1].trained else f) for c, f in own[:2]
         ]
         fits += own[2:]
+    if not any(f.judged < _ALL_OF_IT * floor for _, f in fits):
+        # dear to simulate, and hardly ever asked for where all is rigid
+        progress("looking for springs and gaps")
+        late = what_gives_way(scene, data.training, current.judged)
+        fits += _fitted(scene, late, current, data, progress) if late else []
     helpful = [(c, f) for c, f in fits if helps(f, current, excess) and lowers_error(f, current, data)]
     if not helpful:
         return None
@@ -233,6 +252,7 @@ def _next(
     same = tuple(
         replace(candidate.key, effect=name) for name in twins if candidate.key.location == "actuator"
     )
+    same += pins_of(scene.model, candidate.key)
     rivals = (*rivals, *(k for k in same if k not in rivals))
     return Stage(
         added=candidate.key,

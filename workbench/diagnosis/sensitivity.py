@@ -156,7 +156,8 @@ class Scene:
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """
         effect = effect_named(applied.key.effect)
-        if effect.by_runs or self.bends:
+        behind = effect.on_links or applied.key.location == "joint"
+        if effect.by_runs or (behind and self.bends):
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)
         motions = [effect.before(m, place, applied.values) for m in self.motions]

@@ -19,6 +19,7 @@ class ActuatorInertiaCoupling(Effect):
 
     name = "actuator_inertia_coupling"
     door = Door.MECHANISM
+    on_links = True
     basic = True
     axes = "all"
     source = "paper, Eqs. 10 to 14"

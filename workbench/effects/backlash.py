@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
+from scipy.optimize import minimize
 
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
@@ -12,11 +15,13 @@ from workbench.models import Model, Placement
 from .base import Door, Effect, Parameter, Response
 from .chain import Build
 from .flexible import can_split, frequencies, link_inertia, split, stiffest, transmitted
-from .lacking import explains_most
+from .lacking import lacking
 from .motion import Motion
 
-_RELATIVE_DAMPING = 0.05  # of the contact, in the screening only, where the links' path is not fed back
-_TRIED = 4
+_RATE = 120.0  # rad/s: how fast the state follows the torque that passed
+_MEAN = 4  # rows
+_SETTLING = 25  # means
+_SIMPLEX = np.array([[0.0, 0.0], [0.4, 0.0], [0.0, 0.2]])  # of logarithms
 
 
 class Backlash(Effect):
@@ -30,6 +35,7 @@ class Backlash(Effect):
     nonlinear = ("gap", "stiffness")
     by_runs = True
     splits = True
+    wanders = True
     door = Door.MECHANISM
     tier = 1
     contains = ("joint_compliance",)
@@ -43,21 +49,36 @@ class Backlash(Effect):
         """Where a rotor can be taken off its link, once."""
         return can_split(model, key)
 
-    def shapes(
+    def guesses(
         self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[Mapping[str, float]]:
-        """Gaps and stiffnesses of which the lacking torque shows most."""
+    ) -> Sequence[tuple[Mapping[str, float], float]]:
+        """The gap that foresees best what passes through it: a grid, then downhill from its best."""
         assert place is not None
         inertia, _ = link_inertia(motions[0], place.index)
         way = max(float(np.ptp(m.position[:, place.index])) for m in motions) + 1e-9
-        choices = [
-            {"gap": float(gap), "stiffness": float(inertia * rate**2)}
-            for gap in way * np.geomspace(3e-4, 0.1, 9)
-            for rate in frequencies(motions, 6.0, 100.0, 11)
-        ]
-        gaps, stiffnesses = (np.array([c[name] for c in choices]) for name in ("gap", "stiffness"))
-        made = [_freed(m, model, place.index, gaps, stiffnesses) for m in motions]
-        return [choices[k] for k in explains_most(motions, model, made)[:_TRIED]]
+        pieces = [_passage(m, model, place.index) for m in motions]
+        rates = frequencies(motions, 10.0, 100.0, 9)
+        gaps, stiffnesses = way * np.geomspace(2e-4, 0.1, 10), inertia * rates**2
+        grid = np.stack(np.meshgrid(gaps, stiffnesses, indexing="ij"), axis=-1).reshape(-1, 2)
+        start = grid[int(np.argmin(_left(pieces, inertia, *grid.T, _RATE)))]
+        best = minimize(
+            lambda x: float(_left(pieces, inertia, *np.exp(x)[:, None], _RATE)[0]),
+            np.log(start),
+            method="Nelder-Mead",
+            options={"initial_simplex": np.log(start) + _SIMPLEX, "xatol": 1e-3, "fatol": 0.0, "maxfev": 80},
+        )
+        found, least = np.exp(best.x), float(best.fun)
+        if found[0] < 1e-4 * way:
+            return []  # a spring, which is another effect
+        rigid = _left(pieces, inertia, np.zeros(1), np.full(1, stiffest(model, place)), _RATE)
+        stiffness = min(float(found[1]), stiffest(model, place))
+        return [({"gap": float(found[0]), "stiffness": stiffness}, least / max(float(rigid[0]), 1e-300))]
+
+    def shapes(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[Mapping[str, float]]:
+        """The guesses."""
+        return [shape for shape, _ in self.guesses(motions, model, place)]
 
     def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
         """Up to what is as good as rigid."""
@@ -68,9 +89,19 @@ class Backlash(Effect):
     ) -> Response:
         """No free coefficient: what the links do not feel of the motor's motion while they cross the gap."""
         assert place is not None
-        gap, stiffness = np.array([shape["gap"]]), np.array([shape["stiffness"]])
-        freed = _freed(motion, model, place.index, gap, stiffness)[0]
-        return Response(np.zeros((0, *motion.position.shape)), offset=freed)
+        inertia, column = link_inertia(motion, place.index)
+        passage, error = _passage(motion, model, place.index), np.empty(len(motion.position))
+        gap, stiffness = shape["gap"], shape["stiffness"]
+        _observe(passage.load, passage.passed, motion.step, inertia, gap, stiffness, _RATE, error)
+        # foreseen is what passed less the error; what rigid links would take beyond that, the motor need not
+        share = (passage.load - passage.passed + error) / inertia
+        return Response(np.zeros((0, *motion.position.shape)), offset=share[:, None] * column)
+
+    def blur(
+        self, values: Mapping[str, float], position_noise: float, torque_noise: float
+    ) -> dict[str, float]:
+        """How well the torque tells them: only motors are seen, and some links at a pin are in front."""
+        return {"gap": values["gap"] / 12.0, "stiffness": values["stiffness"] / 25.0}
 
     def least(self, shape: Mapping[str, float]) -> np.ndarray:
         """Less makes a difference to when a flank is met, not to where."""
@@ -84,24 +115,57 @@ class Backlash(Effect):
         split(build, model, place, values["stiffness"], 0.0, values["gap"])
 
 
-def _freed(motion: Motion, model: Model, index: int, gap: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
-    """Torque (C, N, n) that links behind C gaps need less than rigid ones, along a motion of the motor.
+@dataclass(frozen=True)
+class _Passage:
+    """What passes through a gap along one motion: (N,) by rigid links, and as rotor and motor torque say."""
 
-    The wind d between motor and links obeys inertia d'' + k dead(d) = torque, d small, from the middle of
-    the gap; semi-implicit Euler, in steps that follow the stiffest contact.
+    step: float
+    load: np.ndarray
+    passed: np.ndarray
+
+
+def _passage(motion: Motion, model: Model, index: int) -> _Passage:
+    load = transmitted(motion, model, index)
+    return _Passage(motion.step, load, load - lacking(motion, model)[:, index])
+
+
+def _left(
+    pieces: Sequence[_Passage], inertia: float, gap: np.ndarray, stiffness: np.ndarray, rate: float
+) -> np.ndarray:
+    """Squared torque that C gaps leave unpredicted, with states corrected at a rate [rad/s], (C,)."""
+    total = np.zeros(len(gap))
+    for k in range(len(gap)):
+        for p in pieces:
+            error = np.empty_like(p.load)
+            _observe(p.load, p.passed, p.step, inertia, float(gap[k]), float(stiffness[k]), rate, error)
+            total[k] += float(np.sum(_means(error) ** 2))
+    return total
+
+
+def _means(values: np.ndarray) -> np.ndarray:
+    """Means over `_MEAN` rows of (N,), the settling left out: acceleration is noisy from row to row."""
+    count = len(values) // _MEAN
+    return values[: count * _MEAN].reshape(count, _MEAN).mean(axis=1)[_SETTLING:]
+
+
+@njit(cache=True, nogil=True)
+def _observe(load, passed, step, inertia, gap, stiffness, bandwidth, error):  # pyright: ignore
+    """Follow the wind d between motor and links: inertia d'' = load - k dead(d), the motor's motion given.
+
+    A path across a gap cannot be followed for long, so the state is drawn to where the torque that `passed`
+    says that it is. Semi-implicit Euler, in steps that follow the contact; `error` (N,) is `passed` less the
+    torque that was foreseen.
     """
-    inertia, column = link_inertia(motion, index)
-    torque = transmitted(motion, model, index)
-    many = int(np.ceil(motion.step * np.sqrt(stiffness.max() / inertia) / 0.3))
-    h, half = motion.step / many, 0.5 * gap
-    damping = 2.0 * _RELATIVE_DAMPING * np.sqrt(stiffness * inertia)
-    wind, rate = np.zeros_like(gap), np.zeros_like(gap)
-    out = np.empty((len(torque), len(gap)))
-    for row, load in enumerate(torque.tolist()):
-        before = rate
+    many = int(np.ceil(step * np.sqrt(stiffness / inertia) / 0.3))
+    h, half = step / many, 0.5 * gap
+    wind, rate = np.sign(passed[0]) * half + passed[0] / stiffness, 0.0
+    for row in range(len(load)):
+        into = 0.0 if abs(wind) <= half else wind - np.sign(wind) * half
+        away = passed[row] - stiffness * into
+        error[row] = away
+        wind += 2.0 * bandwidth * step * away / stiffness
+        rate += bandwidth**2 * step * away / stiffness
         for _ in range(many):
-            into = wind - np.clip(wind, -half, half)
-            rate = rate + h / inertia * (load - stiffness * into - np.where(into != 0.0, damping * rate, 0.0))
-            wind = wind + h * rate
-        out[row] = (rate - before) / motion.step
-    return out.T[:, :, None] * column
+            into = 0.0 if abs(wind) <= half else wind - np.sign(wind) * half
+            rate += h / inertia * (load[row] - stiffness * into)
+            wind += h * rate

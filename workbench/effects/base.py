@@ -116,6 +116,9 @@ class Effect:
         by_runs: whether a fit has to take its derivatives from simulations, since no column is exact near
             parameters that do something.
         splits: whether it gives the tree new joints, and so has to be installed before anything sits on it.
+        on_links: whether it acts on links, which a spring or a gap may hold away from the motors.
+        wanders: whether runs of nearly the same machine part, so that a fit of runs can add nothing to what
+            the torque says.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
         locations: where on an axis it can sit.
         source: where the equation comes from.
@@ -135,6 +138,8 @@ class Effect:
     basic: ClassVar[bool] = False
     by_runs: ClassVar[bool] = False
     splits: ClassVar[bool] = False
+    on_links: ClassVar[bool] = False
+    wanders: ClassVar[bool] = False
     axes: ClassVar[Literal["each", "all"]] = "each"
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     source: ClassVar[str]
@@ -153,6 +158,15 @@ class Effect:
         """Values to try for the parameters that do not enter linearly; one empty choice if all do."""
         del motions, model, place
         return ({},)
+
+    def guesses(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[tuple[Mapping[str, float], float]]:
+        """The same, best first, each with the share of the torque lacking along the motions that it leaves.
+
+        For effects that `splits`: the torque alone says much of them, and closed loops are dear to simulate.
+        """
+        return [(shape, 1.0) for shape in self.shapes(motions, model, place)]
 
     def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
         """Physical bounds of the values in a shape."""

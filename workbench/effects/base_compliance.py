@@ -13,12 +13,11 @@ from workbench.models import Model, Placement
 from .base import Door, Effect, Parameter, Response
 from .chain import Build
 from .flexible import frequencies, spring_wind
-from .lacking import explains_most
+from .lacking import Lack, refined, share_left
 from .motion import Motion
 
 BASE_JOINT = "base:x"
 _NONE = np.zeros(0)
-_TRIED = 4
 
 
 class BaseCompliance(Effect):
@@ -46,18 +45,32 @@ class BaseCompliance(Effect):
         """Once."""
         return not model.has(self.name)
 
+    def guesses(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[tuple[Mapping[str, float], float]]:
+        """What the lacking torque asks for, from resonances from 2 Hz on, of fixtures light and heavy."""
+        machine, starts = motions[0].momentum()[1], []
+        for together in frequencies(motions, 2.0, 80.0, 12):
+            for mass in machine * np.array([0.5, 3.0, 20.0]):
+                total = mass + machine
+                starts.append((total * together**2, 0.1 * total * together, mass))
+        made = [Lack.of(m, model, *_push(m)) for m in motions]
+
+        def left(values: np.ndarray) -> np.ndarray:
+            stiffness, damping, mass = values
+            total = float(mass + machine)
+            answers = [spring_wind(x.load, x.step, total, stiffness, damping) for x in made]
+            return np.concatenate([x.left(answer) for x, answer in zip(made, answers, strict=True)])
+
+        found = refined(left, starts)
+        values = dict(zip((p.name for p in self.parameters), map(float, found), strict=True))
+        return [(self.to_coefficients(values)[1], share_left(made, left(found)))]
+
     def shapes(
         self, motions: Sequence[Motion], model: Model, place: Placement | None
     ) -> Sequence[Mapping[str, float]]:
-        """Resonances from 2 Hz on, hardly and well damped, of fixtures light and heavy."""
-        machine = motions[0].momentum()[1]
-        choices = []
-        for together in frequencies(motions, 2.0, 80.0, 14):
-            for mass in machine * np.array([0.3, 1.0, 3.0, 10.0, 30.0]):
-                rate = together * np.sqrt((mass + machine) / mass)
-                choices += [{"rate": float(rate), "share": s, "mass": float(mass)} for s in (0.03, 0.2)]
-        made = [np.stack([_recoil(m, self.to_parameters(_NONE, c)) for c in choices]) for m in motions]
-        return [choices[k] for k in explains_most(motions, model, made)[:_TRIED]]
+        """The guesses."""
+        return [shape for shape, _ in self.guesses(motions, model, place)]
 
     def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
         """Any fixture that rings rather than creeps."""
@@ -156,11 +169,15 @@ _JOINT = (
 )  # fmt: skip
 
 
+def _push(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Force (N,) on a base that stands, and what the drives feel of each unit of its acceleration, (N, n)."""
+    sideways = motion.momentum()[0][:, 0]
+    return -np.gradient(np.einsum("ki,ki->k", sideways, motion.velocity), motion.step), -sideways
+
+
 def _recoil(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
     """Torque (N, n) that the links feel as the base gives way to their motion."""
-    momentum, machine = motion.momentum()
-    sideways = momentum[:, 0]
-    push = -np.gradient(np.einsum("ki,ki->k", sideways, motion.velocity), motion.step)
-    total = values["mass"] + machine
-    moved = spring_wind(push, motion.step, total, values["stiffness"], values["damping"])
-    return -sideways * moved[:, None]
+    push, column = _push(motion)
+    total = values["mass"] + motion.momentum()[1]
+    moved = spring_wind(push - push[0], motion.step, total, values["stiffness"], values["damping"])
+    return column * moved[:, None]

@@ -74,16 +74,8 @@ EFFECTS: tuple[Effect, ...] = (
     LinkLengthError(),
 )
 
-#: Effects that models can have and that are simulated, but that a diagnosis does not rank yet: what bends
-#: between motor and link needs its stiffness found first.
-UNRANKED = frozenset(
-    {
-        "joint_compliance",
-        "backlash",
-        "base_compliance",
-        "link_length_error",
-    }
-)
+#: Effects that models can have and that are simulated, but that a diagnosis does not rank; none at present.
+UNRANKED: frozenset[str] = frozenset()
 
 _BY_NAME = {effect.name: effect for effect in EFFECTS}
 

@@ -21,6 +21,7 @@ from workbench.models import Model, Placement, axis_tendon
 
 from .base import is_rotary
 from .chain import Build
+from .lacking import Lack
 from .motion import Motion
 
 SPLITTING = ("joint_compliance", "backlash")
@@ -114,6 +115,12 @@ def transmitted(motion: Motion, model: Model, index: int) -> np.ndarray:
     inertia, damping = (part[index] for part in motion.rotor)
     needed = (motion.gain * motion.required(model))[:, index]
     return needed - inertia * motion.acceleration[:, index] - damping * motion.velocity[:, index]
+
+
+def spring_lack(motion: Motion, model: Model, index: int) -> tuple[Lack, float]:
+    """What a motion asks of a spring behind a drive, and the inertia on it."""
+    inertia, column = link_inertia(motion, index)
+    return Lack.of(motion, model, transmitted(motion, model, index), column), inertia
 
 
 def spring_wind(

@@ -11,7 +11,17 @@ from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Response
 from .chain import Build
-from .flexible import can_split, frequencies, link_inertia, split, spring_wind, stiffest, transmitted
+from .flexible import (
+    can_split,
+    frequencies,
+    link_inertia,
+    split,
+    spring_lack,
+    spring_wind,
+    stiffest,
+    transmitted,
+)
+from .lacking import refined, share_left
 from .motion import Motion
 
 
@@ -38,18 +48,34 @@ class JointCompliance(Effect):
         """Where a rotor can be taken off its link, once."""
         return can_split(model, key)
 
+    def guesses(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[tuple[Mapping[str, float], float]]:
+        """What the lacking torque asks for, from antiresonances from 4 Hz on, hardly and well damped."""
+        assert place is not None
+        inertia, _ = link_inertia(motions[0], place.index)
+        starts = [
+            (inertia * w**2, 2.0 * share * inertia * w)
+            for w in frequencies(motions, 4.0, 150.0, 10)
+            for share in (0.03, 0.3)
+        ]
+        made = [spring_lack(m, model, place.index) for m in motions]
+
+        def left(values: np.ndarray) -> np.ndarray:
+            return np.concatenate(
+                [lack.left(spring_wind(lack.load, lack.step, own, *values)) for lack, own in made]
+            )
+
+        found = refined(left, starts)
+        share = share_left([lack for lack, _ in made], left(found))
+        stiffness, damping = np.minimum(found, stiffest(model, place))
+        return [({"stiffness": float(stiffness), "damping": float(damping)}, share)]
+
     def shapes(
         self, motions: Sequence[Motion], model: Model, place: Placement | None
     ) -> Sequence[Mapping[str, float]]:
-        """Antiresonances from 4 Hz on, hardly and well damped."""
-        assert place is not None
-        inertia, _ = link_inertia(motions[0], place.index)
-        rates = frequencies(motions, 4.0, 150.0, 12)
-        return [
-            {"stiffness": float(inertia * w**2), "damping": float(2.0 * share * inertia * w)}
-            for w in rates
-            for share in (0.03, 0.3)
-        ]
+        """The guesses."""
+        return [shape for shape, _ in self.guesses(motions, model, place)]
 
     def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
         """Up to what is as good as rigid."""
@@ -63,7 +89,8 @@ class JointCompliance(Effect):
         assert place is not None
         inertia, column = link_inertia(motion, place.index)
         torque = transmitted(motion, model, place.index)
-        wind = spring_wind(torque, motion.step, inertia, shape["stiffness"], shape["damping"])
+        moved = torque - torque[0]  # the motion starts from rest, with the spring wound up by the weights
+        wind = spring_wind(moved, motion.step, inertia, shape["stiffness"], shape["damping"])
         return Response(np.zeros((0, *motion.position.shape)), offset=column * wind[:, None])
 
     def least(self, shape: Mapping[str, float]) -> np.ndarray:

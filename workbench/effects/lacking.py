@@ -1,10 +1,17 @@
-"""The torque that a model lacks along a motion: chooses among shapes of an effect before a loop is closed."""
+"""The torque that a model lacks along a motion, and which spring, gap or base would give it.
+
+A closed loop is dear to simulate. Along the motion that the motors made no loop needs to be closed: whatever
+hangs on them through a spring obeys an equation of its own, and the shape of an effect follows by least
+squares on the torque alone, from several starts.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 from scipy.signal import butter, sosfiltfilt
 
 from workbench.models import Model
@@ -12,26 +19,75 @@ from workbench.models import Model
 from .motion import Motion
 
 _BAND = 60.0  # Hz: above, acceleration is mostly noise
+_STARTS = 3
+_APART = 0.3  # in the logarithm of a value: starts nearer to each other lead to one place
+
+
+@dataclass(frozen=True)
+class Lack:
+    """What one motion asks of a spring.
+
+    Attributes:
+        step: of the rows [s].
+        load: what passes through the spring when it is stiff, in the band, from its first value, (N,).
+        column: torque on the drives per unit of the spring's answer, at some rows, (M, n).
+        missing: what the drives lack in the band, at the same rows, (M, n).
+        rows: which rows these are.
+    """
+
+    step: float
+    load: np.ndarray
+    column: np.ndarray
+    missing: np.ndarray
+    rows: slice
+
+    @staticmethod
+    def of(motion: Motion, model: Model, load: np.ndarray, column: np.ndarray) -> Lack:
+        """From the whole load (N,) and column (N, n)."""
+        top = min(_BAND, 0.2 / motion.step)
+        sos = butter(2, top, fs=1.0 / motion.step, output="sos")
+        rows = slice(None, None, max(1, round(0.2 / (top * motion.step))))
+        missing = np.asarray(sosfiltfilt(sos, lacking(motion, model), axis=0))
+        return Lack(
+            motion.step, np.asarray(sosfiltfilt(sos, load - load[0])), column[rows], missing[rows], rows
+        )
+
+    def left(self, answer: np.ndarray) -> np.ndarray:
+        """What is still missing (M * n,) where the spring answers so (N,)."""
+        return (self.missing - self.column * answer[self.rows, None]).ravel()
 
 
 def lacking(motion: Motion, model: Model) -> np.ndarray:
-    """Torque on the drives (N, n) that the motion needs by the model beyond what the motors gave."""
-    return (motion.required(model) - motion.torque) * motion.gain
+    """Torque on the drives (N, n) that the motion needs by the model beyond what the motors gave.
+
+    A torque is the mean over the step after its row, so that two of them lie about the row.
+    """
+    given = motion.torque.copy()
+    given[1:] = 0.5 * (motion.torque[1:] + motion.torque[:-1])
+    return (motion.required(model) - given) * motion.gain
 
 
-def explains_most(motions: Sequence[Motion], model: Model, torques: Sequence[np.ndarray]) -> np.ndarray:
-    """Numbers of the C candidates, the one first that leaves least of the lacking torque in a band.
+def share_left(lacks: Sequence[Lack], left: np.ndarray) -> float:
+    """What share of the squared torque that is missing a residual (M,) is."""
+    return float(np.sum(left**2) / max(sum(float(np.sum(x.missing**2)) for x in lacks), 1e-300))
+
+
+def refined(left: Callable[[np.ndarray], np.ndarray], starts: Sequence[Sequence[float]]) -> np.ndarray:
+    """Positive values that leave least, by least squares on their logarithms from the best of many starts.
 
     Args:
-        motions: R of them.
-        model: whose torque is lacking.
-        torques: per motion what each candidate gives, (C, N, n).
+        left: values (k,) -> residual (M,).
+        starts: values to begin with, (S, k).
     """
-    left = np.zeros(len(torques[0]))
-    for motion, given in zip(motions, torques, strict=True):
-        missing = lacking(motion, model)
-        sos = butter(2, min(_BAND, 0.2 / motion.step), fs=1.0 / motion.step, output="sos")
-        # what is not needed at every row is taken at some
-        part = slice(None, None, max(1, round(0.2 / (_BAND * motion.step))))
-        left += np.sum(sosfiltfilt(sos, given - missing, axis=1)[:, part] ** 2, axis=(1, 2))
-    return np.argsort(left)
+    tried = np.log(np.asarray(starts, float))
+    order = np.argsort([float(np.sum(left(np.exp(x)) ** 2)) for x in tried])
+    chosen: list[np.ndarray] = []
+    for x in tried[order]:
+        if len(chosen) < _STARTS and all(np.abs(x - other).max() > _APART for other in chosen):
+            chosen.append(x)
+    low, high = tried.min(axis=0) - 3.0, tried.max(axis=0) + 3.0
+    found = [
+        least_squares(lambda x: left(np.exp(x)), x, bounds=(low, high), diff_step=1e-3, max_nfev=15)
+        for x in chosen
+    ]
+    return np.exp(min(found, key=lambda f: f.cost).x)

@@ -13,6 +13,8 @@ from workbench.models import AppliedEffect, Model, Placement, load_mjcf
 from .base import Door, Effect, Parameter, Response
 from .chain import Build
 from .motion import Motion
+from .structure import is_parallelogram
+from .weights import add_gravity, add_inertia, mass_at_the_end, weight_at_the_end
 
 _PROBE = 1e-3  # of the link's length: the change behind the column
 
@@ -29,6 +31,7 @@ class LinkLengthError(Effect):
     name = "link_length_error"
     parameters = (Parameter("length", "m", lower=-np.inf),)
     door = Door.MECHANISM
+    on_links = True
     tier = 1
     source = "geometric calibration; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6"
     shows = (
@@ -59,6 +62,12 @@ class LinkLengthError(Effect):
         """A tenth of a metre either way."""
         return np.full(1, -0.1), np.full(1, 0.1)
 
+    def blur(
+        self, values: Mapping[str, float], position_noise: float, torque_noise: float
+    ) -> dict[str, float]:
+        """A fifteenth: how well a tree knows what hangs on a link's end (see `weights`)."""
+        return {"length": abs(values["length"]) / 15.0}
+
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
     ) -> None:
@@ -72,9 +81,32 @@ class LinkLengthError(Effect):
             site = build.spec.site(model.payload_site)
             ends = [site, *(b for b in link.bodies if np.array_equal(b.pos, site.pos))]
         way = np.asarray(ends[0].pos, float).copy()
-        way /= max(float(np.linalg.norm(way)), 1e-12)
+        length = float(np.linalg.norm(way))
+        way /= max(length, 1e-12)
         for end in ends:
             end.pos = np.asarray(end.pos, float) + values["length"] * way
+        if place.index == 0 and is_parallelogram(model):
+            _hang_the_linkage(build.spec, model, length, values["length"])
+
+
+def _hang_the_linkage(spec: mujoco.MjSpec, model: Model, length: float, more: float) -> None:
+    """Let a longer thigh carry out what the linkage weighs, not what stands for it in the tree.
+
+    The bodies that make a tree's inertia and weight those of a linkage have masses that the increments leave
+    open. Of the linkage's weight on the thigh, g1, it is known that a mass at its end would have it.
+    """
+    linkage, gravity = model.linkage, float(np.linalg.norm(spec.option.gravity))
+    if linkage is None or linkage.g1 <= 0.0 or gravity == 0.0:
+        return
+    mass = linkage.g1 / (gravity * length)
+    for applied in model.effects:
+        if applied.key.effect == "linkage_inertia":
+            v = applied.values
+            beyond = mass - mass_at_the_end(length, v["M11"], v["M12"], v["M22"])
+            add_inertia(spec, model, beyond * ((length + more) ** 2 - length**2), 0.0, 0.0)
+        if applied.key.effect == "linkage_gravity":
+            beyond = mass * gravity - weight_at_the_end(applied.values["g2"])
+            add_gravity(spec, model, beyond * more, 0.0)
 
 
 def _reach(model: Model) -> float:

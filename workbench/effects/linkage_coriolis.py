@@ -24,6 +24,7 @@ class LinkageCoriolis(Effect):
 
     name = "linkage_coriolis"
     door = Door.MECHANISM
+    on_links = True
     axes = "all"
     source = "paper, the term neglected before Eq. 21"
     shows = "torque residual even in speed, growing with its square, zero where alpha = 0"

@@ -26,6 +26,7 @@ class LinkageInertia(Effect):
         Parameter("M22", "kg*m^2", lower=-INF),
     )
     door = Door.MECHANISM
+    on_links = True
     basic = True
     tier = 1
     contains = ("reflected_inertia",)

@@ -20,6 +20,7 @@ class PayloadMass(Effect):
     name = "payload_mass"
     parameters = (Parameter("mass", "kg"),)
     door = Door.MECHANISM
+    on_links = True
     basic = True
     axes = "all"
     source = "Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8"

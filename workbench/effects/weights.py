@@ -30,14 +30,23 @@ def add_inertia(spec: mujoco.MjSpec, model: Model, m11: float, m12: float, m22: 
         SimulationError: a link would be left without inertia.
     """
     thigh, shank, along, length = _links(spec, model)
-    low = (m12 / length) ** 2 / m22 if m22 > 0 else np.inf
-    high = m11 / length**2
-    possible = 0 < low <= high
-    mass = float(np.sqrt(low * high)) if possible else max(abs(m12) / (length * _ARM), _FEATHER)
+    mass = mass_at_the_end(length, m11, m12, m22)
     reach = m12 / (length * mass)
     _turn(thigh, model.joints[0], m11 - mass * length**2)
     _turn(shank, model.joints[1], m22 - mass * reach**2)
     _body(shank, reach * along, mass, 0.0, 1.0)
+
+
+def mass_at_the_end(length: float, m11: float, m12: float, m22: float) -> float:
+    """The point mass [kg] that `add_inertia` hangs on the end of a thigh of this length [m]."""
+    low = (m12 / length) ** 2 / m22 if m22 > 0 else np.inf
+    high = m11 / length**2
+    return float(np.sqrt(low * high)) if 0 < low <= high else max(abs(m12) / (length * _ARM), _FEATHER)
+
+
+def weight_at_the_end(g2: float) -> float:
+    """The force [N] that `add_gravity` hangs on the end of a thigh."""
+    return g2 / _ARM
 
 
 def _turn(link: mujoco.MjsBody, joint: str, inertia: float) -> None:
@@ -62,7 +71,7 @@ def add_gravity(spec: mujoco.MjSpec, model: Model, g1: float, g2: float) -> None
     gravity = float(np.linalg.norm(spec.option.gravity))
     if gravity == 0.0:
         raise SimulationError(f"model '{model.name}' has no gravity, so its linkage cannot have any")
-    lower = g2 / _ARM
+    lower = weight_at_the_end(g2)
     upper = (g1 - lower * length) / _ARM
     for parent, force in ((thigh, upper), (shank, lower)):
         _body(parent, _ARM * along, _FEATHER, 0.0, 1.0 - force / (_FEATHER * gravity))

@@ -69,11 +69,16 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
 
 
 def _required(model: Model, track: Track, step: float) -> np.ndarray:
-    """Torque (N, n) at the tap that a model needs for a track; worked out at some rows."""
-    stride = max(1, round(_EVERY_S / step))
+    """Torque (N, n) at the tap that a model needs for a track.
+
+    What posture and speed ask for is worked out at some rows, and what the acceleration does at all.
+    """
+    plant, stride = compile_plant(model), max(1, round(_EVERY_S / step))
     rows = np.unique(np.append(np.arange(0, len(track.position), stride), len(track.position) - 1))
-    some = Track(track.position[rows], track.velocity[rows], track.acceleration[rows])
-    return interpolate(rows, required_torque(compile_plant(model), some, stride * step), len(track.position))
+    some = Track(track.position[rows], track.velocity[rows], np.zeros((len(rows), model.size)))
+    even = interpolate(rows, required_torque(plant, some, stride * step), len(track.position))
+    pushed = np.einsum("kij,kj->ki", mass_matrix(plant, track), track.acceleration)
+    return even + pushed / plant.chain.gain
 
 
 def rotor_of(plant: Plant) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,76 @@
+"""Springs, gaps and a soft base are named, with their size, and asked for only where something gives way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from workbench.core import EffectKey
+from workbench.diagnosis import diagnose
+from workbench.diagnosis.data import gather
+from workbench.diagnosis.giving import drive_of, pins_of, what_gives_way
+from workbench.diagnosis.sensitivity import Scene
+from workbench.effects import load_model
+from workbench.rigs import HiddenEffect
+
+from .rig import recordings
+
+LEG = load_model("leg")
+HIDDEN = [
+    HiddenEffect("joint_compliance", "hip", parameters={"stiffness": 1300.0, "damping": 2.0}),
+    HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 180.0, "damping": 0.27}),
+    HiddenEffect("backlash", "hip", parameters={"gap": 0.014, "stiffness": 350.0}),
+    HiddenEffect("backlash", "knee", parameters={"gap": 0.01, "stiffness": 300.0}),
+    HiddenEffect("base_compliance", parameters={"stiffness": 3e4, "damping": 90.0, "mass": 5.5}),
+]
+
+
+def scene(*hidden: HiddenEffect) -> Scene:
+    training, _ = recordings(*hidden)
+    data, runs = gather(LEG, training, (), seed=0)
+    return Scene.of(LEG, data, runs.clean, len(training))
+
+
+@pytest.mark.parametrize("hidden", HIDDEN, ids=lambda h: f"{h.effect}@{h.axis}")
+def test_the_torque_alone_tells_what_gives_way_and_how_much(hidden: HiddenEffect) -> None:
+    made = scene(hidden)
+    candidates = {c.key: c for c in what_gives_way(made, len(made.runs), 1.0)}
+    key = EffectKey(hidden.effect, hidden.axis)
+    assert key in candidates
+    axes = {k.axis for k, c in candidates.items() if c.judged <= 5 * candidates[key].judged}
+    assert axes == {hidden.axis}
+    found = candidates[key]
+    if hidden.effect == "base_compliance":
+        assert found.shape["mass"] == pytest.approx(hidden.parameters["mass"], rel=0.2)
+        return
+    for name, value in hidden.parameters.items():
+        assert found.shape[name] == pytest.approx(value, rel=0.15), name
+
+
+def test_friction_asks_for_no_spring() -> None:
+    made = scene(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.4}))
+    assert not what_gives_way(made, len(made.runs), 1.0)
+
+
+@pytest.mark.parametrize("hidden", [HIDDEN[1], HIDDEN[2], HIDDEN[4]], ids=lambda h: h.effect)
+def test_names_it_with_its_size(hidden: HiddenEffect) -> None:
+    training, held_out = recordings(hidden)
+    found = diagnose(LEG, training, held_out)
+    first = found.findings[0]
+    assert (found.verdict, len(found.findings)) == ("missing_effect", 1)
+    assert first.key == EffectKey(hidden.effect, hidden.axis)
+    pin = (EffectKey(hidden.effect, "knee", "joint"),) if hidden.axis == "knee" else ()
+    assert set(pin) <= set(first.indistinguishable_from)
+    for name, value in hidden.parameters.items():
+        estimate = first.parameters[name]
+        assert abs(estimate.value - value) < 3 * estimate.std, (name, estimate)
+        assert 0 < estimate.std < 0.2 * value
+
+
+def test_a_pin_that_one_drive_turns_is_that_drive() -> None:
+    drive, pin = EffectKey("backlash", "knee"), EffectKey("backlash", "knee", "joint")
+    assert drive_of(LEG, pin) == drive and pins_of(LEG, drive) == (pin,)
+    # without the drives' coupling a tree cannot have a spring at the knee's drive
+    assert drive_of(load_model("leg_kin_only"), pin) is None
+    assert pins_of(LEG, EffectKey("backlash", "hip")) == ()
+    assert np.count_nonzero(LEG.transmission[:, 0]) == 2

@@ -1,0 +1,54 @@
+"""Springs, gaps and a soft base: what the torque along the motion says before any loop is closed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import effect_named, places
+from workbench.models import Model, Placement
+
+from .screen import Candidate
+from .sensitivity import Scene
+
+_LEFT = 0.7  # of the lacking torque: what leaves more is no explanation
+_BESIDE = 5.0  # times what the best leaves: what closed loops may still tell apart
+_MOST = 4
+
+
+def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate]:
+    """Effects that let motors, links and base move apart, as far as they explain the lacking torque.
+
+    Args:
+        scene: the model that lacks something, on recordings of which the first `training` are looked at.
+        training: their number.
+        judged: what the model leaves now, for the candidates' own.
+    """
+    found: list[Candidate] = []
+    motions = scene.motions[:training]
+    for key in places(scene.model):
+        effect = effect_named(key.effect)
+        if not effect.splits or drive_of(scene.model, key) is not None:
+            continue
+        for shape, left in effect.guesses(motions, scene.model, Placement.of(scene.model, key)):
+            if left < _LEFT:
+                found.append(Candidate(key, np.zeros(0), shape, left * judged, np.inf))
+    found.sort(key=lambda c: c.judged)
+    return [c for c in found if c.judged <= _BESIDE * found[0].judged][:_MOST]
+
+
+def drive_of(model: Model, key: EffectKey) -> EffectKey | None:
+    """The place at the drive that is the same machine as this pin: where only one drive turns the pin."""
+    if key.axis is None or key.location != "joint" or not effect_named(key.effect).splits:
+        return None
+    index = model.axes.index(key.axis)
+    turned = np.flatnonzero(model.transmission[:, index])
+    drive = EffectKey(key.effect, key.axis)
+    alone = turned.tolist() == [index] and effect_named(key.effect).applies(model, drive)
+    return drive if alone else None
+
+
+def pins_of(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
+    """Places at pins that are the same machine as this one at a drive."""
+    pin = EffectKey(key.effect, key.axis, "joint")
+    return (pin,) if key.location == "actuator" and drive_of(model, pin) == key else ()
