@@ -233,7 +233,8 @@ def _next(
             (c, settle(f, data, floor) if f.trained < 1.5 * own[0][1].trained else f) for c, f in own[:2]
         ]
         fits += own[2:]
-    if not any(f.judged < _ALL_OF_IT * floor for _, f in fits):
+    structural = any(c in stated for c, f in fits if helps(f, current, excess))
+    if not structural and not any(f.judged < _ALL_OF_IT * floor for _, f in fits):
         # dear to simulate, and hardly ever asked for where all is rigid
         progress("looking for springs and gaps")
         late = what_gives_way(scene, data.training, current.judged)

@@ -60,17 +60,22 @@ class Backlash(Effect):
         rates = frequencies(motions, 10.0, 100.0, 9)
         gaps, stiffnesses = way * np.geomspace(2e-4, 0.1, 10), inertia * rates**2
         grid = np.stack(np.meshgrid(gaps, stiffnesses, indexing="ij"), axis=-1).reshape(-1, 2)
-        start = grid[int(np.argmin(_left(pieces, inertia, *grid.T, _RATE)))]
+        start = grid[int(np.argmin(_left(pieces, inertia, grid)))]
         best = minimize(
-            lambda x: float(_left(pieces, inertia, *np.exp(x)[:, None], _RATE)[0]),
+            lambda x: float(_left(pieces, inertia, np.exp(x)[None])[0]),
             np.log(start),
             method="Nelder-Mead",
-            options={"initial_simplex": np.log(start) + _SIMPLEX, "xatol": 1e-3, "fatol": 0.0, "maxfev": 80},
+            options={
+                "initial_simplex": np.log(start) + _SIMPLEX,
+                "xatol": 1e-3,
+                "fatol": np.inf,
+                "maxfev": 80,
+            },
         )
         found, least = np.exp(best.x), float(best.fun)
         if found[0] < 1e-4 * way:
             return []  # a spring, which is another effect
-        rigid = _left(pieces, inertia, np.zeros(1), np.full(1, stiffest(model, place)), _RATE)
+        rigid = _left(pieces, inertia, np.array([[0.0, stiffest(model, place)]]))
         stiffness = min(float(found[1]), stiffest(model, place))
         return [({"gap": float(found[0]), "stiffness": stiffness}, least / max(float(rigid[0]), 1e-300))]
 
@@ -129,15 +134,13 @@ def _passage(motion: Motion, model: Model, index: int) -> _Passage:
     return _Passage(motion.step, load, load - lacking(motion, model)[:, index])
 
 
-def _left(
-    pieces: Sequence[_Passage], inertia: float, gap: np.ndarray, stiffness: np.ndarray, rate: float
-) -> np.ndarray:
-    """Squared torque that C gaps leave unpredicted, with states corrected at a rate [rad/s], (C,)."""
-    total = np.zeros(len(gap))
-    for k in range(len(gap)):
+def _left(pieces: Sequence[_Passage], inertia: float, values: np.ndarray) -> np.ndarray:
+    """Squared torque (C,) that C gaps and stiffnesses, (C, 2), leave unforeseen."""
+    total = np.zeros(len(values))
+    for k, (gap, stiffness) in enumerate(values.tolist()):
         for p in pieces:
             error = np.empty_like(p.load)
-            _observe(p.load, p.passed, p.step, inertia, float(gap[k]), float(stiffness[k]), rate, error)
+            _observe(p.load, p.passed, p.step, inertia, gap, stiffness, _RATE, error)
             total[k] += float(np.sum(_means(error) ** 2))
     return total
 

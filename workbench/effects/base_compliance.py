@@ -101,8 +101,8 @@ class BaseCompliance(Effect):
     def blur(
         self, values: Mapping[str, float], position_noise: float, torque_noise: float
     ) -> dict[str, float]:
-        """A twentieth: how well a tree knows what its machine weighs sideways (see `weights`)."""
-        return {name: 0.05 * value for name, value in values.items()}
+        """A fourteenth: how well a tree knows what its machine weighs sideways (see `weights`)."""
+        return {name: value / 14.0 for name, value in values.items()}
 
     def least(self, shape: Mapping[str, float]) -> np.ndarray:
         """Small beside the others."""
