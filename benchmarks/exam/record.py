@@ -46,7 +46,7 @@ def record(case: Case) -> Recorded:
         case "slow_only":
             training = training[-1:]
         case "short":
-            training = [_first(e, 3.0) for e in training[:3]]
+            training = [_first(e, 3.0) for e in training if e.excitation.kind != "multisine"]
         case "long":
             training = [*training, work_and_rest()]
         case "revealing":
@@ -78,7 +78,7 @@ def _degraded(recording: Recording, how: str) -> Recording:
         case "no_torque":
             return degrade(recording, without=("torque_measured",))
         case "jitter":
-            return degrade(recording, jitter=0.1)
+            return degrade(recording, jitter=0.05)
         case "every_third":
             return degrade(recording, every=3)
         case _:
