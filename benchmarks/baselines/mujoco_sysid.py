@@ -9,7 +9,9 @@ Needs ``pip install 'mujoco[sysid]'``.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from dataclasses import dataclass
+from io import StringIO
 from typing import Any
 
 import mujoco
@@ -116,7 +118,8 @@ def identify(
 
     nominal = wanted.as_vector().copy()
     before = stacked(wanted)
-    fitted, result = sysid.optimize(wanted, residual, verbose=False)
+    with redirect_stdout(StringIO()):  # it tells of every step
+        fitted, result = sysid.optimize(wanted, residual, verbose=False)
     after = stacked(fitted)
     _, half = sysid.calculate_intervals([after], np.asarray(result.jac))
     values = zip(nominal, fitted.as_vector(), half, strict=True)

@@ -11,13 +11,20 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from .scoring import wilson
 from .table import calibration_classes
 
 Line = Mapping[str, Any]
-_INK, _BLUE, _ORANGE = "#222222", "#0072b2", "#d55e00"  # Okabe and Ito's, told apart by all eyes
+_INK, _GREY, _BLUE, _ORANGE = (
+    "#222222",
+    "#777777",
+    "#0072b2",
+    "#d55e00",
+)  # Okabe and Ito's, told apart by all eyes
 
 
 def draw_all(lines: Sequence[Line], folder: Path) -> list[Path]:
@@ -44,23 +51,23 @@ def confusion(lines: Sequence[Line]) -> Figure:
     named = sorted({f["effect"] for x in shown for f in x["findings"][:1]} - {*effects})
     outsiders = sorted({x["truth"][0]["effect"] for x in shown if x["kind"] == "outsider"})
     rows = [*effects, *outsiders, "nothing"]
-    columns = [*effects, *named, "same, other place", "unexplained", "consistent"]
+    columns = [*effects, *named, "look-alike", "same, other place", "unexplained", "consistent"]
     counts = np.zeros((len(rows), len(columns)), int)
     for line in shown:
         truth = line["truth"][0] if line["truth"] else None
         row = rows.index(truth["effect"] if truth else "nothing")
         counts[row, columns.index(_answer(line, truth))] += 1
-    totals = np.maximum(counts.sum(axis=1, keepdims=True), 1)
+    share = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1)
     figure, ax = plt.subplots(
         figsize=(0.34 * len(columns) + 3.6, 0.27 * len(rows) + 3.2), layout="constrained"
     )
-    ax.imshow(counts / totals, cmap="cividis_r", vmin=0, vmax=1, aspect="auto")
+    cells = np.ones((*counts.shape, 3))
     for (row, column), count in np.ndenumerate(counts):
         if count:
-            dark = count / totals[row, 0] > 0.5
-            ax.text(
-                column, row, str(count), ha="center", va="center", fontsize=8, color="white" if dark else _INK
-            )
+            cells[row, column] = _shade(_colour(rows[row], columns[column], effects), share[row, column])
+            ink = "white" if cells[row, column] @ [0.3, 0.6, 0.1] < 0.5 else _INK
+            ax.text(column, row, str(count), ha="center", va="center", fontsize=8, color=ink)
+    ax.imshow(cells, aspect="auto")
     ax.set_xticks(range(len(columns)), [c.replace("_", " ") for c in columns], rotation=90, fontsize=8)
     ax.set_yticks(
         range(len(rows)),
@@ -73,13 +80,28 @@ def confusion(lines: Sequence[Line]) -> Figure:
     ax.tick_params(which="minor", length=0)
     for edge in (len(effects) - 0.5, len(effects) + len(outsiders) - 0.5):
         ax.axhline(edge, color=_INK, linewidth=1)
-    ax.axvline(len(columns) - 3.5, color=_INK, linewidth=1)
+    ax.axvline(len(columns) - 4.5, color=_INK, linewidth=1)
     ax.set_xlabel("named first")
     ax.set_ylabel("hidden (cases)")
-    ax.set_title(
-        "What was hidden and what was named: number of cases, shade by share of the row", fontsize=10
-    )
+    ax.set_title("Cases by what was hidden and what was named; shade by share of the row", fontsize=10)
+    kinds = {"right": _BLUE, "wrong name": _ORANGE, "no name": _GREY}
+    patches = [Patch(color=colour) for colour in kinds.values()]
+    figure.legend(patches, list(kinds), ncols=3, loc="lower left", frameon=False)
     return figure
+
+
+def _colour(hidden: str, answer: str, effects: Sequence[str]) -> str:
+    """Blue where that is the right answer, orange where it is a wrong name, grey where there is no name."""
+    right = hidden if hidden in effects else "consistent" if hidden == "nothing" else "unexplained"
+    if answer in (right, "look-alike"):
+        return _BLUE
+    return _GREY if answer in ("unexplained", "consistent") else _ORANGE
+
+
+def _shade(colour: str, share: float) -> np.ndarray:
+    """The colour, the paler the smaller its share."""
+    strength = 0.35 + 0.65 * share
+    return strength * np.array(to_rgb(colour)) + 1.0 - strength
 
 
 def _answer(line: Line, truth: Mapping[str, Any] | None) -> str:
@@ -88,7 +110,7 @@ def _answer(line: Line, truth: Mapping[str, Any] | None) -> str:
     first = line["findings"][0]
     if truth and first["effect"] == truth["effect"] and first["is"] == "false":
         return "same, other place"
-    return first["effect"]
+    return "look-alike" if first["is"] == "look-alike" else first["effect"]
 
 
 def reliability(lines: Sequence[Line]) -> Figure:
@@ -100,7 +122,7 @@ def reliability(lines: Sequence[Line]) -> Figure:
             continue
         share, (low, high) = sum(true) / len(true), wilson(sum(true), len(true))
         away = np.array([[max(share - low, 0.0)], [max(high - share, 0.0)]])
-        ax.errorbar(np.mean(stated), share, away, fmt="o", color=_BLUE, capsize=3)
+        ax.errorbar(np.mean(stated), share, away, fmt="o", color=_BLUE, capsize=3, clip_on=False)
         ax.annotate(
             str(len(stated)),
             (float(np.mean(stated)), float(low)),
@@ -117,19 +139,19 @@ def reliability(lines: Sequence[Line]) -> Figure:
 def removed(lines: Sequence[Line]) -> Figure:
     """Share of the removable held-out error that went, of visible catalogued effects."""
     figure, ax = plt.subplots(figsize=(5.6, 3.4), layout="constrained")
-    edges = np.linspace(-0.1, 1.1, 25).tolist()
-    several = ("pair", "triple")
-    for label, colour, kinds in (("one effect", _BLUE, ("single",)), ("two or three", _ORANGE, several)):
-        shares = [
-            line["removed"]
+    edges = np.arange(-0.125, 1.15, 0.05)
+    shares = [
+        [
+            float(np.clip(line["removed"], edges[0], edges[-1]))
             for line in lines
             if line["kind"] in kinds and line["visible"] and line["removed"] is not None
         ]
-        hatch = "//" if kinds == several else None
-        ax.hist(
-            np.clip(shares, edges[0], edges[-1]), edges, histtype="stepfilled", alpha=0.45, color=colour,
-            edgecolor=colour, hatch=hatch, label=f"{label} ({len(shares)})",
-        )  # fmt: skip
+        for kinds in (("single",), ("pair", "triple"))
+    ]
+    labels = [
+        f"{name} ({len(own)})" for name, own in zip(("one effect", "two or three"), shares, strict=True)
+    ]
+    ax.hist(shares, edges.tolist(), color=[_BLUE, _ORANGE], label=labels)
     ax.axvline(1.0, color=_INK, linewidth=1, linestyle="--")
     ax.set(xlabel="share of removable held-out error removed (1: as the true model)", ylabel="cases")
     ax.legend(frameon=False)
