@@ -1,0 +1,104 @@
+"""What host and drive say to each other, whatever the protocol; SI, at the drive's output."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from .span import Span
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """What the full scale of each field stands for: -x to x, gains 0 to x.
+
+    Published ranges contradict each other, so they carry their source.
+
+    Attributes:
+        position: [rad]. velocity: [rad/s]. torque: [N m]. kp: [N m/rad]. kd: [N m s/rad].
+        source: where the numbers are from; ``"drive"`` where they are read from it.
+    """
+
+    position: float
+    velocity: float
+    torque: float
+    kp: float
+    kd: float
+    source: str
+
+
+class Setpoint(NamedTuple):
+    """What a drive is asked for: torque + kp (position - q) + kd (velocity - w)."""
+
+    position: float
+    velocity: float
+    kp: float
+    kd: float
+    torque: float
+
+
+class Feedback(NamedTuple):
+    """What a drive says of itself.
+
+    Attributes:
+        position, velocity, torque: [rad, rad/s, N m].
+        temperature: hottest that it tells [deg C]; None where it tells none.
+        enabled: whether it drives; None where it does not say.
+        fault: 0 for none, else the protocol's own number.
+    """
+
+    position: float
+    velocity: float
+    torque: float
+    temperature: float | None = None
+    enabled: bool | None = None
+    fault: int = 0
+
+
+class Fault(NamedTuple):
+    """A drive reports a fault outside its feedback, by the protocol's own number."""
+
+    number: int
+
+
+#: What a drive is told to do, besides to follow a setpoint.
+Action = Literal["enable", "disable", "zero", "clear"]
+
+#: What can be read from a drive that lets itself be read; watchdog in seconds, 0 for none; mode 1 is that of
+#: the setpoints above; the ends of its ranges.
+ParameterName = Literal["watchdog", "mode", "position", "velocity", "torque"]
+
+
+class Parameter(NamedTuple):
+    """A parameter's value; as an answer, or to be written."""
+
+    name: ParameterName
+    value: float
+
+
+class Read(NamedTuple):
+    """A parameter is asked for."""
+
+    name: ParameterName
+
+
+class Fields(NamedTuple):
+    """The five fields of a command, of which feedback uses three."""
+
+    position: Span
+    velocity: Span
+    kp: Span
+    kd: Span
+    torque: Span
+
+
+def fields(ranges: Ranges, bits: tuple[int, int, int, int, int], kept: int = 0) -> Fields:
+    """Fields of `bits` each; `kept` raw positions at the upper end stay unused in commands."""
+    p, v, kp, kd, t = bits
+    return Fields(
+        Span(-ranges.position, ranges.position, p, kept),
+        Span(-ranges.velocity, ranges.velocity, v),
+        Span(0.0, ranges.kp, kp),
+        Span(0.0, ranges.kd, kd),
+        Span(-ranges.torque, ranges.torque, t),
+    )

@@ -1,0 +1,158 @@
+"""The MIT protocol, as CubeMars AK drives speak it.
+
+Command to the drive's id, big-endian: position 16 bits, velocity 12, kp 12, kd 12, torque 12. Enter, exit and
+zero are seven bytes 0xFF and FC, FD or FE: a command of full scale would be one of them, so the last position
+step is never sent. The answer comes on an id that the host chose (factory setting 0), the drive's id in its
+first byte, then position 16, velocity 12, torque 12, and by firmware temperature and error.
+"""
+
+from __future__ import annotations
+
+from .frame import Frame, FrameError
+from .messages import Action, Feedback, Fields, Parameter, ParameterName, Ranges, Read, Setpoint, fields
+
+_BITS = (16, 12, 12, 12, 12)
+_SPECIAL: dict[Action, int] = {"enable": 0xFC, "disable": 0xFD, "zero": 0xFE, "clear": 0xFB}
+_HEAD = b"\xff" * 7
+
+
+class Mit:
+    """One drive.
+
+    Args:
+        id: of the drive, 11 bits.
+        reply_id: of its answers; not its own id, or a host could take its own command for an answer.
+        ranges: of the fields.
+        temperature_offset: byte + offset is degrees Celsius.
+        length: of its answers, 6, 7 or 8 bytes.
+    """
+
+    name = "mit"
+    extended = False
+    parameters: tuple[ParameterName, ...] = ()
+
+    def __init__(
+        self, id: int, reply_id: int, ranges: Ranges, temperature_offset: float = -40.0, length: int = 8
+    ) -> None:
+        if not (0 <= id <= 0xFF and 0 <= reply_id <= 0x7FF) or id == reply_id:
+            raise FrameError(f"ids {id:#x} and {reply_id:#x}: a drive's is 0 to 0xFF, its answers' another")
+        self.id, self.reply_id, self.ranges = id, reply_id, ranges
+        self.length, self.temperature_offset = length, temperature_offset
+        self.fields = fields(ranges, _BITS, kept=1)
+
+    # What a host needs.
+
+    def command(self, setpoint: Setpoint) -> Frame:
+        """The frame of a setpoint.
+
+        Raises:
+            FrameError: not finite, or outside the ranges.
+        """
+        return Frame(self.id, pack_setpoint(setpoint, self.fields))
+
+    def act(self, action: Action) -> Frame:
+        """The frame that makes the drive do something."""
+        return Frame(self.id, _HEAD + bytes([_SPECIAL[action]]))
+
+    def read(self, name: ParameterName) -> Frame:
+        """This protocol reads nothing.
+
+        Raises:
+            FrameError: always.
+        """
+        raise FrameError(f"{self.name} drives cannot be asked for their {name}")
+
+    def write(self, parameter: Parameter) -> Frame:
+        """This protocol writes nothing.
+
+        Raises:
+            FrameError: always.
+        """
+        raise FrameError(f"{self.name} drives cannot be told their {parameter.name}")
+
+    def decode(self, frame: Frame) -> Feedback | Parameter | None:
+        """What this drive says; None where the frame is another's.
+
+        Raises:
+            FrameError: a frame of this drive with a length that its answers do not have.
+        """
+        if frame.extended or frame.id != self.reply_id:
+            return None
+        data = frame.data
+        if not 6 <= len(data) <= 8:
+            raise FrameError(f"answer of {len(data)} bytes on {frame.id:#x}")
+        if data[0] != self.id:
+            return None
+        temperature = data[6] + self.temperature_offset if len(data) > 6 else None
+        return Feedback(*unpack_motion(data, self.fields), temperature, None, data[7] if len(data) > 7 else 0)
+
+    # What a drive needs.
+
+    def asked(self, frame: Frame) -> Setpoint | Action | Read | Parameter | None:
+        """What the host asks of this drive; None where the frame is none of its."""
+        if frame.extended or frame.id != self.id or len(frame.data) != 8:
+            return None
+        return special(frame.data) or unpack_setpoint(frame.data, self.fields)
+
+    def answer(self, feedback: Feedback) -> Frame:
+        """The frame of feedback; numbers beyond the ranges are sent as their ends."""
+        motion = pack_motion(feedback, self.fields)
+        temperature = round((feedback.temperature or 0.0) - self.temperature_offset)
+        tail = bytes([min(max(temperature, 0), 255), feedback.fault & 0xFF])
+        return Frame(self.reply_id, (bytes([self.id]) + motion + tail)[: self.length])
+
+    def tell(self, parameter: Parameter) -> Frame:
+        """This protocol tells nothing.
+
+        Raises:
+            FrameError: always.
+        """
+        return self.write(parameter)
+
+
+def pack_setpoint(setpoint: Setpoint, f: Fields) -> bytes:
+    """Eight bytes of a setpoint.
+
+    Raises:
+        FrameError: not finite, or outside the fields' ranges.
+    """
+    p, v, kp, kd, t = (span.encode(value) for span, value in zip(f, setpoint, strict=True))
+    return (p << 48 | v << 36 | kp << 24 | kd << 12 | t).to_bytes(8, "big")
+
+
+def unpack_setpoint(data: bytes, f: Fields) -> Setpoint:
+    """The setpoint in eight bytes."""
+    raw = int.from_bytes(data, "big")
+    return Setpoint(
+        f.position.decode(raw >> 48),
+        f.velocity.decode(raw >> 36 & 0xFFF),
+        f.kp.decode(raw >> 24 & 0xFFF),
+        f.kd.decode(raw >> 12 & 0xFFF),
+        f.torque.decode(raw & 0xFFF),
+    )
+
+
+def special(data: bytes) -> Action | None:
+    """The action that eight bytes stand for, if they do."""
+    if data[:7] != _HEAD:
+        return None
+    return next((action for action, byte in _SPECIAL.items() if byte == data[7]), None)
+
+
+def pack_motion(feedback: Feedback, f: Fields) -> bytes:
+    """Five bytes: position 16, velocity 12, torque 12; clipped to the ranges, as drives do."""
+    raw = [
+        min(max(round((x - s.low) / s.step), 0), s.full)
+        for s, x in (
+            (f.position, feedback.position),
+            (f.velocity, feedback.velocity),
+            (f.torque, feedback.torque),
+        )
+    ]
+    return (raw[0] << 24 | raw[1] << 12 | raw[2]).to_bytes(5, "big")
+
+
+def unpack_motion(data: bytes, f: Fields) -> tuple[float, float, float]:
+    """Position, velocity and torque in bytes 1 to 5."""
+    raw = int.from_bytes(data[1:6], "big")
+    return f.position.decode(raw >> 24), f.velocity.decode(raw >> 12 & 0xFFF), f.torque.decode(raw & 0xFFF)
