@@ -243,7 +243,7 @@ def test_an_unknown_loop_is_compared_by_inverse_dynamics() -> None:
     result = compare(UNKNOWN, recordings)
     assert result.consistent
     assert result.error < 0.03
-    np.testing.assert_array_equal(result.recordings[0].position_rmse, 0.0)
+    assert np.isnan(result.recordings[0].position_rmse).all()  # it says nothing of the model
     assert result.inverse_dynamics is not None
     assert result.inverse_dynamics.relative_error < 0.03
     heavy = having(UNKNOWN, EffectKey("reflected_inertia", "knee"), inertia=0.003)

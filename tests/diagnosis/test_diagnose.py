@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.core import EffectKey, Estimate, InputError, Recording
+from workbench.core import EffectKey, Estimate, Recording
 from workbench.diagnosis import diagnose, improve
 from workbench.effects import load_model
 from workbench.models import AppliedEffect, Linkage
@@ -126,14 +126,6 @@ def _held(recording: Recording) -> Recording:
         signals={k: v[:rows] for k, v in recording.signals.items()},
         valid=recording.valid[:rows],
     )
-
-
-def test_an_unknown_loop_is_refused_with_a_remedy() -> None:
-    training, _ = recordings()
-    strange = replace(training[0], controller=replace(training[0].controller, kind="unknown"))
-    blind = replace(strange, signals={k: v for k, v in strange.signals.items() if k != "position_reference"})
-    with pytest.raises(InputError, match="describe the controller"):
-        diagnose(load_model("leg"), [blind])
 
 
 def test_a_wrong_parameter_is_corrected_by_an_increment() -> None:

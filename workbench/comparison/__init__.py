@@ -1,13 +1,14 @@
 """How far a model is from measurements, and where."""
 
-from .compare import Simulated, check_recordings, compare, evaluate, simulate_with_noise
-from .inverse import needs_inverse
+from .compare import check_recordings, compare, evaluate, simulate_with_noise
 from .noise import DRAWS, NoiseModel
+from .replay import Replay, Simulated, needs_inverse, replay_of
 from .score import Scale, normalised, scored_signals
 
 __all__ = [
     "DRAWS",
     "NoiseModel",
+    "Replay",
     "Scale",
     "Simulated",
     "check_recordings",
@@ -15,6 +16,7 @@ __all__ = [
     "evaluate",
     "needs_inverse",
     "normalised",
+    "replay_of",
     "scored_signals",
     "simulate_with_noise",
 ]

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.core import Comparison, InputError, Recording, RecordingError
 from workbench.effects import axis_units
 from workbench.models import Model
-from workbench.simulation import Run, check_axes, scored_torque, simulate
+from workbench.simulation import check_axes, scored_torque
 
-from .inverse import inverse_dynamics, needs_inverse, simulate_inverse
+from .inverse import inverse_dynamics
 from .lines import line_shares
-from .noise import DRAWS, NoiseModel, noise_seeds
+from .noise import DRAWS, NoiseModel
+from .replay import Simulated, replay_of
 from .score import Scale, normalised, pooled, scored_signals, squares
 from .where import locate
 
@@ -22,19 +22,6 @@ from .where import locate
 # signal's floor from a few draws to about 3 %.
 _MARGIN_TOTAL = 1.06
 _MARGIN_SIGNAL = 1.3
-
-
-@dataclass(frozen=True)
-class Simulated:
-    """A model's runs of recordings, without noise and with it.
-
-    `clean`: one a recording. `noisy`: one list a draw. `noise`: the sensors.
-    """
-
-    recordings: tuple[Recording, ...]
-    clean: tuple[Recording, ...]
-    noisy: tuple[tuple[Recording, ...], ...]
-    noise: NoiseModel
 
 
 def simulate_with_noise(
@@ -52,14 +39,7 @@ def simulate_with_noise(
     Raises:
         SimulationError: the model is unstable in a recording's loop.
     """
-    noise = noise or NoiseModel.of(recordings)
-    runs = [Run(model, r) for r in recordings]
-    for seeds in noise_seeds(len(recordings), draws, seed):
-        runs += [Run(model, r, noise.draw(s)) for r, s in zip(recordings, seeds, strict=True)]
-    results = simulate(runs)
-    count = len(recordings)
-    noisy = tuple(tuple(results[count * (d + 1) : count * (d + 2)]) for d in range(draws))
-    return Simulated(tuple(recordings), tuple(results[:count]), noisy, noise)
+    return replay_of(model, recordings, noise).with_noise(model, seed, draws)
 
 
 def check_recordings(model: Model, recordings: Sequence[Recording]) -> None:
@@ -96,11 +76,7 @@ def compare(
         SimulationError: the model is unstable in the recording's loop.
     """
     check_recordings(model, recordings)
-    if any(needs_inverse(model, r) for r in recordings):
-        runs = simulate_inverse(model, recordings, draws=draws, seed=seed)
-        simulated = Simulated(tuple(recordings), runs.clean, runs.noisy, runs.noise)
-    else:
-        simulated = simulate_with_noise(model, recordings, draws=draws, seed=seed)
+    simulated = simulate_with_noise(model, recordings, draws=draws, seed=seed)
     return evaluate(model, simulated)
 
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from workbench.core import InputError, InverseDynamics, Recording
+from workbench.core import InverseDynamics, Recording
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
 from workbench.simulation import Track, motion_of, required_torque, scored_torque, smooth_track
-
-from .noise import DRAWS, NoiseModel, noise_seeds
 
 _ORDER = 4
 
@@ -22,12 +19,6 @@ _ORDER = 4
 def cutoff_hz(recording: Recording) -> float:
     """Band in which torques are compared: 50 Hz, at most a fifth of the row rate."""
     return min(50.0, 0.2 / recording.period)
-
-
-def needs_inverse(model: Model, recording: Recording) -> bool:
-    """Whether a recording's loop is unknown, so that only inverse dynamics can be compared."""
-    known = recording.controller.kind != "unknown"
-    return not known and (model.controller.kind == "unknown" or recording.get("position_reference") is None)
 
 
 def inverse_dynamics(
@@ -88,63 +79,3 @@ def lowpass(values: np.ndarray, recording: Recording) -> np.ndarray:
     """Zero-phase low-pass at `cutoff_hz`."""
     sos = butter(_ORDER, cutoff_hz(recording), fs=1.0 / recording.period, output="sos")
     return sosfiltfilt(sos, values, axis=0, padlen=min(len(values) - 1, 3 * 10))
-
-
-@dataclass(frozen=True)
-class InverseRuns:
-    """Inverse dynamics dressed as runs: position as measured, torque as required."""
-
-    clean: tuple[Recording, ...]
-    noisy: tuple[tuple[Recording, ...], ...]
-    noise: NoiseModel
-
-
-def simulate_inverse(
-    model: Model, recordings: Sequence[Recording], *, draws: int = DRAWS, seed: int = 0
-) -> InverseRuns:
-    """Compare by inverse dynamics where the loop is not known: torque required against torque measured.
-
-    Acceleration is noise at high frequency, so that both are held against each other below `cutoff_hz`
-    only; above, and at the edges of a recording, the run shows the torque as it was measured.
-
-    Raises:
-        InputError: no torque was recorded either.
-    """
-    noise, plant = NoiseModel.of(recordings), compile_plant(model)
-    clean, noisy = [], [[] for _ in range(draws)]
-    for r, seeds in zip(
-        recordings, zip(*noise_seeds(len(recordings), draws, seed), strict=True), strict=True
-    ):
-        name = scored_torque(r)
-        if name is None:
-            raise InputError(
-                "neither the loop nor a torque is known", file=r.source, column="controller",
-                remedy="describe the controller, or name the column of the torque",
-            )  # fmt: skip
-        to_actuator = np.eye(model.size) if r.coordinates == "actuator" else model.transmission
-        track = smooth_track(r, None, to_actuator, noise.levels.position_std, noise.levels.velocity_std)
-        back = np.linalg.inv(to_actuator).T
-        q, w = track.position @ back, track.velocity @ back
-        smooth = r.with_signals(position=q, velocity=w)
-        rest = _band_residual(plant, r, noise.levels)
-        floor = _band_residual(plant, smooth, noise.levels)
-        signals = {"position": r.position, "velocity": w, "torque_command": r.signals[name]}
-        base = replace(r, signals={**signals, name: r.signals[name] - rest})
-        clean.append(base)
-        for d, s in enumerate(seeds):
-            read, speed, torque = noise.draw(s).logged(q, w, r.signals[name])
-            seen = smooth.with_signals(position=read, velocity=speed)
-            if name == "torque_measured":
-                seen = seen.with_signals(torque_measured=torque)
-            wobble = _band_residual(plant, seen, noise.levels) - floor
-            noisy[d].append(base.with_signals(**{name: base.signals[name] + wobble}))
-    return InverseRuns(tuple(clean), tuple(tuple(d) for d in noisy), noise)
-
-
-def _band_residual(plant: Plant, recording: Recording, levels: NoiseLevels) -> np.ndarray:
-    """Measured minus required torque below `cutoff_hz`, (N, n), own coordinates; zero at the edges."""
-    measured, needed, valid = torque_pair(plant, recording, None, levels)
-    to_actuator = (
-        np.eye(plant.model.size) if recording.coordinates == "actuator" else plant.model.transmission
-    )
-    return np.where(valid[:, None], measured - needed, 0.0) @ to_actuator

@@ -17,6 +17,11 @@ def scored_signals(recording: Recording) -> tuple[str, ...]:
     return ("position",) if torque is None else ("position", torque)
 
 
+def follows_motion(recording: Recording) -> bool:
+    """Whether the position is where a model is run along, since no loop is known, and so is no score."""
+    return recording.controller.kind == "unknown"
+
+
 @dataclass(frozen=True)
 class Scale:
     """Standard deviation of each measured signal, pooled over recordings; NaN where it never moves.
@@ -42,6 +47,8 @@ def pooled_std(recordings: Sequence[Recording], kind: str) -> np.ndarray:
     n = recordings[0].position.shape[1]
     parts = []
     for r in recordings:
+        if kind == "position" and follows_motion(r):
+            continue
         name = "position" if kind == "position" else scored_torque(r)
         if name is not None:
             parts.append(r.signals[name][r.valid])
@@ -53,7 +60,7 @@ def pooled_std(recordings: Sequence[Recording], kind: str) -> np.ndarray:
 
 
 def squares(measured: Recording, simulated: Recording, names: Sequence[str] | None = None) -> np.ndarray:
-    """Sums of squared differences over valid rows, (2, n): position, torque; NaN where not measured.
+    """Sums of squared differences over valid rows, (2, n): position, torque; NaN where not compared.
 
     `names` are the signals to take; by default those that `measured` is scored on.
     """
@@ -61,6 +68,8 @@ def squares(measured: Recording, simulated: Recording, names: Sequence[str] | No
     for k, name in enumerate(scored_signals(measured) if names is None else names):
         difference = measured.signals[name] - simulated.signals[name]
         out[k] = np.sum(difference[measured.valid] ** 2, axis=0)
+    if follows_motion(measured):
+        out[0] = np.nan
     return out
 
 

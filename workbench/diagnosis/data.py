@@ -9,12 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from workbench.comparison import (
-    NoiseModel,
+    Replay,
     Scale,
     Simulated,
     normalised,
+    replay_of,
     scored_signals,
-    simulate_with_noise,
 )
 from workbench.core import Recording
 from workbench.models import Model
@@ -40,7 +40,7 @@ class Data:
     Attributes:
         recordings: all of them.
         training: number of those used for fitting.
-        noise: sensor noise.
+        replay: how models are run on them.
         floor: mean squares that a perfect model leaves, per recording, (R, 2, n): position, torque.
         draws: noisy minus noise-free runs that `floor` is the mean of, per draw and recording,
             (N, 2, n) each; used for the scatter of estimates.
@@ -49,7 +49,7 @@ class Data:
 
     recordings: tuple[Recording, ...]
     training: int
-    noise: NoiseModel
+    replay: Replay
     floor: np.ndarray
     draws: tuple[tuple[np.ndarray, ...], ...]
     weight: np.ndarray
@@ -132,14 +132,15 @@ def gather(
     Returns:
         The data, weighed for this model's error, and the runs themselves.
     """
-    recordings = (*training, *held_out)
-    simulated = simulate_with_noise(model, recordings, seed=seed)
-    data = floor_of(recordings, len(training), simulated)
+    replay = replay_of(model, (*training, *held_out))
+    simulated = replay.with_noise(model, seed)
+    data = floor_of(replay, len(training), simulated)
     return data.reweighed(data.mean_squares(simulated.clean)), simulated
 
 
-def floor_of(recordings: tuple[Recording, ...], training: int, simulated: Simulated) -> Data:
+def floor_of(replay: Replay, training: int, simulated: Simulated) -> Data:
     """Noise floor from noisy and noise-free runs of one model."""
+    recordings = replay.recordings
     draws = tuple(
         tuple(_difference(n, c, r) for n, c, r in zip(draw, simulated.clean, recordings, strict=True))
         for draw in simulated.noisy
@@ -148,7 +149,7 @@ def floor_of(recordings: tuple[Recording, ...], training: int, simulated: Simula
         [np.mean([np.mean(draw[i] ** 2, axis=0) for draw in draws], axis=0) for i in range(len(recordings))]
     )
     n = len(recordings[0].axes)
-    return Data(recordings, training, simulated.noise, floor, draws, np.ones((2, n)))
+    return Data(recordings, training, replay, floor, draws, np.ones((2, n)))
 
 
 def _difference(noisy: Recording, clean: Recording, measured: Recording) -> np.ndarray:

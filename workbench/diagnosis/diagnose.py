@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.comparison import Simulated, check_recordings, evaluate, needs_inverse
+from workbench.comparison import Simulated, check_recordings, evaluate
 from workbench.core import (
     Comparison,
     Diagnosis,
     EffectKey,
     Finding,
     Improvement,
-    InputError,
     Recording,
     Step,
     Verdict,
@@ -50,7 +49,7 @@ def diagnose(
         progress: told what is being done.
 
     Raises:
-        InputError: recordings that do not fit the model, or whose loop is unknown.
+        InputError: recordings that do not fit the model, or that show neither loop nor torque.
         SimulationError: the model is unstable in a recording's loop.
     """
     _check(model, training, held_out)
@@ -108,11 +107,6 @@ def _check(model: Model, training: Sequence[Recording], held_out: Sequence[Recor
     check_recordings(model, training)
     for r in (*training, *held_out):
         check_recordings(model, [r])
-        if needs_inverse(model, r):
-            raise InputError(
-                "the loop is unknown, so the model cannot be run the way this was recorded", file=r.source,
-                column="controller", remedy="describe the controller, or use 'compare', which needs none",
-            )  # fmt: skip
 
 
 def _diagnosis(found: Search) -> Diagnosis:

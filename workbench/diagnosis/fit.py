@@ -9,7 +9,6 @@ import numpy as np
 
 from workbench.core import Recording, SimulationError
 from workbench.effects import compile_plant
-from workbench.simulation import Run, simulate
 
 from .data import Data
 from .hypothesis import Fit, Hypothesis, moved, room
@@ -26,9 +25,7 @@ PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of no
 
 def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
     """Training objective of hypotheses as they are; infinite where they do not run."""
-    results = simulate([Run(h.model, r) for h in hypotheses for r in data.recordings], strict=False)
-    count = len(data.recordings)
-    squares = [data.mean_squares(results[k * count : (k + 1) * count]) for k in range(len(hypotheses))]
+    squares = [data.mean_squares(runs) for runs in data.replay.run([h.model for h in hypotheses])]
     return np.array([data.objective(data.pool(s)) if np.isfinite(s).all() else np.inf for s in squares])
 
 
@@ -88,11 +85,8 @@ def _simulate(works: list[_Work], data: Data, enough: float) -> None:
             runnable.append(work)
         except SimulationError:
             _reject(work)
-    models = [w.tried.model for w in runnable]
-    results = simulate([Run(m, r) for m in models for r in data.recordings], strict=False)
-    count = len(data.recordings)
-    for k, work in enumerate(runnable):
-        runs = tuple(results[k * count : (k + 1) * count])
+    results = data.replay.run([w.tried.model for w in runnable])
+    for work, runs in zip(runnable, results, strict=True):
         mean_squares = data.mean_squares(runs)
         value = data.objective(data.pool(mean_squares)) if np.isfinite(mean_squares).all() else np.inf
         if value < work.value:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.comparison import Scale, Simulated, normalised, simulate_with_noise
+from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.compare import consistent
 from workbench.core import EffectKey, Recording
 from workbench.effects import contains, effect_named
@@ -196,8 +196,8 @@ def _start(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
 
 
 def _refloor(found: Fit, data: Data, seed: int) -> tuple[Data, Simulated]:
-    simulated = simulate_with_noise(found.hypothesis.model, data.recordings, seed=seed, noise=data.noise)
-    fresh = floor_of(data.recordings, data.training, simulated)
+    simulated = data.replay.with_noise(found.hypothesis.model, seed)
+    fresh = floor_of(data.replay, data.training, simulated)
     return fresh.reweighed(found.mean_squares), simulated
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -13,20 +14,7 @@ from workbench.comparison import scored_signals
 from workbench.core import EffectKey, Recording
 from workbench.effects import Motion, Plant, compile_plant, effect_named
 from workbench.models import AppliedEffect, Model, Placement
-from workbench.simulation import (
-    CORES,
-    Disturbance,
-    Experiment,
-    Loop,
-    Run,
-    Track,
-    linearise,
-    motion_of,
-    prepare,
-    propagate,
-    simulate,
-    smooth_track,
-)
+from workbench.simulation import CORES, Disturbance
 
 from .data import Data
 from .hypothesis import applied_effect
@@ -80,32 +68,24 @@ class Scene:
         return compile_plant(self.model)
 
     @cached_property
-    def _tracks(self) -> tuple[tuple[Recording, Experiment, Track], ...]:
-        levels = self.data.noise.levels
-
-        def one(recording: Recording, run: Recording) -> tuple[Recording, Experiment, Track]:
-            e = prepare(recording, self.model)
-            usable = run if np.isfinite(run.position).all() else None
-            track = smooth_track(recording, usable, e.to_actuator, levels.position_std, levels.velocity_std)
-            return recording, e, track
-
-        with ThreadPoolExecutor(CORES) as pool:
-            return tuple(pool.map(one, self.data.recordings[: len(self.runs)], self.runs))
-
-    @cached_property
     def motions(self) -> tuple[Motion, ...]:
         """The motions that were made, one a recording."""
-        return tuple(motion_of(track, r, self._plant, e.to_actuator) for r, e, track in self._tracks)
 
-    @cached_property
-    def loops(self) -> tuple[Loop, ...]:
-        """The loops linearised about them."""
-
-        def one(made: tuple[Recording, Experiment, Track], motion: Motion) -> Loop:
-            return linearise(self._plant, made[1], made[2], motion.gain)
+        def one(index: int, run: Recording) -> Motion:
+            return self.data.replay.motion(self._plant, index, run)
 
         with ThreadPoolExecutor(CORES) as pool:
-            return tuple(pool.map(one, self._tracks, self.motions))
+            return tuple(pool.map(one, range(len(self.runs)), self.runs))
+
+    @cached_property
+    def loops(self) -> tuple[Any, ...]:
+        """How small changes travel along them."""
+
+        def one(index: int, motion: Motion) -> Any:
+            return self.data.replay.loop(self._plant, index, motion)
+
+        with ThreadPoolExecutor(CORES) as pool:
+            return tuple(pool.map(one, range(len(self.runs)), self.motions))
 
     @property
     def bends(self) -> bool:
@@ -235,7 +215,7 @@ def respond(
         Per scene and recording the weighted change of the scored signals, (N, 2, n, C).
     """
     linear = [[c for c in own if isinstance(c, Column)] for own in columns]
-    marched = _marched(scenes, linear)
+    marched = _marched(scenes, linear, data)
     tried = _tried(scenes, [[c for c in own if isinstance(c, Trial)] for own in columns], data)
     out = []
     for s, own in enumerate(columns):
@@ -253,8 +233,10 @@ def respond(
     return out
 
 
-def _marched(scenes: Sequence[Scene], columns: Sequence[Sequence[Column]]) -> list[list[np.ndarray]]:
-    """Position and torque, (N, 2, n, C) per scene and recording, by the linearised loops."""
+def _marched(
+    scenes: Sequence[Scene], columns: Sequence[Sequence[Column]], data: Data
+) -> list[list[np.ndarray]]:
+    """Position and torque, (N, 2, n, C) per scene and recording, as small changes travel."""
     width = max((len(c) for c in columns), default=0)
     loops, disturbances = [], []
     for scene, own in zip(scenes, columns, strict=True):
@@ -268,7 +250,7 @@ def _marched(scenes: Sequence[Scene], columns: Sequence[Sequence[Column]]) -> li
             )
             loops.append(scene.loops[i])
             disturbances.append(Disturbance(torque, taps, commands, readings))
-    flat = iter(propagate(loops, disturbances) if loops else ())
+    flat = iter(data.replay.propagate(loops, disturbances) if loops else ())
     return [
         [np.stack(next(flat), axis=1) for _ in scene.motions] if own else [_empty(r) for r in scene.runs]
         for scene, own in zip(scenes, columns, strict=True)
@@ -281,13 +263,9 @@ def _empty(run: Recording) -> np.ndarray:
 
 def _tried(scenes: Sequence[Scene], trials: Sequence[Sequence[Trial]], data: Data) -> list[list[np.ndarray]]:
     """The same by differences of simulations, all in one batch; what does not run changes nothing."""
-    asked = [
-        Run(t.model, r)
-        for scene, own in zip(scenes, trials, strict=True)
-        for t in own
-        for r in data.recordings[: len(scene.runs)]
-    ]
-    made = iter(simulate(asked, strict=False) if asked else ())
+    asked = [t.model for own in trials for t in own]
+    runs = data.replay.run(asked, len(scenes[0].runs)) if asked else []
+    made = iter([r for own in runs for r in own])
     out = []
     for scene, own in zip(scenes, trials, strict=True):
         slopes = [

@@ -3,12 +3,13 @@
 from .control import SensorNoise
 from .designs import as_recording, held_posture, joint_limits, limits_of, predictor, whole_period
 from .experiment import Experiment, check_axes, prepare, scored_torque
-from .inverse import required_torque
-from .linear import Loop, linearise
+from .inverse import required_torque, rigid_torque
+from .linear import Loop, linearise, slopes
 from .march import Disturbance, propagate
 from .motion import motion_of
 from .run import CORES, Run, simulate
-from .trajectory import TRUE_MOTION, Track, joint_columns, smooth_track
+from .sense import true_motion
+from .trajectory import TRUE_MOTION, Track, interpolate, joint_columns, smooth_track
 
 __all__ = [
     "CORES",
@@ -22,6 +23,7 @@ __all__ = [
     "as_recording",
     "check_axes",
     "held_posture",
+    "interpolate",
     "joint_columns",
     "joint_limits",
     "limits_of",
@@ -31,8 +33,11 @@ __all__ = [
     "prepare",
     "propagate",
     "required_torque",
+    "rigid_torque",
     "scored_torque",
     "simulate",
+    "slopes",
     "smooth_track",
     "whole_period",
+    "true_motion",
 ]

@@ -13,20 +13,16 @@ from .native import inverse_forces
 from .trajectory import Track
 
 
-def required_torque(plant: Plant, track: Track, step: float | None = None) -> np.ndarray:
+def required_torque(
+    plant: Plant, track: Track, step: float | None = None, rigid: np.ndarray | None = None
+) -> np.ndarray:
     """Motor torque (N, n) at the tap that a track needs, actuator coordinates, by MuJoCo's inverse dynamics.
 
     Dry friction acts against the motion with its full bound; the chain's gain and bias are undone, and what
-    heat takes where the rows' `step` [s] is given.
+    heat takes where the rows' `step` [s] is given. `rigid`: the `rigid_torque` of this track, where known.
     """
-    model, m = plant.model, plant.mujoco
-    back = np.linalg.inv(model.transmission)
-    q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
-    smooth = copy_without_friction(m)
-    states = plant.state_at(np.stack([q, w], axis=1))
-    # links and motors as one: what bends is taken as rigid
-    joint = inverse_forces(smooth, states, a @ plant.lift.T) @ plant.lift
-    torque = joint @ back - laws_of_state(plant, track)
+    joint = rigid_torque(plant, track) if rigid is None else rigid
+    torque = joint @ np.linalg.inv(plant.model.transmission) - laws_of_state(plant, track)
     # friction that grows with the load needs a torque to know the torque it needs
     needed = torque + dry_friction(plant, track, torque)
     if any(t.law(0.0, 1.0, *t.parameters) != t.law(0.0, 0.0, *t.parameters) for t in plant.chain.friction):
@@ -38,6 +34,17 @@ def required_torque(plant: Plant, track: Track, step: float | None = None) -> np
         for _ in range(5):
             tap = cold * chain.gain / np.maximum(gain_along(chain, tap, step), 1e-3)
     return tap
+
+
+def rigid_torque(plant: Plant, track: Track) -> np.ndarray:
+    """Torque of the serial joints (N, n) that MuJoCo's model needs for a track, without dry friction.
+
+    Links and motors move as one: what bends is taken as rigid.
+    """
+    back = np.linalg.inv(plant.model.transmission)
+    q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
+    states = plant.state_at(np.stack([q, w], axis=1))
+    return inverse_forces(copy_without_friction(plant.mujoco), states, a @ plant.lift.T) @ plant.lift
 
 
 def gain_along(chain: TorqueChain, torque: np.ndarray, step: float) -> np.ndarray:

@@ -72,7 +72,7 @@ def linearise(plant: Plant, experiment: Experiment, track: Track, gain: np.ndarr
     """
     model, e, chain = plant.model, experiment, plant.chain
     n, j = model.size, model.transmission
-    rows, inertia, damping, stiffness = _slopes(plant, track, e.recording.period)
+    rows, inertia, damping, stiffness = slopes(plant, track, e.recording.period)
     total, v = len(track.position), inertia.shape[-1]
     # M dqdd = dtau - C dw - K dq
     solve = np.linalg.inv(inertia)
@@ -133,7 +133,7 @@ def _saturated(plant: Plant, e: Experiment, track: Track) -> np.ndarray:
     return (asked >= high * (1 - 1e-9)) | (asked <= low * (1 - 1e-9))
 
 
-def _slopes(plant: Plant, track: Track, period: float) -> tuple[np.ndarray, ...]:
+def slopes(plant: Plant, track: Track, period: float) -> tuple[np.ndarray, ...]:
     """Rows and, at these rows, M, C = d(inverse dynamics)/d(rate), K = d/d(position); joint coordinates."""
     m = copy.copy(plant.mujoco)
     m.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER  # the derivative functions know no Runge-Kutta

@@ -1,0 +1,52 @@
+"""Which rows of a measured motion can be held against a model: valid, inside, and while something moves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+from .inverse import cutoff_hz
+from .measured_motion import Reading
+
+_EDGE_S = 0.1  # where differentiating errs
+_SPREAD = 0.25  # of a period of the filter's corner frequency
+_STILL, _SURE = 0.02, 3.0  # of the rms speed; of the speed's own noise
+
+
+def moving(
+    readings: Sequence[Reading], wobbles: Sequence[np.ndarray], transmission: np.ndarray
+) -> list[np.ndarray]:
+    """Which rows and axes count, (N, n) each: valid, away from the ends, and nothing stands still there.
+
+    `wobbles`: the noise of each track's velocity, (N, n), actuator coordinates.
+    """
+    # drives and pins: friction of either may hold
+    rows = np.vstack([np.eye(len(transmission)), np.linalg.inv(transmission)])
+    speeds = [np.abs(r.track.velocity @ rows.T) for r in readings]
+    overall = np.sqrt(np.mean(np.concatenate(speeds) ** 2, axis=0))
+    out = []
+    for reading, speed, wobble in zip(readings, speeds, wobbles, strict=True):
+        r = reading.recording
+        own = np.sqrt(np.mean(speed**2, axis=0))
+        noise = np.sqrt(np.mean((wobble @ rows.T) ** 2, axis=0))
+        least = np.max([_STILL * own, 0.25 * _STILL * overall, _SURE * noise], axis=0)
+        # a quick reversal is no standstill; what happens in one the filter spreads
+        wide = 2 * int(_SPREAD / cutoff_hz(r) / r.period) + 1
+        moves = maximum_filter1d(speed > least, wide, axis=0)
+        moves = minimum_filter1d(moves, 2 * wide - 1, axis=0)
+        # a torque counts where all move that it is made of: virtual work takes it there
+        counts = np.stack([moves[:, c].all(axis=1) for c in _made_of(reading.to_actuator, rows)], axis=1)
+        edge = min(len(r) // 10, int(_EDGE_S / r.period))
+        counts[:edge], counts[len(r) - edge :] = False, False
+        out.append(counts & r.valid[:, None])
+    return out
+
+
+def _made_of(to_actuator: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Which speeds `rows` (m, n) of the drives a torque of the recording has a share of, (n, m) bool.
+
+    Friction f of a speed row @ w_p is a torque row^T f on the drives, and J^T row^T f in the recording.
+    """
+    return np.abs(rows @ to_actuator).T > 1e-12

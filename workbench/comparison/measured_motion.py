@@ -1,0 +1,182 @@
+"""One recording along its measured motion: the torque that a model needs for it, and what changes that."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from hashlib import sha256
+
+import mujoco
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from workbench.core import Recording
+from workbench.effects import Motion, Plant, SensorErrors
+from workbench.recordings import NoiseLevels
+from workbench.simulation import (
+    Disturbance,
+    SensorNoise,
+    Track,
+    interpolate,
+    motion_of,
+    required_torque,
+    rigid_torque,
+    scored_torque,
+    slopes,
+    smooth_track,
+    true_motion,
+)
+
+from .inverse import lowpass
+
+_KEPT = 4_000_000  # numbers of rigid torques that are remembered: most candidates share them
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A recording's motion and torque, ready for any model.
+
+    Attributes:
+        recording: loop unknown.
+        track: smoothed motion of the drives as the sensors show it, actuator coordinates.
+        to_actuator: (n, n), positions of the recording to actuator coordinates.
+        name: the torque that is compared.
+        counts: rows and axes (N, n) that do.
+        held: drives (n,) whose torque of a row stands until the next; others' is that at the row's time.
+    """
+
+    recording: Recording
+    track: Track
+    to_actuator: np.ndarray
+    name: str
+    counts: np.ndarray
+    held: np.ndarray
+    _rigid: dict[bytes, np.ndarray] = field(default_factory=dict, init=False, compare=False, repr=False)
+
+    def run(self, plant: Plant | None) -> Recording:
+        """The recording with the torque that a model needs; NaN without one."""
+        r = self.recording
+        rest = np.nan if plant is None else self.residual(plant)
+        back = np.linalg.inv(self.to_actuator).T
+        torque = r.signals[self.name] - rest
+        signals = {"position": r.position, "velocity": self.track.velocity @ back, "torque_command": torque}
+        return replace(r, signals={**signals, self.name: torque}, extra={}, derived=(), notes=(), source=None)
+
+    def residual(self, plant: Plant) -> np.ndarray:
+        """Measured minus needed torque behind the filter, (N, n), own coordinates; zero where none counts."""
+        track, period = self._made(plant), self.recording.period
+        sensors = plant.chain.sensors
+        rigid = self.rigid(plant) if sensors.none else None
+        needed = required_torque(plant, track, period, rigid)
+        rest = lowpass(self._tap(plant, track) - needed, self.recording) @ self.to_actuator
+        return np.where(self.counts, rest, 0.0)
+
+    def motion(self, plant: Plant) -> Motion:
+        """The motion with all that effects need to know."""
+        return motion_of(self._made(plant), self.recording, plant, self.to_actuator)
+
+    def _made(self, plant: Plant) -> Track:
+        sensors = plant.chain.sensors
+        return self.track if sensors.none else true_track(self.track, sensors, self.recording.period)
+
+    def _tap(self, plant: Plant, track: Track) -> np.ndarray:
+        """Torque at the tap; one that is held is the mean of what acts just before a row and just after."""
+        if self.name == "torque_command":
+            tap = motion_of(track, self.recording, plant, self.to_actuator).torque
+        else:
+            tap = self.recording.signals[self.name] @ np.linalg.inv(self.to_actuator)
+        return np.where(self.held, 0.5 * (tap + np.vstack([tap[:1], tap[:-1]])), tap)
+
+    def rigid(self, plant: Plant) -> np.ndarray:
+        """`rigid_torque` of the track as the sensors show it, remembered."""
+        key = _fingerprint(plant.mujoco)
+        if key not in self._rigid:
+            while len(self._rigid) > _KEPT // self.track.position.size:
+                self._rigid.pop(next(iter(self._rigid)))
+            self._rigid[key] = rigid_torque(plant, self.track)
+        return self._rigid[key]
+
+
+def read_motion(recording: Recording, transmission: np.ndarray, levels: NoiseLevels) -> Reading:
+    """Smooth a recording's motion; all of it counts."""
+    to_actuator = np.eye(len(transmission)) if recording.coordinates == "actuator" else transmission
+    track = smooth_track(recording, None, to_actuator, levels.position_std, levels.velocity_std)
+    name = scored_torque(recording)
+    assert name is not None
+    whole, held = np.ones_like(track.position, bool), np.ones(len(transmission), bool)
+    return Reading(recording, track, to_actuator, name, whole, held)
+
+
+def quiet(reading: Reading) -> Recording:
+    """The recording with its motion as smooth as it was taken to be."""
+    back = np.linalg.inv(reading.to_actuator).T
+    track = reading.track
+    return reading.recording.with_signals(position=track.position @ back, velocity=track.velocity @ back)
+
+
+def noisy(smooth: Recording, noise: SensorNoise, name: str) -> Recording:
+    """A smooth recording as noisy sensors would have shown it."""
+    q, w, torque = noise.logged(smooth.position, smooth.velocity, smooth.signals[name])
+    seen = smooth.with_signals(position=q, velocity=w)
+    return seen.with_signals(torque_measured=torque) if name == "torque_measured" else seen
+
+
+@dataclass(frozen=True)
+class Follower:
+    """What changes the torque that a model needs along one track."""
+
+    reading: Reading
+    plant: Plant
+    motion: Motion
+
+    def respond(self, disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:
+        """Change of position, which is none, and of the needed torque behind the filter, (N, n, C) each."""
+        torque = np.array(disturbance.torque)
+        if self.reading.name == "torque_measured":
+            # what lies between command and tap was measured, whatever the model says of it
+            torque[list(disturbance.taps)] = 0.0
+        for column, part in disturbance.readings.items():
+            torque[column] += self._shifted(part[0])
+        needed = -np.moveaxis(torque / self.motion.gain, 0, -1)
+        passed = lowpass(needed, self.reading.recording)
+        passed = np.einsum("kjc,ji->kic", passed, self.reading.to_actuator)
+        return np.zeros_like(passed), np.where(self.reading.counts[:, :, None], passed, 0.0)
+
+    def _shifted(self, position: np.ndarray) -> np.ndarray:
+        """Torque (N, n) that a change of what the encoders read stands for."""
+        step = self.reading.recording.period
+        back = np.linalg.inv(self.plant.model.transmission)
+        rate = np.gradient(position, step, axis=0)
+        state = [x @ back.T @ self.plant.lift.T for x in (np.gradient(rate, step, axis=0), rate, position)]
+        whole = np.sum([np.einsum("kij,kj->ki", s, x) for s, x in zip(self._slopes, state, strict=True)], 0)
+        return whole @ self.plant.lift @ back
+
+    @cached_property
+    def _slopes(self) -> list[np.ndarray]:
+        m = self.motion
+        track = Track(m.position, m.velocity, m.acceleration)
+        rows, *parts = slopes(self.plant, track, m.step)
+        return [interpolate(rows, p, len(m.position)) for p in parts]
+
+
+def true_track(track: Track, errors: SensorErrors, period: float) -> Track:
+    """The motion behind what sensors of position show, their delay undone; a lag of the speed is not."""
+    q, w = true_motion(errors, track.position, track.velocity)
+    slope = errors.scale + errors.sine * np.cos(q) - errors.cosine * np.sin(q)
+    bend = -errors.sine * np.sin(q) - errors.cosine * np.cos(q)
+    a = (track.acceleration - bend * w**2) / slope
+    if errors.delay_s > 0:
+        time = period * np.arange(len(q))
+        then = np.minimum(time + errors.delay_s, time[-1])
+        q, w, a = (CubicSpline(time, x)(then) for x in (q, w, a))
+    return Track(q, w, a)
+
+
+def _fingerprint(m: mujoco.MjModel) -> bytes:
+    """All that a compiled model is, except for its dry friction."""
+    bare = copy.copy(m)
+    bare.tendon_frictionloss[:], bare.dof_frictionloss[:] = 0.0, 0.0
+    raw = np.zeros(mujoco.mj_sizeModel(bare), np.uint8)
+    mujoco.mj_saveModel(bare, None, raw)
+    return sha256(raw.tobytes()).digest()
