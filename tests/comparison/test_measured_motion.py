@@ -18,7 +18,7 @@ from workbench.simulation import Disturbance
 BLIND = replace(load_model("leg"), controller=Controller())
 EFFECTS = [
     (EffectKey("torque_bias", "knee"), {"torque": 0.1}),
-    (EffectKey("viscous_damping", "knee", "joint"), {"damping": 0.05}),
+    (EffectKey("viscous_damping", "knee", "joint"), {"damping": 0.003}),
     (EffectKey("parallel_spring", "hip"), {"stiffness": 0.4, "rest": 0.0}),
     (EffectKey("encoder_offset", "hip"), {"angle": 0.01}),
     (EffectKey("encoder_scale", "knee"), {"scale": 1.01}),
@@ -46,7 +46,7 @@ def test_a_small_effect_changes_what_its_columns_say(key: EffectKey, values: dic
     assert not position.any()
     told = torque @ coefficients
     size = np.sqrt(np.mean(change**2))
-    assert size > 1e-3
+    assert size > 3e-4
     assert np.sqrt(np.mean((told - change) ** 2)) < 0.05 * size
 
 
@@ -63,16 +63,16 @@ def test_an_axis_that_stands_still_does_not_count() -> None:
     np.testing.assert_array_equal(run.signals["torque_measured"][:, 0], held[:, 0])
 
 
-@pytest.mark.parametrize("late", [0.0, 0.5])
-def test_a_torque_that_is_sampled_is_told_from_one_that_is_held(late: float, log: Recording) -> None:
-    # the torque that the motion needs, logged at its time or half a row before it is there
-    replay = replay_of(BLIND, [log])
-    assert replay._read[0].held.all()  # pyright: ignore[reportAttributeAccessIssue]
+def test_half_a_row_of_timing_is_no_error(log: Recording) -> None:
+    # the torque that stands until the next row, and the one that acts at the row's time on the mean
     torque = log.signals["torque_measured"]
     middle = 0.5 * (torque + np.vstack([torque[:1], torque[:-1]]))
-    shown = middle if late == 0.0 else torque
-    again = replay_of(BLIND, [log.with_signals(torque_measured=shown)])
-    assert again._read[0].held.all() == (late == 0.5)  # pyright: ignore[reportAttributeAccessIssue]
+    errors = []
+    for shown in (torque, middle, np.vstack([torque[:1]] * 5 + [torque[:-5]])):
+        again = log.with_signals(torque_measured=shown)
+        (run,) = replay_of(BLIND, [again]).run([BLIND])[0]
+        errors.append(np.sqrt(np.mean((run.signals["torque_measured"] - shown) ** 2)))
+    assert errors[1] < 1.2 * errors[0] and errors[2] > 5.0 * errors[0]
 
 
 def test_recordings_of_one_call_are_replayed_alike(log: Recording) -> None:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-from .inverse import cutoff_hz
+from workbench.core import Recording
+
 from .measured_motion import Reading
 
 _EDGE_S = 0.1  # where differentiating errs
+_RINGING, _RINGING_S = 10, 0.5  # of a gap, at most
 _SPREAD = 0.25  # of a period of the filter's corner frequency
 _STILL, _SURE = 0.02, 3.0  # of the rms speed; of the speed's own noise
 
@@ -33,14 +36,15 @@ def moving(
         noise = np.sqrt(np.mean((wobble @ rows.T) ** 2, axis=0))
         least = np.max([_STILL * own, 0.25 * _STILL * overall, _SURE * noise], axis=0)
         # a quick reversal is no standstill; what happens in one the filter spreads
-        wide = 2 * int(_SPREAD / cutoff_hz(r) / r.period) + 1
+        wide = 2 * int(_SPREAD / reading.corner_hz / r.period) + 1
         moves = maximum_filter1d(speed > least, wide, axis=0)
         moves = minimum_filter1d(moves, 2 * wide - 1, axis=0)
         # a torque counts where all move that it is made of: virtual work takes it there
         counts = np.stack([moves[:, c].all(axis=1) for c in _made_of(reading.to_actuator, rows)], axis=1)
         edge = min(len(r) // 10, int(_EDGE_S / r.period))
         counts[:edge], counts[len(r) - edge :] = False, False
-        out.append(counts & r.valid[:, None])
+        near = np.asarray(minimum_filter1d(r.valid, 2 * int(1.0 / reading.corner_hz / r.period) + 1), bool)
+        out.append(counts & near[:, None])
     return out
 
 
@@ -50,3 +54,13 @@ def _made_of(to_actuator: np.ndarray, rows: np.ndarray) -> np.ndarray:
     Friction f of a speed row @ w_p is a torque row^T f on the drives, and J^T row^T f in the recording.
     """
     return np.abs(rows @ to_actuator).T > 1e-12
+
+
+def settled(recording: Recording) -> Recording:
+    """The recording with what follows a gap masked too: what drove the loop there is lost, and rings on."""
+    valid = np.array(recording.valid)
+    edges = np.flatnonzero(np.diff(np.concatenate([[True], valid, [True]]).astype(int)))
+    longest = int(_RINGING_S / recording.period)
+    for start, end in zip(edges[::2], edges[1::2], strict=True):
+        valid[end : end + min(_RINGING * (end - start), longest)] = False
+    return recording if valid.sum() < len(valid) // 4 else replace(recording, valid=valid)

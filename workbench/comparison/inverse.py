@@ -75,7 +75,7 @@ def torque_at_tap(plant: Plant, recording: Recording, track: Track, to_actuator:
     return 0.5 * (tap + np.vstack([tap[:1], tap[:-1]]))
 
 
-def lowpass(values: np.ndarray, recording: Recording) -> np.ndarray:
-    """Zero-phase low-pass at `cutoff_hz`."""
-    sos = butter(_ORDER, cutoff_hz(recording), fs=1.0 / recording.period, output="sos")
+def lowpass(values: np.ndarray, recording: Recording, corner_hz: float | None = None) -> np.ndarray:
+    """Zero-phase low-pass, at `cutoff_hz` where no corner is given."""
+    sos = butter(_ORDER, corner_hz or cutoff_hz(recording), fs=1.0 / recording.period, output="sos")
     return sosfiltfilt(sos, values, axis=0, padlen=min(len(values) - 1, 3 * 10))

@@ -30,6 +30,10 @@ from workbench.simulation import (
 
 from .inverse import lowpass
 
+# A log may show the torque that stands until the next row, or that of the row's time, which says no log: the
+# mean over what stands comes half a row after the other, and ticks inside a row blur both.
+_EARLY, _LATE = -0.6, 0.15  # rows
+_SLACK = 0.004  # of a torque's root mean square
 _KEPT = 4_000_000  # numbers of rigid torques that are remembered: most candidates share them
 
 
@@ -43,15 +47,15 @@ class Reading:
         to_actuator: (n, n), positions of the recording to actuator coordinates.
         name: the torque that is compared.
         counts: rows and axes (N, n) that do.
-        held: drives (n,) whose torque of a row stands until the next; others' is that at the row's time.
+        corner_hz: of the filter on both torques.
     """
 
     recording: Recording
     track: Track
     to_actuator: np.ndarray
     name: str
+    corner_hz: float
     counts: np.ndarray
-    held: np.ndarray
     _rigid: dict[bytes, np.ndarray] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def run(self, plant: Plant | None) -> Recording:
@@ -65,12 +69,39 @@ class Reading:
 
     def residual(self, plant: Plant) -> np.ndarray:
         """Measured minus needed torque behind the filter, (N, n), own coordinates; zero where none counts."""
-        track, period = self._made(plant), self.recording.period
-        sensors = plant.chain.sensors
-        rigid = self.rigid(plant) if sensors.none else None
-        needed = required_torque(plant, track, period, rigid)
-        rest = lowpass(self._tap(plant, track) - needed, self.recording) @ self.to_actuator
-        return np.where(self.counts, rest, 0.0)
+        rest, late = self._rest(plant)
+        return np.where(self.counts, rest - np.clip(self._shift(rest, late), _EARLY, _LATE) * late, 0.0)
+
+    def slack(self, generator: np.random.Generator) -> np.ndarray:
+        """A draw (N, n) of what differentiating and filtering leave of a right model without any noise."""
+        torque = self.recording.signals[self.name]
+        white = lowpass(generator.standard_normal(torque.shape), self.recording, self.corner_hz)
+        size = _SLACK * np.sqrt(np.mean(torque**2, axis=0)) / np.sqrt(np.mean(white**2, axis=0))
+        return np.where(self.counts, size * white, 0.0)
+
+    def timed(self, plant: Plant, columns: np.ndarray) -> np.ndarray:
+        """Columns (N, n, C), in own coordinates, without what a shift of the torque in time would take up."""
+        rest, late = self._rest(plant)
+        shift = self._shift(rest, late)
+        free = (shift > _EARLY) & (shift < _LATE)
+        late = np.where(self.counts & free, late, 0.0)
+        size = np.maximum(np.sum(late**2, axis=0), 1e-300)
+        out = np.where(self.counts[:, :, None], columns, 0.0)
+        return out - late[:, :, None] * (np.einsum("ki,kic->ic", late, out) / size[:, None])
+
+    def _rest(self, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
+        """Measured minus needed torque, and what a row's delay of the measured one takes off, (N, n)."""
+        track, r = self._made(plant), self.recording
+        rigid = self.rigid(plant) if plant.chain.sensors.none else None
+        tap = self._tap(plant, track)
+        rest = (tap - required_torque(plant, track, r.period, rigid)) @ self.to_actuator
+        late = np.gradient(tap @ self.to_actuator, axis=0)
+        return lowpass(rest, r, self.corner_hz), lowpass(late, r, self.corner_hz)
+
+    def _shift(self, rest: np.ndarray, late: np.ndarray) -> np.ndarray:
+        """By how many rows (n,) each torque is late, as far as the motion tells."""
+        late = np.where(self.counts, late, 0.0)
+        return np.sum(rest * late, axis=0) / np.maximum(np.sum(late**2, axis=0), 1e-300)
 
     def motion(self, plant: Plant) -> Motion:
         """The motion with all that effects need to know."""
@@ -81,12 +112,12 @@ class Reading:
         return self.track if sensors.none else true_track(self.track, sensors, self.recording.period)
 
     def _tap(self, plant: Plant, track: Track) -> np.ndarray:
-        """Torque at the tap; one that is held is the mean of what acts just before a row and just after."""
+        """Torque at the tap; that of a row is the mean of what acts just before it and just after."""
         if self.name == "torque_command":
             tap = motion_of(track, self.recording, plant, self.to_actuator).torque
         else:
             tap = self.recording.signals[self.name] @ np.linalg.inv(self.to_actuator)
-        return np.where(self.held, 0.5 * (tap + np.vstack([tap[:1], tap[:-1]])), tap)
+        return 0.5 * (tap + np.vstack([tap[:1], tap[:-1]]))
 
     def rigid(self, plant: Plant) -> np.ndarray:
         """`rigid_torque` of the track as the sensors show it, remembered."""
@@ -98,14 +129,21 @@ class Reading:
         return self._rigid[key]
 
 
-def read_motion(recording: Recording, transmission: np.ndarray, levels: NoiseLevels) -> Reading:
-    """Smooth a recording's motion; all of it counts."""
+def read_motion(
+    recording: Recording, transmission: np.ndarray, levels: NoiseLevels, corner_hz: float
+) -> Reading:
+    """Smooth a recording's motion; all of it counts.
+
+    Acceleration is kept whole inside the filter's band: what looks like noise there moved the machine too.
+    """
     to_actuator = np.eye(len(transmission)) if recording.coordinates == "actuator" else transmission
-    track = smooth_track(recording, None, to_actuator, levels.position_std, levels.velocity_std)
+    track = smooth_track(
+        recording, None, to_actuator, levels.position_std, levels.velocity_std, 1.5 * corner_hz
+    )
     name = scored_torque(recording)
     assert name is not None
-    whole, held = np.ones_like(track.position, bool), np.ones(len(transmission), bool)
-    return Reading(recording, track, to_actuator, name, whole, held)
+    whole = np.ones_like(track.position, bool)
+    return Reading(recording, track, to_actuator, name, corner_hz, whole)
 
 
 def quiet(reading: Reading) -> Recording:
@@ -139,9 +177,9 @@ class Follower:
         for column, part in disturbance.readings.items():
             torque[column] += self._shifted(part[0])
         needed = -np.moveaxis(torque / self.motion.gain, 0, -1)
-        passed = lowpass(needed, self.reading.recording)
+        passed = lowpass(needed, self.reading.recording, self.reading.corner_hz)
         passed = np.einsum("kjc,ji->kic", passed, self.reading.to_actuator)
-        return np.zeros_like(passed), np.where(self.reading.counts[:, :, None], passed, 0.0)
+        return np.zeros_like(passed), self.reading.timed(self.plant, passed)
 
     def _shifted(self, position: np.ndarray) -> np.ndarray:
         """Torque (N, n) that a change of what the encoders read stands for."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.core import Recording
-from workbench.recordings import NoiseLevels, noise_levels
-from workbench.simulation import SensorNoise
+from workbench.recordings import NoiseLevels, noise_levels, white_noise
+from workbench.simulation import Experiment, SensorNoise, differentiates, rate_read
 
 DRAWS = 4
 
@@ -38,6 +38,18 @@ class NoiseModel:
     def of(recordings: Sequence[Recording]) -> NoiseModel:
         """From what the recordings say of their own sensors."""
         return NoiseModel(rig_noise(recordings))
+
+    def with_unlogged_rate(self, experiments: Sequence[Experiment]) -> NoiseModel:
+        """With the noise of a sensor of speed that the log left out, where loops read one."""
+        read = [
+            told[1]
+            for e in experiments
+            if "velocity" in e.recording.derived and not differentiates(e) and (told := rate_read(e))
+        ]
+        if not read or np.isfinite(self.levels.velocity_std).any():
+            return self
+        levels = [[white_noise(x, np.ones(len(x), bool)) for x in rate.T] for rate in read]
+        return NoiseModel(replace(self.levels, velocity_std=np.median(levels, axis=0)))
 
     def draw(self, seed: int) -> SensorNoise:
         """One draw; rounding by the encoder is done by rounding, all else by white noise."""

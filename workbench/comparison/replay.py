@@ -26,8 +26,9 @@ from workbench.simulation import (
     smooth_track,
 )
 
-from .counted_rows import moving
-from .held_torque import holds
+from .band import corner_hz
+from .counted_rows import moving, settled
+from .inverse import cutoff_hz
 from .measured_motion import Follower, Reading, noisy, quiet, read_motion
 from .noise import DRAWS, NoiseModel, noise_seeds
 
@@ -91,11 +92,11 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     """
     noise = noise or NoiseModel.of(recordings)
     if not any(needs_inverse(model, r) for r in recordings):
-        known = (
+        known = tuple(
             replace(r, controller=model.controller) if r.controller.kind == "unknown" else r
-            for r in recordings
+            for r in map(settled, recordings)
         )
-        return ClosedLoop(tuple(known), noise)
+        return ClosedLoop(known, noise.with_unlogged_rate([prepare(r, model) for r in known]))
     blind = next((r for r in recordings if scored_torque(r) is None), None)
     if blind is not None:
         raise InputError(
@@ -168,15 +169,15 @@ class MeasuredMotion:
 
     def __init__(self, recordings: tuple[Recording, ...], noise: NoiseModel, model: Model) -> None:
         self.recordings, self.noise, self._transmission = recordings, noise, model.transmission
+        plant = compile_plant(model)
+        self._corner = min(corner_hz(r, plant, noise.levels) for r in recordings)
         first = [self._reading(r) for r in recordings]
         smooth = [self._reading(quiet(r)) for r in first]
         again = self._seen(smooth, [noise.draw(k) for k in range(len(smooth))])
         wobbles = [a.track.velocity - s.track.velocity for a, s in zip(again, smooth, strict=True)]
         counts = moving(first, wobbles, self._transmission)
-        held = holds([replace(r, counts=c) for r, c in zip(first, counts, strict=True)], compile_plant(model))
         self._read, self._smooth = (
-            [replace(r, counts=c, held=held) for r, c in zip(each, counts, strict=True)]
-            for each in (first, smooth)
+            [replace(r, counts=c) for r, c in zip(each, counts, strict=True)] for each in (first, smooth)
         )
         self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
 
@@ -195,10 +196,11 @@ class MeasuredMotion:
         clean = tuple(reading.run(plant) for reading in self._read)
         still = [s.residual(plant) for s in self._smooth]
         noisy = []
+        generator = np.random.default_rng([seed, 5])
         for draw in self._draws(seed, draws):
             runs = []
             for base, quiet_rest, seen in zip(clean, still, draw, strict=True):
-                moved = base.signals[seen.name] + seen.residual(plant) - quiet_rest
+                moved = base.signals[seen.name] + seen.residual(plant) - quiet_rest + seen.slack(generator)
                 runs.append(base.with_signals(**{seen.name: moved}))
             noisy.append(tuple(runs))
         return Simulated(self.recordings, clean, tuple(noisy), self.noise)
@@ -219,12 +221,13 @@ class MeasuredMotion:
         return [loop.respond(d) for loop, d in zip(loops, disturbances, strict=True)]
 
     def _reading(self, recording: Recording) -> Reading:
-        return read_motion(recording, self._transmission, self.noise.levels)
+        corner = min(self._corner, cutoff_hz(recording))
+        return read_motion(recording, self._transmission, self.noise.levels, corner)
 
     def _seen(self, smooth: Sequence[Reading], noises: Sequence[SensorNoise]) -> list[Reading]:
         """Smooth readings as noisy sensors would have shown them."""
         seen = [self._reading(noisy(s.recording, n, s.name)) for s, n in zip(smooth, noises, strict=True)]
-        return [replace(r, counts=s.counts, held=s.held) for r, s in zip(seen, smooth, strict=True)]
+        return [replace(r, counts=s.counts) for r, s in zip(seen, smooth, strict=True)]
 
     def _draws(self, seed: int, draws: int) -> list[list[Reading]]:
         if (seed, draws) not in self._drawn:

@@ -10,6 +10,7 @@ from .motion import motion_of
 from .run import CORES, Run, simulate
 from .sense import true_motion
 from .trajectory import TRUE_MOTION, Track, interpolate, joint_columns, smooth_track
+from .unlogged_rate import differentiates, rate_read
 
 __all__ = [
     "CORES",
@@ -22,6 +23,7 @@ __all__ = [
     "Track",
     "as_recording",
     "check_axes",
+    "differentiates",
     "held_posture",
     "interpolate",
     "joint_columns",
@@ -32,12 +34,13 @@ __all__ = [
     "predictor",
     "prepare",
     "propagate",
+    "rate_read",
     "required_torque",
     "rigid_torque",
     "scored_torque",
     "simulate",
     "slopes",
     "smooth_track",
-    "whole_period",
     "true_motion",
+    "whole_period",
 ]

@@ -11,7 +11,8 @@ from numba import njit
 from workbench.core import Controller
 from workbench.effects import Plant, TorqueChain
 
-from .experiment import Experiment, differentiates
+from .experiment import Experiment
+from .unlogged_rate import differentiates
 
 
 @dataclass(frozen=True)

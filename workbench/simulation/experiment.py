@@ -31,6 +31,7 @@ class Experiment:
             (``"motor"``), or ``"all"`` (it was measured at the drive).
         start: initial q_s and its rate, (2, n).
         to_actuator: (n, n), recording coordinates to actuator coordinates for positions.
+        transmission: (n, n), q_p = J q_s.
     """
 
     recording: Recording
@@ -44,6 +45,7 @@ class Experiment:
     replayed: np.ndarray | None
     start: np.ndarray
     to_actuator: np.ndarray
+    transmission: np.ndarray
     behind: Literal["none", "motor", "all"] = "none"
 
     @property
@@ -114,7 +116,7 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         controller=controller,
         step=step,
         stride=stride,
-        ticks=ticks[ticks < (rows - 1) * stride],
+        ticks=ticks[ticks <= (rows - 1) * stride],
         reference=zero if reference is None else reference,
         reference_rate=zero
         if recording.get("velocity_reference") is None
@@ -123,14 +125,9 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         replayed=replayed,
         start=_start(recording, controller, reference, to_actuator, j),
         to_actuator=to_actuator,
+        transmission=j,
         behind=behind,
     )
-
-
-def differentiates(experiment: Experiment) -> bool:
-    """Whether the loop takes its velocity from the encoder, by the difference from tick to tick."""
-    recording = experiment.recording
-    return recording.get("velocity") is None or "velocity" in recording.derived
 
 
 def scored_torque(recording: Recording) -> str | None:

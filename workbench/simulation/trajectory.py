@@ -29,6 +29,7 @@ def smooth_track(
     to_actuator: np.ndarray,
     position_std: np.ndarray,
     velocity_std: np.ndarray,
+    band_hz: float | None = None,
 ) -> Track:
     """Estimate the motion by adding to a simulation the smoothed difference from the measurement.
 
@@ -41,6 +42,8 @@ def smooth_track(
         measured, simulated: recordings in the same coordinates; `simulated` None for no prior motion.
         to_actuator: positions of the recording to actuator coordinates, (n, n).
         position_std, velocity_std: sensor noise (n,), recording's coordinates; NaN velocity: not measured.
+        band_hz: keep all of the acceleration up to this frequency, noise and what it hides, and fade it out
+            over as much again; for what is filtered more tightly afterwards.
     """
     step = measured.period
     position_std = np.nan_to_num(position_std)  # of an axis that never moves nothing is known
@@ -52,7 +55,7 @@ def smooth_track(
     for i in range(zero.shape[1]):
         rate = None if velocity is None or not np.isfinite(velocity_std[i]) else velocity[:, i] - base_w[:, i]
         dq[:, i], dw[:, i], da[:, i] = _fuse(
-            measured.position[:, i] - base_q[:, i], rate, position_std[i], velocity_std[i], step
+            measured.position[:, i] - base_q[:, i], rate, position_std[i], velocity_std[i], step, band_hz
         )
     if simulated is not None and TRUE_MOTION[0] in simulated.extra:
         base_q, base_w = (np.nan_to_num(simulated.extra[name]) for name in TRUE_MOTION)
@@ -62,7 +65,12 @@ def smooth_track(
 
 
 def _fuse(
-    position: np.ndarray, velocity: np.ndarray | None, position_std: float, velocity_std: float, step: float
+    position: np.ndarray,
+    velocity: np.ndarray | None,
+    position_std: float,
+    velocity_std: float,
+    step: float,
+    band_hz: float | None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     rows = len(position)
     pad = min(rows - 1, max(50, rows // 20))
@@ -88,8 +96,14 @@ def _fuse(
     gain = np.clip(1.0 - noise / np.maximum(level, 1e-300), 0.0, 1.0)
     # a lone bin that noise lifted above its level is not motion
     gain = np.where(level < 1.5 * noise, 0.0, gain)
-    kept = gain * spectrum
-    q, w, a = (np.fft.irfft(kept * (1j * omega) ** k, len(long))[pad : pad + rows] for k in range(3))
+    gains = [gain, gain, gain]
+    if band_hz is not None:
+        part = np.clip(omega / (2.0 * np.pi * band_hz) - 1.0, 0.0, 1.0)
+        gains[2] = np.cos(0.5 * np.pi * part) ** 2
+    q, w, a = (
+        np.fft.irfft(g * spectrum * (1j * omega) ** k, len(long))[pad : pad + rows]
+        for k, g in enumerate(gains)
+    )
     return q + centre, w, a
 
 
