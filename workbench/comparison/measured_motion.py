@@ -28,7 +28,7 @@ from workbench.simulation import (
     true_motion,
 )
 
-from .inverse import lowpass
+from .inverse import lowpass, torque_at_tap
 
 # A log may show the torque that stands until the next row, or that of the row's time, which says no log: the
 # mean over what stands comes half a row after the other, and ticks inside a row blur both.
@@ -93,7 +93,7 @@ class Reading:
         """Measured minus needed torque, and what a row's delay of the measured one takes off, (N, n)."""
         track, r = self._made(plant), self.recording
         rigid = self.rigid(plant) if plant.chain.sensors.none else None
-        tap = self._tap(plant, track)
+        tap = torque_at_tap(plant, self.recording, track, self.to_actuator)
         rest = (tap - required_torque(plant, track, r.period, rigid)) @ self.to_actuator
         late = np.gradient(tap @ self.to_actuator, axis=0)
         return lowpass(rest, r, self.corner_hz), lowpass(late, r, self.corner_hz)
@@ -110,14 +110,6 @@ class Reading:
     def _made(self, plant: Plant) -> Track:
         sensors = plant.chain.sensors
         return self.track if sensors.none else true_track(self.track, sensors, self.recording.period)
-
-    def _tap(self, plant: Plant, track: Track) -> np.ndarray:
-        """Torque at the tap; that of a row is the mean of what acts just before it and just after."""
-        if self.name == "torque_command":
-            tap = motion_of(track, self.recording, plant, self.to_actuator).torque
-        else:
-            tap = self.recording.signals[self.name] @ np.linalg.inv(self.to_actuator)
-        return 0.5 * (tap + np.vstack([tap[:1], tap[:-1]]))
 
     def rigid(self, plant: Plant) -> np.ndarray:
         """`rigid_torque` of the track as the sensors show it, remembered."""

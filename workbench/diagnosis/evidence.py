@@ -58,7 +58,7 @@ class Clues:
     def missing(self) -> Missing | None:
         """The torque that the model lacks, actuator coordinates."""
         count = self.data.training
-        levels = self.data.noise.levels
+        levels = self.data.replay.noise.levels
         return missing_torque(self.model, self.data.recordings[:count], self.fit.simulated[:count], levels)
 
     def of_finding(self, key: EffectKey) -> list[str]:
