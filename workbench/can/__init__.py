@@ -1,27 +1,38 @@
 """CAN: what drives understand, exactly; the bus, its load, and a model of it."""
 
+from .config import CanConfig, Drive, MotorTable, load_config, make_drive, range_problems
 from .damiao import Damiao
 from .dbc import dbc
 from .frame import Frame, FrameError, frame_bits, worst_bits
+from .load import MOST, BusLoad, bus_load
 from .messages import Fault, Feedback, Parameter, Ranges, Read, Setpoint
 from .mit import Mit
 from .robstride import Robstride
 from .span import Span
 
 __all__ = [
+    "MOST",
+    "BusLoad",
+    "CanConfig",
     "Damiao",
+    "Drive",
     "Fault",
     "Feedback",
     "Frame",
     "FrameError",
     "Mit",
+    "MotorTable",
     "Parameter",
     "Ranges",
     "Read",
     "Robstride",
     "Setpoint",
     "Span",
+    "bus_load",
     "dbc",
     "frame_bits",
+    "load_config",
+    "make_drive",
+    "range_problems",
     "worst_bits",
 ]

@@ -29,6 +29,7 @@ def main() -> None:
 
     from . import (  # noqa: F401
         add,
+        can,
         check,
         compare,
         demo,
