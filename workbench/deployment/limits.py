@@ -1,0 +1,63 @@
+"""What safety holds an output to: one array an axis, taken from a configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.can import CanConfig
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """Limits at the axes; every array (n,).
+
+    Attributes:
+        low, high: of position [rad].
+        velocity: [rad/s]. torque: [N m]. torque_rate: [N m/s]. temperature: [deg C].
+        kp, kd: largest gains that a drive takes [N m/rad, N m s/rad].
+        damping: what an axis damps with [N m s/rad].
+        stale_s: age of feedback at which everything damps [s].
+        late_s: age of an action at which everything damps [s].
+        soft_start_s: over which torque fades in [s].
+        overrun: by which a position may pass its limit before everything damps [rad].
+    """
+
+    low: np.ndarray
+    high: np.ndarray
+    velocity: np.ndarray
+    torque: np.ndarray
+    torque_rate: np.ndarray
+    temperature: np.ndarray
+    kp: np.ndarray
+    kd: np.ndarray
+    damping: np.ndarray
+    stale_s: float
+    late_s: float
+    soft_start_s: float
+    overrun: float = 0.05
+
+
+def limits_of(config: CanConfig) -> Limits:
+    """The limits that a configuration states; feedback is stale after three periods, an action after two."""
+    limits = [motor.limits for motor in config.motor]
+
+    def each(name: str) -> np.ndarray:
+        return np.array([getattr(limit, name) for limit in limits], float)
+
+    period = config.loop.period_s
+    return Limits(
+        low=np.array([limit.position[0] for limit in limits]),
+        high=np.array([limit.position[1] for limit in limits]),
+        velocity=each("velocity"),
+        torque=each("torque"),
+        torque_rate=each("torque_rate"),
+        temperature=each("temperature"),
+        kp=np.array([motor.ranges.kp for motor in config.motor]),
+        kd=np.array([motor.ranges.kd for motor in config.motor]),
+        damping=np.full(len(limits), config.loop.damping),
+        stale_s=round(3 * period, 9),
+        late_s=2 * config.loop.policy_every * period,
+        soft_start_s=config.loop.soft_start_s,
+    )

@@ -1,0 +1,211 @@
+"""What may go out to the drives, as a function of the state, what is seen and what is wanted.
+
+No input or output, no clock, no memory but the state that is handed in and given back: every sentence about
+it can be tried. Phases: off; arm (a setpoint where the axis is, no stiffness); soft_start; run; damp (no
+torque, no stiffness, damping). A fault latches in damp until someone arms again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from .limits import Limits
+
+Phase = Literal["off", "arm", "soft_start", "run", "damp"]
+_HUGE = 10.0  # times the limit: no controller that works asks for this
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What is known at one tick; arrays (n,), axis coordinates.
+
+    Attributes:
+        now: monotonic time [s].
+        position, velocity: [rad, rad/s]. temperature: [deg C], NaN where a drive tells none.
+        age: of the feedback, by its receive stamp [s]; infinite before the first.
+        faulty: drives that report a fault, or that they do not drive.
+        bus_ok: no bus is off, no transmit queue full.
+        stop: the emergency stop is pressed.
+        arm: the operator asks for motion.
+        verified: every drive was asked who it is, and said what it had to.
+    """
+
+    now: float
+    position: np.ndarray
+    velocity: np.ndarray
+    temperature: np.ndarray
+    age: np.ndarray
+    faulty: np.ndarray
+    bus_ok: bool = True
+    stop: bool = False
+    arm: bool = True
+    verified: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Setpoints:
+    """torque + kp (position - q) + kd (velocity - w), arrays (n,), axis coordinates."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    kp: np.ndarray
+    kd: np.ndarray
+    torque: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """What a controller asks for, and how old the action behind it is [s]."""
+
+    setpoints: Setpoints
+    age: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class SafetyState:
+    """What safety remembers from tick to tick.
+
+    Attributes:
+        phase: see the module.
+        since: when it began [s].
+        fault: why it damps; None for no fault.
+        asked: whether arming was asked for at the last tick: only asking anew arms.
+        time: of the last tick [s].
+        position: last position that was a number (n,) [rad].
+        torque: last torque that went out, a drive's own stiffness included (n,) [N m].
+    """
+
+    phase: Phase
+    since: float
+    fault: str | None
+    asked: bool
+    time: float
+    position: np.ndarray
+    torque: np.ndarray
+
+
+def initial(n: int) -> SafetyState:
+    """Off, and nothing known of n axes."""
+    return SafetyState("off", 0.0, None, False, 0.0, np.zeros(n), np.zeros(n))
+
+
+def step(
+    limits: Limits, state: SafetyState, seen: Seen, wanted: Wanted | None
+) -> tuple[SafetyState, Setpoints]:
+    """One tick.
+
+    Whatever comes in, what goes out is finite, within position, velocity and gain limits, and its torque
+    (stiffness included) within the torque limit.
+
+    Args:
+        limits: of every axis.
+        state: after the last tick.
+        seen: now.
+        wanted: None where no controller has spoken.
+
+    Returns:
+        The state after this tick, and what goes out.
+    """
+    position = np.where(np.isfinite(seen.position), seen.position, state.position)
+    moved = _phase(limits, state, seen, wanted)
+    if moved.phase in ("soft_start", "run") and wanted is not None:
+        fade = 1.0 if moved.phase == "run" else (seen.now - moved.since) / limits.soft_start_s
+        elapsed = min(max(seen.now - state.time, 0.0), limits.stale_s)
+        out = _limited(limits, wanted.setpoints, position, state.torque, elapsed, min(max(fade, 0.0), 1.0))
+    else:
+        out = _damping(limits, position, off=moved.phase == "off")
+    torque = out.torque + out.kp * (out.position - position)
+    return replace(moved, time=seen.now, position=position, torque=torque, asked=seen.arm), out
+
+
+def _phase(limits: Limits, state: SafetyState, seen: Seen, wanted: Wanted | None) -> SafetyState:
+    """The phase of this tick."""
+
+    def to(phase: Phase, fault: str | None = None) -> SafetyState:
+        return replace(state, phase=phase, since=seen.now, fault=fault)
+
+    problem = _sight(limits, seen)
+    if state.phase in ("off", "damp"):
+        anew = seen.arm and not state.asked
+        if anew and problem is None and seen.verified:
+            return to("arm")
+        return replace(state, fault=problem or state.fault) if anew else state
+    problem = problem or (_wish(limits, wanted) if wanted or state.phase != "arm" else None)
+    if problem is not None:
+        return to("damp", problem)
+    if not seen.arm:
+        return to("damp")
+    if state.phase == "arm":
+        return to("soft_start" if limits.soft_start_s > 0 else "run") if wanted is not None else state
+    if state.phase == "soft_start" and seen.now - state.since >= limits.soft_start_s:
+        return to("run")
+    return state
+
+
+def _sight(limits: Limits, seen: Seen) -> str | None:
+    """What is wrong with what is seen."""
+    if seen.stop:
+        return "emergency stop"
+    if not seen.bus_ok:
+        return "bus off or queue full"
+    if not np.isfinite([*seen.position, *seen.velocity]).all():
+        return "feedback is no number"
+    if not (seen.age < limits.stale_s).all():
+        return f"no feedback for {1e3 * limits.stale_s:.3g} ms"
+    if seen.faulty.any():
+        return "a drive reports a fault"
+    over = limits.overrun
+    if (seen.position < limits.low - over).any() or (seen.position > limits.high + over).any():
+        return "position limit"
+    if (np.abs(seen.velocity) > limits.velocity).any():
+        return "velocity limit"
+    if (seen.temperature > limits.temperature).any():
+        return "temperature limit"
+    return None
+
+
+def _wish(limits: Limits, wanted: Wanted | None) -> str | None:
+    """What is wrong with what is wanted."""
+    if wanted is None or not wanted.age <= limits.late_s:
+        return "the policy is late"
+    s = wanted.setpoints
+    if not np.isfinite([*s.position, *s.velocity, *s.kp, *s.kd, *s.torque]).all():
+        return "an action is no number"
+    middle, half = 0.5 * (limits.low + limits.high), 0.5 * (limits.high - limits.low)
+    far = (np.abs(s.position - middle) > _HUGE * half) & (s.kp > 0.0)
+    if far.any() or (np.abs(s.torque) > _HUGE * limits.torque).any():
+        return "an action is huge"
+    return None
+
+
+def _limited(
+    limits: Limits, s: Setpoints, q: np.ndarray, last: np.ndarray, elapsed: float, fade: float
+) -> Setpoints:
+    """Setpoints (all finite) within limits: `fade` of the torque, at its rate from `last` (n,)."""
+    kp, kd = np.clip(fade * s.kp, 0.0, limits.kp), np.clip(s.kd, 0.0, limits.kd)
+    position = np.clip(s.position, limits.low, limits.high)
+    torque = np.clip(fade * s.torque, -limits.torque, limits.torque)
+    room = limits.torque_rate * elapsed
+    low, high = np.maximum(-limits.torque, last - room), np.minimum(limits.torque, last + room)
+    # beyond a position limit only torque that leads back, at once
+    low_side, high_side = np.where(q <= limits.low, 0.0, -np.inf), np.where(q >= limits.high, 0.0, np.inf)
+    low, high = np.clip(low, low_side, high_side), np.clip(high, low_side, high_side)
+    total = np.clip(torque + kp * (position - q), low, high)
+    stiff = kp > 0.0
+    torque = np.where(stiff, np.clip(torque, low, high), total)
+    spring = np.divide(total - torque, kp, out=np.zeros_like(kp), where=stiff)
+    position = np.clip(np.where(stiff, q + spring, q), limits.low, limits.high)
+    # outside its limits an axis is drawn back no harder than its torque limit allows
+    reach = np.divide(limits.torque - np.abs(torque), kp, out=np.full_like(kp, np.inf), where=stiff)
+    weak = np.minimum(1.0, np.divide(reach, np.abs(position - q), out=np.ones_like(kp), where=position != q))
+    velocity = np.clip(s.velocity, -limits.velocity, limits.velocity)
+    return Setpoints(position, velocity, np.where(stiff, kp * weak, 0.0), kd, torque)
+
+
+def _damping(limits: Limits, q: np.ndarray, off: bool) -> Setpoints:
+    zero = np.zeros_like(q)
+    kd = zero if off else np.minimum(limits.damping, limits.kd)
+    return Setpoints(np.clip(q, limits.low, limits.high), zero, zero, kd, zero)
