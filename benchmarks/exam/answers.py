@@ -78,7 +78,13 @@ def with_answer(model: Model, answer: Answer) -> Model:
 
 def error_of(model: Model, recordings: Sequence[Recording]) -> float | None:
     """`Comparison.error`; None where the model cannot run these recordings."""
+    return errors_of(model, recordings)[0]
+
+
+def errors_of(model: Model, recordings: Sequence[Recording]) -> tuple[float | None, float | None]:
+    """`Comparison.error` and its noise floor; None where the model cannot run these recordings."""
     try:
-        return float(compare(model, recordings, draws=2).error)
+        comparison = compare(model, recordings, draws=2)
     except SimulationError:
-        return None
+        return None, None
+    return float(comparison.error), float(comparison.noise_error)

@@ -14,7 +14,7 @@ from workbench.diagnosis import diagnose
 from workbench.effects import load_model
 
 from . import scoring
-from .answers import Answer, Named, answer_of, error_of, key_of, with_answer, with_truth
+from .answers import Answer, Named, answer_of, error_of, errors_of, key_of, with_answer, with_truth
 from .cases import Case
 from .record import record
 
@@ -70,7 +70,8 @@ def mark(
     line["error"], line["noise_error"] = float(before.error), float(before.noise_error)
     line["visible"] = bool(before.error >= VISIBLE * before.noise_error)
     line["before"] = error_of(model, judging) if data.held_out else float(before.error)
-    line["floor"] = error_of(with_truth(model, case.hidden), judging) if known else None
+    truth = with_truth(model, case.hidden)
+    line["floor"], line["floor_noise"] = errors_of(truth, judging) if known else (None, None)
     line |= marked(case, answer_of(diagnosis), line)
     line["error_stated"], line["noise_stated"] = float(diagnosis.error), float(diagnosis.noise_error)
     line["unexplained_fraction"] = float(diagnosis.unexplained_fraction)

@@ -147,6 +147,7 @@ def mistakes(lines: Sequence[Line]) -> str:
         ("Single visible effects left unexplained", lambda x: _is(x, "single", True, "unexplained")),
         ("Single visible effects called consistent", lambda x: _is(x, "single", True, "consistent")),
         ("Hardly visible effects left unexplained", lambda x: _is(x, "single", False, "unexplained")),
+        ("The true model itself does not reach the noise", _floor_is_high),
         (
             "Several, not all of them named",
             lambda x: x["kind"] in several and x["outcome"] not in ("wrong", "extra") and not x["good"],
@@ -158,6 +159,11 @@ def mistakes(lines: Sequence[Line]) -> str:
         if own:
             out += [f"### {title}: {len(own)}", "\n".join(_mistake(line) for line in own)]
     return "\n\n".join(out) or "None."
+
+
+def _floor_is_high(line: Line) -> bool:
+    """Whether rig and catalogue differ by more than noise, so that nobody could be right."""
+    return line["floor"] is not None and line["floor"] > 1.15 * line["floor_noise"]
 
 
 def _is(line: Line, kind: str, visible: bool, outcome: str) -> bool:
@@ -178,7 +184,11 @@ def _mistake(line: Line) -> str:
         for f in line["findings"]
     )
     after = "" if line["after"] is None else f"{line['after']:.4f}"
-    floor = "" if line["floor"] is None else f", true model {line['floor']:.4f}"
+    floor = (
+        ""
+        if line["floor"] is None
+        else f", true model {line['floor']:.4f} ({line['floor'] / line['floor_noise']:.2f} times noise)"
+    )
     ranking = ", ".join(f"{key} {share:.3f}" for key, share in line["ranking"][:3])
     return (
         f"- `{line['case']}` (error {line['error'] / line['noise_error']:.1f} times noise): hidden "
