@@ -14,8 +14,8 @@ DISTRIBUTIONS = {"pinocchio": "pin", "pydrake": "drake", "tomli_w": "tomli-w"}
 
 
 def third_party(folder: str) -> set[str]:
-    own = {"workbench", "tests", "benchmarks", *sys.stdlib_module_names}
-    own |= {entry.stem for entry in (ROOT / folder).iterdir()}  # scripts find what lies beside them
+    own = {"workbench", "tests", *sys.stdlib_module_names}
+    own |= {entry.stem for entry in (ROOT / "benchmarks").iterdir()}  # scripts find what lies beside them
     files = (ROOT / folder).rglob("*.py")
     modules = {module.split(".")[0] for file in files for module in imported(file)} - own
     return {DISTRIBUTIONS.get(module, module) for module in modules}

@@ -21,7 +21,7 @@ THIGH, SHANK, GRAVITY = 0.175, 0.24, 9.81  # m, m, m/s^2
 _FIRST = 0.004  # half the window that motion and torque go through [s]: short, for products of speeds
 _SECOND = 0.025  # half the window that both sides go through [s]: passes up to some 20 Hz
 _ROW = 0.02  # rows of the regression [s], about as many as are independent
-_SLOW = 0.02  # speed at which a direction of motion is sure [rad/s]
+_SLOW = 0.01  # speed at which a direction of motion is sure [rad/s]
 PLACES = (("hip", "actuator", (1.0, 0.0)), ("knee", "actuator", (0.0, 1.0)), ("knee", "joint", (-1.0, 1.0)))
 
 #: Columns (K, N, 2) to estimates by name: coefficients (K,) -> {parameter: (value, gradient (K,))}.

@@ -4,11 +4,11 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from exam import scoring
+from exam.answers import Answer, Named
+from exam.cases import KINDS, ODD, all_cases
+from exam.outsiders import OUTSIDE
 
-from benchmarks.exam import scoring
-from benchmarks.exam.answers import Answer, Named
-from benchmarks.exam.cases import KINDS, ODD, all_cases
-from benchmarks.exam.outsiders import OUTSIDE
 from workbench.core import EffectKey
 from workbench.rigs import DRAWN_EFFECTS, OUTSIDERS
 from workbench.rigs.hidden import install
