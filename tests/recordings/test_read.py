@@ -292,3 +292,15 @@ def test_kuka_channels(tmp_path: Path) -> None:
     r = load_recording(write_toml(tmp_path / "kuka.toml", content))
     assert r.position.shape == (2501, 6) and r.period == 0.004
     assert np.corrcoef(np.gradient(r.position[:, 0], r.period), r.velocity[:, 0])[0, 1] > 0.99
+
+
+def test_a_log_that_changes_its_rate_is_resampled_and_whole(tmp_path: Path) -> None:
+    steps = np.concatenate([np.full(300, 0.0035), np.full(200, 0.0054)])
+    steps = steps * (1.0 + 0.05 * np.random.default_rng(1).uniform(-1.0, 1.0, 500))
+    data = two_axes(500)
+    t = np.cumsum(steps)
+    data["q_a"], data["t"] = np.sin(2.0 * t), t
+    recording = load_recording(write_recording(tmp_path, data))
+    assert recording.valid.all() and any("jitter" in note for note in recording.notes)
+    away = recording.position[:, 0] - np.sin(2.0 * (recording.time + t[0]))
+    assert np.abs(away).max() < 1e-4

@@ -9,7 +9,8 @@ import numpy as np
 
 from workbench.core import InputError
 
-_MISSING = 1.5  # an increment longer than this many periods hides a row
+_MISSING = 1.5  # an increment longer than this many periods hides a row,
+_USUAL = 1.3  # and longer than this many of those that are long but usual where a clock is not even
 _STRAIGHT = 1e-3  # rows this close to a uniform clock, in periods, are on it
 
 
@@ -24,6 +25,7 @@ class Clock:
             the clock jitters and signals must be interpolated.
         kept: indices of the kept rows in the table, shape (K,).
         jitter: rms deviation of the increments from the period, as a part of it.
+        widest: longest increment that hides no row [s].
     """
 
     time: np.ndarray
@@ -31,6 +33,7 @@ class Clock:
     row: np.ndarray | None
     kept: np.ndarray
     jitter: float
+    widest: float
 
     @property
     def whole(self) -> bool:
@@ -64,8 +67,9 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
     step = np.diff(t)
     _check_forward(step, kept, column, path)
     period = float(np.median(step))
-    if valid is None and step.max() > _MISSING * period:
-        bad = int(np.argmax(step > _MISSING * period))
+    widest = max(_MISSING * period, _USUAL * float(np.quantile(step, 0.95)))
+    if valid is None and step.max() > widest:
+        bad = int(np.argmax(step > widest))
         raise InputError(
             f"time jumps by {step[bad] / period:.4g} periods, from {t[bad]:.6g} s to {t[bad + 1]:.6g} s",
             file=path,
@@ -82,10 +86,10 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
         exact = _short(exact, (2 * off + 1e-9 * exact) / row[-1])
         plain = float(f"{exact:.4g}")  # 0.004, where its single-precision neighbour was summed up
         exact = plain if abs(plain - exact) < 6e-8 * exact else exact
-        return Clock(np.arange(row[-1] + 1) * exact, row * exact, row, kept, 0.0)
-    jitter = float(np.sqrt(np.mean((step[step < _MISSING * period] / period - 1) ** 2)))
+        return Clock(np.arange(row[-1] + 1) * exact, row * exact, row, kept, 0.0, widest)
+    jitter = float(np.sqrt(np.mean((step[step < widest] / period - 1) ** 2)))
     count = int(np.floor((t[-1] - t[0]) / period * (1 + 1e-9)))
-    return Clock(np.arange(count + 1) * period, t - t[0], None, kept, jitter)
+    return Clock(np.arange(count + 1) * period, t - t[0], None, kept, jitter, widest)
 
 
 def _check_forward(step: np.ndarray, kept: np.ndarray, column: str, path: Path) -> None:

@@ -44,7 +44,7 @@ def measured_on_clock(measured: np.ndarray, clock: Clock) -> np.ndarray:
     period = clock.time[1]
     after = np.clip(np.searchsorted(times, clock.time), 1, len(times) - 1)
     inside = (clock.time >= times[0] - 0.5 * period) & (clock.time <= times[-1] + 0.5 * period)
-    return inside & (times[after] - times[after - 1] <= 1.5 * period)
+    return inside & (times[after] - times[after - 1] <= clock.widest)
 
 
 def looks_held(signal: np.ndarray) -> bool:
