@@ -3,8 +3,8 @@
     python analyses/two_mass.py data/two_mass/MultisineTypeA.mat --output out/two_mass
 
 A log of HoriFujimotoLab/FdiTools (MIT): 20 periods of a multisine, 11 to 250 Hz, on the motor current. Tops
-and dips are read off the response, a motor and a load on a spring are fitted to the motor's side alone, and the
-load's side, which the fit never saw, judges it.
+and dips are read off the response, a motor and a load on a spring are fitted to the motor's side alone, and
+the load's side, which the fit never saw, judges it.
 """
 
 from __future__ import annotations
