@@ -5,8 +5,8 @@
 A log of JonasWeigand/Robot_Identification (MIT): a KUKA KR300, 250 Hz, 10 s. The second encoder of axes 1
 to 3 sits behind the gear. Its difference from the motor's is held against the torque that passes the gear,
 which is the motor's less what turns its rotor, beside a delay between the encoders and friction, for which it
-could be mistaken. Each fifth of the record is left out in turn: it says how far the numbers move, and judges whether
-torque and delay help.
+could be mistaken. Each fifth of the record is left out in turn: it says how far the numbers move, and judges
+whether torque and delay help.
 """
 
 from __future__ import annotations
