@@ -104,6 +104,8 @@ def test_parameters_are_read_and_written(drive) -> None:
         assert drive.asked(drive.read(name)) == Read(name)
         got = drive.asked(drive.write(Parameter(name, value)))
         assert got == Parameter(name, pytest.approx(value))
+        confirmed = drive.confirm(Parameter(name, value))
+        assert confirmed is None or drive.decode(confirmed) is None, "what was written proves nothing"
         assert drive.decode(drive.tell(Parameter(name, value))) == Parameter(name, pytest.approx(value))
         with pytest.raises(FrameError):
             drive.write(Parameter(name, math.nan))

@@ -9,6 +9,7 @@ from .messages import Fault, Feedback, Parameter, Ranges, Read, Setpoint
 from .mit import Mit
 from .robstride import Robstride
 from .span import Span
+from .wire import Node, Wire
 
 __all__ = [
     "MOST",
@@ -22,12 +23,14 @@ __all__ = [
     "FrameError",
     "Mit",
     "MotorTable",
+    "Node",
     "Parameter",
     "Ranges",
     "Read",
     "Robstride",
     "Setpoint",
     "Span",
+    "Wire",
     "bus_load",
     "dbc",
     "frame_bits",

@@ -64,7 +64,8 @@ class Damiao(Mit):
         if data[0] == self.id and data[1] == 0 and data[2] in (_READ, _WRITE) and data[3] in _NAMES:
             # feedback with status 0 could look the same: position just above -full scale, disabled. It is
             # read as a register's answer then, which no running loop takes for motion.
-            return _from_bytes(_NAMES[data[3]], data[4:])
+            # An answer to a write repeats what was written: only a read says what is there.
+            return _from_bytes(_NAMES[data[3]], data[4:]) if data[2] == _READ else None
         if data[0] & 0xF != self.id:
             return None
         status = data[0] >> 4
@@ -97,8 +98,12 @@ class Damiao(Mit):
         return Frame(self.reply_id, bytes([status << 4 | self.id]) + pack_motion(feedback, self.fields) + hot)
 
     def tell(self, parameter: Parameter) -> Frame:
-        """The answer to a parameter that was asked for or written."""
+        """The answer to a parameter that was asked for."""
         return self._register(self.reply_id, _READ, _REGISTERS[parameter.name], _to_bytes(parameter))
+
+    def confirm(self, parameter: Parameter) -> Frame | None:
+        """The answer to a parameter that was written."""
+        return self._register(self.reply_id, _WRITE, _REGISTERS[parameter.name], _to_bytes(parameter))
 
     def _register(self, id: int, what: int, register: int, value: bytes) -> Frame:
         return Frame(id, self.id.to_bytes(2, "little") + bytes([what, register]) + value)

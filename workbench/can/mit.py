@@ -109,6 +109,10 @@ class Mit:
         """
         return self.write(parameter)
 
+    def confirm(self, parameter: Parameter) -> Frame | None:
+        """The answer to a parameter that was written: none of its own."""
+        return None
+
 
 def pack_setpoint(setpoint: Setpoint, f: Fields) -> bytes:
     """Eight bytes of a setpoint.

@@ -142,6 +142,10 @@ class Robstride:
         """The answer to a parameter that was asked for."""
         return Frame(_READ << 24 | self.id << 8 | self.reply_id, _parameter(parameter), True)
 
+    def confirm(self, parameter: Parameter) -> Frame | None:
+        """The answer to a parameter that was written: none of its own."""
+        return None
+
     def _frame(self, kind: int, middle: int, data: bytes) -> Frame:
         return Frame(kind << 24 | middle << 8 | self.id, data, True)
 

@@ -6,7 +6,9 @@ from .degrade import degrade
 from .draw import draw_hidden, draw_several
 from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
 from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
+from .live import LiveLeg, LiveShaft
 from .magnitudes import DEMO_EFFECTS, DRAWN_EFFECTS
+from .motor_bank import MotorBank
 from .revealing import (
     dither,
     experiments_for,
@@ -19,6 +21,7 @@ from .revealing import (
 from .shapes import hidden_effect
 from .structure import LegStructure, leg_structure
 from .virtual_leg import PERFECT, Sensors, VirtualLeg
+from .virtual_motor import VirtualMotor
 
 __all__ = [
     "DEMO_EFFECTS",
@@ -30,9 +33,13 @@ __all__ = [
     "Experiment",
     "HiddenEffect",
     "LegStructure",
+    "LiveLeg",
+    "LiveShaft",
+    "MotorBank",
     "Reduced",
     "Sensors",
     "VirtualLeg",
+    "VirtualMotor",
     "chirp",
     "degrade",
     "demo_experiments",

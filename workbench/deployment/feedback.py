@@ -1,0 +1,99 @@
+"""What is known of every drive from what came in; whatever does not fit is counted and changes nothing."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from workbench.can import CanConfig, Drive, Fault, FrameError, Parameter, make_drive
+from workbench.can import Feedback as Said
+
+from .network import Arrival
+
+_SLACK = 0.05  # by which a position may step beyond what full speed allows [rad]
+
+
+class Feedback:
+    """Position, velocity, torque at the axes, by drive; arrays (n,).
+
+    Attributes:
+        position, velocity, torque: [rad, rad/s, N m]; NaN before the first feedback.
+        temperature: [deg C], NaN where none is told.
+        stamp: when the feedback was complete on the wire [s]; -inf before the first.
+        faulty: drives that report a fault or that they do not drive.
+        counts: frames by what they were: feedback, parameter, echo, unknown, garbage, old.
+    """
+
+    def __init__(self, config: CanConfig) -> None:
+        n = len(config.motor)
+        self._motors = config.motor
+        self.drives: list[Drive] = [make_drive(motor) for motor in config.motor]
+        self._on = {
+            bus.name: [i for i, m in enumerate(config.motor) if m.bus == bus.name] for bus in config.bus
+        }
+        self.position, self.velocity, self.torque = np.full((3, n), np.nan)
+        self.temperature, self.stamp = np.full(n, np.nan), np.full(n, -np.inf)
+        self.faulty = np.ones(n, bool)
+        self.counts: Counter[str] = Counter()
+        self._stale = 3 * config.loop.period_s
+        self._parameters: list[dict[str, float]] = [{} for _ in range(n)]
+
+    def take(self, arrival: Arrival, now: float) -> None:
+        """One frame, `now` [s]."""
+        if arrival.sent:
+            self.counts["echo"] += 1
+            return
+        for index in self._on[arrival.bus]:
+            try:
+                said = self.drives[index].decode(arrival.frame)
+            except FrameError:
+                self.counts["garbage"] += 1
+                return
+            if said is not None:
+                self._heard(index, said, arrival.stamp, now)
+                return
+        self.counts["unknown"] += 1
+
+    def parameter(self, index: int, name: str) -> float | None:
+        """A parameter that drive `index` told since it was last asked."""
+        return self._parameters[index].get(name)
+
+    def forget(self, index: int, name: str) -> None:
+        """Before a parameter is asked for."""
+        self._parameters[index].pop(name, None)
+
+    def replace(self, index: int, drive: Drive) -> None:
+        """Another drive, with the ranges that were read; what was decoded by the old ones is forgotten."""
+        self.drives[index] = drive
+        self.position[index] = self.velocity[index] = self.torque[index] = np.nan
+
+    def age(self, now: float) -> np.ndarray:
+        """Age of the feedback (n,) by its receive stamp [s]."""
+        return now - self.stamp
+
+    def _heard(self, index: int, said: Said | Parameter | Fault, stamp: float, now: float) -> None:
+        if isinstance(said, Parameter):
+            self.counts["parameter"] += 1
+            self._parameters[index][said.name] = said.value
+            return
+        if isinstance(said, Fault):
+            self.counts["feedback"] += 1
+            self.faulty[index] = True
+            return
+        # reordered, repeated, or too long on its way
+        if stamp <= self.stamp[index] or now - stamp >= self._stale or stamp > now + 1e-3:
+            self.counts["old"] += 1
+            return
+        motor = self._motors[index]
+        q = motor.sign * said.position + motor.offset
+        fastest = self.drives[index].ranges.velocity
+        known = np.isfinite(self.position[index])
+        if known and abs(q - self.position[index]) > fastest * (stamp - self.stamp[index]) + _SLACK:
+            self.counts["garbage"] += 1
+            return
+        self.counts["feedback"] += 1
+        self.position[index], self.stamp[index] = q, stamp
+        self.velocity[index], self.torque[index] = motor.sign * said.velocity, motor.sign * said.torque
+        self.temperature[index] = np.nan if said.temperature is None else said.temperature
+        self.faulty[index] = bool(said.fault) or said.enabled is False

@@ -1,0 +1,58 @@
+"""How punctual a loop was."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+
+@dataclass
+class Punctuality:
+    """Counted tick by tick.
+
+    Attributes:
+        round_trips: from the first command of a tick to the last answer [s]; only where all answered.
+        late: how late each tick began [s].
+        skipped: ticks that were skipped because the one before took too long.
+        incomplete: ticks in which not every drive answered.
+        again: commands sent once more within their tick.
+        counts: frames that came in, by what they were.
+    """
+
+    round_trips: list[float] = field(default_factory=list)
+    late: list[float] = field(default_factory=list)
+    skipped: int = 0
+    incomplete: int = 0
+    again: int = 0
+    counts: Counter[str] = field(default_factory=Counter)
+
+    @property
+    def ticks(self) -> int:
+        """Ticks that were run."""
+        return len(self.late)
+
+    @property
+    def missed(self) -> float:
+        """Share of ticks that were skipped, or began more than half a millisecond late."""
+        total = self.ticks + self.skipped
+        return (self.skipped + sum(late > 0.5e-3 for late in self.late)) / total if total else 0.0
+
+    def percentile(self, part: float) -> float:
+        """A percentile of the round trips [s]; NaN where there is none."""
+        return float(np.percentile(self.round_trips, part)) if self.round_trips else float("nan")
+
+    def summary(self) -> Mapping[str, Any]:
+        """For programs and status lines; times in milliseconds."""
+        return {
+            "ticks": self.ticks,
+            "skipped": self.skipped,
+            "missed_share": self.missed,
+            "incomplete": self.incomplete,
+            "sent_again": self.again,
+            "round_trip_ms": {"p50": 1e3 * self.percentile(50), "p99": 1e3 * self.percentile(99)},
+            "frames": dict(self.counts),
+        }

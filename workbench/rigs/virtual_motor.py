@@ -1,0 +1,116 @@
+"""A drive that speaks its protocol: it follows setpoints while it is enabled and hears of its host."""
+
+from __future__ import annotations
+
+from workbench.can import Drive, Feedback, Frame, FrameError, Parameter, Read, Setpoint
+
+from .live import Look
+
+_AMBIENT, _WARMING, _COOLING = 25.0, 0.01, 60.0  # deg C, K/(s (N m)^2), s
+_HOT = 110.0  # deg C, where it gives up
+_LOST, _OVERHEATED = 0xD, 0xC  # as Damiao numbers them
+
+
+class VirtualMotor:
+    """One drive; it works once a row, as a drive's control does.
+
+    Args:
+        axis: name of its axis.
+        drive: its protocol, identifiers and ranges.
+        sign, offset: of the axis over the drive.
+
+    Attributes:
+        enabled: whether it drives.
+        dead: hears and says nothing, and drives nothing; for tests.
+        parameters: its registers. The watchdog's factory setting is off.
+        temperature: [deg C].
+        heard: when it last heard a command [s].
+        longest: the longest it drove without one [s].
+    """
+
+    def __init__(self, axis: str, drive: Drive, sign: int = 1, offset: float = 0.0) -> None:
+        self.axis, self.drive, self._sign, self._offset = axis, drive, sign, offset
+        ranges = drive.ranges
+        self.parameters: dict[str, float] = {
+            "watchdog": 0.0, "mode": 1.0,
+            "position": ranges.position, "velocity": ranges.velocity, "torque": ranges.torque,
+        }  # fmt: skip
+        self.enabled, self.dead, self.fault = False, False, 0
+        self.temperature, self.heard, self.longest = _AMBIENT, 0.0, 0.0
+        self._setpoint = Setpoint(0.0, 0.0, 0.0, 0.0, 0.0)
+        self._inbox: list[Frame] = []
+        self._answers: list[Parameter] = []
+        self._confirmed: list[Parameter] = []
+        self._speak = False
+
+    def hear(self, frame: Frame) -> None:
+        """A frame on its bus."""
+        if not self.dead:
+            self._inbox.append(frame)
+
+    def obey(self, now: float) -> None:
+        """Does what it was told since the last row, unless that is too long ago."""
+        for frame in self._inbox:
+            asked = self.drive.asked(frame)
+            if asked is None:
+                continue
+            if isinstance(asked, Setpoint):
+                self._setpoint, self.heard = asked, now
+            elif isinstance(asked, Read):
+                self._answers.append(Parameter(asked.name, self.parameters[asked.name]))
+                continue
+            elif isinstance(asked, Parameter):
+                self.parameters[asked.name] = asked.value
+                self._confirmed.append(asked)
+                if self.drive.confirm(asked):
+                    continue
+            else:
+                self._act(asked, now)
+            self._speak = True
+        self._inbox.clear()
+        watchdog = self.parameters["watchdog"]
+        if self.dead or (self.enabled and 0.0 < watchdog < now - self.heard):
+            self.enabled, self.fault = False, _LOST
+        if self.temperature > _HOT:
+            self.enabled, self.fault = False, _OVERHEATED
+
+    def torque(self, look: Look) -> float:
+        """What it drives with, given what its sensors show; at the axis [N m]."""
+        if not self.enabled:
+            return 0.0
+        s, q, w = self._setpoint, self._sign * (look[0] - self._offset), self._sign * look[1]
+        most = self.drive.ranges.torque
+        torque = s.torque + s.kp * (s.position - q) + s.kd * (s.velocity - w)
+        return self._sign * min(max(torque, -most), most)
+
+    def answer(self, look: Look, now: float, row: float) -> list[Frame]:
+        """What it says at the end of its work, and how warm it gets in a row of `row` [s]."""
+        if self.enabled:
+            self.longest = max(self.longest, now - self.heard)
+        heat = _WARMING * look[2] ** 2 if self.enabled else 0.0
+        self.temperature += row * (heat - (self.temperature - _AMBIENT) / _COOLING)
+        if self.dead:
+            return []
+        said = [frame for p in self._confirmed if (frame := self.drive.confirm(p))]
+        self._confirmed.clear()
+        for parameter in self._answers:
+            try:
+                said.append(self.drive.tell(parameter))
+            except FrameError:
+                continue
+        self._answers.clear()
+        if self._speak:
+            self._speak = False
+            q, w, t = self._sign * (look[0] - self._offset), self._sign * look[1], self._sign * look[2]
+            fault = self.fault if self.drive.name == "damiao" else 0
+            said.append(self.drive.answer(Feedback(q, w, t, self.temperature, self.enabled, fault)))
+        return said
+
+    def _act(self, action: str, now: float) -> None:
+        if action == "enable" and not self.fault:
+            self.enabled, self.heard = True, now
+            self._setpoint = Setpoint(0.0, 0.0, 0.0, 0.0, 0.0)
+        elif action == "disable":
+            self.enabled = False
+        elif action == "clear":
+            self.enabled, self.fault = False, 0
