@@ -20,6 +20,9 @@ from .uncertainty import covariance_of, with_deviations
 ITERATIONS = 6
 ENOUGH = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
 _FAR_BEHIND = 8.0
+_TELLING = 0.6  # share of the error in the recordings of a race's first heats
+_HEATS = 3  # simulations of each hypothesis in them
+_BEHIND = 2.5  # what leaves this many times the best one's excess falls out
 PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
 
@@ -72,8 +75,39 @@ def fit(
         moved = [w for w in active if not w.done]
         _linearise([w for w in moved if w.pieces is None], data)
         for work in moved:
-            _step(work, data, enough)
+            if not work.done:
+                _step(work, data, enough)
     return [_finish(w, data) if np.isfinite(w.value) else None for w in works]
+
+
+def race(
+    hypotheses: Sequence[Hypothesis], current: Fit, data: Data
+) -> tuple[list[Fit | None], list[float | None]]:
+    """Fit on the recordings where most of the error is; those still in the running go on to all of them.
+
+    Args:
+        hypotheses: what takes part.
+        current: the fit that they would replace.
+        data: recordings, floor, weights.
+
+    Returns:
+        Per hypothesis its fit to all recordings, None where it never ran or fell behind; and the share of the
+        excess on the first recordings that it removed there, None where it never ran.
+    """
+    telling = data.telling(current.mean_squares, _TELLING)
+    some = data.part(telling)
+    floor = some.objective(some.pool(some.floor))
+    excess = max(some.objective(some.pool(current.mean_squares[list(telling)])) - floor, 1e-12)
+    first = fit(hypotheses, some, iterations=_HEATS)
+    left = [np.inf if f is None else f.trained - floor for f in first]
+    shares = [None if f is None else 1.0 - x / excess for f, x in zip(first, left, strict=True)]
+    limit = _BEHIND * max(min(left), 0.0) + 0.2 * floor + 0.02 * excess
+    running = [k for k, x in enumerate(left) if x <= limit]
+    final: list[Fit | None] = [None] * len(first)
+    starts = [f.hypothesis for k in running if (f := first[k]) is not None]
+    for k, own in zip(running, fit(starts, data), strict=True):
+        final[k] = own
+    return final, shares
 
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
@@ -115,6 +149,9 @@ def _linearise(works: list[_Work], data: Data) -> None:
     columns = [[c for a in w.best.free for c in s.derivatives(a)] for w, s in zip(works, scenes, strict=True)]
     responses = respond(scenes, columns, data)
     for work, own in zip(works, responses, strict=True):
+        if not all(np.isfinite(r).all() for r in own):
+            work.value, work.done = np.inf, True  # the loop about this motion runs away: nothing to follow
+            continue
         residuals = [data.residual(i, work.runs[i]) * data.weight for i in range(data.training)]
         work.pieces = [normal(own[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
         work.noise = sum(
@@ -143,9 +180,11 @@ def _step(work: _Work, data: Data, enough: float) -> None:
     work.tried = moved(work.best, change)
 
 
-def _finish(work: _Work, data: Data) -> Fit:
+def _finish(work: _Work, data: Data) -> Fit | None:
     if work.pieces is None:
         _linearise([work], data)
+    if not np.isfinite(work.value):
+        return None
     assert work.pieces is not None and work.mean_squares is not None and work.noise is not None
     whole = total(work.pieces)
     low, high = room(work.best)

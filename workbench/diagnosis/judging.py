@@ -19,11 +19,11 @@ from .sensitivity import Column, Scene, combine
 HELPS = 0.05  # share of the excess that an effect must remove on data it was not fitted on
 # A later effect must also lower the whole error by this much, fitted and judged, where a fiftieth of the
 # error at the start counts as nothing: what a first effect leaves is its own shape as often as a second one.
-_LATER = 0.05
+_LATER = 0.10
 _LATER_TOLERANCE = 0.02
 # Of what is left it must remove this share: a cause that is there explains most of what the next one leaves,
 # while in a model that lacks something else many effects of one kind take a little of it each.
-_LATER_SHARE = 0.25
+LATER_SHARE = 0.25
 TIE = 0.03  # relative difference of judged error below which two explanations are one
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
@@ -75,6 +75,8 @@ def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
 
 def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
     """Whether even a perfect further effect could not lower the whole error by enough."""
+    if data.score(data.floor) > (1.0 - _LATER) * data.score(current.mean_squares):
+        return True
     plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
     floor, now = plain.pool(plain.floor), plain.pool(current.mean_squares)
     return bool(np.sqrt(plain.objective(floor)) > (1.0 - _LATER) * np.sqrt(plain.objective(now)))
@@ -89,7 +91,7 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
         floor = plain.objective(plain.pool(plain.floor, held_out))
         if np.sqrt(after) > (1.0 - _LATER) * np.sqrt(before):
             return False
-        if before - after < _LATER_SHARE * (before - floor):
+        if before - after < LATER_SHARE * (before - floor):
             return False
     return True
 

@@ -14,12 +14,13 @@ from workbench.effects import contains, effect_named
 from workbench.models import Model
 
 from .data import Data, floor_of, gather
-from .fit import ITERATIONS, fit
+from .fit import fit, race
 from .giving import pins_of, what_gives_way
 from .hypothesis import Fit, Hypothesis
 from .judging import (
     AT_FLOOR,
     HELPS,
+    LATER_SHARE,
     as_good_as_done,
     cancels,
     choose,
@@ -36,7 +37,11 @@ from .screen import Candidate, screen
 from .sensitivity import Scene
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
+# What the rest must be above, in floors, for springs and gaps to be looked for: after a first effect, more.
+_MOST_OF_IT = 1.5
 _ALL_OF_IT = 1.04  # judged error over the noise's, below which nothing more is looked for
+_WORTH = 3.0  # times what the best rigid explanation leaves: more is not worth a simulation
+_CLOSE = 1.5  # times what the best leaves: where how friction sets in may decide
 _SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
 
 Progress = Callable[[str], None]
@@ -145,7 +150,7 @@ def search(
         scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
         candidates, _ = screen(scene, data, current.simulated, current.hypothesis.free)
         screened = screened or tuple(candidates)
-        stage = _next(scene, candidates, current, data, progress)
+        stage = _next(scene, candidates, current, data, progress, later=bool(stages))
         if stage is None:
             break
         costless = any(a.key == stage.added for a in stage.fit.hypothesis.stated)
@@ -177,15 +182,23 @@ def search(
 
 def _fitted(
     scene: Scene, chosen: Sequence[Candidate], current: Fit, data: Data, progress: Progress
-) -> list[tuple[Candidate, Fit]]:
-    """Candidates with their fits, those left out that do not run; best first."""
+) -> tuple[list[tuple[Candidate, Fit]], dict[EffectKey, float]]:
+    """Candidates with their fits, best first, and what those removed of the excess that fell behind.
+
+    What does not run is left out.
+    """
     progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
     pairs: list[tuple[Candidate, Fit]] = []
-    for wanders, turns in ((False, ITERATIONS), (True, 1)):
+    behind: dict[EffectKey, float] = {}
+    for wanders in (False, True):
         part = [c for c in chosen if effect_named(c.key.effect).wanders is wanders]
-        results = fit([with_candidate(scene, c, current) for c in part], data, turns) if part else []
+        if not part:
+            continue
+        tried = [with_candidate(scene, c, current) for c in part]
+        results, shares = (fit(tried, data, 1), [None] * len(part)) if wanders else race(tried, current, data)
         pairs += [(c, f) for c, f in zip(part, results, strict=True) if f is not None]
-    return sorted(pairs, key=lambda cf: cf[1].trained)
+        behind |= {c.key: x for c, x in zip(part, shares, strict=True) if x is not None}
+    return sorted(pairs, key=lambda cf: cf[1].trained), behind
 
 
 def _start(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
@@ -202,7 +215,13 @@ def _refloor(found: Fit, data: Data, seed: int) -> tuple[Data, Simulated]:
 
 
 def _next(
-    scene: Scene, candidates: Sequence[Candidate], current: Fit, data: Data, progress: Progress
+    scene: Scene,
+    candidates: Sequence[Candidate],
+    current: Fit,
+    data: Data,
+    progress: Progress,
+    *,
+    later: bool = False,
 ) -> Stage | None:
     """The effect to add now, or None where nothing helps.
 
@@ -215,30 +234,38 @@ def _next(
     fitted = {a.key for a in current.hypothesis.free}
     candidates = [c for c in candidates if c.key not in fitted]
     stated = [c for c in candidates if effect_named(c.key.effect).free(scene.model) == 0 and not c.shape]
-    free = [c for c in candidates if c not in stated and c.judged < current.judged - 0.5 * HELPS * excess]
+    needed = 0.5 * (LATER_SHARE if later else HELPS) * excess
+    free = [c for c in candidates if c not in stated and c.judged < current.judged - needed]
     # a first estimate leaves what the linearisation misses; only clear losers go unsimulated
     best_left = max(min((c.judged for c in free), default=0.0) - floor, 0.0)
     free = [c for c in free if c.judged - floor <= 10.0 * best_left + 0.05 * excess]
     tiers = [[c for c in free if effect_named(c.key.effect).tier == t] for t in (0, 1)]
     fits: list[tuple[Candidate, Fit]] = []
+    removed: dict[EffectKey, float] = {}
     for tier, most in ((stated, len(stated)), (tiers[0], _SIMPLE), (tiers[1], _REFINED)):
         chosen = tier[:most]
         reached = any(f.judged < AT_FLOOR * floor for _, f in fits)
         settled = tier is tiers[1] and any(c in stated for c, f in fits if helps(f, current, excess))
         if not chosen or reached or settled:
             continue
-        own = _fitted(scene, chosen, current, data, progress)
+        own, behind = _fitted(scene, chosen, current, data, progress)
+        removed |= behind
         # how friction sets in matters where the choice is made, not for those that are far behind
         fits += [
-            (c, settle(f, data, floor) if f.trained < 1.5 * own[0][1].trained else f) for c, f in own[:2]
+            (c, settle(f, data, floor) if f.trained < _CLOSE * own[0][1].trained else f) for c, f in own[:2]
         ]
         fits += own[2:]
     structural = any(c in stated for c, f in fits if helps(f, current, excess))
-    if not structural and not any(f.judged < _ALL_OF_IT * floor for _, f in fits):
+    enough = _MOST_OF_IT if later else _ALL_OF_IT
+    if not structural and not any(f.judged < enough * floor for _, f in fits):
         # dear to simulate, and hardly ever asked for where all is rigid
         progress("looking for springs and gaps")
+        best = min((f.judged for _, f in fits), default=np.inf)
         late = what_gives_way(scene, data.training, current.judged)
-        fits += _fitted(scene, late, current, data, progress) if late else []
+        late = [c for c in late if c.judged < _WORTH * best]
+        if late:
+            own, behind = _fitted(scene, late, current, data, progress)
+            fits, removed = [*fits, *own], removed | behind
     helpful = [(c, f) for c, f in fits if helps(f, current, excess) and lowers_error(f, current, data)]
     if not helpful:
         return None
@@ -247,7 +274,8 @@ def _next(
     kept = polished(kept, data)
     if cancels(scene, kept):
         return None
-    ranking = sorted(((c.key, (current.judged - f.judged) / excess) for c, f in fits), key=lambda r: -r[1])
+    removed |= {c.key: (current.judged - f.judged) / excess for c, f in fits}
+    ranking = sorted(removed.items(), key=lambda r: -r[1])
     left = {a.key for a in kept.hypothesis.added}
     twins = effect_named(candidate.key.effect).twins
     same = tuple(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import copysign, exp
 
 import numpy as np
+from numba import njit
 
 from workbench.models import Model, Placement
 
@@ -90,11 +90,13 @@ class PreslidingHysteresis(Effect):
         build.chain.hysteresis.append(term)
 
 
+@njit(cache=True)
 def wound(position: np.ndarray, ratio: float) -> np.ndarray:
     """State z (N,) along positions (N,), relaxed at the first, exact for a way without reversals between."""
-    state, out = 0.0, [0.0]
-    for moved in np.diff(position).tolist():
-        side = copysign(1.0, moved)
-        state = side - (side - state) * exp(-ratio * abs(moved))
-        out.append(state)
-    return np.array(out)
+    state, out = 0.0, np.zeros(len(position))
+    for k in range(1, len(position)):
+        moved = position[k] - position[k - 1]
+        side = np.sign(moved)
+        state = side - (side - state) * np.exp(-ratio * abs(moved))
+        out[k] = state
+    return out

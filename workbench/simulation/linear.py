@@ -82,12 +82,7 @@ def linearise(plant: Plant, experiment: Experiment, track: Track, gain: np.ndarr
     drift[:, v:, :v], drift[:, v:, v:] = -solve @ stiffness, -solve @ damping
     push = np.zeros((len(rows), 2 * v, n))
     push[:, v:] = solve @ plant.drives.T
-    h = e.step
-    a = drift * h
-    unit = np.eye(2 * v)
-    a2 = a @ a
-    transition = unit + a + a2 / 2 + a2 @ a / 6 + a2 @ a2 / 24
-    entry = (unit + a / 2 + a2 / 6 + a2 @ a / 24) @ push * h
+    transition, entry = _over_a_step(drift, push, e.step, plant.substeps)
     return Loop(
         transition=interpolate(rows, transition, total),
         entry=interpolate(rows, entry, total),
@@ -107,6 +102,21 @@ def linearise(plant: Plant, experiment: Experiment, track: Track, gain: np.ndarr
         differentiates=differentiates(e),
         at_command=scored_torque(e.recording) == "torque_command",
     )
+
+
+def _over_a_step(
+    drift: np.ndarray, push: np.ndarray, step: float, parts: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Transition (N, k, k) and entry (N, k, n) over a step, by Runge-Kutta 4 in as many parts as MuJoCo."""
+    h, unit = step / parts, np.eye(drift.shape[-1])
+    a = drift * h
+    a2 = a @ a
+    once = unit + a + a2 / 2 + a2 @ a / 6 + a2 @ a2 / 24
+    enter = (unit + a / 2 + a2 / 6 + a2 @ a / 24) @ push * h
+    transition, entry = once, enter
+    for _ in range(parts - 1):
+        transition, entry = once @ transition, once @ entry + enter
+    return transition, entry
 
 
 def _feedback(c: Controller, j: np.ndarray) -> np.ndarray:
