@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -57,6 +58,10 @@ class Replay(Protocol):
     @property
     def noise(self) -> NoiseModel:
         """The sensors."""
+        ...
+
+    def only(self, chosen: Sequence[int]) -> Replay:
+        """The same for some of the recordings."""
         ...
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
@@ -120,6 +125,10 @@ class ClosedLoop:
     recordings: tuple[Recording, ...]
     noise: NoiseModel
 
+    def only(self, chosen: Sequence[int]) -> ClosedLoop:
+        """The same for some of the recordings."""
+        return replace(self, recordings=tuple(self.recordings[i] for i in chosen))
+
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """All models on all recordings in one batch."""
         part = self.recordings[:first]
@@ -180,6 +189,14 @@ class MeasuredMotion:
             [replace(r, counts=c) for r, c in zip(each, counts, strict=True)] for each in (first, smooth)
         )
         self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
+
+    def only(self, chosen: Sequence[int]) -> MeasuredMotion:
+        """The same for some of the recordings."""
+        part = copy.copy(self)
+        part.recordings = tuple(self.recordings[i] for i in chosen)
+        part._read, part._smooth = ([each[i] for i in chosen] for each in (self._read, self._smooth))
+        part._drawn = {}
+        return part
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """The recordings with the torque that each model needs in place of that measured."""

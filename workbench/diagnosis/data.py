@@ -68,6 +68,7 @@ class Data:
             self,
             recordings=tuple(self.recordings[i] for i in chosen),
             training=len(chosen),
+            replay=self.replay.only(chosen),
             floor=self.floor[list(chosen)],
             draws=tuple(tuple(draw[i] for i in chosen) for draw in self.draws),
         )
