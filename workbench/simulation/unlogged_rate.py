@@ -58,5 +58,18 @@ def differentiates(experiment: Experiment) -> bool:
     period = experiment.controller.period_s or r.period
     before = np.interp(r.time[rows] - period, r.time, np.arange(len(r)))
     by_difference = (r.position[rows] - r.position[np.round(before).astype(int)]) / period
-    away = [np.median(np.abs(rate - x)) for x in (by_difference, r.velocity[rows])]
-    return bool(away[0] <= away[1])
+    # stated gains may be wrong: whatever error and rate of the reference explain counts for neither
+    others = np.concatenate(
+        [experiment.reference[rows], experiment.reference_rate[rows], r.position[rows]], axis=1
+    )
+    left = [
+        _unexplained(rate, np.concatenate([x, others], axis=1)) for x in (by_difference, r.velocity[rows])
+    ]
+    return bool(left[0] <= left[1])
+
+
+def _unexplained(values: np.ndarray, by: np.ndarray) -> float:
+    """Median size of what a linear combination of columns (M, k) leaves of values (M, n)."""
+    by = np.concatenate([by, np.ones((len(by), 1))], axis=1)
+    solution, *_ = np.linalg.lstsq(by, values, rcond=1e-12)
+    return float(np.median(np.abs(values - by @ solution)))
