@@ -36,6 +36,9 @@ def main() -> None:
     parser.add_argument("--first", type=int, help="only so many cases; any beginning is a fair sample")
     parser.add_argument("--cases", nargs="*", default=[], help="only cases whose name has one of these in it")
     parser.add_argument("--others", nargs="*", default=[], choices=sorted(METHODS), help="also ask these")
+    parser.add_argument(
+        "--patience", type=float, default=900.0, help="a diagnosis that takes longer failed [s]"
+    )
     parser.add_argument("--list", action="store_true", help="name the cases and stop")
     parser.add_argument("--report", type=Path, nargs="+", help="marks to report on")
     parser.add_argument("--figures", type=Path, help="folder for the report's figures")
@@ -56,10 +59,10 @@ def main() -> None:
         return
     if arguments.out is None:
         parser.error("give --out or --report")
-    run(chosen, arguments.out, arguments.jobs, arguments.others)
+    run(chosen, arguments.out, arguments.jobs, arguments.others, arguments.patience)
 
 
-def run(cases: list[Case], out: Path, jobs: int, others: list[str]) -> None:
+def run(cases: list[Case], out: Path, jobs: int, others: list[str], patience: float) -> None:
     """Marks what `out` has not got, cases or others' answers, and writes each as soon as it is there."""
     marks = {line["case"]: line for line in read([out])} if out.exists() else {}
     work = [
@@ -67,7 +70,7 @@ def run(cases: list[Case], out: Path, jobs: int, others: list[str]) -> None:
     ]
     now, started = revision(), time.perf_counter()
     tasks = (
-        delayed(mark)(case, {name: METHODS[name] for name in names}, now, marks.get(case.name))
+        delayed(mark)(case, {name: METHODS[name] for name in names}, now, marks.get(case.name), patience)
         for case, names in work
     )
     with out.open("a") as file:

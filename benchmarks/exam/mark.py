@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +27,11 @@ VISIBLE = 2.0  # error over noise
 
 
 def mark(
-    case: Case, others: Mapping[str, Method], revision: str = "", marks: Mapping[str, Any] | None = None
+    case: Case,
+    others: Mapping[str, Method],
+    revision: str = "",
+    marks: Mapping[str, Any] | None = None,
+    patience: float = 900.0,
 ) -> dict[str, Any]:
     """Makes the recordings, asks everyone, and marks the answers.
 
@@ -34,6 +40,7 @@ def mark(
         others: further methods by name; each is asked on the training recordings alone.
         revision: of the code, kept with the marks.
         marks: of this case already, to which only the others' are added.
+        patience: the diagnosis has failed if it takes longer [s]; only a process's main thread can tell.
     """
     if marks is not None:
         data = record(case)
@@ -59,7 +66,8 @@ def mark(
     model = load_model("leg")
     wall, cpu = time.perf_counter(), time.process_time()
     try:
-        diagnosis = diagnose(model, data.training, data.held_out, seed=case.seed)
+        with at_most(patience):
+            diagnosis = diagnose(model, data.training, data.held_out, seed=case.seed)
     except Exception as error:  # what a user would see as a crash is a mark too
         return {**line, "failed": f"diagnosis: {type(error).__name__}: {error}"}
     line["wall_s"] = round(time.perf_counter() - wall, 2)
@@ -145,6 +153,22 @@ def _finding(named: Named, how: str, case: Case) -> dict[str, Any]:
             for name, estimate in named.parameters.items()
         },
     }
+
+
+@contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    """Raises TimeoutError within the block once that long has passed."""
+
+    def stop(*_: object) -> None:
+        raise TimeoutError(f"took more than {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def revision() -> str:
