@@ -8,7 +8,7 @@ from workbench.core import EffectKey, Estimate, Share
 from workbench.report import sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
-from workbench.report.wording import effect_phrase, share_phrase
+from workbench.report.wording import effect_phrase, effect_phrases, share_phrase
 
 
 @pytest.mark.parametrize(
@@ -77,3 +77,17 @@ def test_ladder(improvement, comparison):
     places = [axis.place(v) for v in (0.01, 0.1)]
     assert 0 < places[0] < places[1] < 1  # type: ignore[operator]
     assert axis.place(0.0) is None and axis.ticks == (0.01, 0.02, 0.05, 0.1)
+
+
+def test_places_of_one_effect_share_a_phrase() -> None:
+    keys = [
+        EffectKey("torque_saturation", "hip"),
+        EffectKey("command_delay", None),
+        EffectKey("torque_saturation", "knee"),
+        EffectKey("torque_saturation", "knee", "joint"),
+    ]
+    assert effect_phrases(keys) == [
+        "torque saturation on the hip and knee drives",
+        "command delay on all axes",
+        "torque saturation at the knee joint",
+    ]

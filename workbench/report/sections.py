@@ -39,7 +39,7 @@ def sections(
         "next_experiment": plain(diagnosis.next_experiment)
         if diagnosis and diagnosis.next_experiment
         else "",
-        "not_excited": [w.capital(w.effect_phrase(k)) for k in diagnosis.not_excited] if diagnosis else [],
+        "not_excited": [w.capital(p) for p in w.effect_phrases(diagnosis.not_excited)] if diagnosis else [],
         "where": _where(before.where if before else ()),
         "where_after": _where(_left(result, after)),
         "rest": [plain(line) for line in diagnosis.evidence] if diagnosis else [],

@@ -93,7 +93,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
     if result.next_experiment:
         parts += [Text(), Text.assemble(("Measure next: ", "bold"), plain(result.next_experiment))]
     if result.not_excited:
-        parts += [Text(), Text.assemble(("Not excited: ", "bold"), _listed(result.not_excited, "and"))]
+        parts += [Text(), Text.assemble(("Not excited: ", "bold"), _grouped(result.not_excited))]
     return Group(*parts)
 
 
@@ -174,6 +174,11 @@ def _shares(title: str, shares: Iterable[Share]) -> list[RenderableType]:
 
 def _listed(keys: Iterable[EffectKey], word: str = "or") -> str:
     return w.any_of([w.effect_phrase(k) for k in keys], word)
+
+
+def _grouped(keys: Iterable[EffectKey]) -> str:
+    # an "and" inside a phrase asks for semicolons between them
+    return "; ".join(w.effect_phrases(keys))
 
 
 def _bar(error: float, top: float, width: int = 12) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from workbench.core import Comparison, Diagnosis, EffectKey, Estimate, Finding, Improvement, Share, Step
 
@@ -39,6 +39,22 @@ def effect_phrase(key: EffectKey) -> str:
 def any_of(phrases: Sequence[str], word: str = "or") -> str:
     """``"a, b or c"``."""
     return phrases[0] if len(phrases) == 1 else f"{', '.join(phrases[:-1])} {word} {phrases[-1]}"
+
+
+def effect_phrases(keys: Iterable[EffectKey]) -> list[str]:
+    """One phrase an effect, all its places in it: ``"torque saturation on the hip and knee drives"``."""
+    groups: dict[tuple[str, str, bool], list[EffectKey]] = {}
+    for key in keys:
+        groups.setdefault((key.effect, key.location, key.axis is None), []).append(key)
+    phrases = []
+    for (effect, location, _), same in groups.items():
+        if len(same) == 1:
+            phrases.append(effect_phrase(same[0]))
+            continue
+        axes = any_of([plain(k.axis or "") for k in same], "and")
+        where = f"on the {axes} drives" if location == "actuator" else f"at the {axes} joints"
+        phrases.append(f"{effect_name(effect)} {where}")
+    return phrases
 
 
 def parameter_name(name: str) -> str:
