@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 #: Modules whose distribution goes by another name.
-DISTRIBUTIONS = {"pinocchio": "pin", "pydrake": "drake", "tomli_w": "tomli-w"}
+DISTRIBUTIONS = {"pinocchio": "pin", "pydrake": "drake", "tomli_w": "tomli-w", "can": "python-can"}
 
 
 def third_party(folder: str) -> set[str]:

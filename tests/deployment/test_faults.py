@@ -270,6 +270,28 @@ def test_no_wall_clock_decides_anything(tmp_path: Path, monkeypatch: pytest.Monk
     assert robot.host.state.phase == "run"
 
 
+def test_a_loop_that_was_held_up_damps_looks_and_goes_on(robot: Robot) -> None:
+    told: list[Setpoint] = []
+    hear = robot.motors[0].hear
+
+    def spy(frame: Frame) -> None:
+        asked = robot.motors[0].drive.asked(frame)
+        if isinstance(asked, Setpoint):
+            told.append(asked)
+        hear(frame)
+
+    robot.motors[0].hear = spy
+    for _ in range(3):
+        told.clear()
+        robot.network.sleep_until(robot.network.now() + 0.011)
+        robot.run(0.03)
+        assert abs(told[0].torque) < 0.01 and told[0].kd == pytest.approx(1.0, abs=1e-3), (
+            "nothing old is sent"
+        )
+        assert robot.host.state.phase == "run" and abs(told[-1].torque) > 0.1
+    assert robot.host.punctuality.stalls == 3
+
+
 # The emergency stop.
 
 

@@ -42,7 +42,8 @@ def test_the_same_torque_turns_the_same_shaft() -> None:
 
 def test_gains_of_a_loop_cannot_hide_in_the_hardware() -> None:
     with pytest.raises(SimulationError, match="configuration"):
-        LiveLeg((HiddenEffect("controller_gain_error", "hip", parameters={"kp_scale": 1.1, "kd_scale": 1.0}),))
+        wrong = {"kp_scale": 1.1, "kd_scale": 1.0}
+        LiveLeg((HiddenEffect("controller_gain_error", "hip", parameters=wrong),))
 
 
 def driven(motor: VirtualMotor, until: float, begin: float = 0.0) -> list[tuple[float, float]]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import signal
+import time
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs
+from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs
+from .hidden import HideOption, SetOption, hidden_effects
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -74,3 +77,71 @@ def dbc(
 
     motors = load_config(config).motor
     write_whole(output, text({motor.axis: make_drive(motor) for motor in motors}), force=force)
+
+
+@can.command()
+def bus(config: ConfigArgument) -> None:
+    """Carry the buses with interface "workbench" between processes, until interrupted.
+
+    Example: workbench can bus robot.toml
+    """
+    from workbench.can import load_config
+    from workbench.can.realtime import realtime
+    from workbench.can.server import serve
+
+    stop, loaded = _until_told(), load_config(config)
+    with realtime():
+        serve(loaded, stop, lambda: typer.echo("ready"))
+
+
+@can.command()
+def motors(
+    config: ConfigArgument,
+    hide: HideOption = None,
+    set_: SetOption = None,
+    seed: SeedOption = 0,
+    row_ms: Annotated[float, typer.Option(min=0.1, max=2.0, help="Cycle of the drives' control [ms].")] = 0.5,
+) -> None:
+    """Run virtual motors on the buses, turning virtual legs and lone actuators, until interrupted.
+
+    Example: workbench can motors robot.toml --hide coulomb_friction@knee --set torque=0.25
+    """
+    from workbench.can import load_config
+    from workbench.can.realtime import realtime
+    from workbench.deployment.motors import run_motors
+    from workbench.rigs import MotorBank
+
+    stop = _until_told()
+    loaded = load_config(config)
+    bank = MotorBank(loaded, hidden_effects(hide, set_), seed=seed, row=1e-3 * row_ms)
+    with realtime():
+        run_motors(loaded, bank, stop, lambda: typer.echo("ready"))
+    longest = max(motor.longest for motor in bank.motors.values())
+    driving = [motor.axis for motor in bank.motors.values() if motor.enabled]
+    typer.echo(f"longest without a command: {1e3 * longest:.2f} ms; driving: {', '.join(driving) or 'none'}")
+
+
+@can.command()
+def virtual(
+    config: ConfigArgument, hide: HideOption = None, set_: SetOption = None, seed: SeedOption = 0
+) -> None:
+    """Run buses and virtual motors as two processes, until interrupted.
+
+    Example: workbench can virtual robot.toml
+    """
+    from workbench.deployment.processes import virtual_hardware
+
+    stop = _until_told()
+    words = [*(["--hide", hide] if hide else []), *(w for each in set_ or [] for w in ("--set", each))]
+    with virtual_hardware(config, ["--seed", str(seed), *words]) as running:
+        typer.echo("ready")
+        while running() and not stop():
+            time.sleep(0.05)
+
+
+def _until_told() -> Callable[[], bool]:
+    """Whether the process was asked to end."""
+    told: list[int] = []
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda n, _: told.append(n))
+    return lambda: bool(told)

@@ -10,9 +10,9 @@ import typer
 
 from workbench.core import InputError
 
-from .add import parse_place, parse_values
 from .app import app
 from .common import ForceOption, QuietOption
+from .hidden import HideOption, SetOption, hidden_effects
 
 if TYPE_CHECKING:
     from workbench.frf import Design
@@ -39,16 +39,8 @@ def record(
     output: Annotated[
         str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.")
     ] = "",
-    hide: Annotated[
-        str | None,
-        typer.Option("--hide", metavar="EFFECT[@AXIS]", help="Hide an effect in the virtual hardware."),
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set", metavar="name=value", help="Parameter of the hidden effect; may be given again."
-        ),
-    ] = None,
+    hide: HideOption = None,
+    set_: SetOption = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the sensors' noise.")] = 0,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -57,26 +49,18 @@ def record(
 
     Example: workbench record leg slow validation -o data --hide coulomb_friction@knee --set torque=0.25
     """
-    from workbench.rigs import HiddenEffect, VirtualLeg
+    from workbench.rigs import VirtualLeg
 
     if rig not in ("leg", "actuator"):
         raise InputError(f"no rig is called '{rig}'", remedy="the built-in rigs are 'leg' and 'actuator'")
     if not output:
         raise InputError("no output folder", remedy="say where the recordings go: -o FOLDER")
-    if set_ and not hide:
-        raise InputError(
-            "--set without --hide", remedy="name the effect to hide, e.g. --hide viscous_damping@hip"
-        )
+    hidden = hidden_effects(hide, set_)
     if rig == "actuator":
         if hide:
             raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
         count = _on_the_bench(experiments or [], Path(output), seed, force)
     else:
-        hidden = []
-        if hide:
-            key = parse_place(hide)
-            numbers = {k: v.value for k, v in parse_values(set_ or []).items()}
-            hidden = [HiddenEffect(key.effect, key.axis, key.location, numbers)]
         count = len(
             VirtualLeg(hidden, seed=seed).record_to(output, _of_the_leg(experiments, seed), force=force)
         )

@@ -6,7 +6,7 @@ That is exactly one period from a measurement to its torque: T_d is made here, a
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple, Protocol
 
@@ -23,7 +23,8 @@ from .safety import SafetyState, Seen, Setpoints, Wanted, initial, step
 from .statistics import Punctuality
 from .verify import Verified, verify
 
-_ASK_AGAIN, _GIVE_UP = 0.5, 0.8  # parts of an exchange
+_ASK_AGAIN, _GIVE_UP = 0.6, 0.85  # parts of an exchange
+_AWAY = 1.5  # periods without a look, after which the loop itself was held up
 _ENABLING = 4  # ticks that drives get to say that they are enabled
 
 
@@ -106,6 +107,7 @@ class Host:
         self.punctuality = Punctuality(counts=self.feedback.counts)
         self._start = np.zeros(n)
         self._verified, self._asked, self._enabling, self._bus_ok = False, False, 0, True
+        self._looked, self._away = -np.inf, False
         self._frames: list[Frame] = []
         self._next: list[Frame] = []
 
@@ -143,6 +145,11 @@ class Host:
         """One period that begins at `at` [s]."""
         network, gap = self._network, self._period / self._polls
         if self._moving and self._stale():
+            if network.now() - self._looked > _AWAY * self._period:
+                self._breathe(gap)
+                self._compute()
+                self._frames = self._next
+                return
             self._compute()
         for poll in range(self._polls):
             if poll:
@@ -150,6 +157,8 @@ class Host:
             sent = network.now()
             self._send(self._frames)
             self._collect(sent, gap)
+            if self._moving and self._stale() and self._away:
+                self._breathe(gap)
             if poll == 0 or (self._moving and self._stale()):
                 self._compute()
         self._frames = self._next
@@ -172,28 +181,49 @@ class Host:
     def _stale(self) -> bool:
         return bool((self.feedback.age(self._network.now()) >= self._limits.stale_s).any())
 
+    def _breathe(self, gap: float) -> None:
+        """The loop itself was away, so that nothing was asked: damps for one exchange, and looks anew.
+
+        What was computed before is not sent. A drive that is silent still, or that has stopped itself in the
+        meantime, is a fault.
+        """
+        self.punctuality.stalls += 1
+        n = len(self._bus)
+        zero, q = np.zeros(n), np.clip(self.state.position, self._limits.low, self._limits.high)
+        damp = Setpoints(q, zero, zero, np.minimum(self._limits.damping, self._limits.kd), zero)
+        self.state = replace(self.state, torque=zero)
+        self._frames = self._encode(damp)
+        sent = self._network.now()
+        self._send(self._frames)
+        self._collect(sent, gap, patient=True)
+
     def _send(self, frames: list[Frame], only: np.ndarray | None = None) -> None:
         """Sends one frame a motor; of all, or of those in `only` (n,)."""
         for index, frame in enumerate(frames):
             if only is None or only[index]:
                 self._bus_ok &= self._network.send(self._bus[index], frame)
 
-    def _collect(self, sent: float, gap: float) -> None:
-        """Takes what comes until every drive has answered; asks those once more that are late."""
-        network, feedback = self._network, self.feedback
+    def _collect(self, sent: float, gap: float, patient: bool = False) -> None:
+        """Takes what comes until every drive has answered; asks those once more that are late.
+
+        Ends where feedback gets stale, unless it is `patient`.
+        """
+        network, feedback, watched = self._network, self.feedback, self._moving and not patient
         deadline, ask_again, asked = sent + _GIVE_UP * gap, sent + _ASK_AGAIN * gap, not self._frames
-        stale = float(feedback.stamp.min()) + self._limits.stale_s if self._moving else np.inf
+        self._away = False
         while True:
+            stale = float(feedback.stamp.min()) + self._limits.stale_s if watched else np.inf
             until = min(deadline, deadline if asked else ask_again, stale)
             for arrival in network.receive(until):
                 feedback.take(arrival, network.now())
             now, silent = network.now(), feedback.stamp <= sent
+            self._away |= now - max(self._looked, sent) > _AWAY * self._period
+            self._looked = now
             if not silent.any():
                 self.punctuality.round_trips.append(now - sent)
                 return
-            if now >= deadline - 1e-9 or (self._moving and self._stale()):
+            if now >= deadline - 1e-9 or (watched and self._stale()):
                 break
-            stale = float(feedback.stamp.min()) + self._limits.stale_s if self._moving else np.inf
             if not asked and now >= ask_again - 1e-9:
                 asked = True
                 self.punctuality.again += int(silent.sum())

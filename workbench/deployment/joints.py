@@ -1,4 +1,4 @@
-"""Joint coordinates of a whole robot: axes that a transmission couples, and axes that are joints themselves."""
+"""Joints of a whole robot: axes that a transmission couples, and axes that are joints themselves."""
 
 from __future__ import annotations
 

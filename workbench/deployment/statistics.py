@@ -19,6 +19,7 @@ class Punctuality:
         late: how late each tick began [s].
         skipped: ticks that were skipped because the one before took too long.
         incomplete: ticks in which not every drive answered.
+        stalls: times that the loop itself was held up so long that it had to look anew.
         again: commands sent once more within their tick.
         counts: frames that came in, by what they were.
     """
@@ -28,6 +29,7 @@ class Punctuality:
     skipped: int = 0
     incomplete: int = 0
     again: int = 0
+    stalls: int = 0
     counts: Counter[str] = field(default_factory=Counter)
 
     @property
@@ -52,6 +54,7 @@ class Punctuality:
             "skipped": self.skipped,
             "missed_share": self.missed,
             "incomplete": self.incomplete,
+            "stalls": self.stalls,
             "sent_again": self.again,
             "round_trip_ms": {"p50": 1e3 * self.percentile(50), "p99": 1e3 * self.percentile(99)},
             "frames": dict(self.counts),

@@ -12,7 +12,7 @@ from workbench.core import WorkbenchError
 from .feedback import Feedback
 from .network import Network
 
-_PATIENCE, _TRIES = 0.02, 4  # s, times
+_PATIENCE, _TRIES = 0.02, 10  # s, times
 _OPERATION = 1.0
 _RANGES: tuple[ParameterName, ...] = ("position", "velocity", "torque")
 

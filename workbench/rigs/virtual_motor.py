@@ -74,6 +74,11 @@ class VirtualMotor:
         if self.temperature > _HOT:
             self.enabled, self.fault = False, _OVERHEATED
 
+    @property
+    def asked(self) -> bool:
+        """Whether it owes an answer."""
+        return self._speak
+
     def torque(self, look: Look) -> float:
         """What it drives with, given what its sensors show; at the axis [N m]."""
         if not self.enabled:

@@ -1,0 +1,101 @@
+"""Bus, motors and loop as processes of their own: they run, and whoever is killed leaves no drive driving."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.can.make import motor, table, written
+from tests.deployment.robot import LIMITS, RANGES, Swing
+from workbench.can import load_config
+from workbench.deployment import Host, joints_of
+from workbench.deployment.ports import PortNetwork
+from workbench.deployment.processes import end, start, virtual_hardware
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Path:
+    motors = [motor(axis, k + 1, limits=LIMITS, ranges=RANGES) for k, axis in enumerate(("hip", "knee"))]
+    content = table(motors, mechanism=[{"model": "leg", "axes": ["hip", "knee"]}], loop={"soft_start_s": 0.1})
+    content["bus"][0]["channel"] = str(tmp_path / "can0")
+    return written(tmp_path, content)
+
+
+def test_a_leg_runs_across_processes(robot: Path) -> None:
+    config = load_config(robot)
+    with virtual_hardware(robot) as running:
+        network = PortNetwork(config)
+        host = Host(config, network, Swing(2), joints_of(config))
+        told = host.verify()
+        assert [v.told["watchdog"] for v in told] == pytest.approx([0.02, 0.02])
+        host.operator.arm = True
+        moved = []
+        host.run(1.5, lambda h, _: moved.append(h.feedback.position.copy()))
+        assert running() and host.punctuality.counts["feedback"] > 200
+        assert host.punctuality.counts["garbage"] == 0
+        # it was armed and moved; whether it still runs is up to how busy the machine is
+        assert np.ptp(np.array(moved[20:]), axis=0).min() > 0.05
+        host.close()
+        network.close()
+
+
+HOST = """
+import sys
+from tests.deployment.robot import Swing
+from workbench.can import load_config
+from workbench.deployment import Host, joints_of
+from workbench.deployment.ports import PortNetwork
+config = load_config(sys.argv[1])
+host = Host(config, PortNetwork(config), Swing(2), joints_of(config))
+host.verify()
+host.operator.arm = True
+host.run(60.0, lambda h, k: print("run", flush=True) if h.state.phase == "run" and k % 10 == 0 else None)
+"""
+
+
+def test_drives_stop_when_the_host_is_stopped(robot: Path) -> None:
+    bus = start("can", "bus", str(robot))
+    motors = start("can", "motors", str(robot))
+    host = subprocess.Popen([sys.executable, "-c", HOST, str(robot)], stdout=subprocess.PIPE, text=True)
+    try:
+        assert host.stdout and host.stdout.readline().strip() == "run"
+        host.send_signal(signal.SIGSTOP)  # to a drive the same as SIGKILL
+        time.sleep(0.3)
+        motors.send_signal(signal.SIGTERM)
+        said, _ = motors.communicate(timeout=20)
+        longest = re.search(r"longest without a command: ([\d.]+) ms", said)
+        assert longest and 10.0 < float(longest[1]) <= 20.0 + 2 * 0.5, said
+        assert "driving: none" in said
+    finally:
+        host.kill()
+        host.wait()
+        end(motors)
+        end(bus)
+
+
+def test_drives_stop_when_the_bus_is_killed(robot: Path) -> None:
+    config = load_config(robot)
+    bus = start("can", "bus", str(robot))
+    motors = start("can", "motors", str(robot))
+    try:
+        network = PortNetwork(config)
+        host = Host(config, network, Swing(2), joints_of(config))
+        host.verify()
+        host.operator.arm = True
+        host.run(0.2)
+        bus.kill()
+        host.run(0.1)
+        assert host.state.phase in ("damp", "off")
+        said, _ = motors.communicate(timeout=20)
+        assert "driving: none" in said
+        network.close()
+    finally:
+        end(motors)
+        end(bus)

@@ -1,0 +1,43 @@
+"""Effects to hide in virtual hardware, as options."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from workbench.core import InputError
+
+from .add import parse_place, parse_values
+
+if TYPE_CHECKING:
+    from workbench.rigs import HiddenEffect
+
+HideOption = Annotated[
+    str | None,
+    typer.Option("--hide", metavar="EFFECT[@AXIS]", help="Hide an effect in the virtual hardware."),
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="name=value", help="Parameter of the hidden effect; may be given again."),
+]
+
+
+def hidden_effects(hide: str | None, values: Sequence[str] | None) -> list[HiddenEffect]:
+    """The effect to hide, if there is one.
+
+    Raises:
+        InputError: an unknown effect, place or parameter, or parameters of none.
+    """
+    from workbench.rigs import HiddenEffect
+
+    if values and not hide:
+        raise InputError(
+            "--set without --hide", remedy="name the effect to hide, e.g. --hide viscous_damping@hip"
+        )
+    if not hide:
+        return []
+    key = parse_place(hide)
+    numbers = {k: v.value for k, v in parse_values(list(values or [])).items()}
+    return [HiddenEffect(key.effect, key.axis, key.location, numbers)]

@@ -1,0 +1,184 @@
+"""Buses by python-can, and the monotonic clock."""
+
+from __future__ import annotations
+
+import select
+import time
+
+import can
+
+from workbench.can import CanConfig, Frame
+from workbench.can.config import BusTable
+from workbench.can.plugin import WorkbenchBus
+from workbench.core import InputError
+
+from .network import Arrival
+
+_BUS_OFF = 0x40  # class of a SocketCAN error frame
+_LATE = 1.0  # a stamp further back than this is from another clock [s]
+
+
+class PortNetwork:
+    """See `Network`.
+
+    Args:
+        config: the buses.
+        echo: own frames come back when they are complete on the wire.
+
+    Raises:
+        InputError: a bus cannot be opened.
+    """
+
+    def __init__(self, config: CanConfig, echo: bool = True) -> None:
+        self._buses: dict[str, can.BusABC] = {}
+        self._off: set[str] = set()
+        self._refused: dict[str, int] = {}
+        try:
+            for bus in config.bus:
+                self._buses[bus.name] = open_bus(bus, config, echo)
+        except InputError:
+            self.close()
+            raise
+        numbers = {name: _fileno(bus) for name, bus in self._buses.items()}
+        self._names = {number: name for name, number in numbers.items() if number is not None}
+        self._selectable = len(self._names) == len(numbers)
+
+    def now(self) -> float:
+        """Monotonic time [s]."""
+        return time.monotonic()
+
+    def sleep_until(self, time_: float) -> None:
+        """Sleeps."""
+        wait = time_ - time.monotonic()
+        if wait > 0.0:
+            time.sleep(wait)
+
+    def send(self, bus: str, frame: Frame) -> bool:
+        """Queues a frame; never waits."""
+        message = can.Message(
+            arbitration_id=frame.id, data=frame.data, is_extended_id=frame.extended, check=False
+        )
+        try:
+            self._buses[bus].send(message, timeout=0.0)
+        except (can.CanError, OSError):
+            return False
+        return True
+
+    def receive(self, until: float) -> list[Arrival]:
+        """What has come in; waits for the first."""
+        arrivals: list[Arrival] = []
+        while not arrivals:
+            wait = max(0.0, until - time.monotonic())
+            if self._selectable:
+                names = [self._names[f] for f in select.select(list(self._names), [], [], wait)[0]]
+            else:
+                names = list(self._buses)
+                time.sleep(min(wait, 2e-4))
+            for name in names:
+                self._drain(name, arrivals)
+            if wait == 0.0:
+                break
+        return arrivals
+
+    def ok(self, bus: str) -> bool:
+        """Whether a bus carries frames, and took all that it was given since it was last asked."""
+        port = self._buses[bus]
+        if isinstance(port, WorkbenchBus):
+            before, self._refused[bus] = self._refused.get(bus, 0), port.refused
+            if port.refused != before or port.off:
+                return False
+        return bus not in self._off
+
+    def flush(self, bus: str) -> None:
+        """Forgets what is queued, where the interface can."""
+        try:
+            self._buses[bus].flush_tx_buffer()
+        except (NotImplementedError, can.CanError, OSError):
+            return
+
+    def restart(self, bus: str) -> None:
+        """Brings back a bus that was off; on SocketCAN the kernel's ``restart-ms`` does."""
+        self._off.discard(bus)
+        port = self._buses[bus]
+        if isinstance(port, WorkbenchBus) and port.off:
+            port.come_back()
+
+    @property
+    def gone(self) -> bool:
+        """Whether no bus is left."""
+        return self._off >= set(self._buses)
+
+    def close(self) -> None:
+        """Leaves every bus."""
+        for bus in self._buses.values():
+            bus.shutdown()
+
+    def _drain(self, name: str, arrivals: list[Arrival]) -> None:
+        port = self._buses[name]
+        while True:
+            try:
+                message = port.recv(0.0)
+            except (can.CanError, OSError):
+                self._off.add(name)
+                if self._selectable:
+                    self._names = {f: n for f, n in self._names.items() if n != name}
+                return
+            if message is None:
+                return
+            if message.is_error_frame:
+                if message.arbitration_id & _BUS_OFF:
+                    self._off.add(name)
+                continue
+            if message.is_remote_frame or message.is_fd:
+                continue
+            frame = Frame(message.arbitration_id, bytes(message.data), message.is_extended_id)
+            arrivals.append(Arrival(name, self._stamp(port, message), frame, not message.is_rx))
+
+    def _stamp(self, port: can.BusABC, message: can.Message) -> float:
+        if isinstance(port, WorkbenchBus):
+            return port.monotonic(message.timestamp)
+        return monotonic_stamp(message.timestamp, time.time(), time.monotonic())
+
+
+def monotonic_stamp(timestamp: float, wall: float, monotonic: float) -> float:
+    """A wall clock stamp on the monotonic clock [s].
+
+    Args:
+        timestamp: of the frame, wall clock [s].
+        wall, monotonic: both clocks now.
+
+    Returns:
+        How long ago it was, taken from now; now itself where that makes no sense, as after a jump of the
+        wall clock, or where the interface stamps with another clock.
+    """
+    age = wall - timestamp
+    return monotonic - age if 0.0 <= age <= _LATE else monotonic
+
+
+def open_bus(bus: BusTable, config: CanConfig, echo: bool = True) -> can.BusABC:
+    """A bus as configured.
+
+    Raises:
+        InputError: it cannot be opened.
+    """
+    where = {"file": config.source, "column": f"bus '{bus.name}'"}
+    try:
+        if bus.interface == "workbench":  # also where the package's entry points are not installed
+            return WorkbenchBus(bus.channel, receive_own_messages=echo, **bus.options)
+        return can.Bus(
+            interface=bus.interface, channel=bus.channel, bitrate=bus.bitrate, receive_own_messages=echo,
+            **bus.options,
+        )  # fmt: skip
+    except (can.CanError, OSError, ValueError, ImportError, NotImplementedError) as error:
+        remedy = (
+            "start it with 'workbench can virtual'" if bus.interface == "workbench" else "check interface"
+        )
+        raise InputError(f"cannot be opened: {error}", **where, remedy=remedy) from error
+
+
+def _fileno(bus: can.BusABC) -> int | None:
+    try:
+        number = bus.fileno()
+    except NotImplementedError:
+        return None
+    return number if number >= 0 else None

@@ -1,0 +1,67 @@
+"""Buses and virtual motors as processes of their own, for as long as somebody needs them."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from workbench.core import WorkbenchError
+
+_PATIENCE = 10.0  # s, to end when asked to
+
+
+class ProcessError(WorkbenchError):
+    """A process of the virtual hardware did not start."""
+
+
+def start(*words: str) -> subprocess.Popen[str]:
+    """Runs a command of `workbench` and waits until it says that it is ready.
+
+    Raises:
+        ProcessError: it ended instead; with what it said.
+    """
+    process = subprocess.Popen(
+        [sys.executable, "-m", "workbench.cli", *words],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert process.stdout and process.stderr
+    if process.stdout.readline().strip() != "ready":
+        process.kill()
+        raise ProcessError(f"'workbench {' '.join(words)}' did not start: {process.stderr.read().strip()}")
+    return process
+
+
+def end(process: subprocess.Popen[str]) -> None:
+    """Asks a process to end, and sees to it."""
+    if process.poll() is None:
+        process.send_signal(signal.SIGTERM)
+    try:
+        process.communicate(timeout=_PATIENCE)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
+
+
+@contextmanager
+def virtual_hardware(config: str | Path, motors: Sequence[str] = ()) -> Iterator[Callable[[], bool]]:
+    """Buses and motors of a configuration; yields whether both still run.
+
+    Args:
+        config: the configuration's file.
+        motors: further words for ``workbench can motors``.
+
+    Raises:
+        ProcessError: one of them did not start.
+    """
+    running: list[subprocess.Popen[str]] = []
+    try:
+        running.append(start("can", "bus", str(config)))
+        running.append(start("can", "motors", str(config), *motors))
+        yield lambda: all(process.poll() is None for process in running)
+    finally:
+        for process in reversed(running):
+            end(process)
