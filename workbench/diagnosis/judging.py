@@ -135,11 +135,13 @@ def choose(
 
     known = [(c, f) for c, f in helpful if c in stated]
     reached = [(c, f) for c, f in helpful if f.judged < AT_FLOOR * floor]
-    most = min(f.judged for _, f in helpful)
+    top, most = min(((c, f.judged) for c, f in helpful), key=lambda cj: cj[1])
     basic = [
         (c, f)
         for c, f in helpful
-        if effect_named(c.key.effect).basic and before - f.judged > _BASIC * (before - most)
+        if effect_named(c.key.effect).basic
+        and cost(c) <= cost(top)
+        and before - f.judged > _BASIC * (before - most)
     ]
     pool = known or reached or basic or helpful
     best = min(f.judged for _, f in pool)
