@@ -10,6 +10,7 @@ from workbench.rigs import MotorBank
 
 from .ports import PortNetwork
 
+_ALONE = 0.2  # s without any bus, time for every watchdog
 _BEHIND = 0.05  # s; a process that was held up longer does not catch up
 
 
@@ -31,9 +32,9 @@ def run_motors(
     bus = {motor.axis: motor.bus for motor in config.motor}
     hearers = {b.name: [bank.motors[m.axis] for m in config.on(b.name)] for b in config.bus}
     ready()
-    row = time.monotonic()
+    row = heard = time.monotonic()
     try:
-        while not (stop() or network.gone):
+        while not stop() and row - heard < _ALONE:
             for arrival in network.receive(row):
                 for motor in hearers[arrival.bus]:
                     if not arrival.sent:
@@ -45,5 +46,6 @@ def run_motors(
             for axis, frame in bank.work(row):
                 network.send(bus[axis], frame)
             row += bank.row
+            heard = heard if network.gone else row
     finally:
         network.close()

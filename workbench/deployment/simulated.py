@@ -67,6 +67,7 @@ class SimulatedNetwork:
                 self._waiting = [(w, a) for w, a in self._waiting if w > self._now + _EPS]
                 return ready
             if self._now >= until - _EPS:
+                self._now = max(self._now, until)
                 return []
             self._step(until)
 

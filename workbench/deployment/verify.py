@@ -12,7 +12,7 @@ from workbench.core import WorkbenchError
 from .feedback import Feedback
 from .network import Network
 
-_PATIENCE, _TRIES = 0.02, 10  # s, times
+_PATIENCE, _TRIES = 0.1, 10  # s, times
 _OPERATION = 1.0
 _RANGES: tuple[ParameterName, ...] = ("position", "velocity", "torque")
 
@@ -113,7 +113,7 @@ def _ask(network: Network, feedback: Feedback, bus: str, frame: Frame, answered:
     for _ in range(_TRIES):
         network.send(bus, frame)
         until = network.now() + _PATIENCE
-        while network.now() < until:
+        while network.now() < until - 1e-9:
             for arrival in network.receive(until):
                 feedback.take(arrival, network.now())
             if answered():
