@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import signal
 import subprocess
@@ -15,6 +16,7 @@ import pytest
 from tests.can.make import motor, table, written
 from tests.deployment.robot import LIMITS, RANGES, Swing
 from workbench.can import load_config
+from workbench.can.candump import archive, read_candump
 from workbench.deployment import Host, joints_of
 from workbench.deployment.ports import PortNetwork
 from workbench.deployment.processes import end, start, virtual_hardware
@@ -50,6 +52,7 @@ HOST = """
 import sys
 from tests.deployment.robot import Swing
 from workbench.can import load_config
+from workbench.can.candump import archive, read_candump
 from workbench.deployment import Host, joints_of
 from workbench.deployment.ports import PortNetwork
 config = load_config(sys.argv[1])
@@ -78,6 +81,23 @@ def test_drives_stop_when_the_host_is_stopped(robot: Path) -> None:
         host.wait()
         end(motors)
         end(bus)
+
+
+def test_a_log_whose_writer_is_killed_is_readable(robot: Path) -> None:
+    config, log = load_config(robot), robot.parent / "run.log"
+    with virtual_hardware(robot):
+        logger = start("can", "log", str(robot), "-o", str(log))
+        network = PortNetwork(config)
+        host = Host(config, network, Swing(2), joints_of(config))
+        host.verify()
+        host.run(0.4)
+        logger.kill()
+        logger.communicate()
+        network.close()
+    frames = list(read_candump(log))
+    assert len(frames) > 50 and archive(log, log.with_suffix(".blf")) == len(frames)
+    pair = json.loads(log.with_suffix(".clock").read_text().splitlines()[0])
+    assert {"monotonic", "wall", "shift"} <= pair.keys()
 
 
 def test_drives_stop_when_the_bus_is_killed(robot: Path) -> None:

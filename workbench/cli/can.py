@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -137,6 +138,26 @@ def virtual(
         typer.echo("ready")
         while running() and not stop():
             time.sleep(0.05)
+
+
+@can.command()
+def log(
+    config: ConfigArgument,
+    output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="The candump log.")],
+) -> None:
+    """Log every frame of the buses as candump does, until interrupted.
+
+    Example: workbench can log robot.toml -o today.log
+    """
+    from workbench.can import load_config
+    from workbench.core.files import check_free
+    from workbench.deployment.logger import log_buses
+
+    stop, path = _until_told(), Path(output)
+    for file in (path, path.with_suffix(".clock")):
+        check_free(file, force=False)
+    count = log_buses(load_config(config), path, stop, lambda: typer.echo("ready"))
+    typer.echo(f"Logged {count} frames.")
 
 
 def _until_told() -> Callable[[], bool]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from workbench.core import InputError
+from workbench.core.files import check_free
 
 from .app import app
 from .common import ForceOption, QuietOption
@@ -16,7 +17,7 @@ from .hidden import HideOption, SetOption, hidden_effects
 
 if TYPE_CHECKING:
     from workbench.frf import Design
-    from workbench.rigs import Experiment
+    from workbench.rigs import Experiment, HiddenEffect
 
 _RATE = 1000.0  # rows a second, of both rigs
 
@@ -26,7 +27,8 @@ def record(
     rig: Annotated[
         str,
         typer.Argument(
-            metavar="RIG", help="'leg', the virtual parallel leg, or 'actuator', its drive alone."
+            metavar="RIG",
+            help="'leg', the virtual parallel leg; 'actuator', its drive alone; or a CAN file (.toml).",
         ),
     ],
     experiments: Annotated[
@@ -42,21 +44,33 @@ def record(
     hide: HideOption = None,
     set_: SetOption = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the sensors' noise.")] = 0,
+    virtual: Annotated[
+        bool, typer.Option("--virtual", help="Over CAN: virtual motors on modelled buses, in simulated time.")
+    ] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Over CAN: move without asking.")] = False,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Run experiments on a rig and write the recordings.
 
     Example: workbench record leg slow validation -o data --hide coulomb_friction@knee --set torque=0.25
+
+    Example: workbench record robot.toml chirp.toml -o data --virtual
     """
     from workbench.rigs import VirtualLeg
 
-    if rig not in ("leg", "actuator"):
-        raise InputError(f"no rig is called '{rig}'", remedy="the built-in rigs are 'leg' and 'actuator'")
+    over_can = rig.endswith(".toml")
+    if rig not in ("leg", "actuator") and not over_can:
+        raise InputError(
+            f"no rig is called '{rig}'",
+            remedy="the built-in rigs are 'leg' and 'actuator'; or give a CAN configuration (.toml)",
+        )
     if not output:
         raise InputError("no output folder", remedy="say where the recordings go: -o FOLDER")
     hidden = hidden_effects(hide, set_)
-    if rig == "actuator":
+    if over_can:
+        count = _over_can(rig, experiments or [], Path(output), hidden, seed, (virtual, yes, force))
+    elif rig == "actuator":
         if hide:
             raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
         count = _on_the_bench(experiments or [], Path(output), seed, force)
@@ -122,6 +136,55 @@ def _on_the_bench(names: Sequence[str], folder: Path, seed: int, force: bool) ->
     for recording in recordings:
         save_recording(recording, folder / f"{recording.name}.toml", compress=True, force=force)
     return len(recordings)
+
+
+def _over_can(
+    rig: str, names: Sequence[str], folder: Path, hidden: Sequence[HiddenEffect], seed: int,
+    options: tuple[bool, bool, bool],
+) -> int:  # fmt: skip
+    """Plays designs over CAN; returns how many recordings were written.
+
+    Raises:
+        InputError: nothing to play, or for other axes.
+    """
+    from workbench.can import load_config
+    from workbench.deployment import SimulatedNetwork
+    from workbench.deployment.record import keep, record_live, record_simulated
+    from workbench.frf import load_design
+    from workbench.rigs import MotorBank
+
+    virtual, yes, force = options
+    config = load_config(rig)
+    if not names:
+        raise InputError("nothing to play", remedy="give a design: workbench excite MODEL -o design.toml")
+    if hidden and not virtual:
+        raise InputError("only virtual motors hide effects", remedy="add --virtual")
+    folder.mkdir(parents=True, exist_ok=True)
+    count = 0
+    for name in names:
+        design = load_design(Path(name))
+        if design.axes != config.axes:
+            raise InputError(
+                f"plays {', '.join(design.axes)}; the configuration has {', '.join(config.axes)}", file=name,
+                remedy="design it for a model of these axes",
+            )  # fmt: skip
+        for k, trial in enumerate(design.trials):
+            log = folder / f"{trial.name}.log"
+            for file in (log, log.with_suffix(".clock")):
+                check_free(file, force=force)
+                file.unlink(missing_ok=True)
+            if virtual:
+                bank = MotorBank(config, hidden, seed=seed + count)
+                result = record_simulated(config, design, k, log, SimulatedNetwork(config, bank))
+            else:
+                if not yes:
+                    typer.confirm(
+                        f"'{trial.name}' moves {', '.join(config.axes)}. Is everybody clear?", abort=True
+                    )
+                result = record_live(config, design, k, log)
+            keep(result, folder, log, force)
+            count += 1
+    return count
 
 
 def _design(name: str, axes: int) -> Design:

@@ -49,7 +49,7 @@ class Controller(Protocol):
         """Once a tick.
 
         Args:
-            now: monotonic time [s].
+            now: nominal time of the tick [s].
             phase: of safety.
             position, velocity: of the joints (n,) [rad, rad/s].
         """
@@ -83,6 +83,7 @@ class Host:
         feedback: what is known of the drives.
         punctuality: of the loop.
         operator: what a person asks for.
+        time: nominal time of the last tick [s].
     """
 
     def __init__(
@@ -107,6 +108,7 @@ class Host:
         self.punctuality = Punctuality(counts=self.feedback.counts)
         self._start = np.zeros(n)
         self._verified, self._asked, self._enabling, self._bus_ok = False, False, 0, True
+        self.time = 0.0
         self._looked, self._away = -np.inf, False
         self._frames: list[Frame] = []
         self._next: list[Frame] = []
@@ -143,6 +145,7 @@ class Host:
 
     def tick(self, at: float) -> None:
         """One period that begins at `at` [s]."""
+        self.time = at
         network, gap = self._network, self._period / self._polls
         if self._moving and self._stale():
             if network.now() - self._looked > _AWAY * self._period:
@@ -272,7 +275,7 @@ class Host:
         if self.state.phase == "arm":
             self._start = position
         try:
-            target = self._controller.target(now, self.state.phase, position, velocity)
+            target = self._controller.target(self.time, self.state.phase, position, velocity)
         except (WorkbenchError, ArithmeticError, ValueError):
             return None
         if target is None:

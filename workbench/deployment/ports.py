@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import select
 import time
+from time import sleep
 
 import can
 
@@ -47,11 +48,11 @@ class PortNetwork:
         """Monotonic time [s]."""
         return time.monotonic()
 
-    def sleep_until(self, time_: float) -> None:
+    def sleep_until(self, time: float) -> None:
         """Sleeps."""
-        wait = time_ - time.monotonic()
+        wait = time - self.now()
         if wait > 0.0:
-            time.sleep(wait)
+            sleep(wait)
 
     def send(self, bus: str, frame: Frame) -> bool:
         """Queues a frame; never waits."""

@@ -1,0 +1,65 @@
+"""Logs in the form of candump: one line a frame, readable to its last whole line whatever happened."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import can
+
+from workbench.core import InputError
+
+from .frame import Frame
+
+_LINE = re.compile(r"^\((\d+\.\d+)\) (\S+) ([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#([0-9A-Fa-f]{0,16})(?: [RT])?$")
+
+
+class Logged(NamedTuple):
+    """A frame in a log: time stamp [s], bus and frame."""
+
+    stamp: float
+    bus: str
+    frame: Frame
+
+
+def line(stamp: float, bus: str, frame: Frame) -> str:
+    """One line of a log, newline included."""
+    id = f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}"
+    return f"({stamp:.6f}) {bus} {id}#{frame.data.hex().upper()}\n"
+
+
+def read_candump(path: str | Path) -> Iterator[Logged]:
+    """The data frames of a candump log; the last line may be cut off.
+
+    Raises:
+        InputError: the file cannot be read, or a line that is not its last is none of a log.
+    """
+    path = Path(path)
+    try:
+        lines = path.read_text(encoding="ascii", errors="replace").split("\n")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
+    # behind the last newline stands nothing, or a line that was being written
+    for number, text in enumerate(lines[:-1], 1):
+        found = _LINE.match(text)
+        if found is None:
+            if "##" in text or text.endswith("#R") or not text.strip():
+                continue  # CAN FD, remote frames and empty lines
+            raise InputError(f"is no line of a candump log: '{text[:40]}'", file=path, row=number,
+                             remedy="record with 'candump -L'")  # fmt: skip
+        stamp, bus, id, data = found.groups()
+        yield Logged(float(stamp), bus, Frame(int(id, 16), bytes.fromhex(data), len(id) == 8))
+
+
+def archive(log: str | Path, blf: str | Path) -> int:
+    """Writes a candump log as BLF; returns the number of frames."""
+    count, channels = 0, {}
+    with can.BLFWriter(str(blf)) as writer:
+        for stamp, bus, frame in read_candump(log):
+            channel = channels.setdefault(bus, len(channels))
+            writer(can.Message(stamp, frame.id, frame.extended, data=frame.data, channel=channel))
+            count += 1
+    return count

@@ -1,0 +1,133 @@
+"""Runs an experiment over CAN: plays it, logs it, makes a recording of the log."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from workbench.can import CanConfig, Wire
+from workbench.can.candump import archive, line, read_candump
+from workbench.can.realtime import realtime
+from workbench.core import Recording, WorkbenchError
+from workbench.core.files import check_free, write_whole
+from workbench.frf import Design
+from workbench.recordings import save_recording
+
+from .from_log import Played, recording
+from .host import Host
+from .joints import joints_of
+from .player import Player
+from .ports import PortNetwork
+from .processes import end, start
+from .simulated import SimulatedNetwork
+
+_GRACE = 5.0  # s for arming, soft start and settling
+
+
+class RunError(WorkbenchError):
+    """An experiment that ended before its time: says why."""
+
+    exit_code = 1
+
+
+def play(host: Host, player: Player, say: Callable[[Host], None] | None = None) -> None:
+    """Arms, plays to the end, and disables.
+
+    Raises:
+        RunError: everything damped before the end.
+    """
+    host.verify()
+    host.operator.arm = True
+
+    def each(host: Host, tick: int) -> bool:
+        if say:
+            say(host)
+        return host.state.phase == "damp" or player.done(host.time)
+
+    host.run(player.seconds + _GRACE, each)
+    fault, done = host.state.fault, player.done(host.time)
+    host.close()
+    if not done:
+        raise RunError(f"the experiment ended early: {fault or 'it never began'}")
+
+
+def record_simulated(
+    config: CanConfig, design: Design, experiment: int, log: Path, network: SimulatedNetwork | None = None
+) -> Recording:
+    """Plays on virtual motors in simulated time.
+
+    Args:
+        config: buses and motors.
+        design: what to play.
+        experiment: which of its experiments.
+        log: where the frames go; its stamps are simulated time.
+        network: with motors of one's own.
+
+    Raises:
+        RunError: everything damped before the end.
+    """
+    network = network or SimulatedNetwork(config)
+    lines: list[str] = []
+
+    def listen(name: str, wire: Wire) -> None:
+        wire.attach("logger", lambda stamp, frame: lines.append(line(stamp, name, frame)))
+
+    for name, wire in network.wires.items():
+        listen(name, wire)
+    player = Player(design, experiment, config.loop.period_s)
+    play(Host(config, network, player, joints_of(config)), player)
+    write_whole(log, "".join(lines))
+    assert player.begun is not None
+    return recording(config, read_candump(log), _played(design, experiment, player, player.begun))
+
+
+def record_live(
+    config: CanConfig, design: Design, experiment: int, log: Path, say: Callable[[Host], None] | None = None
+) -> Recording:
+    """Plays on hardware; frames are logged by a process of its own, which outlives this one.
+
+    Raises:
+        RunError: everything damped before the end; the log is there.
+        VerifyError: a drive is not what the configuration says.
+    """
+    shift = time.time() - time.monotonic()
+    logger = start("can", "log", str(config.source), "-o", str(log))
+    player = Player(design, experiment, config.loop.period_s)
+    try:
+        network = PortNetwork(config)
+        try:
+            with realtime():
+                play(Host(config, network, player, joints_of(config)), player, say)
+        finally:
+            network.close()
+    finally:
+        end(logger)
+    assert player.begun is not None
+    begun = player.begun + _shift(log, shift)
+    return recording(config, read_candump(log), _played(design, experiment, player, begun))
+
+
+def keep(result: Recording, folder: Path, log: Path, force: bool) -> Path:
+    """Writes the recording, and its log as BLF beside it; returns the TOML file."""
+    path = folder / f"{result.name}.toml"
+    for file in (path, path.with_suffix(".blf")):
+        check_free(file, force=force)
+    save_recording(result, path, force=force)
+    archive(log, path.with_suffix(".blf"))
+    return path
+
+
+def _played(design: Design, experiment: int, player: Player, begun: float) -> Played:
+    name, excitation = design.trials[experiment].name, design.excitation(experiment)
+    return Played(name, begun, player.reference, player.feedforward, excitation)
+
+
+def _shift(log: Path, default: float) -> float:
+    """Wall clock minus monotonic time as the log's stamps have it [s]."""
+    try:
+        first = log.with_suffix(".clock").read_text().splitlines()[0]
+        return float(json.loads(first)["shift"])
+    except (OSError, IndexError, ValueError, KeyError):
+        return default
