@@ -147,6 +147,13 @@ class DiscreteChain:
         return self.plant.GetPositions(self._context)[start[0] : start[0] + 7] if start else np.zeros(0)
 
     @property
+    def base_velocity(self) -> np.ndarray:
+        """Of the floating base (6,) in the world: angular [rad/s], then linear [m/s]; empty if it is held."""
+        bodies = self.plant.GetFloatingBaseBodies()
+        start = [self.plant.get_body(i).floating_velocities_start_in_v() for i in bodies]
+        return self.plant.GetVelocities(self._context)[start[0] : start[0] + 6] if start else np.zeros(0)
+
+    @property
     def loop_gap(self) -> float:
         """Largest distance [m] between the two frames of a loop."""
         ends = ([f.CalcPoseInWorld(self._context).translation() for f in pair] for pair in self._pairs)

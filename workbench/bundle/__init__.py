@@ -1,0 +1,6 @@
+"""Policy bundles: one file with all that is needed to run a policy, on hardware or virtual hardware."""
+
+from .bundle import Control, ObservationEntry, PolicyBundle, read_bundle, write_bundle
+from .policy import Policy
+
+__all__ = ["Control", "ObservationEntry", "Policy", "PolicyBundle", "read_bundle", "write_bundle"]

@@ -1,0 +1,183 @@
+"""The bundle file: a zip archive whose every part is listed with its hash."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from workbench.core import InputError
+from workbench.core.files import write_whole
+
+FORMAT = 1
+MANIFEST, POLICY, MACHINE = "bundle.json", "policy.onnx", "machine.xml"
+_DATE = 2000, 1, 1, 0, 0, 0  # one content, one file
+
+
+@dataclass(frozen=True)
+class ObservationEntry:
+    """A stretch of the policy's input: ``scale * value`` of the named quantity from `start`, `size` long."""
+
+    name: str
+    start: int
+    size: int
+    scale: float
+    about: str
+
+
+@dataclass(frozen=True)
+class Control:
+    """What a policy's actions mean; n joints, arrays (n,) unless said otherwise.
+
+    The joints' loop gets ``posture + action_scale * action``; it runs every `control_period_s`, the policy
+    every `policy_period_s`, and a torque reaches the drives `delay_steps` control steps after its reading.
+
+    Attributes:
+        joints: names of the serial joints.
+        transmission: J (n, n), q_p = J q_s.
+        posture: [rad].
+        action_scale: [rad].
+        kp, kd: gains in joint coordinates [N m/rad, N m s/rad].
+        torque_limit: of the drives [N m].
+        joint_limits: (n, 2) [rad].
+    """
+
+    joints: tuple[str, ...]
+    transmission: np.ndarray
+    posture: np.ndarray
+    action_scale: float
+    kp: np.ndarray
+    kd: np.ndarray
+    torque_limit: np.ndarray
+    joint_limits: np.ndarray
+    control_period_s: float
+    policy_period_s: float
+    delay_steps: int
+
+
+@dataclass(frozen=True)
+class PolicyBundle:
+    """A policy and all that running it needs.
+
+    Attributes:
+        task: what it was trained for.
+        variant: of S3N that it was trained in.
+        observations: the layout of its input.
+        control: what its output means.
+        policy: the ONNX file's bytes, weights and normalisation in them.
+        machine: the MJCF of the machine that it was trained with.
+        files: the model's own files, by name.
+        manifest: all of `bundle.json`: hashes, settings, versions, verification record.
+        source: the file it was read from.
+    """
+
+    task: str
+    variant: str
+    observations: tuple[ObservationEntry, ...]
+    control: Control
+    policy: bytes
+    machine: str
+    files: Mapping[str, bytes]
+    manifest: Mapping[str, Any]
+    source: Path | None = None
+
+    @property
+    def verified(self) -> bool:
+        """Whether the model it was trained with had been compared with measurements."""
+        return bool(self.manifest.get("record"))
+
+
+def write_bundle(
+    path: str | Path,
+    manifest: Mapping[str, Any],
+    policy: bytes,
+    machine: str,
+    files: Mapping[str, bytes],
+    *,
+    force: bool = False,
+) -> Path:
+    """Write a bundle, whole or not at all; the same content gives the same file.
+
+    Args:
+        path: of the new file, ``.zip``.
+        manifest: `task`, `variant`, `observations`, `control` and whatever else is to be known.
+        policy: the ONNX file.
+        machine: the MJCF text.
+        files: further files, by the name that they get in the bundle.
+
+    Raises:
+        InputError: the file exists and `force` is not set.
+    """
+    parts = {POLICY: policy, MACHINE: machine.encode(), **files}
+    hashes = {name: hashlib.sha256(data).hexdigest() for name, data in parts.items()}
+    text = json.dumps({**manifest, "format": FORMAT, "sha256": hashes}, indent=1) + "\n"
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in {MANIFEST: text.encode(), **parts}.items():
+            archive.writestr(zipfile.ZipInfo(name, _DATE), data, zipfile.ZIP_DEFLATED)
+    return write_whole(path, stream.getvalue(), force=force)
+
+
+def read_bundle(path: str | Path) -> PolicyBundle:
+    """Read a bundle and hold every part against its hash.
+
+    Raises:
+        InputError: not a bundle, of another format, or a part that was changed.
+    """
+    file = Path(path)
+    try:
+        with zipfile.ZipFile(file) as archive:
+            parts = {name: archive.read(name) for name in archive.namelist()}
+        manifest = json.loads(parts.pop(MANIFEST))
+    except FileNotFoundError as error:
+        raise InputError("no such bundle", file=file, remedy="name a .zip of `workbench export`") from error
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        raise InputError("not a policy bundle", file=file, remedy="make it with `workbench export`") from error
+    if manifest.get("format") != FORMAT:
+        raise InputError(
+            f"the bundle has format {manifest.get('format')}", file=file, remedy=f"this version reads {FORMAT}"
+        )
+    wanted = manifest.get("sha256", {})
+    for name in sorted({*wanted, *parts, POLICY, MACHINE}):
+        found = hashlib.sha256(parts[name]).hexdigest() if name in parts else None
+        if found is None or found != wanted.get(name):
+            raise InputError(f"'{name}' is missing or was changed", file=file, remedy="export the policy again")
+    try:
+        return _bundle(manifest, parts, file)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{MANIFEST} lacks {error}", file=file, remedy="export the policy again") from error
+
+
+def _bundle(manifest: dict[str, Any], parts: dict[str, bytes], file: Path) -> PolicyBundle:
+    c = manifest["control"]
+    arrays = ("transmission", "posture", "kp", "kd", "torque_limit", "joint_limits")
+    control = Control(
+        joints=tuple(c["joints"]),
+        action_scale=float(c["action_scale"]),
+        control_period_s=float(c["control_period_s"]),
+        policy_period_s=float(c["policy_period_s"]),
+        delay_steps=int(c["delay_steps"]),
+        **{name: np.array(c[name], float) for name in arrays},
+    )
+    entries = tuple(
+        ObservationEntry(o["name"], int(o["start"]), int(o["size"]), float(o["scale"]), o["about"])
+        for o in manifest["observations"]
+    )
+    return PolicyBundle(
+        task=manifest["task"],
+        variant=manifest["variant"],
+        observations=entries,
+        control=control,
+        policy=parts[POLICY],
+        machine=parts[MACHINE].decode(),
+        files={name: data for name, data in parts.items() if name not in (POLICY, MACHINE)},
+        manifest=manifest,
+        source=file,
+    )

@@ -1,0 +1,109 @@
+"""The learning curve: rewards and lengths of episodes counted up, and a row an iteration written down."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from workbench.core.files import write_whole
+
+from .situation import POLICY_S
+
+FILE = "curve.csv"
+
+
+class Tally:
+    """Counts rewards over steps and episodes, without waiting for a GPU before a row is asked for.
+
+    Args:
+        worlds: how many.
+        device: of the learner.
+    """
+
+    def __init__(self, worlds: int, device: str) -> None:
+        self._sums = torch.zeros(worlds, 2, device=device)  # of the running episodes: reward, length [s]
+        self._last = torch.zeros(2, device=device)  # of those that ended last: their means
+        self._clear()
+
+    def add(self, reward: torch.Tensor, ended: torch.Tensor, terms: Mapping[str, Any]) -> None:
+        """Count a step: rewards and ends (W,), and the mean of each term a second."""
+        self._rewards.append(reward.mean())
+        for name, value in terms.items():
+            self._terms.setdefault(name, []).append(torch.as_tensor(value))
+        self._sums[:, 0] += reward
+        self._sums[:, 1] += POLICY_S
+        mark = ended.float()[:, None]
+        self._ended = self._ended + (mark * self._sums).sum(dim=0)
+        self._count = self._count + mark.sum()
+        self._sums *= 1.0 - mark
+
+    def row(self) -> dict[str, float]:
+        """What has been counted since the last row."""
+        self._last = torch.where(self._count > 0, self._ended / self._count.clamp(min=1.0), self._last)
+        out = {
+            "reward": float(torch.stack(self._rewards).mean()) / POLICY_S,
+            "episode_reward": float(self._last[0]),
+            "episode_s": float(self._last[1]),
+        }
+        out |= {f"term_{name}": float(torch.stack(v).float().mean()) for name, v in self._terms.items()}
+        self._clear()
+        return out
+
+    def state(self) -> dict[str, torch.Tensor]:
+        """What the next rows depend on."""
+        return {"sums": self._sums, "last": self._last}
+
+    def restore(self, state: Mapping[str, torch.Tensor]) -> None:
+        """Go on where `state` was taken."""
+        self._sums, self._last = state["sums"].clone(), state["last"].clone()
+
+    def _clear(self) -> None:
+        self._rewards: list[torch.Tensor] = []
+        self._terms: dict[str, list[torch.Tensor]] = {}
+        self._ended = torch.zeros_like(self._last)
+        self._count = torch.zeros((), device=self._last.device)
+
+
+class Curve:
+    """Rows an iteration, as CSV and for TensorBoard.
+
+    Args:
+        folder: of the run.
+        done: iterations already done; rows beyond them, of a run that was stopped, are dropped.
+    """
+
+    def __init__(self, folder: Path, done: int) -> None:
+        from torch.utils.tensorboard.writer import SummaryWriter
+
+        self._file, self._rows = folder / FILE, [row for row in read_curve(folder) if row["iteration"] <= done]
+        self._board = SummaryWriter(str(folder / "tensorboard"), purge_step=done + 1 if done else None)
+
+    def add(self, iteration: int, values: Mapping[str, float]) -> None:
+        """A row; it is in the CSV file after the next `flush`."""
+        self._rows.append({"iteration": float(iteration), **values})
+        for name, value in values.items():
+            group, _, rest = name.partition("_")
+            self._board.add_scalar(f"{group}/{rest}" if group in ("term", "loss") else name, value, iteration)
+
+    def flush(self) -> None:
+        """Write the CSV file anew, whole."""
+        stream = io.StringIO()
+        writer = csv.DictWriter(stream, list(self._rows[0]), lineterminator="\n", restval="")
+        writer.writeheader()
+        writer.writerows({k: f"{v:.6g}" for k, v in row.items()} for row in self._rows)
+        write_whole(self._file, stream.getvalue(), force=True)
+        self._board.flush()
+
+
+def read_curve(folder: Path) -> list[dict[str, float]]:
+    """The rows of a run's learning curve; none where there is no file."""
+    file = folder / FILE
+    if not file.exists():
+        return []
+    with file.open(encoding="utf-8") as stream:
+        return [{k: float(v) for k, v in row.items() if v} for row in csv.DictReader(stream)]

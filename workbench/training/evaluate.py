@@ -1,0 +1,262 @@
+"""A bundle on virtual hardware, logged as a real test would be, and in the world that it was trained in."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from workbench.bundle import Policy, PolicyBundle
+from workbench.core import Controller, Excitation, InputError, Recording
+from workbench.models import read_model
+from workbench.rigs import Sensors
+from workbench.s3n import with_variant
+
+from .control import action_target, drive_torque
+from .draws import Draws
+from .environment import LOWEST, STEEPEST
+from .machine import POLICY_STEPS, STEP_S, Machine, make_machine
+from .plants import ClosedChainPlant, Plant, State, TrainedPlant, begin, body_frame
+from .situation import Constants, Situation
+from .tasks import CIRCLE, TASKS, Task, reach_reference
+
+HOLD_S = 0.36  # the posture is held before the policy takes over
+_GYRO, _GRAVITY = 0.02, 0.005  # rad/s and share of g: noise of a common inertial unit
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """How a policy did.
+
+    Attributes:
+        recording: the log; rows every control step, the first `HOLD_S` seconds without the policy.
+        scores: numbers of the task by name.
+        fell_s: when it fell, counted from the policy's start [s]; None if it did not.
+    """
+
+    recording: Recording
+    scores: dict[str, float]
+    fell_s: float | None
+
+
+def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
+    """The machine that a bundle was trained with.
+
+    Args:
+        bundle: where it comes from.
+        folder: an empty one, where the model's files go and have to stay as long as the machine is used.
+
+    Raises:
+        InputError: the bundle's task is unknown, or its model is not whole.
+    """
+    if bundle.task not in TASKS:
+        raise InputError(f"no task is called '{bundle.task}'", file=bundle.source, remedy="update workbench")
+    task = TASKS[bundle.task]
+    names = tuple(entry.name for entry in task.observations)
+    if tuple(entry.name for entry in bundle.observations) != names:
+        raise InputError(
+            f"the bundle's observations are not those of '{task.name}'", file=bundle.source,
+            remedy="train and export it again",
+        )  # fmt: skip
+    for name, data in bundle.files.items():
+        target = folder / name
+        if not target.resolve().is_relative_to(folder.resolve()):
+            raise InputError(f"'{name}' leads out of the bundle", file=bundle.source)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(data)
+    own = bundle.control
+    return replace(
+        make_machine(task.machine, with_variant(read_model(folder / "model" / "model.toml"), bundle.variant)),
+        # the world that the policy was trained in, whatever this version would make of the model
+        xml=bundle.machine,
+        mujoco=mujoco.MjModel.from_xml_string(bundle.machine),
+        transmission=own.transmission,
+        posture=own.posture,
+        kp=own.kp,
+        kd=own.kd,
+        torque_limit=own.torque_limit,
+        delay_steps=own.delay_steps,
+    )
+
+
+def evaluate(
+    bundle: PolicyBundle,
+    *,
+    seconds: float = 4.0,
+    seed: int = 0,
+    hardware: bool = True,
+    sensors: Sensors | None = None,
+    tell: Callable[[float], None] = lambda done: None,
+) -> Evaluation:
+    """Run a bundle's policy.
+
+    Args:
+        bundle: the policy.
+        seconds: how long, after the hold.
+        seed: of the command (``reach``) and of the sensors' noise.
+        hardware: on the closed chain in Drake; else in the serial machine that it was trained in.
+        sensors: of the drives; by default those of the virtual leg.
+        tell: is told the share that is done.
+
+    Raises:
+        InputError: the bundle cannot be run here.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        machine = machine_of(bundle, Path(folder))
+        plant: Plant = ClosedChainPlant(machine) if hardware else TrainedPlant(machine)
+    task = TASKS[bundle.task]
+    log = _run(Policy(bundle), task, machine, plant, seconds, seed, sensors or Sensors(), tell)
+    name = f"{task.name}_{bundle.variant}_{'hardware' if hardware else 'simulation'}"
+    return Evaluation(log.recording(name, machine), scores(task, log), log.fell_s)
+
+
+class Log:
+    """Rows of a run, a control step each."""
+
+    def __init__(self) -> None:
+        self.rows: dict[str, list[np.ndarray]] = {}
+        self.policy_from = round(HOLD_S / STEP_S)
+        self.fell_s: float | None = None
+
+    def add(self, **values: np.ndarray) -> None:
+        """A row."""
+        for name, value in values.items():
+            self.rows.setdefault(name, []).append(np.array(value, float).ravel())
+
+    def get(self, name: str) -> np.ndarray:
+        """A signal since the policy began (N, k)."""
+        return np.array(self.rows[name])[self.policy_from :]
+
+    def recording(self, name: str, machine: Machine) -> Recording:
+        """The run as a recording in actuator coordinates."""
+        rows = {key: np.array(values) for key, values in self.rows.items()}
+        logged = ("position", "velocity", "torque_command", "torque_measured", "position_reference")
+        own = machine.joints if machine.floating else machine.model.axes
+        return Recording(
+            name=name,
+            axes=tuple(own),
+            coordinates="actuator",
+            time=STEP_S * np.arange(len(rows["position"])),
+            signals={key: rows[key] for key in logged},
+            units=("rad",) * machine.size,
+            controller=Controller(
+                "pd", "joint", kp=tuple(machine.kp), kd=tuple(machine.kd), period_s=STEP_S
+            ),
+            excitation=Excitation("policy"),
+            rig=machine.kind,
+            extra={key: rows[key] for key in rows if key.startswith(("ground_", "base_"))},
+        )
+
+
+def _run(
+    policy: Policy, task: Task, machine: Machine, plant: Plant, seconds: float, seed: int, sensors: Sensors,
+    tell: Callable[[float], None],
+) -> Log:  # fmt: skip
+    generator, log, n = np.random.default_rng(seed), Log(), machine.size
+    c = Constants(machine, np, np.zeros(1))
+    command = _command(task, seed)
+    begin(plant, machine)
+    waiting = [np.zeros((1, n))] * machine.delay_steps
+    action, target = np.zeros((1, n)), machine.posture[None].copy()
+    to_serial = np.linalg.inv(machine.transmission).T
+    ticks = log.policy_from + round(seconds / STEP_S)
+    for tick in range(ticks):
+        true = plant.state()
+        position, velocity = _measured(true, sensors, generator)
+        since = tick - log.policy_from
+        if since >= 0 and since % POLICY_STEPS == 0:
+            now = _situation(c, true, position @ to_serial, velocity @ to_serial, action, command, since, generator)
+            seen = np.concatenate([e.scale * e.function(now) for e in task.observations], -1)
+            action = policy(seen)
+            target = action_target(c, action, task.action_scale)
+        asked = drive_torque(c, target, (position @ to_serial)[None], (velocity @ to_serial)[None])
+        waiting.append(asked)
+        acting = waiting.pop(0)[0]
+        log.add(
+            position=position,
+            velocity=velocity,
+            torque_command=asked,
+            torque_measured=acting + sensors.torque_noise * generator.standard_normal(n),
+            position_reference=target,
+        )
+        if task.name == "reach":
+            log.add(goal=reach_reference(np, command, np.array([since * STEP_S]))[0], joints=true.position @ to_serial)
+        if machine.floating:
+            gravity, linear, angular = body_frame(true)
+            log.add(ground_force=true.feet, base_pose=true.pose, base_linear=linear, base_angular=angular)
+            log.add(base_gravity=gravity)
+            if log.fell_s is None and (true.pose[2] < LOWEST or -gravity[0, 2] < STEEPEST):
+                log.fell_s = max(since, 0) * STEP_S
+                break
+        plant.advance(acting)
+        tell((tick + 1) / ticks)
+    return log
+
+
+def _command(task: Task, seed: int) -> np.ndarray:
+    if task.name == "circular":
+        return np.array([CIRCLE])
+    if task.name == "pitch-in-place":
+        return np.zeros((1, 1))
+    return task.command(Draws(np, seed, np.zeros(1)), 1)
+
+
+def _measured(true: State, sensors: Sensors, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    position = true.position
+    if sensors.encoder:
+        position = sensors.encoder * np.round(position / sensors.encoder)
+    return position, true.velocity + sensors.velocity_noise * generator.standard_normal(len(position))
+
+
+def _situation(
+    c: Constants, true: State, position: np.ndarray, velocity: np.ndarray, action: np.ndarray, command: np.ndarray,
+    since: int, generator: np.random.Generator,
+) -> Situation:  # fmt: skip
+    now = Situation(
+        xp=np, machine=c, position=position[None], velocity=velocity[None], torque=np.zeros_like(action),
+        action=action, last_action=action, elapsed=np.array([since * STEP_S]), command=command,
+    )  # fmt: skip
+    if c.machine.floating:
+        gravity, now.linear, angular = body_frame(true)
+        now.gravity = gravity + _GRAVITY * generator.standard_normal((1, 3))
+        now.angular = angular + _GYRO * generator.standard_normal((1, 3))
+        now.height = true.pose[2:3]
+    return now
+
+
+def scores(task: Task, log: Log) -> dict[str, float]:
+    """What the task is judged by, over the run without its first second."""
+    skip = min(round(1.0 / STEP_S), len(log.rows["position"]) // 2)
+
+    def rms(x: np.ndarray) -> float:
+        return float(np.sqrt(np.mean(np.square(x))))
+
+    if task.name == "reach":
+        miss = (log.get("joints") - log.get("goal"))[skip // 4 :]
+        return {"hip_rmse_rad": rms(miss[:, 0]), "knee_rmse_rad": rms(miss[:, 1]), "rmse_rad": rms(miss)}
+    angular, force = log.get("base_angular")[skip:], log.get("ground_force")[skip:]
+    linear = log.get("base_linear")[skip:]
+    if not len(angular):
+        return {}
+    if task.name == "pitch-in-place":
+        gravity = log.get("base_gravity")[skip:]
+        low, high = np.percentile(angular[:, 1], [1, 99])
+        normal = force.reshape(len(force), -1, 3)[..., 2]
+        return {
+            "pitch_rate_peak_to_peak_rad_s": float(high - low),
+            "pitch_amplitude_rad": float(np.sqrt(2.0) * np.std(np.arcsin(np.clip(gravity[:, 0], -1, 1)))),
+            "planted_share": float(np.mean(normal > 1.0)),
+            "rear_right_force_n": float(np.mean(np.linalg.norm(force[:, 9:12], axis=1))),
+        }
+    return {
+        "forward_m_s": float(np.mean(linear[:, 0])),
+        "yaw_rad_s": float(np.mean(angular[:, 2])),
+        "forward_rmse_m_s": rms(linear[:, 0] - CIRCLE[0]),
+        "yaw_rmse_rad_s": rms(angular[:, 2] - CIRCLE[2]),
+    }
+
+

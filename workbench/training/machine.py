@@ -1,0 +1,210 @@
+"""The machine that a policy moves: one leg on a fixed base, or four of them under a trunk that floats.
+
+Both are made from the model of one leg, normalised (see `workbench.s3n`), so that whatever a comparison found
+missing in the leg is in every leg that trains. The motors' delay is left out of MuJoCo: the loop of
+`control` holds every torque back, and a delay has to be produced once.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+from workbench.core import InputError
+from workbench.core.paths import models_folder
+from workbench.models import Model, load_mjcf
+from workbench.s3n import normalise
+from workbench.s3n.mjcf import exact_xml
+
+LEGS = ("fl", "fr", "rl", "rr")
+STEP_S = 0.003  # simulation and control
+POLICY_STEPS = 6  # control steps a policy step: 18 ms
+FOOT_RADIUS = 0.02  # m
+ABDUCTION_LIMIT = 0.6  # rad
+HIP_MASS, HIP_INERTIA = 1e-3, 1e-6  # kg, kg m^2: of the hip bracket, which the reference leaves out
+# under a trunk the hold posture of the single leg falls over backwards: Kp = 50 gives way, this one stands
+_STAND = np.array([-0.75, 1.2])  # rad
+_SOLVER = 10, 20  # iterations of the solver and of its line search
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine ready to be simulated many times over.
+
+    Arrays over the n joints have one block a leg, in the order of `LEGS`; q_p = transmission q_s.
+
+    Attributes:
+        kind: ``leg`` or ``quadruped``.
+        model: the leg it is made of, as the variant that trains.
+        xml: the whole machine as plain MJCF.
+        mujoco: the same, compiled.
+        joints: names of the serial joints, length n.
+        places, dofs: where they are in qpos and in qvel, both (n,).
+        transmission: J (n, n) (paper, Eq. 1).
+        kp, kd: gains of the joints' PD loop (n,) [N m/rad, N m s/rad].
+        torque_limit: of the drives (n,) [N m].
+        delay_steps: control steps from reading to torque.
+        posture: joint angles from which actions count (n,) [rad].
+        limits: lower and upper joint limits (n, 2) [rad].
+        height: of the base's origin over the ground in this posture [m]; 0 for a leg.
+        left_out: effects of the model that plain MJCF cannot hold; the policy does not see them.
+    """
+
+    kind: str
+    model: Model
+    xml: str
+    mujoco: mujoco.MjModel
+    joints: tuple[str, ...]
+    places: np.ndarray
+    dofs: np.ndarray
+    transmission: np.ndarray
+    kp: np.ndarray
+    kd: np.ndarray
+    torque_limit: np.ndarray
+    delay_steps: int
+    posture: np.ndarray
+    limits: np.ndarray
+    height: float
+    left_out: tuple[str, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of joints n."""
+        return len(self.joints)
+
+    @property
+    def floating(self) -> bool:
+        """Whether it has a trunk, feet and a ground."""
+        return self.kind == "quadruped"
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the MJCF text, hexadecimal."""
+        return hashlib.sha256(self.xml.encode()).hexdigest()
+
+
+def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine:
+    """The machine of this kind from the model of a leg.
+
+    Args:
+        kind: ``leg`` or ``quadruped``.
+        model: a leg with two drives, hip and knee, and a PD loop in joint coordinates.
+        variant: a plain variant of S3N in place of the model's own.
+
+    Raises:
+        InputError: the model has another loop, a delay that is no whole number of control steps, no foot, or
+            is not a leg with a hip and a knee (quadruped).
+    """
+    gains = model.controller
+    if gains.kind != "pd" or gains.coordinates != "joint":
+        raise InputError(
+            "policies act through a PD loop in joint coordinates", file=model.source, column="controller",
+            remedy='give kind = "pd", coordinates = "joint", kp and kd',
+        )  # fmt: skip
+    steps = model.actuators.delay_s / STEP_S
+    if abs(steps - round(steps)) > 1e-6:
+        raise InputError(
+            f"a delay of {model.actuators.delay_s:g} s is no whole number of {STEP_S:g} s steps",
+            file=model.source, column="actuators.delay_s", remedy="round it",
+        )  # fmt: skip
+    prompt = replace(model, actuators=replace(model.actuators, delay_s=0.0))
+    tree = normalise(prompt, variant)
+    leg = mujoco.MjSpec.from_string(tree.xml)
+    leg.option.timestep = STEP_S
+    leg.option.iterations, leg.option.ls_iterations = _SOLVER
+    spec = leg if kind == "leg" else _quadruped(leg, model)
+    spec.compile()
+    xml = exact_xml(spec)
+    compiled = mujoco.MjModel.from_xml_string(xml)
+    own = model.joints if kind == "leg" else ("abduction", *model.joints)
+    joints = own if kind == "leg" else tuple(f"{leg}_{name}" for leg in LEGS for name in own)
+    first = 0 if kind == "leg" else 1
+    block = np.eye(len(own))
+    block[first:, first:] = model.transmission
+    legs = len(joints) // len(own)
+
+    def per_joint(values: tuple[float, ...]) -> np.ndarray:
+        return np.tile([*values[:first], *values], legs).astype(float)
+
+    posture = _STAND if kind == "quadruped" else _posture(model)
+    limits = model.closed_chain.limits if model.closed_chain and model.closed_chain.limits else ()
+    limits = limits or ((-np.pi, np.pi),) * model.size
+    return Machine(
+        kind=kind,
+        model=tree.model,
+        xml=xml,
+        mujoco=compiled,
+        joints=joints,
+        places=np.array([compiled.joint(name).qposadr[0] for name in joints]),
+        dofs=np.array([compiled.joint(name).dofadr[0] for name in joints]),
+        transmission=np.kron(np.eye(legs), block),
+        kp=per_joint(gains.kp),
+        kd=per_joint(gains.kd),
+        torque_limit=per_joint(model.actuators.torque_limit),
+        delay_steps=round(steps),
+        posture=np.tile([0.0] * first + posture.tolist(), legs),
+        limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
+        height=0.0 if kind == "leg" else _height(compiled, joints, posture, legs),
+        left_out=tuple(str(key) for key in tree.left_out),
+    )
+
+
+def _posture(model: Model) -> np.ndarray:
+    """The reference leg's hold posture, or the middle of the limits where that is outside."""
+    wanted = np.array([-0.55, np.pi / 3]) if model.size == 2 else np.zeros(model.size)
+    limits = np.array(model.closed_chain.limits if model.closed_chain else ()).reshape(-1, 2)
+    inside = not len(limits) or bool(((wanted > limits[:, 0]) & (wanted < limits[:, 1])).all())
+    return wanted if inside else limits.mean(axis=1)
+
+
+def _quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
+    """Trunk and hips of the reference quadruped, each hip with a bracket that swings out and one leg."""
+    if model.size != 2 or model.payload_site is None:
+        raise InputError(
+            "a quadruped needs a leg with two drives and a foot", file=model.source, column="payload.site",
+            remedy="name the foot's site in [payload]",
+        )  # fmt: skip
+    spec = load_mjcf(models_folder() / "serial" / "quadruped.xml")
+    for key in ("timestep", "integrator", "iterations", "ls_iterations"):
+        setattr(spec.option, key, getattr(leg.option, key))
+    trunk = spec.body("trunk")
+    hips = {name: spec.body(f"{name}_thigh").pos.copy() for name in LEGS}
+    for name in LEGS:
+        spec.delete(spec.body(f"{name}_thigh"))
+    inertia, damping, limit = (
+        getattr(model.actuators, key)[0] for key in ("inertia", "damping", "torque_limit")
+    )
+    for name in LEGS:
+        hip = trunk.add_body(name=f"{name}_bracket", pos=hips[name])
+        hip.mass, hip.inertia, hip.explicitinertial = HIP_MASS, [HIP_INERTIA] * 3, True
+        hip.ipos, hip.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]  # MuJoCo's writer needs them said
+        hip.add_joint(name=f"{name}_abduction", axis=[1, 0, 0], armature=inertia, damping=[damping, 0, 0])
+        motor = spec.add_actuator(name=f"{name}_abduction")
+        motor.set_to_motor()
+        motor.trntype, motor.target = mujoco.mjtTrn.mjTRN_JOINT, f"{name}_abduction"
+        motor.ctrllimited, motor.ctrlrange = 1, (-limit, limit)
+        spec.attach(leg.copy(), frame=hip.add_frame(), prefix=f"{name}_")
+        site = spec.site(f"{name}_{model.payload_site}")
+        site.parent.add_geom(
+            name=f"{name}_sphere", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[FOOT_RADIUS, 0, 0], pos=site.pos,
+            mass=0.0, contype=0, conaffinity=1, friction=[0.8, 0.005, 0.0001], priority=1,
+        )  # fmt: skip
+        for kind, entry in (("touch", mujoco.mjtSensor.mjSENS_TOUCH), ("speed", mujoco.mjtSensor.mjSENS_FRAMELINVEL)):
+            spec.add_sensor(name=f"{name}_{kind}", type=entry, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site.name)
+    spec.worldbody.add_geom(
+        name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=1, conaffinity=0
+    )
+    return spec
+
+
+def _height(m: mujoco.MjModel, joints: tuple[str, ...], posture: np.ndarray, legs: int) -> float:
+    """Of the base's origin where the feet just touch the ground [m]."""
+    data = mujoco.MjData(m)
+    for name, value in zip(joints, np.tile([0.0, *posture], legs), strict=True):
+        data.qpos[m.joint(name).qposadr[0]] = value
+    data.qpos[:3] = 0.0
+    mujoco.mj_kinematics(m, data)
+    return float(FOOT_RADIUS - data.geom_xpos[m.geom("fl_sphere").id][2])

@@ -1,0 +1,159 @@
+"""What a policy is evaluated on: the closed chain in Drake, or the world that it was trained in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import mujoco
+import numpy as np
+
+from workbench.core import Mechanism
+from workbench.core.paths import closed_chain_file
+from workbench.mechanism import DiscreteChain, Ground
+
+from .machine import FOOT_RADIUS, LEGS, STEP_S, Machine
+from .situation import base_state
+
+_SUBSTEPS = 3  # of Drake in a control step: 1 ms
+_FRICTION = 0.8
+_FALL = 0.005  # m that the quadruped is let down from
+
+
+@dataclass(frozen=True)
+class State:
+    """One moment: true motion of the drives (n,), of the base in MuJoCo's order, and the feet's loads.
+
+    `pose` (7,): position, quaternion w x y z. `rate` (6,): linear velocity in the world, angular velocity in
+    the body. `feet` (F, 3): force of the ground on each foot [N]. All empty for a leg on its stand.
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    pose: np.ndarray
+    rate: np.ndarray
+    feet: np.ndarray
+
+
+class Plant(Protocol):
+    """Something that moves under drive torques held over a control step."""
+
+    def reset(self, drives: np.ndarray, height: float) -> None:
+        """At rest at drive positions (n,) with the base level at a height [m]."""
+
+    def advance(self, torque: np.ndarray) -> None:
+        """One control step under drive torques (n,) [N m]."""
+
+    def state(self) -> State:
+        """Now."""
+
+
+class ClosedChainPlant:
+    """Virtual hardware: the reference mechanism with its loops, in Drake, on a ground if it walks.
+
+    Args:
+        machine: tells which mechanism, and the drives' inertia and damping.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+        model = machine.model
+        if machine.floating:
+            per_leg = (model.actuators.inertia[0], *model.actuators.inertia)
+            drag = (model.actuators.damping[0], *model.actuators.damping)
+            inertia, damping = np.tile(per_leg, 4), np.tile(drag, 4)
+            mechanism, ground = quadruped_mechanism(), Ground(tuple(f"{x}_foot" for x in LEGS), FOOT_RADIUS, _FRICTION)
+        else:
+            inertia, damping = np.array(model.actuators.inertia), np.array(model.actuators.damping)
+            mechanism, ground = model.closed_chain or Mechanism(closed_chain_file("leg")), None
+        self._chain = DiscreteChain(mechanism, list(inertia), list(damping), STEP_S / _SUBSTEPS, ground)
+
+    def reset(self, drives: np.ndarray, height: float) -> None:
+        """At rest at drive positions (n,)."""
+        base = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, height]) if self._machine.floating else None
+        self._chain.reset(drives, base=base)
+
+    def advance(self, torque: np.ndarray) -> None:
+        """One control step."""
+        for _ in range(_SUBSTEPS):
+            self._chain.advance(torque)
+
+    def state(self) -> State:
+        """Now."""
+        chain, nothing = self._chain, np.zeros(0)
+        if not self._machine.floating:
+            return State(chain.position, chain.velocity, nothing, nothing, np.zeros((0, 3)))
+        base, rate = chain.base, chain.base_velocity
+        turn = np.zeros(9)
+        mujoco.mju_quat2Mat(turn, base[:4])
+        return State(
+            chain.position,
+            chain.velocity,
+            np.concatenate([base[4:], base[:4]]),
+            np.concatenate([rate[3:], turn.reshape(3, 3).T @ rate[:3]]),
+            chain.ground_force,
+        )
+
+
+class TrainedPlant:
+    """The serial machine that the policy was trained in, without randomisation.
+
+    Args:
+        machine: the machine.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine, self._data = machine, mujoco.MjData(machine.mujoco)
+        m = machine.mujoco
+        self._feet = [m.geom(f"{leg}_sphere").id for leg in LEGS] if machine.floating else []
+
+    def reset(self, drives: np.ndarray, height: float) -> None:
+        """At rest at drive positions (n,)."""
+        m, data = self._machine, self._data
+        mujoco.mj_resetData(m.mujoco, data)
+        data.qpos[m.places] = np.linalg.solve(m.transmission, drives)
+        if m.floating:
+            data.qpos[2] = height
+
+    def advance(self, torque: np.ndarray) -> None:
+        """One control step."""
+        self._data.ctrl[:] = torque
+        mujoco.mj_step(self._machine.mujoco, self._data)
+
+    def state(self) -> State:
+        """Now."""
+        m, data = self._machine, self._data
+        motion = m.transmission @ data.qpos[m.places], m.transmission @ data.qvel[m.dofs]
+        if not m.floating:
+            return State(*motion, np.zeros(0), np.zeros(0), np.zeros((0, 3)))
+        return State(*motion, data.qpos[:7].copy(), data.qvel[:6].copy(), self._loads())
+
+    def _loads(self) -> np.ndarray:
+        """Force of the ground on each foot (F, 3) in the last step."""
+        m, data, loads, six = self._machine.mujoco, self._data, np.zeros((len(self._feet), 3)), np.zeros(6)
+        for i in range(data.ncon):
+            contact = data.contact[i]
+            for side, foot in enumerate((contact.geom1, contact.geom2)):
+                if foot in self._feet:
+                    mujoco.mj_contactForce(m, data, i, six)
+                    world = contact.frame.reshape(3, 3).T @ six[:3]
+                    loads[self._feet.index(foot)] += world if side else -world
+        return loads
+
+
+def quadruped_mechanism() -> Mechanism:
+    """The reference quadruped with abduction: 12 drives, four loops."""
+    own = ("abduction", "hip", "crank_pin"), ("abduction", "hip", "knee")
+    drives, joints = (tuple(f"{leg}_{name}" for leg in LEGS for name in names) for names in own)
+    loops = tuple((f"{leg}_coupler_end", f"{leg}_rear_arm_end") for leg in LEGS)
+    return Mechanism(closed_chain_file("quadruped_abduction"), drives, joints, loops, foot="fl_foot")
+
+
+def begin(plant: Plant, machine: Machine) -> None:
+    """Put a plant at rest in the machine's posture, a little over the ground."""
+    plant.reset(machine.transmission @ machine.posture, machine.height + _FALL)
+
+
+def body_frame(state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Direction of gravity, linear and angular velocity in the base's frame, (1, 3) each."""
+    return base_state(np, state.pose[None], state.rate[None])

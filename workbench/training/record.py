@@ -1,0 +1,117 @@
+"""The verification record of a model: what it was checked by and compared with, before policies train in it.
+
+It stands beside the model's file (``leg.toml``, ``leg.record.json``) and goes stale when a file of the model
+changes.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from workbench.comparison import compare
+from workbench.core import InputError, Recording
+from workbench.core.files import write_whole
+from workbench.models import Model
+from workbench.verification import verify
+
+from .settings import files_of, sha256, versions
+
+FORMAT = 1
+
+
+def record_path(model: Model) -> Path:
+    """Where the record of a model stands.
+
+    Raises:
+        InputError: the model was not read from a file.
+    """
+    if model.source is None:
+        raise InputError(f"model '{model.name}' is in no file", remedy="write it first")
+    return model.source.with_name(f"{model.source.stem}.record.json")
+
+
+def make_record(model: Model, recordings: Sequence[Recording], *, samples: int = 50, seed: int = 0) -> dict[str, Any]:
+    """Check a model against its closed chain, compare it with recordings, and say how both came out.
+
+    Args:
+        model: the model.
+        recordings: what was measured on the machine.
+        samples: random postures and speeds of the check.
+        seed: of those and of the noise simulations.
+    """
+    checked = verify(model, samples=samples, seed=seed)
+    compared = compare(model, recordings, seed=seed)
+    return {
+        "format": FORMAT,
+        "model": model.name,
+        "variant": model.variant,
+        "files": {path.name: sha256(path) for path in files_of(model)},
+        "checks": [{"name": c.name, "passed": c.passed} for c in checked.checks],
+        "passed": checked.passed,
+        "recordings": [
+            {
+                "name": r.recording.name, "error": r.error, "noise_error": r.noise_error,
+                "sha256": sha256(r.recording.source) if r.recording.source else None,
+            }
+            for r in compared.recordings
+        ],
+        "error": compared.error,
+        "noise_error": compared.noise_error,
+        "consistent": compared.consistent,
+        "versions": versions(),
+    }  # fmt: skip
+
+
+def write_record(record: dict[str, Any], path: Path, *, force: bool = False) -> Path:
+    """Write a record, whole or not at all."""
+    return write_whole(path, json.dumps(record, indent=1) + "\n", force=force)
+
+
+def read_record(path: Path) -> dict[str, Any] | None:
+    """Read a record; None where there is none.
+
+    Raises:
+        InputError: the file is not a record.
+    """
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        raise InputError("not a verification record", file=path, remedy="make it with `workbench approve`") from error
+    if not isinstance(record, dict) or record.get("format") != FORMAT or "files" not in record:
+        raise InputError("not a verification record", file=path, remedy="make it with `workbench approve`")
+    return record
+
+
+def objections(record: dict[str, Any] | None, model: Model, variant: str) -> list[str]:
+    """Why a model may not train policies by its record; none if it may."""
+    if record is None:
+        return ["the model has no verification record"]
+    found = []
+    now = {path.name: sha256(path) for path in files_of(model)}
+    stale = sorted(name for name in {*now, *record["files"]} if now.get(name) != record["files"].get(name))
+    if stale:
+        found.append(f"the record is stale: {', '.join(stale)} changed since")
+    if record.get("variant") != variant:
+        found.append(f"the record is for variant {record.get('variant')}, not {variant}")
+    if not record.get("passed"):
+        found.append("a check against the closed chain failed")
+    if not record.get("recordings"):
+        found.append("the model was compared with no recording")
+    elif not record.get("consistent"):
+        found.append(f"its error is {record['error']:.3f} where noise alone leaves {record['noise_error']:.3f}")
+    return found
+
+
+def summary(record: dict[str, Any]) -> str:
+    """The record in a sentence."""
+    done = sum(c["passed"] for c in record["checks"])
+    names = ", ".join(r["name"] for r in record["recordings"])
+    return (
+        f"{done} of {len(record['checks'])} checks passed; compared with {names or 'nothing'}: "
+        f"error {record['error']:.3f}, noise alone {record['noise_error']:.3f}"
+    )

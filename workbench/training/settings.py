@@ -1,0 +1,148 @@
+"""What a training run is asked to do, and what it writes down before it begins."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import platform
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from workbench.models import Model
+
+from .machine import POLICY_STEPS, STEP_S, Machine
+from .randomisation import LEG_RANDOMISATION, Randomisation
+from .situation import POLICY_S
+from .tasks import Task
+
+_PACKAGES = "mujoco", "mujoco-warp", "numpy", "rsl-rl-lib", "torch", "warp-lang", "workbench"
+
+
+@dataclass(frozen=True)
+class Learning:
+    """Settings of PPO (rsl_rl); the defaults are what legged robots are commonly trained with.
+
+    Attributes:
+        rollout: policy steps of each world an iteration.
+        epochs, batches: passes over them, and mini-batches a pass.
+        clip, gamma, lam, value_weight, entropy, gradient_norm: as in rsl_rl's PPO.
+        rate: learning rate at the start; adapted to hold the KL divergence at `kl`.
+        std: deviation of actions at the start.
+    """
+
+    rollout: int = 24
+    epochs: int = 5
+    batches: int = 4
+    clip: float = 0.2
+    gamma: float = 0.99
+    lam: float = 0.95
+    value_weight: float = 1.0
+    entropy: float = 0.005
+    gradient_norm: float = 1.0
+    rate: float = 1e-3
+    kl: float = 0.01
+    std: float = 0.6
+
+
+@dataclass(frozen=True)
+class Settings:
+    """A run: which task, in how many worlds, how long, from which seed, where.
+
+    Attributes:
+        worlds: simulated side by side, a process.
+        iterations: of PPO in all, those before a resumption counted in.
+        save_every: iterations from checkpoint to checkpoint.
+        threads: of the simulation on the CPU; 0 takes all cores.
+    """
+
+    worlds: int = 256
+    iterations: int = 200
+    seed: int = 0
+    device: str = "cpu"
+    save_every: int = 50
+    threads: int = 0
+    learning: Learning = field(default_factory=Learning)
+    randomisation: Randomisation = field(default_factory=Randomisation)
+
+
+def resolved(task: Task, machine: Machine, settings: Settings, extra: Mapping[str, Any]) -> dict[str, Any]:
+    """Everything that a run depends on, as JSON holds it: settings, tables, machine, versions, hashes."""
+    return {
+        "format": 1,
+        "task": task.name,
+        "variant": machine.model.variant,
+        "settings": asdict(settings),
+        "leg_randomisation": asdict(links) if (links := LEG_RANDOMISATION[settings.randomisation.legs]) else None,
+        "observations": layout(task, machine),
+        "rewards": [{"name": r.name, "weight": r.weight, "about": r.about} for r in task.rewards],
+        "hidden": list(task.hidden),
+        "control": control_table(task, machine),
+        "model": {
+            "name": machine.model.name,
+            "effects": [str(e.key) for e in machine.model.effects],
+            "left_out": list(machine.left_out),
+            "mjcf_sha256": machine.digest,
+            "files": {path.name: sha256(path) for path in files_of(machine.model)},
+        },
+        "versions": versions(),
+        **extra,
+    }
+
+
+def layout(task: Task, machine: Machine) -> list[dict[str, Any]]:
+    """The policy's input, entry by entry, with its place and scale."""
+    from .probe import sizes
+
+    entries, start = [], 0
+    for entry, size in zip(task.observations, sizes(task, machine), strict=True):
+        entries.append(
+            {
+                "name": entry.name, "start": start, "size": size, "scale": entry.scale,
+                "noise": entry.noise, "about": entry.about,
+            }
+        )  # fmt: skip
+        start += size
+    return entries
+
+
+def control_table(task: Task, machine: Machine) -> dict[str, Any]:
+    """Joints, gains, rates, limits and transmission: what a policy's actions mean."""
+    return {
+        "joints": list(machine.joints),
+        "transmission": machine.transmission.tolist(),
+        "posture": machine.posture.tolist(),
+        "action_scale": task.action_scale,
+        "kp": machine.kp.tolist(),
+        "kd": machine.kd.tolist(),
+        "torque_limit": machine.torque_limit.tolist(),
+        "joint_limits": machine.limits.tolist(),
+        "control_period_s": STEP_S,
+        "policy_period_s": POLICY_S,
+        "control_steps_a_policy_step": POLICY_STEPS,
+        "delay_steps": machine.delay_steps,
+    }
+
+
+def files_of(model: Model) -> list[Path]:
+    """The files that a model was read from: its own, the serial tree, the closed chain."""
+    chain = model.closed_chain.file if model.closed_chain else None
+    return [path for path in (model.source, model.serial, chain) if path is not None]
+
+
+def sha256(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def versions() -> dict[str, str]:
+    """Of Python and of all packages that a result depends on and that are installed."""
+    found = {"python": platform.python_version(), "platform": sys.platform}
+    for name in _PACKAGES:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return found
