@@ -4,13 +4,14 @@ WORKERS ?= 2
 DEMO_SEED ?= 0
 BIN := .venv/bin
 STAMP := .venv/.installed
+TRAINING := .venv/.training
 
 # Our matrices are small: BLAS threads only wait for each other where both cores are busy.
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup demo test check format clean
+.PHONY: setup training demo test check format clean
 
 setup: $(STAMP)
 
@@ -21,13 +22,19 @@ $(STAMP): requirements.lock pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 
+training: $(TRAINING)
+
+$(TRAINING): $(STAMP) requirements-training.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock -r requirements-training.lock
+	@touch $@
+
 demo: setup
 	$(BIN)/workbench demo demo --seed $(DEMO_SEED) --force
 
-test: setup
+test: training
 	$(BIN)/pytest -n $(WORKERS) --dist worksteal $(PYTEST_ARGS)
 
-check: setup
+check: training
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-logo

@@ -2,6 +2,7 @@
 
 import ast
 import re
+import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -10,7 +11,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 #: Modules whose distribution goes by another name.
-DISTRIBUTIONS = {"pinocchio": "pin", "pydrake": "drake", "tomli_w": "tomli-w", "can": "python-can"}
+DISTRIBUTIONS = {
+    "can": "python-can",
+    "mujoco_warp": "mujoco-warp",
+    "pinocchio": "pin",
+    "pydrake": "drake",
+    "rsl_rl": "rsl-rl-lib",
+    "tomli_w": "tomli-w",
+    "warp": "warp-lang",
+}
+EXTRA = PROJECT["optional-dependencies"]["training"]
 
 
 def third_party(folder: str) -> set[str]:
@@ -34,18 +44,37 @@ def names(requirements: list[str]) -> set[str]:
 
 
 def test_dependencies_are_what_the_package_imports() -> None:
-    assert names(PROJECT["dependencies"]) == third_party("workbench")
+    assert names(PROJECT["dependencies"]) | names(EXTRA) == third_party("workbench")
+    for folder in (ROOT / "workbench").iterdir():
+        if folder.is_dir() and folder.name not in ("training", "bundle"):
+            assert not third_party(f"workbench/{folder.name}") & names(EXTRA), folder.name
 
 
 def test_tests_and_benchmarks_need_no_more_than_the_dev_extra() -> None:
-    declared = names(PROJECT["dependencies"]) | names(PROJECT["optional-dependencies"]["dev"])
+    declared = names([*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA])
     assert third_party("tests") | third_party("benchmarks") <= declared
 
 
 def test_the_lock_pins_every_requirement_and_names_no_host() -> None:
-    text = (ROOT / "requirements.lock").read_text()
+    text = "".join((ROOT / f"requirements{part}.lock").read_text() for part in ("", "-training"))
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", line) for line in lines), "exact versions only"
     build = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
-    declared = names([*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *build])
+    declared = names([*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA, *build])
     assert declared <= names(lines)
+    assert len(names(lines)) == len(lines), "a package is pinned twice"
+
+
+def test_bundles_tasks_and_commands_need_no_torch() -> None:
+    code = (
+        "import sys\n"
+        "extra = 'torch', 'rsl_rl', 'tensordict', 'onnx', 'onnxruntime', 'warp', 'mujoco_warp'\n"
+        "class Missing:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        "        if name in extra:\n"
+        "            raise ImportError(name)\n"
+        "sys.meta_path.insert(0, Missing())\n"
+        "import workbench.bundle, workbench.training.evaluate, workbench.training.record\n"
+        "import workbench.cli.train, workbench.cli.evaluate\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

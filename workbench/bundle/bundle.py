@@ -139,16 +139,22 @@ def read_bundle(path: str | Path) -> PolicyBundle:
     except FileNotFoundError as error:
         raise InputError("no such bundle", file=file, remedy="name a .zip of `workbench export`") from error
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        raise InputError("not a policy bundle", file=file, remedy="make it with `workbench export`") from error
+        raise InputError(
+            "not a policy bundle", file=file, remedy="make it with `workbench export`"
+        ) from error
     if manifest.get("format") != FORMAT:
         raise InputError(
-            f"the bundle has format {manifest.get('format')}", file=file, remedy=f"this version reads {FORMAT}"
+            f"the bundle has format {manifest.get('format')}",
+            file=file,
+            remedy=f"this version reads {FORMAT}",
         )
     wanted = manifest.get("sha256", {})
     for name in sorted({*wanted, *parts, POLICY, MACHINE}):
         found = hashlib.sha256(parts[name]).hexdigest() if name in parts else None
         if found is None or found != wanted.get(name):
-            raise InputError(f"'{name}' is missing or was changed", file=file, remedy="export the policy again")
+            raise InputError(
+                f"'{name}' is missing or was changed", file=file, remedy="export the policy again"
+            )
     try:
         return _bundle(manifest, parts, file)
     except (KeyError, TypeError, ValueError) as error:

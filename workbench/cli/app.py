@@ -29,12 +29,15 @@ def main() -> None:
 
     from . import (  # noqa: F401
         add,
+        approve,
         can,
         check,
         compare,
         demo,
         diagnose,
+        evaluate,
         excite,
+        export,
         frf,
         identify,
         import_,
@@ -42,6 +45,7 @@ def main() -> None:
         inspect,
         normalize,
         record,
+        train,
     )
 
     try:

@@ -80,7 +80,10 @@ class Curve:
     def __init__(self, folder: Path, done: int) -> None:
         from torch.utils.tensorboard.writer import SummaryWriter
 
-        self._file, self._rows = folder / FILE, [row for row in read_curve(folder) if row["iteration"] <= done]
+        self._file, self._rows = (
+            folder / FILE,
+            [row for row in read_curve(folder) if row["iteration"] <= done],
+        )
         self._board = SummaryWriter(str(folder / "tensorboard"), purge_step=done + 1 if done else None)
 
     def add(self, iteration: int, values: Mapping[str, float]) -> None:

@@ -62,7 +62,7 @@ class Draws:
         if self.xp is not np:
             self._generator.set_state(state["torch"].cpu())
             return
-        inner = self._generator.bit_generator.state
+        inner: dict[str, Any] = dict(self._generator.bit_generator.state)
         inner["state"] = {"state": int(state["numpy"][0]), "inc": int(state["numpy"][1])}
         inner["has_uint32"], inner["uinteger"] = 0, 0
         self._generator.bit_generator.state = inner

@@ -143,9 +143,7 @@ class Log:
             time=STEP_S * np.arange(len(rows["position"])),
             signals={key: rows[key] for key in logged},
             units=("rad",) * machine.size,
-            controller=Controller(
-                "pd", "joint", kp=tuple(machine.kp), kd=tuple(machine.kd), period_s=STEP_S
-            ),
+            controller=Controller("pd", "joint", kp=tuple(machine.kp), kd=tuple(machine.kd), period_s=STEP_S),
             excitation=Excitation("policy"),
             rig=machine.kind,
             extra={key: rows[key] for key in rows if key.startswith(("ground_", "base_"))},
@@ -169,7 +167,9 @@ def _run(
         position, velocity = _measured(true, sensors, generator)
         since = tick - log.policy_from
         if since >= 0 and since % POLICY_STEPS == 0:
-            now = _situation(c, true, position @ to_serial, velocity @ to_serial, action, command, since, generator)
+            now = _situation(
+                c, true, position @ to_serial, velocity @ to_serial, action, command, since, generator
+            )
             seen = np.concatenate([e.scale * e.function(now) for e in task.observations], -1)
             action = policy(seen)
             target = action_target(c, action, task.action_scale)
@@ -184,7 +184,10 @@ def _run(
             position_reference=target,
         )
         if task.name == "reach":
-            log.add(goal=reach_reference(np, command, np.array([since * STEP_S]))[0], joints=true.position @ to_serial)
+            log.add(
+                goal=reach_reference(np, command, np.array([since * STEP_S]))[0],
+                joints=true.position @ to_serial,
+            )
         if machine.floating:
             gravity, linear, angular = body_frame(true)
             log.add(ground_force=true.feet, base_pose=true.pose, base_linear=linear, base_angular=angular)
@@ -213,8 +216,8 @@ def _measured(true: State, sensors: Sensors, generator: np.random.Generator) -> 
 
 
 def _situation(
-    c: Constants, true: State, position: np.ndarray, velocity: np.ndarray, action: np.ndarray, command: np.ndarray,
-    since: int, generator: np.random.Generator,
+    c: Constants, true: State, position: np.ndarray, velocity: np.ndarray, action: np.ndarray,
+    command: np.ndarray, since: int, generator: np.random.Generator,
 ) -> Situation:  # fmt: skip
     now = Situation(
         xp=np, machine=c, position=position[None], velocity=velocity[None], torque=np.zeros_like(action),
@@ -258,5 +261,3 @@ def scores(task: Task, log: Log) -> dict[str, float]:
         "forward_rmse_m_s": rms(linear[:, 0] - CIRCLE[0]),
         "yaw_rmse_rad_s": rms(angular[:, 2] - CIRCLE[2]),
     }
-
-

@@ -53,7 +53,9 @@ def export(run: str | Path, path: str | Path, *, force: bool = False) -> Path:
             "onnx_against_torch": difference,
         },
     }
-    files = {f"model/{f.relative_to(folder / MODEL).as_posix()}": f.read_bytes() for f in _files(folder / MODEL)}
+    files = {
+        f"model/{f.relative_to(folder / MODEL).as_posix()}": f.read_bytes() for f in _files(folder / MODEL)
+    }
     return write_bundle(path, manifest, policy, machine, files, force=force)
 
 
@@ -68,7 +70,7 @@ def layers(actor: dict[str, np.ndarray]) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def to_onnx(actor: dict[str, np.ndarray]) -> bytes:
-    """The deterministic policy of an rsl_rl actor (normalisation, layers with ELU between) as one ONNX file."""
+    """The deterministic policy of an rsl_rl actor as one ONNX file: normalisation, then layers with ELU."""
     from onnx import TensorProto, checker, helper, numpy_helper
 
     mean, std = actor["obs_normalizer._mean"], actor["obs_normalizer._std"]
@@ -97,14 +99,14 @@ def to_onnx(actor: dict[str, np.ndarray]) -> bytes:
 
 
 def compare_with_torch(policy: bytes, actor: dict[str, np.ndarray]) -> float:
-    """Largest difference between ONNX Runtime and torch over observations up to 3 deviations, relative."""
+    """Largest difference between ONNX Runtime and torch, relative to an observation's largest action."""
     import onnxruntime
     import torch
 
     generator = torch.Generator().manual_seed(0)
     tensors = {k: torch.from_numpy(v) for k, v in actor.items()}
     mean, std = tensors["obs_normalizer._mean"], tensors["obs_normalizer._std"]
-    seen = mean + std * (6.0 * torch.rand((256, mean.shape[-1]), generator=generator) - 3.0)
+    seen = mean + std * torch.randn((256, mean.shape[-1]), generator=generator)
     x = (seen - mean) / (std + _EPS)
     stack = layers(actor)
     for i, (weight, bias) in enumerate(stack):
@@ -113,4 +115,4 @@ def compare_with_torch(policy: bytes, actor: dict[str, np.ndarray]) -> float:
     session = onnxruntime.InferenceSession(policy, providers=["CPUExecutionProvider"])
     found = np.asarray(session.run(None, {"obs": seen.numpy()})[0])
     wanted = x.numpy()
-    return float((np.abs(found - wanted) / np.maximum(1.0, np.abs(wanted))).max())
+    return float((np.abs(found - wanted) / np.maximum(1.0, np.abs(wanted).max(axis=1, keepdims=True))).max())

@@ -73,7 +73,7 @@ def learn(
     extra: Mapping[str, Any] | None = None,
     resume: bool = False,
     tell: Callable[[Progress], None] = lambda progress: None,
-) -> torch.nn.Module:
+) -> torch.nn.Module | None:
     """Train a policy, or go on with one.
 
     The folder gets the resolved configuration, the machine's MJCF, a learning curve (CSV and TensorBoard) and
@@ -90,7 +90,7 @@ def learn(
         tell: is told after every iteration.
 
     Returns:
-        The policy (rsl_rl's actor), in evaluation mode.
+        The policy (rsl_rl's actor), in evaluation mode; None in all processes but the first.
 
     Raises:
         InputError: the folder holds a run already (not resumed), or another one (resumed).
@@ -153,7 +153,9 @@ def learn(
         spent += took
         row = tally.row()
         if not all(map(math.isfinite, losses.values())):
-            raise SimulationError(f"learning broke down in iteration {iteration + 1}: its losses are {losses}")
+            raise SimulationError(
+                f"learning broke down in iteration {iteration + 1}: its losses are {losses}"
+            )
         done = iteration + 1
         if curve is not None:
             rate = ranks * settings.worlds * settings.learning.rollout / took
@@ -163,7 +165,13 @@ def learn(
             left = (settings.iterations - done) * (spent / done)
             tell(
                 Progress(
-                    done, settings.iterations, row["reward"], row["episode_reward"], row["episode_s"], rate, left
+                    done,
+                    settings.iterations,
+                    row["reward"],
+                    row["episode_reward"],
+                    row["episode_s"],
+                    rate,
+                    left,
                 )
             )
         if done % settings.save_every == 0 or done == settings.iterations:
@@ -173,7 +181,7 @@ def learn(
     if ranks > 1:
         torch.distributed.destroy_process_group()
     ppo.eval_mode()
-    return ppo.get_policy()
+    return ppo.get_policy() if rank == 0 else None
 
 
 def _join(device: str, rank: int, ranks: int) -> str:
@@ -200,7 +208,10 @@ def _open_folder(folder: Path, config: dict[str, Any], machine: Machine, resume:
         for key in ("task", "variant", "model", "processes"):
             if before.get(key) != config[key]:
                 raise InputError(
-                    f"the run has another {key}", file=file, column=key, remedy="resume with what it began with"
+                    f"the run has another {key}",
+                    file=file,
+                    column=key,
+                    remedy="resume with what it began with",
                 )
         old, new = before.get("settings", {}), config["settings"]
         for key in ("worlds", "seed", "learning", "randomisation"):

@@ -192,8 +192,13 @@ def _quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
             name=f"{name}_sphere", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[FOOT_RADIUS, 0, 0], pos=site.pos,
             mass=0.0, contype=0, conaffinity=1, friction=[0.8, 0.005, 0.0001], priority=1,
         )  # fmt: skip
-        for kind, entry in (("touch", mujoco.mjtSensor.mjSENS_TOUCH), ("speed", mujoco.mjtSensor.mjSENS_FRAMELINVEL)):
-            spec.add_sensor(name=f"{name}_{kind}", type=entry, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site.name)
+        for kind, entry in (
+            ("touch", mujoco.mjtSensor.mjSENS_TOUCH),
+            ("speed", mujoco.mjtSensor.mjSENS_FRAMELINVEL),
+        ):
+            spec.add_sensor(
+                name=f"{name}_{kind}", type=entry, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site.name
+            )
     spec.worldbody.add_geom(
         name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=1, conaffinity=0
     )

@@ -15,7 +15,7 @@ from workbench.mechanism import DiscreteChain, Ground
 from .machine import FOOT_RADIUS, LEGS, STEP_S, Machine
 from .situation import base_state
 
-_SUBSTEPS = 3  # of Drake in a control step: 1 ms
+_SUBSTEPS = 6  # of Drake in a control step: 0.5 ms
 _FRICTION = 0.8
 _FALL = 0.005  # m that the quadruped is let down from
 
@@ -40,12 +40,15 @@ class Plant(Protocol):
 
     def reset(self, drives: np.ndarray, height: float) -> None:
         """At rest at drive positions (n,) with the base level at a height [m]."""
+        ...
 
     def advance(self, torque: np.ndarray) -> None:
         """One control step under drive torques (n,) [N m]."""
+        ...
 
     def state(self) -> State:
         """Now."""
+        ...
 
 
 class ClosedChainPlant:
@@ -62,7 +65,10 @@ class ClosedChainPlant:
             per_leg = (model.actuators.inertia[0], *model.actuators.inertia)
             drag = (model.actuators.damping[0], *model.actuators.damping)
             inertia, damping = np.tile(per_leg, 4), np.tile(drag, 4)
-            mechanism, ground = quadruped_mechanism(), Ground(tuple(f"{x}_foot" for x in LEGS), FOOT_RADIUS, _FRICTION)
+            mechanism, ground = (
+                quadruped_mechanism(),
+                Ground(tuple(f"{x}_foot" for x in LEGS), FOOT_RADIUS, _FRICTION),
+            )
         else:
             inertia, damping = np.array(model.actuators.inertia), np.array(model.actuators.damping)
             mechanism, ground = model.closed_chain or Mechanism(closed_chain_file("leg")), None

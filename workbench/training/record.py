@@ -33,7 +33,9 @@ def record_path(model: Model) -> Path:
     return model.source.with_name(f"{model.source.stem}.record.json")
 
 
-def make_record(model: Model, recordings: Sequence[Recording], *, samples: int = 50, seed: int = 0) -> dict[str, Any]:
+def make_record(
+    model: Model, recordings: Sequence[Recording], *, samples: int = 50, seed: int = 0
+) -> dict[str, Any]:
     """Check a model against its closed chain, compare it with recordings, and say how both came out.
 
     Args:
@@ -81,7 +83,9 @@ def read_record(path: Path) -> dict[str, Any] | None:
     except FileNotFoundError:
         return None
     except (OSError, ValueError) as error:
-        raise InputError("not a verification record", file=path, remedy="make it with `workbench approve`") from error
+        raise InputError(
+            "not a verification record", file=path, remedy="make it with `workbench approve`"
+        ) from error
     if not isinstance(record, dict) or record.get("format") != FORMAT or "files" not in record:
         raise InputError("not a verification record", file=path, remedy="make it with `workbench approve`")
     return record
@@ -103,7 +107,9 @@ def objections(record: dict[str, Any] | None, model: Model, variant: str) -> lis
     if not record.get("recordings"):
         found.append("the model was compared with no recording")
     elif not record.get("consistent"):
-        found.append(f"its error is {record['error']:.3f} where noise alone leaves {record['noise_error']:.3f}")
+        found.append(
+            f"its error is {record['error']:.3f} where noise alone leaves {record['noise_error']:.3f}"
+        )
     return found
 
 

@@ -75,7 +75,9 @@ def resolved(task: Task, machine: Machine, settings: Settings, extra: Mapping[st
         "task": task.name,
         "variant": machine.model.variant,
         "settings": asdict(settings),
-        "leg_randomisation": asdict(links) if (links := LEG_RANDOMISATION[settings.randomisation.legs]) else None,
+        "leg_randomisation": asdict(links)
+        if (links := LEG_RANDOMISATION[settings.randomisation.legs])
+        else None,
         "observations": layout(task, machine),
         "rewards": [{"name": r.name, "weight": r.weight, "about": r.about} for r in task.rewards],
         "hidden": list(task.hidden),

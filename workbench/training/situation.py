@@ -14,7 +14,7 @@ import numpy as np
 from .machine import LEGS, POLICY_STEPS, STEP_S, Machine
 
 Array = Any  # numpy.ndarray or torch.Tensor; shapes are in the docstrings
-POLICY_S = POLICY_STEPS * STEP_S
+POLICY_S = round(POLICY_STEPS * STEP_S, 9)  # [s]
 
 
 class Constants:
@@ -39,7 +39,9 @@ class Constants:
         m = machine.mujoco
         self.places, self.dofs = put(machine.places), put(machine.dofs)
         self.kp, self.kd = put(machine.kp), put(machine.kd)
-        self.to_drives = put(np.linalg.inv(machine.transmission))  # tau_p = J^-T tau_s, as a row: tau_s @ J^-1
+        self.to_drives = put(
+            np.linalg.inv(machine.transmission)
+        )  # tau_p = J^-T tau_s, as a row: tau_s @ J^-1
         self.to_motion = put(machine.transmission.T)  # q_p as a row: q_s @ J^T
         self.torque_limit = put(machine.torque_limit)
         self.posture = put(machine.posture)

@@ -61,8 +61,8 @@ class Task:
 def reach_reference(xp: Any, command: Array, time: Array) -> tuple[Array, Array]:
     """Joint angles and speeds to follow, (W, 2) each [rad, rad/s].
 
-    A sine a joint around a middle: `command` holds middle, amplitude, frequency [rad/s] and phase, two numbers
-    each.
+    A sine a joint around a middle: `command` holds middle, amplitude, frequency [rad/s] and phase, two
+    numbers each.
     """
     middle, size, rate, phase = command[:, 0:2], command[:, 2:4], command[:, 4:6], command[:, 6:8]
     angle = rate * time[:, None] + phase

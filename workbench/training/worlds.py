@@ -28,15 +28,19 @@ class Worlds(Protocol):
 
     def step(self) -> None:
         """One step of all worlds; sensors are those of the beginning of it."""
+        ...
 
     def put(self, where: Array, qpos: Array, qvel: Array) -> None:
         """Begin afresh in the worlds marked by `where` (W,), with these states (W, ...)."""
+        ...
 
     def state(self) -> dict[str, Any]:
         """All that the next step depends on."""
+        ...
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Go on where `state` was taken."""
+        ...
 
 
 class BatchWorlds:

@@ -1,0 +1,85 @@
+"""``workbench train``, ``export``, ``evaluate`` and ``approve`` as a user runs them."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+
+def run(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """The command line in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "workbench.cli", *map(str, words)], capture_output=True, text=True, cwd=cwd
+    )
+
+
+SMALL = "--envs", 8, "--threads", 1
+
+
+def test_from_training_to_a_recording(tmp_path: Path) -> None:
+    done = run(
+        "train", "reach", "--variant", "s3n_full", "--iterations", 1, *SMALL, "--unverified", "-o", "run",
+        cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "Trained 1 iterations; wrote run/bundle.zip." in done.stdout
+    done = run(
+        "train", "reach", "--variant", "s3n_full", "--iterations", 2, *SMALL, "--unverified", "-o", "run",
+        "--resume", cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert run("export", "run", "-o", "reach.zip", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "reach.zip").read_bytes() == (tmp_path / "run" / "bundle.zip").read_bytes()
+    done = run("evaluate", "reach.zip", "-o", "out", "--seconds", 1.5, "--json", "e.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    told = json.loads((tmp_path / "e.json").read_text())
+    assert told["task"] == "reach" and told["hardware"]["scores"]["rmse_rad"] < 2.0
+    done = run("compare", "leg", "out/hardware.toml", "--quiet", "--json", "-", cwd=tmp_path)
+    assert done.returncode == 0 and json.loads(done.stdout)["model"] == "leg"
+
+
+def test_a_model_is_approved_once_and_then_trains_only_as_it_was_compared(tmp_path: Path) -> None:
+    assert run("record", "leg", "slow", "-o", "data", cwd=tmp_path).returncode == 0
+    assert run("add", "leg", "payload_mass", "mass=0.0001", "-o", "mine.toml", cwd=tmp_path).returncode == 0
+    train = "train", "reach", "--model", "mine.toml", "--iterations", 1, *SMALL
+    done = run(*train, "-o", "a", cwd=tmp_path)
+    assert done.returncode == 2 and "no verification record" in done.stderr
+    done = run("approve", "mine.toml", "data/slow.toml", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr + done.stdout
+    done = run(*train, "-o", "a", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "compared with slow" in done.stdout
+    assert json.loads((tmp_path / "a" / "config.json").read_text())["record"]["consistent"]
+    done = run(*train, "--variant", "kin_only", "-o", "b", cwd=tmp_path)
+    assert done.returncode == 2 and "not kin_only" in done.stderr
+    (tmp_path / "mine.toml").write_text((tmp_path / "mine.toml").read_text() + "# changed\n")
+    done = run(*train, "-o", "b", cwd=tmp_path)
+    assert done.returncode == 2 and "stale" in done.stderr
+
+
+def test_approve_says_no_where_the_data_say_no(tmp_path: Path) -> None:
+    assert run("record", "leg", "slow", "-o", "data", cwd=tmp_path).returncode == 0
+    done = run("approve", "leg_kin_only", "data/slow.toml", "-o", "record.json", cwd=tmp_path)
+    assert done.returncode == 1 and "Not approved: its error is" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("train", "dance", "-o", "x"), "choose one of reach, pitch-in-place, circular"),
+        (("train", "reach"), "-o runs/reach"),
+        (("train", "reach", "-o", "x", "--legs", "some", "--unverified"), "heavy_leg_rand"),
+        (("train", "reach", "-o", "x", "--variant", "magic", "--unverified"), "no plain variant"),
+        (("train", "reach", "-o", "x", "--resume", "--unverified"), "no run to go on with"),
+        (("export", "nowhere", "-o", "x.zip"), "no run here"),
+        (("evaluate", "nothing.zip", "-o", "x"), "no such bundle"),
+    ],
+)
+def test_mistakes_end_in_one_line_and_two(words: tuple[str, ...], says: str, tmp_path: Path) -> None:
+    done = run(*words, cwd=tmp_path)
+    assert done.returncode == 2, done.stdout
+    assert says in done.stderr and len(done.stderr.strip().splitlines()) == 1

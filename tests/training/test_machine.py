@@ -1,0 +1,102 @@
+"""The machine that trains is the one that was normalised, four times under a trunk."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from workbench.core import Controller, EffectKey, Estimate, InputError
+from workbench.effects import load_model
+from workbench.models import AppliedEffect
+from workbench.training.control import drive_torque
+from workbench.training.machine import POLICY_STEPS, STEP_S, make_machine
+from workbench.training.situation import POLICY_S, Constants
+
+from .make import machine
+
+# paper, mass matrix in serial coordinates at alpha = 90 degrees: M11, M12, M22
+TABLE = {
+    "kin_only": (0.04058, 0.00232, 0.01852),
+    "s3n_act": (0.05678, 0.01852, 0.01852),
+    "s3n_full": (0.07161, 0.02368, 0.02368),
+}
+
+
+@pytest.mark.parametrize("variant", TABLE)
+def test_every_leg_has_the_paper_s_mass_matrix(variant: str) -> None:
+    made = machine("quadruped", variant)
+    m, data = made.mujoco, mujoco.MjData(made.mujoco)
+    data.qpos[3] = 1.0
+    data.qpos[made.places] = np.tile([0.0, 0.2, np.pi / 2], 4)
+    mujoco.mj_forward(m, data)
+    full = np.zeros((m.nv, m.nv))
+    mujoco.mj_fullM(m, data, full)
+    for leg in range(4):
+        dofs = made.dofs[3 * leg + 1 : 3 * leg + 3]
+        block = full[np.ix_(dofs, dofs)]
+        np.testing.assert_allclose([block[0, 0], block[0, 1], block[1, 1]], TABLE[variant], atol=2e-5)
+
+
+def test_timing_gains_and_limits_are_the_reference_s() -> None:
+    made = machine("quadruped")
+    assert (0.003, 6, pytest.approx(0.018)) == (STEP_S, POLICY_STEPS, POLICY_S)
+    assert made.delay_steps == 1 and not made.mujoco.actuator_delay.any()
+    assert set(made.kp) == {50.0} and set(made.kd) == {1.5} and set(made.torque_limit) == {24.0}
+    assert made.mujoco.opt.timestep == 0.003
+
+
+def test_the_file_is_the_machine() -> None:
+    made = machine("quadruped")
+    again = mujoco.MjModel.from_xml_string(made.xml)
+    np.testing.assert_array_equal(again.body_mass, made.mujoco.body_mass)
+    np.testing.assert_array_equal(again.tendon_armature, made.mujoco.tendon_armature)
+
+
+def test_the_loop_maps_to_the_drives_and_is_clipped_there() -> None:
+    made = machine("leg")
+    c = Constants(made, np, np.zeros(1))
+    rest = made.posture[None]
+    torque = drive_torque(c, rest + np.array([0.1, 0.2]), rest, np.zeros((1, 2)))
+    np.testing.assert_allclose(made.transmission.T @ torque[0], [5.0, 10.0])  # tau_s = J^T tau_p
+    assert np.abs(drive_torque(c, rest + 5.0, rest, np.zeros((1, 2)))).max() == 24.0
+
+
+def test_an_effect_that_was_found_is_in_every_leg() -> None:
+    found = AppliedEffect(EffectKey("coulomb_friction", "hip"), {"torque": Estimate(0.25, 0.01, "N*m")})
+    made = make_machine("quadruped", load_model("leg").with_effect(found), "s3n_full")
+    hips = [made.mujoco.joint(name).frictionloss[0] for name in made.joints if name.endswith("hip")]
+    assert hips == [0.25] * 4 and made.left_out == ()
+
+
+def test_the_robot_stands_by_itself_on_four_feet() -> None:
+    made = machine("quadruped")
+    data = mujoco.MjData(made.mujoco)
+    data.qpos[2], data.qpos[made.places] = made.height + 0.005, made.posture
+    waiting = np.zeros(12)
+    for _ in range(600):
+        asked = made.kp * (made.posture - data.qpos[made.places]) - made.kd * data.qvel[made.dofs]
+        data.ctrl[:], waiting = waiting, asked @ np.linalg.inv(made.transmission)
+        mujoco.mj_step(made.mujoco, data)
+    weight = 9.81 * float(made.mujoco.body_mass @ (1.0 - made.mujoco.body_gravcomp))
+    loads = [data.sensor(f"{leg}_touch").data[0] for leg in ("fl", "fr", "rl", "rr")]
+    assert sum(loads) == pytest.approx(weight, rel=0.05) and min(loads) > 10.0
+    assert data.qpos[2] > 0.3
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"controller": Controller("none")}, "PD loop"),
+        ({"payload_site": None}, "a foot"),
+    ],
+)
+def test_models_that_cannot_train_are_refused(change: dict, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        make_machine("quadruped", replace(load_model("leg"), **change))
+
+
+def test_a_delay_between_steps_is_refused() -> None:
+    model = load_model("leg")
+    with pytest.raises(InputError, match="no whole number"):
+        make_machine("leg", replace(model, actuators=replace(model.actuators, delay_s=0.004)))

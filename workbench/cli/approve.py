@@ -1,0 +1,58 @@
+"""``workbench approve``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .app import app
+from .common import (
+    ForceOption,
+    ModelArgument,
+    QuietOption,
+    RecordingsArgument,
+    SeedOption,
+    check_outputs,
+    progress,
+    read_recordings,
+)
+
+
+@app.command()
+def approve(
+    model: ModelArgument,
+    recordings: RecordingsArgument,
+    output: Annotated[
+        str | None,
+        typer.Option("--output", "-o", metavar="FILE", help="The record; else beside the model's file."),
+    ] = None,
+    seed: SeedOption = 0,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Check a model and compare it with recordings, and write down how both came out; train asks for it.
+
+    Exit 1 where a check failed or the error is more than noise; the record says so too, and train refuses it.
+
+    Example: workbench approve leg.toml recordings/*.toml
+    """
+    from workbench.effects import load_model
+    from workbench.training.record import make_record, objections, record_path, summary, write_record
+
+    loaded, data = load_model(model), read_recordings(recordings)
+    path = Path(output) if output else record_path(loaded)
+    check_outputs(str(path), force=force)
+    with progress(quiet) as tell:
+        tell("checking the model and comparing it with the recordings")
+        record = make_record(loaded, data, seed=seed)
+    write_record(record, path, force=force)
+    against = objections(record, loaded, loaded.variant)
+    if not quiet:
+        typer.echo(f"{summary(record)}.")
+        for line in against:
+            typer.echo(f"Not approved: {line}.")
+        typer.echo(f"Wrote {path}.")
+    if against:
+        raise typer.Exit(1)

@@ -1,0 +1,65 @@
+"""``workbench evaluate``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from workbench.core import InputError
+
+from .app import app
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, progress
+
+
+@app.command()
+def evaluate(
+    bundle: Annotated[str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip).")],
+    output: Annotated[
+        str, typer.Option("--output", "-o", metavar="FOLDER", help="Where recordings go.")
+    ] = "",
+    seconds: Annotated[float, typer.Option("--seconds", min=1.5, max=600.0, help="How long it runs.")] = 4.0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the command and of the sensors' noise.")] = 0,
+    json: JsonOption = None,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Run a policy on virtual hardware, a closed chain in Drake, and in the simulation it was trained in.
+
+    Both are logged as recordings, which compare reads. Exit 1 where the robot fell on the hardware.
+
+    Example: workbench evaluate reach.zip -o evaluated
+    """
+    from workbench import report
+    from workbench.bundle import read_bundle
+    from workbench.recordings import save_recording
+    from workbench.training.evaluate import evaluate as run
+
+    if not output:
+        raise InputError("no folder for the recordings", remedy="name one: -o evaluated")
+    loaded, folder = read_bundle(bundle), Path(output)
+    files = {name: folder / f"{name}.toml" for name in ("hardware", "simulation")}
+    check_outputs(*map(str, files.values()), json, force=force)
+    content: dict[str, Any] = {"format": 1, "bundle": bundle, "task": loaded.task, "variant": loaded.variant}
+    with progress(quiet) as tell:
+        for name, file in files.items():
+            result = run(
+                loaded, seconds=seconds, seed=seed, hardware=name == "hardware",
+                tell=lambda done, name=name: tell(f"{name}: {100 * done:.0f} %"),
+            )  # fmt: skip
+            save_recording(result.recording, file, force=force)
+            content[name] = {"scores": result.scores, "fell_s": result.fell_s, "recording": str(file)}
+    if json:
+        report.write_json(content, json, force=force)
+    if not quiet and json != "-":
+        typer.echo(f"{loaded.task}, trained in {loaded.variant}:")
+        for score in content["hardware"]["scores"] or content["simulation"]["scores"]:
+            values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
+            typer.echo(f"  {score:32s} {'  '.join(values)}")
+        typer.echo(f"Wrote 2 recordings to {folder}.")
+    fell = content["hardware"]["fell_s"]
+    if fell is not None:
+        if not quiet:
+            typer.echo(f"It fell on the hardware after {fell:.2f} s.")
+        raise typer.Exit(1)

@@ -1,0 +1,134 @@
+"""``workbench train``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from workbench.core import InputError
+
+from .app import app
+from .common import ForceOption, QuietOption, progress
+
+
+@app.command()
+def train(
+    task: Annotated[str, typer.Argument(metavar="TASK", help="reach, pitch-in-place or circular.")],
+    output: Annotated[str, typer.Option("--output", "-o", metavar="RUN", help="Folder of the run.")] = "",
+    model: Annotated[str, typer.Option("--model", metavar="MODEL", help="The leg's model.")] = "leg",
+    variant: Annotated[
+        str | None,
+        typer.Option(
+            "--variant", metavar="NAME", help="kin_only, s3n_act, s3n_full or exact; else the model's."
+        ),
+    ] = None,
+    envs: Annotated[int, typer.Option("--envs", min=2, help="Worlds side by side.")] = 256,
+    iterations: Annotated[
+        int | None, typer.Option("--iterations", min=1, help="Of PPO in all; else as the task has it.")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of everything that is random.")] = 0,
+    device: Annotated[str, typer.Option("--device", help="cpu, cuda or cuda:N.")] = "cpu",
+    legs: Annotated[
+        str | None,
+        typer.Option(
+            "--legs", help="Links drawn per world: none, leg_rand, heavy_leg_rand; else the task's."
+        ),
+    ] = None,
+    save_every: Annotated[int, typer.Option("--save-every", min=1, help="Iterations a checkpoint.")] = 50,
+    threads: Annotated[
+        int, typer.Option("--threads", min=0, help="Of the simulation; 0 takes all cores.")
+    ] = 0,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
+    record: Annotated[
+        str | None,
+        typer.Option(
+            "--record", metavar="FILE", help="The model's verification record; else beside its file."
+        ),
+    ] = None,
+    unverified: Annotated[
+        bool, typer.Option("--unverified", help="Train in a model that was not compared with measurements.")
+    ] = False,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Train a policy in the normalised simulator, and write it as a bundle into the run's folder.
+
+    The model has to have a verification record (`workbench approve`). For several processes use torchrun.
+
+    Example: workbench train reach --variant s3n_full --unverified -o runs/reach
+    """
+    from workbench.effects import load_model
+    from workbench.training.machine import make_machine
+    from workbench.training.randomisation import LEG_RANDOMISATION, Randomisation
+    from workbench.training.record import objections, read_record, record_path, summary
+    from workbench.training.settings import Settings
+    from workbench.training.tasks import TASKS
+
+    if task not in TASKS:
+        raise InputError(f"no task is called '{task}'", remedy=f"choose one of {', '.join(TASKS)}")
+    if not output:
+        raise InputError("no folder for the run", remedy="name one: -o runs/reach")
+    wanted = TASKS[task]
+    legs = legs or wanted.randomisation
+    if legs not in LEG_RANDOMISATION:
+        raise InputError(
+            f"no range is called '{legs}'", remedy=f"choose one of {', '.join(LEG_RANDOMISATION)}"
+        )
+    loaded = load_model(model)
+    variant = variant or loaded.variant
+    file = Path(record) if record else record_path(loaded)
+    known = read_record(file)
+    against = objections(known, loaded, variant)
+    if known is not None and not quiet:
+        typer.echo(f"{file.name}: {summary(known)}.")
+    if against and not unverified:
+        raise InputError(
+            "; ".join(against),
+            file=file,
+            remedy="make it with `workbench approve`, or train with --unverified",
+        )
+    machine = make_machine(wanted.machine, loaded, variant)
+    if machine.left_out and not quiet:
+        typer.echo(f"Not in the simulation: {', '.join(machine.left_out)}.")
+    settings = Settings(
+        worlds=envs,
+        iterations=iterations or wanted.iterations,
+        seed=seed,
+        device="cuda:0" if device == "cuda" else device,
+        save_every=save_every,
+        threads=threads,
+        randomisation=replace(Randomisation(), legs=legs),
+    )
+    try:
+        from workbench.training.export import export
+        from workbench.training.learn import learn
+    except ImportError as error:
+        raise InputError(
+            f"training needs {error.name}", remedy="install the extra: pip install 'workbench[training]'"
+        ) from error
+    folder = Path(output)
+    with progress(quiet) as tell:
+
+        def told(p) -> None:
+            tell(
+                f"iteration {p.iteration} of {p.iterations}, reward {p.reward:.2f} a second, "
+                f"{p.steps_per_s:,.0f} steps/s, {_duration(p.left_s)} left"
+            )
+
+        done = learn(
+            wanted, machine, settings, folder,
+            extra={"record": known if not against else None, "unverified": against}, resume=resume, tell=told,
+        )  # fmt: skip
+    if done is None:  # another process of several
+        return
+    bundle = export(folder, folder / "bundle.zip", force=force or resume)
+    if not quiet:
+        typer.echo(f"Trained {settings.iterations} iterations; wrote {bundle}.")
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
