@@ -12,7 +12,7 @@ from workbench.diagnosis import diagnose, improve
 from workbench.effects import load_model
 from workbench.models import AppliedEffect, Linkage
 from workbench.recordings import load_recordings
-from workbench.rigs import HiddenEffect
+from workbench.rigs import HiddenEffect, VirtualLeg, slow_sweep
 
 from ..data_helpers import data_folder
 from .rig import recordings
@@ -146,3 +146,14 @@ def test_friction_in_data_from_an_independent_simulator() -> None:
     assert found.findings[0].key == EffectKey("coulomb_friction", "knee")
     assert abs(torque.value - 0.25447) < 1.96 * torque.std
     assert torque.std < 0.005
+
+
+def test_a_held_out_recording_that_shows_nothing_does_not_judge() -> None:
+    hidden = HiddenEffect("torque_saturation", "hip", parameters={"limit": 2.0})
+    training, _ = recordings(hidden)
+    quiet = VirtualLeg((hidden,), seed=6).run([slow_sweep(duration=6.0)])
+    found = diagnose(load_model("leg"), training, quiet)
+    assert found.verdict == "missing_effect"
+    assert found.findings[0].key == EffectKey("torque_saturation", "hip")
+    assert found.findings[0].parameters["limit"].value == pytest.approx(2.0, rel=0.01)
+    assert "folds" in found.findings[0].evidence[1]

@@ -39,7 +39,14 @@ def applied(draw: st.DrawFn, model: Model) -> AppliedEffect:
     lowest = {name: low for name, (low, _) in effect.shape_bounds(model, Placement.of(model, key)).items()}
     shape = {name: draw(st.floats(max(lowest[name], 1e-6), 0.2)) for name in effect.nonlinear}
     std = draw(st.floats(0, 1))
+    # unknowns that fits move need not be the parameters, which have bounds of their own
     values = effect.to_parameters(coefficients, shape)
+    below = {"damping", "inertia"}  # increments, which may be negative
+    values = {
+        p.name: values[p.name] if p.name in below else max(values[p.name], p.lower)
+        for p in effect.parameters
+        if p.name in values
+    }
     return check_effect(model, AppliedEffect(key, {k: Estimate(v, std, "") for k, v in values.items()}))
 
 

@@ -23,6 +23,7 @@ _BLOCKS = 5  # contiguous folds of a lone recording
 # Where a model cannot reach the noise, a signal with little noise would rule alone; this share of its
 # present error counts as noise when signals are weighed against each other.
 _TOLERANCE = 0.03
+_HEARD = 1.1  # squared error over the noise from which held-out recordings have something to say
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class Data:
         draws: noisy minus noise-free runs that `floor` is the mean of, per draw and recording,
             (N, 2, n) each; used for the scatter of estimates.
         weight: one over the deviation that residuals are divided by, (2, n); 0 for absent signals.
+        silent: whether held-out recordings show nothing of what the model lacks, so that folds judge.
     """
 
     recordings: tuple[Recording, ...]
@@ -53,6 +55,19 @@ class Data:
     floor: np.ndarray
     draws: tuple[tuple[np.ndarray, ...], ...]
     weight: np.ndarray
+    silent: bool = False
+
+    @property
+    def held_out_judges(self) -> bool:
+        """Whether held-out recordings judge; else folds of the training recordings do."""
+        return self.training < len(self.recordings) and not self.silent
+
+    def heard(self, mean_squares: np.ndarray) -> Data:
+        """The same data, judged by held-out recordings only if a model's error there is above the noise."""
+        if self.training == len(self.recordings):
+            return self
+        error = self.objective(self.pool(mean_squares, held_out=True))
+        return replace(self, silent=error < _HEARD * self.objective(self.pool(self.floor, held_out=True)))
 
     @property
     def folds(self) -> tuple[Fold, ...]:

@@ -176,7 +176,7 @@ def _findings(found: Search) -> tuple[Finding, ...]:
                 probability=_probability(stage, found),
                 indistinguishable_from=stage.rivals,
                 evidence=(
-                    *finding_lines(stage, applied, judged),
+                    *finding_lines(stage, applied),
                     *Clues(found.start_data, previous).of_finding(applied.key),
                 ),
             )
@@ -216,6 +216,6 @@ def _step(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectKey
         error=score(stage.fit.mean_squares),
         holdout_error=score(stage.fit.mean_squares, held_out=True) if judged else None,
         indistinguishable_from=stage.rivals,
-        evidence=evidence.get(stage.added) or finding_lines(stage, applied, judged),
+        evidence=evidence.get(stage.added) or finding_lines(stage, applied),
         removed=stage.dropped,
     )

@@ -92,14 +92,14 @@ class Clues:
         return tuple(lines)
 
 
-def finding_lines(stage: Stage, applied: AppliedEffect, judged: bool) -> tuple[str, ...]:
+def finding_lines(stage: Stage, applied: AppliedEffect) -> tuple[str, ...]:
     """What an effect removes, where, and beside which other explanation.
 
     Args:
         stage: at which it was accepted.
         applied: the effect.
-        judged: whether held-out recordings judged.
     """
+    judged = stage.by_held_out
     source = "held-out recordings" if judged else "data left out of the fit"
     agree, of = stage.folds
     lines = [

@@ -195,7 +195,7 @@ def _finish(work: _Work, data: Data) -> Fit | None:
     folds = np.array([p.after(c) / p.samples for p, c in zip(work.pieces, changes, strict=True)])
     weights = np.array([p.samples for p in work.pieces])
     judged = float(np.average(folds, weights=weights))
-    if data.training < len(data.recordings):
+    if data.held_out_judges:
         judged = data.objective(data.pool(work.mean_squares, held_out=True))
         folds = np.array([data.objective(ms) for ms in work.mean_squares[data.training :]])
     covariance = covariance_of(whole, work.noise, np.array(changes), work.value, data)

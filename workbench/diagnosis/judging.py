@@ -32,13 +32,13 @@ _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping 
 
 def floor_of_judging(data: Data) -> float:
     """Judged error that a perfect model would have."""
-    return data.objective(data.pool(data.floor, held_out=data.training < len(data.recordings)))
+    return data.objective(data.pool(data.floor, held_out=data.held_out_judges))
 
 
 def rejudged(old: Fit, data: Data) -> Fit:
     """The same fit under new weights; its parameters stay, so folds are judged as they are."""
     trained = data.objective(data.pool(old.mean_squares))
-    if data.training < len(data.recordings):
+    if data.held_out_judges:
         folds = np.array([data.objective(ms) for ms in old.mean_squares[data.training :]])
         judged = data.objective(data.pool(old.mean_squares, held_out=True))
     else:
@@ -63,7 +63,7 @@ def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
     `at_end` has the floor of the last model, whose runs noise may drive farther apart than the first's.
     """
     shares = []
-    for held_out in {False, data.training < len(data.recordings)}:
+    for held_out in {False, data.held_out_judges}:
         floor = data.pool(data.floor, held_out)
         first, last = data.pool(start.mean_squares, held_out), data.pool(end.mean_squares, held_out)
         before = data.objective(np.maximum(first - floor, 0.0))
@@ -85,7 +85,7 @@ def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
 def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     """Whether an effect after the first lowers the whole error, not only what the first left of its own."""
     plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
-    for held_out in {False, data.training < len(data.recordings)}:
+    for held_out in {False, data.held_out_judges}:
         before = plain.objective(plain.pool(current.mean_squares, held_out))
         after = plain.objective(plain.pool(found.mean_squares, held_out))
         floor = plain.objective(plain.pool(plain.floor, held_out))
@@ -104,7 +104,7 @@ def helps(found: Fit, current: Fit, excess: float) -> bool:
 
 def lowers_error(found: Fit, current: Fit, data: Data) -> bool:
     """Whether the reported error falls, on what was fitted and on what was not."""
-    parts = {False, data.training < len(data.recordings)}
+    parts = {False, data.held_out_judges}
     return all(data.score(found.mean_squares, p) < data.score(current.mean_squares, p) for p in parts)
 
 

@@ -43,7 +43,7 @@ def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothes
         coefficients = np.linalg.lstsq(x, y, rcond=None)[0]
         lower = np.array([p.lower for p in effect.parameters if p.name not in effect.nonlinear])
         coefficients = np.maximum(coefficients, lower)
-    values = effect.to_parameters(coefficients, shape)
+    values, base = effect.to_parameters(coefficients, shape), effect.stated(base, shape)
     added = applied_effect(scene.model, AppliedEffect(candidate.key), values)
     return Hypothesis(base, (*(a for a in free if a not in given_up), added), current.hypothesis.stated)
 

@@ -133,7 +133,7 @@ def _equations(
     residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
     pieces = [normal(responses[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
     held_out: Normal | None = None
-    for i in range(data.training, len(simulated)):
+    for i in range(data.training, len(simulated) if data.held_out_judges else data.training):
         own = normal(responses[i], residuals[i])
         held_out = own if held_out is None else held_out + own
     return pieces, held_out

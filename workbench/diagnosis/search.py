@@ -63,6 +63,7 @@ class Stage:
         ranking: what every simulated candidate removed of the excess, best first.
         margin: judged error of the best other explanation over this one's; infinite where there is none.
         folds: (agreeing, all).
+        by_held_out: whether held-out recordings judged.
         runs: the model's runs, without and with noise; filled in when the stage is accepted.
     """
 
@@ -78,6 +79,7 @@ class Stage:
     ranking: tuple[tuple[EffectKey, float], ...]
     margin: float
     folds: tuple[int, int]
+    by_held_out: bool
     runs: Simulated | None = None
 
 
@@ -130,7 +132,8 @@ def search(
     Args:
         model: where to start.
         training: recordings for fitting.
-        held_out: recordings for judging; without them folds of the training data judge.
+        held_out: recordings for judging; without them, or where they show nothing of what is lacking,
+            folds of the training data judge.
         seed: of the noise simulations.
         limit: most effects to add.
         survey: screen effects even where noise explains everything, to know what the data could show.
@@ -138,6 +141,7 @@ def search(
     """
     progress("simulating the model and its noise")
     data, simulated = gather(model, training, held_out, seed)
+    data = data.heard(data.mean_squares(simulated.clean))
     start = _start(model, data, simulated.clean)
     first = data
     before = is_consistent(data, start.mean_squares)
@@ -211,7 +215,7 @@ def _start(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
 def _refloor(found: Fit, data: Data, seed: int) -> tuple[Data, Simulated]:
     simulated = data.replay.with_noise(found.hypothesis.model, seed)
     fresh = floor_of(data.replay, data.training, simulated)
-    return fresh.reweighed(found.mean_squares), simulated
+    return fresh.reweighed(found.mean_squares).heard(found.mean_squares), simulated
 
 
 def _next(
@@ -302,4 +306,5 @@ def _next(
         ranking=tuple(ranking),
         margin=margin(candidate, found, fits),
         folds=(int(np.sum(kept.agreeing < current.agreeing)), len(kept.agreeing)),
+        by_held_out=data.held_out_judges,
     )

@@ -168,6 +168,11 @@ class Effect:
         """
         return [(shape, 1.0) for shape in self.shapes(motions, model, place)]
 
+    def stated(self, model: Model, shape: Mapping[str, float]) -> Model:
+        """The model with what a shape says beside the effect's parameters; unchanged if nothing."""
+        del shape
+        return model
+
     def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
         """Physical bounds of the values in a shape."""
         del model, place

@@ -95,6 +95,7 @@ class TorqueChain:
     limit: np.ndarray
     stall: np.ndarray
     no_load: np.ndarray
+    full_braking: bool
     lag: np.ndarray
     gain: np.ndarray
     heating: np.ndarray
@@ -116,6 +117,7 @@ class TorqueChain:
             limit=np.array(model.actuators.torque_limit),
             stall=np.inf * one,
             no_load=np.inf * one,
+            full_braking=model.actuators.full_braking,
             lag=0.0 * one,
             gain=one.copy(),
             heating=0.0 * one,

@@ -25,6 +25,7 @@ class Line:
         speed: of the drives, (N, n).
         delay: [s].
         limit, stall, no_load, lag: of the chain, (n,) each; infinite and zero where there is none.
+        full_braking: whether torque against the motion keeps the stall torque.
         measured: what was measured at the tap, (N, n), or None.
     """
 
@@ -35,6 +36,7 @@ class Line:
     limit: np.ndarray
     stall: np.ndarray
     no_load: np.ndarray
+    full_braking: bool
     lag: np.ndarray
     measured: np.ndarray | None = None
 
@@ -42,7 +44,7 @@ class Line:
     def passed(self) -> tuple[np.ndarray, np.ndarray]:
         """Torque at the tap: just after each row's time, and its mean over the step, (N, n) each."""
         newer, older, fraction = late(self.command, self.step, self.delay)
-        limits = torque_bounds(self.speed, self.limit, self.stall, self.no_load)
+        limits = torque_bounds(self.speed, self.limit, self.stall, self.no_load, self.full_braking)
         at = np.clip(older if fraction else newer, *limits)
         newer, older = np.clip(newer, *limits), np.clip(older, *limits)
         mean = (1.0 - fraction) * newer + fraction * older
@@ -101,18 +103,22 @@ class Motion:
 
 
 def torque_bounds(
-    speed: np.ndarray, limit: np.ndarray, stall: np.ndarray, no_load: np.ndarray
+    speed: np.ndarray, limit: np.ndarray, stall: np.ndarray, no_load: np.ndarray, full_braking: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """Lowest and highest torque of drives at a speed; arrays broadcast, infinite where there is no limit.
 
-    What is left at a speed falls from the stall torque at rest to nothing at the no-load speed.
+    What is left at a speed falls from the stall torque at rest to nothing at the no-load speed; with
+    `full_braking`, only of the torque that drives the motion.
     """
     if not np.isfinite(stall).any():
         return -limit, limit
     with np.errstate(invalid="ignore"):  # infinity times zero where there is no such limit
         left = np.where(np.isfinite(stall), stall * np.clip(1.0 - np.abs(speed) / no_load, 0.0, 1.0), np.inf)
-    top = np.minimum(limit, left)
-    return -top, top
+    if not full_braking:
+        top = np.minimum(limit, left)
+        return -top, top
+    low, high = (np.where(side * speed > 0, left, stall) for side in (-1.0, 1.0))
+    return -np.minimum(limit, low), np.minimum(limit, high)
 
 
 def at_tap(motions: Sequence[Motion], axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:

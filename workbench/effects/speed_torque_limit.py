@@ -12,11 +12,14 @@ from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Response
 from .chain import Build
-from .motion import Motion, at_tap
+from .motion import Motion, at_tap, torque_bounds
 
 
 class SpeedTorqueLimit(Effect):
-    """|torque| <= s (1 - |w| / w0), none beyond w0, driving and braking alike, before the measured torque."""
+    """|torque| <= s (1 - |w| / w0), none beyond w0, before the measured torque.
+
+    Braking alike, or |torque| <= s there, as the drives' `full_braking` says.
+    """
 
     name = "speed_torque_limit"
     parameters = (
@@ -48,12 +51,21 @@ class SpeedTorqueLimit(Effect):
         if measured is not None:
             stalls, ends = np.geomspace(0.05, 3.0, 24), np.geomspace(0.3, 20.0, 20)
         tried = [(top * s, fast * e) for s in stalls for e in ends]
+        ways = [(s, v, braking) for braking in (False, True) for s, v in tried]
         if measured is not None:
-            share = np.abs(speed)
-            left = [s * np.clip(1.0 - share / e, 0.0, 1.0) for s, e in tried]
-            off = [np.sum((np.clip(asked, -x, x) - measured) ** 2) for x in left]
-            tried = [tried[k] for k in np.argsort(off)[:6]]
-        return [{"stall_torque": float(s), "no_load_speed": float(v)} for s, v in tried]
+            none = np.asarray(np.inf)
+            bounds = (torque_bounds(speed, none, np.asarray(s), np.asarray(v), full) for s, v, full in ways)
+            off = [np.sum((np.clip(asked, *b) - measured) ** 2) for b in bounds]
+            ways = [ways[k] for k in np.argsort(off)[:6]]
+        return [
+            {"stall_torque": float(s), "no_load_speed": float(v), "full_braking": float(b)}
+            for s, v, b in ways
+        ]
+
+    def stated(self, model: Model, shape: Mapping[str, float]) -> Model:
+        """Whether the drives keep their stall torque against the motion."""
+        full = bool(shape.get("full_braking", model.actuators.full_braking))
+        return replace(model, actuators=replace(model.actuators, full_braking=full))
 
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
@@ -62,7 +74,8 @@ class SpeedTorqueLimit(Effect):
         assert place is not None
         stall, no_load = motion.line.stall.copy(), motion.line.no_load.copy()
         stall[place.index], no_load[place.index] = shape["stall_torque"], shape["no_load_speed"]
-        return Response.passed(motion, replace(motion.line, stall=stall, no_load=no_load))
+        full = bool(shape.get("full_braking", motion.line.full_braking))
+        return Response.passed(motion, replace(motion.line, stall=stall, no_load=no_load, full_braking=full))
 
     def blur(
         self, values: Mapping[str, float], position_noise: float, torque_noise: float

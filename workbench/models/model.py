@@ -24,13 +24,15 @@ class Actuators:
     """Drives, one entry an axis: inertia and damping at the output (paper, Eq. 7), limits, delay.
 
     `inertia` [kg m^2 or kg], `damping` [N m s/rad or N s/m], `torque_limit` [N m or N, inf: none],
-    `delay_s` the delay from command to torque [s].
+    `delay_s` the delay from command to torque [s]. `full_braking` says what a limit that falls with speed
+    does to a torque against the motion: it leaves it (a motor's back voltage then helps) or takes as much.
     """
 
     inertia: tuple[float, ...]
     damping: tuple[float, ...]
     torque_limit: tuple[float, ...]
     delay_s: float = 0.0
+    full_braking: bool = False
 
 
 @dataclass(frozen=True)

@@ -159,6 +159,7 @@ def _from_table(table: ModelTable, file: Path) -> Model:
             _per_axis(a.damping, n, file, "actuators.damping"),
             _per_axis(a.torque_limit, n, file, "actuators.torque_limit"),
             a.delay_s,
+            a.full_braking,
         ),
         closed_chain=_mechanism(table, n, file),
         posture_dependent=bool(table.transmission and table.transmission.posture_dependent),
@@ -286,6 +287,7 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
             "inertia": list(model.actuators.inertia),
             "damping": list(model.actuators.damping),
             "delay_s": model.actuators.delay_s,
+            **({"full_braking": True} if model.actuators.full_braking else {}),
         },
     }
     if any(np.isfinite(model.actuators.torque_limit)):

@@ -43,6 +43,7 @@ class ActuatorTable(_Table):
     damping: list[_Quantity] | _Quantity = 0.0
     torque_limit: list[PositiveFloat] | PositiveFloat = float("inf")
     delay_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    full_braking: bool = False
 
 
 class ControllerTable(_Table):

@@ -18,6 +18,7 @@ class Drives(NamedTuple):
     Attributes:
         whole, fraction: delay in substeps.
         limit, stall, no_load: of the torque; infinite for none.
+        full_braking: whether torque against the motion keeps the stall torque.
         lag: time constant of the current loops over the substep, 0 for none.
         gain, bias: behind the tap.
         heating, cooling: share that heat takes per squared torque; time constant over the substep.
@@ -30,6 +31,7 @@ class Drives(NamedTuple):
     limit: np.ndarray
     stall: np.ndarray
     no_load: np.ndarray
+    full_braking: bool
     lag: np.ndarray
     gain: np.ndarray
     bias: np.ndarray
@@ -55,6 +57,7 @@ def drives_of(e: Experiment, plant: Plant) -> Drives:
         limit=np.array(chain.limit, float),
         stall=np.array(chain.stall, float),
         no_load=np.array(chain.no_load, float),
+        full_braking=chain.full_braking,
         lag=lag,
         gain=np.array(chain.gain, float),
         bias=np.array(chain.bias, float),
@@ -86,15 +89,11 @@ def pass_on(
     for i in range(len(tap)):
         newer, older = command[now - d.whole, i], command[now - d.whole - 1, i]
         # a tap shows the torque at one time, a step feels limits that follow the speed half a step later
-        top, middle = d.limit[i], d.limit[i]
-        if np.isfinite(d.stall[i]):
-            half = 1.5 * speed[i] - 0.5 * d.speed[i]
-            d.speed[i] = speed[i]
-            top = min(top, d.stall[i] * min(max(1.0 - abs(speed[i]) / d.no_load[i], 0.0), 1.0))
-            middle = min(middle, d.stall[i] * min(max(1.0 - abs(half) / d.no_load[i], 0.0), 1.0))
+        half = 1.5 * speed[i] - 0.5 * d.speed[i]
+        d.speed[i] = speed[i]
         at = older if d.fraction > 0.0 else newer
-        tap[i] = min(max(at, -top), top)
-        newer, older = min(max(newer, -middle), middle), min(max(older, -middle), middle)
+        tap[i] = _limited(d, i, at, speed[i])
+        newer, older = _limited(d, i, newer, half), _limited(d, i, older, half)
         mean, edge = newer * (1.0 - d.fraction) + older * d.fraction, older - newer
         if d.lag[i] > 0.0:
             tap[i], edge = d.current[i], 0.0
@@ -106,3 +105,14 @@ def pass_on(
             gain *= max(1.0 - d.heating[i] * warm, 0.0)
         shaft[i] = gain * mean + d.bias[i]
         early[i] = 0.5 * d.step * d.step * d.fraction * (1.0 - d.fraction) * gain * edge
+
+
+@njit(cache=True)
+def _limited(d: Drives, axis: int, torque: float, speed: float) -> float:
+    """What a drive gives of a torque at a speed."""
+    top = d.limit[axis]
+    if np.isfinite(d.stall[axis]):
+        driving = torque * speed > 0.0 or not d.full_braking
+        share = min(max(1.0 - abs(speed) / d.no_load[axis], 0.0), 1.0) if driving else 1.0
+        top = min(top, d.stall[axis] * share)
+    return min(max(torque, -top), top)

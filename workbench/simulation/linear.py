@@ -137,7 +137,7 @@ def _saturated(plant: Plant, e: Experiment, track: Track) -> np.ndarray:
     if command is None:
         return np.zeros(track.position.shape, bool)
     asked = command @ np.linalg.inv(e.to_actuator)
-    low, high = torque_bounds(track.velocity, chain.limit, chain.stall, chain.no_load)
+    low, high = torque_bounds(track.velocity, chain.limit, chain.stall, chain.no_load, chain.full_braking)
     if c.kind == "cascade_pv" and c.limit:
         ceiling = np.abs(np.multiply(c.gain, c.limit))
         low, high = np.maximum(low, -ceiling), np.minimum(high, ceiling)

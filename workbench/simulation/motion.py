@@ -35,6 +35,7 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         limit=chain.limit,
         stall=chain.stall,
         no_load=chain.no_load,
+        full_braking=chain.full_braking,
         lag=chain.lag if command is not None else np.zeros_like(chain.lag),
         measured=measured @ back
         if scored_torque(recording) == "torque_measured" and measured is not None
