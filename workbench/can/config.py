@@ -139,10 +139,11 @@ class LoopTable(_Table):
 
 
 class CanConfig(_Table):
-    """The whole file."""
+    """The whole file; `machine` is the hash of the machine that policies must have been trained for."""
 
     format: Literal[1]
     name: str = "robot"
+    machine: str = ""
     bus: Annotated[list[BusTable], Field(min_length=1)]
     motor: Annotated[list[MotorTable], Field(min_length=1)]
     mechanism: list[MechanismTable] = []

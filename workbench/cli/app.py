@@ -34,6 +34,7 @@ def main() -> None:
         check,
         compare,
         demo,
+        deploy,
         diagnose,
         evaluate,
         excite,

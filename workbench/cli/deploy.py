@@ -1,0 +1,58 @@
+"""``workbench deploy``."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from .app import app
+from .common import JsonOption, QuietOption, SeedOption, check_outputs
+
+
+@app.command()
+def deploy(
+    bundle: Annotated[
+        str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip), or 'tracker': no network.")
+    ],
+    config: Annotated[str, typer.Argument(metavar="CONFIG", help="CAN configuration (.toml).")],
+    seconds: Annotated[float, typer.Option(min=1.0, help="How long it runs.")] = 60.0,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Virtual motors in simulated time; no bus is touched.")
+    ] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Move without asking.")] = False,
+    cpu: Annotated[int | None, typer.Option(min=0, help="Processor to stay on.")] = None,
+    seed: SeedOption = 0,
+    json: JsonOption = None,
+    quiet: QuietOption = False,
+) -> None:
+    """Run a policy over CAN; an interrupt is the emergency stop. Exit code 1 where a fault ended it.
+
+    Example: workbench deploy reach.zip robot.toml --dry-run
+    """
+    from workbench.bundle import read_bundle
+    from workbench.can import load_config
+    from workbench.deployment.deploy import deploy as run
+    from workbench.report import write_json
+
+    check_outputs(json, force=True)
+    robot = load_config(config)
+    policy = None if bundle == "tracker" else read_bundle(bundle)
+    if not (dry_run or yes):
+        typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True)
+    say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
+    result = run(robot, policy, seconds, dry=dry_run, seed=seed, cpu=cpu, say=say)
+    if json:
+        write_json({"format": 1, **result}, json, force=True)
+    if not quiet and json != "-":
+        trip = result["round_trip_ms"]
+        typer.echo(
+            f"{result['ticks']} ticks, {100 * result['missed_share']:.2g} % missed; round trip "
+            f"{trip['p50']:.3g} ms (half of them), {trip['p99']:.3g} ms (99 %)."
+        )
+        typer.echo(f"Ended by a fault: {result['fault']}." if result["fault"] else "No fault.")
+    if result["stopped"]:
+        raise typer.Exit(130)
+    if result["fault"]:
+        raise typer.Exit(1)

@@ -1,0 +1,151 @@
+"""Runs a controller on hardware, or dry on virtual motors, and says how punctual that was."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from workbench.bundle import Policy, PolicyBundle
+from workbench.can import CanConfig, bus_load
+from workbench.can.realtime import realtime
+from workbench.core import InputError
+
+from .host import Controller, Host
+from .joints import Joints, joints_of
+from .network import Network
+from .policies import PolicyController, Tracker, check_bundle, reach_between
+from .ports import PortNetwork
+from .simulated import SimulatedNetwork
+
+_CALM = 0.5  # s of damping before drives are switched off
+
+
+def controller_of(bundle: PolicyBundle | None, config: CanConfig, joints: Joints, seed: int) -> Controller:
+    """The bundle's policy, or a tracker where there is no bundle.
+
+    Raises:
+        InputError: the bundle is not for this robot and loop.
+    """
+    loop = config.loop
+    if bundle is None:
+        low, high = _finite(joints, config)
+        return Tracker(reach_between(low, high, 0.5 * (low + high), seed))
+    check_bundle(bundle, config, joints)
+    own = bundle.control
+    low, high = own.joint_limits.T
+    policy = Policy(bundle)
+    policy(np.zeros(policy.size))  # the first call is the slowest: not in the loop
+    goal = reach_between(low, high, own.posture, seed)
+    return PolicyController(bundle, policy, goal, loop.policy_every, loop.period_s)
+
+
+def deploy(
+    config: CanConfig,
+    bundle: PolicyBundle | None,
+    seconds: float,
+    *,
+    dry: bool = False,
+    seed: int = 0,
+    cpu: int | None = None,
+    say: Callable[[str], None] = lambda line: None,
+) -> dict[str, Any]:
+    """Verifies, arms, runs for some time, damps, and switches off.
+
+    Args:
+        config: the robot.
+        bundle: its policy; None for a trajectory tracker.
+        seconds: how long it runs once it is armed.
+        dry: on virtual motors in simulated time; no bus is touched.
+        seed: of the trajectory.
+        cpu: processor to stay on.
+        say: gets a status line now and then.
+
+    Returns:
+        What happened: ``fault`` (None for none), ``stopped`` (by the operator), punctuality.
+
+    Raises:
+        InputError: a bus that can get too full, or a bundle that does not fit.
+        VerifyError: a drive is not what the configuration says.
+    """
+    for load in bus_load(config):
+        if not load.fits:
+            raise InputError(
+                f"bus '{load.bus}' can get {100 * load.share:.0f} % full", file=config.source,
+                remedy="use more buses or a longer period",
+            )  # fmt: skip
+    joints = joints_of(config)
+    controller = controller_of(bundle, config, joints, seed)
+    network: SimulatedNetwork | PortNetwork = SimulatedNetwork(config) if dry else PortNetwork(config)
+    try:
+        with realtime(cpu) as refused:
+            for what in refused:
+                say(f"not permitted: {what}")
+            return _run(Host(config, network, controller, joints), network, seconds, say)
+    finally:
+        if isinstance(network, PortNetwork):
+            network.close()
+
+
+def _run(host: Host, network: Network, seconds: float, say: Callable[[str], None]) -> dict[str, Any]:
+    for told in host.verify():
+        values = ", ".join(f"{name} {value:g}" for name, value in told.told.items())
+        say(f"{told.axis}: {values or 'answers'}{f' ({told.trusted})' if told.trusted else ''}")
+    said = network.now()
+
+    def each(host: Host, tick: int) -> bool:
+        nonlocal said
+        if network.now() >= said + 1.0:
+            said = network.now()
+            say(status(host))
+        return host.state.phase == "damp"
+
+    with _emergency_stop(host):
+        host.operator.arm = True
+        host.run(seconds, each)
+        fault = host.state.fault
+        armed = host.state.phase != "off"
+        host.operator.arm = False
+        host.run(_CALM)
+    host.close()
+    if not armed and fault is None:
+        fault = "it was never armed"
+    return {"fault": fault, "stopped": host.operator.stop, **host.punctuality.summary()}
+
+
+def status(host: Host) -> str:
+    """One line: phase, punctuality, temperature."""
+    p, hottest = host.punctuality, np.nanmax(np.append(host.feedback.temperature, -273.0))
+    fault = f" ({host.state.fault})" if host.state.fault else ""
+    return (
+        f"{host.state.phase}{fault}  ticks {p.ticks}  missed {100 * p.missed:.2f} %  "
+        f"round trip {1e3 * p.percentile(50):.2f}/{1e3 * p.percentile(99):.2f} ms  hottest {hottest:.0f} degC"
+    )
+
+
+@contextmanager
+def _emergency_stop(host: Host) -> Iterator[None]:
+    """An interrupt is the emergency stop: it damps, and stays pressed."""
+
+    def press(number: int, frame: object) -> None:
+        host.operator.stop = True
+
+    try:
+        before = signal.signal(signal.SIGINT, press)
+    except ValueError:  # not the main thread: no signals
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _finite(joints: Joints, config: CanConfig) -> tuple[np.ndarray, np.ndarray]:
+    """Limits (n,) of the joints, by those of the axes where a joint states none [rad]."""
+    axes = np.array([motor.limits.position for motor in config.motor])
+    low = np.where(np.isfinite(joints.low), joints.low, axes[:, 0])
+    return low, np.where(np.isfinite(joints.high), joints.high, axes[:, 1])

@@ -1,0 +1,87 @@
+"""What a policy sees on hardware: the observations that drives alone can tell, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from workbench.bundle import ObservationEntry
+from workbench.core import InputError
+
+
+class Reach(NamedTuple):
+    """A sine a joint: middle + amplitude sin(rate t + phase), each (n,) [rad, rad, rad/s, rad]."""
+
+    middle: np.ndarray
+    amplitude: np.ndarray
+    rate: np.ndarray
+    phase: np.ndarray
+
+    def position(self, time: float) -> np.ndarray:
+        """Joint angles (n,) [rad] at `time` [s]."""
+        return self.middle + self.amplitude * np.sin(self.rate * time + self.phase)
+
+    def velocity(self, time: float) -> np.ndarray:
+        """Joint speeds (n,) [rad/s] at `time` [s]."""
+        return self.amplitude * self.rate * np.cos(self.rate * time + self.phase)
+
+
+class Sight(NamedTuple):
+    """What is known when a policy is asked; arrays (n,) of joints.
+
+    Attributes:
+        position, velocity: [rad, rad/s]. posture: of the policy [rad]. action: the last.
+        goal: to follow. time: since the policy began [s]. step: from one action to the next [s].
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    posture: np.ndarray
+    action: np.ndarray
+    goal: Reach
+    time: float
+    step: float
+
+
+def _ahead(s: Sight) -> np.ndarray:
+    return np.concatenate([s.goal.position(s.time + k * s.step) - s.posture for k in (0, 1, 2, 4)])
+
+
+#: As the tasks name them; what needs more than drives (a base, feet) is not here.
+OBSERVATIONS: dict[str, Callable[[Sight], np.ndarray]] = {
+    "joint_offset": lambda s: s.position - s.posture,
+    "joint_velocity": lambda s: s.velocity,
+    "last_action": lambda s: s.action,
+    "reach_error": lambda s: s.position - s.goal.position(s.time),
+    "reach_ahead": _ahead,
+    "reach_speed": lambda s: s.goal.velocity(s.time),
+}
+
+
+def observe(entries: tuple[ObservationEntry, ...], sight: Sight) -> np.ndarray:
+    """The policy's input (k,)."""
+    return np.concatenate([entry.scale * OBSERVATIONS[entry.name](sight) for entry in entries])
+
+
+def check_layout(entries: tuple[ObservationEntry, ...], n: int) -> None:
+    """Refuses a layout that cannot be made of n joints.
+
+    Raises:
+        InputError: an observation that drives cannot tell, or of another size or place.
+    """
+    ones = np.ones(n)
+    sight = Sight(ones, ones, ones, ones, Reach(ones, ones, ones, ones), 0.0, 0.018)
+    at = 0
+    for entry in entries:
+        if entry.name not in OBSERVATIONS:
+            known = ", ".join(OBSERVATIONS)
+            raise InputError(
+                f"the policy sees '{entry.name}', which drives cannot tell", remedy=f"known: {known}"
+            )
+        size = len(OBSERVATIONS[entry.name](sight))
+        if (entry.start, entry.size) != (at, size):
+            problem = f"'{entry.name}' has {entry.size} numbers from {entry.start}, here {size} from {at}"
+            raise InputError(problem, remedy="export it with this version, for this robot")
+        at += size
