@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.core import InputError
 
+from .can_table import read_can
 from .csv_table import read_csv
 from .matlab_table import read_matlab
 from .parquet_table import read_parquet
@@ -21,14 +22,15 @@ READERS: dict[str, Reader] = {
     ".csv.gz": read_csv,
     ".parquet": read_parquet,
     ".mat": read_matlab,
+    ".log": read_can,
+    ".blf": read_can,
+    ".asc": read_can,
+    ".mf4": read_can,
 }
 
 #: Log formats that a later version reads, and what turns them into a table today.
 LATER: dict[str, str] = {
     ".mcap": "convert it to .csv or .parquet (the mcap command or the mcap Python package)",
-    ".blf": "decode it to .csv with python-can and the bus description",
-    ".asc": "decode it to .csv with python-can and the bus description",
-    ".log": "decode it to .csv with python-can and the bus description",
 }
 
 

@@ -1,0 +1,123 @@
+"""Logs of a CAN bus (candump .log, .blf, .asc, .mf4), decoded by the DBC that lies beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import can
+import cantools
+import cantools.database
+import numpy as np
+
+from workbench.core import InputError
+
+from .missing import missing_column
+
+_TIME, _VALID = ("t", "time"), "valid"
+
+
+def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
+    """Read the named signals; see `read_table`.
+
+    A column is ``t`` (time stamps), ``valid``, or a signal: ``SIGNAL``, ``MESSAGE.SIGNAL``, either with its
+    channel in front (``can0/MESSAGE.SIGNAL``). The first signal's frames are the rows; the others are brought
+    to their time along straight lines between their own frames. Where a signal has no frame within half a row
+    it is NaN, and ``valid`` is 0: nothing is held.
+
+    Raises:
+        InputError: no DBC, no such signal, or a log that cannot be read.
+    """
+    database = _database(path)
+    wanted = [column for column in columns if column not in (*_TIME, _VALID)]
+    signals = {column: _find(column, database, path) for column in wanted}
+    series: dict[str, tuple[list[float], list[float]]] = {column: ([], []) for column in wanted}
+    for message in _messages(path):
+        _decode(message, database, signals, series)
+    for column, (stamps, _) in series.items():
+        if len(stamps) < 2:
+            raise InputError(
+                f"has {len(stamps)} frames in the log", file=path, column=column, remedy="was it sent?"
+            )
+    if not wanted:
+        raise InputError(
+            "no signal is asked for", file=path, remedy="name signals of the DBC under [columns]"
+        )
+    rows = np.unique(np.array(series[wanted[0]][0]))
+    half = 0.5 * float(np.median(np.diff(rows)))
+    data = {column: _at(rows, *series[column], half) for column in wanted}
+    valid = np.isfinite(np.column_stack(list(data.values()))).all(axis=1)
+    data |= {name: rows - rows[0] for name in _TIME if name in columns}
+    return data | ({_VALID: valid.astype(float)} if _VALID in columns else {})
+
+
+def _at(rows: np.ndarray, stamps: list[float], values: list[float], half: float) -> np.ndarray:
+    """A signal at the rows' times (N,); NaN where it has no frame within `half` of a row [s]."""
+    t, first = np.unique(np.array(stamps), return_index=True)
+    x = np.array(values)[first]
+    right = np.clip(np.searchsorted(t, rows), 1, len(t) - 1)
+    near = np.minimum(np.abs(t[right] - rows), np.abs(t[right - 1] - rows)) <= half
+    return np.where(near, np.interp(rows, t, x), np.nan)
+
+
+def _decode(message: can.Message, database: Any, signals: dict[str, Any], series: dict[str, Any]) -> None:
+    read: dict[str, Any] | None = None
+    for column, (channel, name, signal) in signals.items():
+        if message.arbitration_id != name.frame_id or message.is_extended_id != name.is_extended_frame:
+            continue
+        if channel is not None and str(message.channel) != channel:
+            continue
+        if read is None:
+            try:
+                read = name.decode(bytes(message.data), decode_choices=False)
+            except (cantools.database.DecodeError, ValueError):
+                return
+        if read is not None and signal in read:
+            series[column][0].append(message.timestamp)
+            series[column][1].append(float(read[signal]))
+
+
+def _find(column: str, database: Any, path: Path) -> tuple[str | None, Any, str]:
+    """Channel (None: any), message and signal name of a column."""
+    channel, _, rest = column.rpartition("/")
+    message, _, signal = rest.rpartition(".")
+    found = [
+        each
+        for each in database.messages
+        if (not message or each.name == message) and any(s.name == signal for s in each.signals)
+    ]
+    if len(found) > 1:
+        names = ", ".join(each.name for each in found)
+        raise InputError(f"'{signal}' is in {names}", file=path, column=column, remedy="write MESSAGE.SIGNAL")
+    if not found:
+        known = [f"{each.name}.{s.name}" for each in database.messages for s in each.signals]
+        raise missing_column(column, known, path)
+    return channel or None, found[0], signal
+
+
+def _database(path: Path) -> Any:
+    own = path.with_suffix(".dbc")
+    others = sorted(path.parent.glob("*.dbc"))
+    if not own.is_file() and len(others) != 1:
+        remedy = f"put {own.name} beside it ('workbench can dbc' writes one)"
+        raise InputError("a log needs a DBC to be understood", file=path, remedy=remedy)
+    file = own if own.is_file() else others[0]
+    try:
+        return cantools.database.load_file(file, strict=False)
+    except (cantools.Error, OSError, ValueError) as error:
+        raise InputError(f"is no DBC: {error}", file=file, remedy="export it again") from error
+
+
+def _messages(path: Path) -> Iterator[can.Message]:
+    """The data frames of a log."""
+    try:
+        with can.LogReader(path) as reader:
+            for message in reader:
+                if not (message.is_error_frame or message.is_remote_frame):
+                    yield message
+    except NotImplementedError as error:
+        remedy = "convert it to .blf or .asc, or install asammdf"
+        raise InputError("MF4 logs need asammdf", file=path, remedy=remedy) from error
+    except (OSError, ValueError, EOFError, IndexError) as error:
+        raise InputError(f"is no readable log: {error}", file=path, remedy="export it again") from error
