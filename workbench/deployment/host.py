@@ -133,6 +133,11 @@ class Host:
         begin, tick, last = self._network.now() + self._period, 0, ceil(seconds / self._period - 1e-9)
         while tick < last:
             at = begin + tick * self._period
+            stale = float(self.feedback.stamp.min()) + self._limits.stale_s + 5e-7
+            if self._moving and stale < at:
+                self._network.sleep_until(stale)
+                if self._stale():
+                    self._compute()
             self._network.sleep_until(at)
             self.punctuality.late.append(self._network.now() - at)
             self.tick(at)
@@ -148,20 +153,14 @@ class Host:
         self.time = at
         network, gap = self._network, self._period / self._polls
         if self._moving and self._stale():
-            if network.now() - self._looked > _AWAY * self._period:
-                self._breathe(gap)
-                self._compute()
-                self._frames = self._next
-                return
             self._compute()
+            self._frames = self._next  # nothing from before is sent
         for poll in range(self._polls):
             if poll:
                 network.sleep_until(at + poll * gap)
             sent = network.now()
             self._send(self._frames)
             self._collect(sent, gap)
-            if self._moving and self._stale() and self._away:
-                self._breathe(gap)
             if poll == 0 or (self._moving and self._stale()):
                 self._compute()
         self._frames = self._next
@@ -213,9 +212,11 @@ class Host:
         """
         network, feedback, watched = self._network, self.feedback, self._moving and not patient
         deadline, ask_again, asked = sent + _GIVE_UP * gap, sent + _ASK_AGAIN * gap, not self._frames
+        # while everything damps there is time: who else was held up comes back within a period or two
+        deadline = sent + 2 * self._period if patient else deadline
         self._away = False
         while True:
-            stale = float(feedback.stamp.min()) + self._limits.stale_s if watched else np.inf
+            stale = float(feedback.stamp.min()) + self._limits.stale_s + 5e-7 if watched else np.inf
             until = min(deadline, deadline if asked else ask_again, stale)
             for arrival in network.receive(until):
                 feedback.take(arrival, network.now())
@@ -236,6 +237,10 @@ class Host:
     def _compute(self) -> None:
         """Feedback in, the next frames out; what damps goes out at once."""
         f, now, moving = self.feedback, self._network.now(), self._moving
+        self._away |= now - self._looked > _AWAY * self._period
+        if moving and self._away and (f.age(now) >= self._limits.stale_s).any():
+            self._breathe(self._period / self._polls)
+            now = self._looked
         self._bus_ok &= all(self._network.ok(bus) for bus in set(self._bus))
         self._prepare()
         seen = Seen(

@@ -8,6 +8,8 @@ import numpy as np
 
 from workbench.can import CanConfig
 
+_EARLY = 1e-6  # s, so that whoever looks at the very moment does not miss it by rounding
+
 
 @dataclass(frozen=True, eq=False)
 class Limits:
@@ -57,7 +59,7 @@ def limits_of(config: CanConfig) -> Limits:
         kp=np.array([motor.ranges.kp for motor in config.motor]),
         kd=np.array([motor.ranges.kd for motor in config.motor]),
         damping=np.full(len(limits), config.loop.damping),
-        stale_s=round(3 * period, 9),
+        stale_s=3 * period - _EARLY,
         late_s=2 * config.loop.policy_every * period,
         soft_start_s=config.loop.soft_start_s,
     )

@@ -41,6 +41,8 @@ def run_motors(
                         motor.hear(arrival.frame)
             now = time.monotonic()
             if now < row:
+                for axis, frame in bank.respond(now):
+                    network.send(bus[axis], frame)
                 continue
             row = now if now - row > _BEHIND else row
             for axis, frame in bank.work(row):

@@ -59,6 +59,22 @@ class MotorBank:
             shaft = LiveShaft(seed=1000 * seed + 500 + k, sensors=sensors, row=row)
             self._plants.append((shaft, [self.motors[axis]]))
 
+    def respond(self, now: float) -> list[tuple[str, Frame]]:
+        """Answers between rows to what was heard, by what sensors showed last: axis and frame.
+
+        Torque changes with the next row.
+        """
+        said: list[tuple[str, Frame]] = []
+        for plant, motors in self._plants:
+            heard = [k for k, motor in enumerate(motors) if motor.has_heard]
+            if not heard:
+                continue
+            looks = plant.look()
+            for k in heard:
+                motors[k].obey(now)
+                said += [(motors[k].axis, frame) for frame in motors[k].answer(looks[k], now, 0.0)]
+        return said
+
     def work(self, now: float) -> list[tuple[str, Frame]]:
         """One row that begins now [s]; returns what the motors say: axis and frame."""
         said: list[tuple[str, Frame]] = []

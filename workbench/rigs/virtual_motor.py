@@ -75,6 +75,11 @@ class VirtualMotor:
             self.enabled, self.fault = False, _OVERHEATED
 
     @property
+    def has_heard(self) -> bool:
+        """Whether a frame waits for it."""
+        return bool(self._inbox)
+
+    @property
     def asked(self) -> bool:
         """Whether it owes an answer."""
         return self._speak
