@@ -124,3 +124,12 @@ def test_the_speed_of_a_reach_is_the_derivative_of_its_angle() -> None:
     ahead, behind = (reach_reference(np, command, np.full(5, 0.7 + s))[0] for s in (step, -step))
     _, speed = reach_reference(np, command, np.full(5, 0.7))
     np.testing.assert_allclose((ahead - behind) / (2 * step), speed, rtol=1e-6)
+
+
+def test_a_state_is_restored_in_the_library_of_the_worlds() -> None:
+    """A checkpoint holds tensors, whatever the worlds compute with."""
+    env = environment("circular")
+    env.step(actions("circular", 4, 1)[0])
+    state = env.state()
+    env.restore({**state, **{k: torch.as_tensor(v) for k, v in state.items() if isinstance(v, np.ndarray)}})
+    assert all(isinstance(x, np.ndarray) for x in (env.action, env.steps, env.command, *env.waiting))

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from .control import action_target, drive_torque
 from .draws import Draws
 from .machine import POLICY_STEPS, Machine
@@ -154,9 +156,16 @@ class Environment:
         """Go on where `state` was taken."""
         self.worlds.restore(state["worlds"])
         self.draws.restore(state["draws"])
-        self.waiting = [self.constants.put(_array(x)) for x in state["waiting"]]
+        self.waiting = [self._own(x) for x in state["waiting"]]
         for name in _CARRIED:
-            setattr(self, name, self.constants.put(_array(state[name])))
+            setattr(self, name, self._own(state[name]))
+
+    def _own(self, value: Any) -> Array:
+        """A saved array in the worlds' library, precision and device."""
+        like = self.worlds.qpos
+        if self.xp is np:
+            return np.array(value, like.dtype)
+        return self.xp.as_tensor(value, dtype=like.dtype, device=like.device).clone()
 
     def _stack(self, now: Situation, table: tuple[Observation, ...], noise: bool) -> Array:
         if not table:
@@ -230,7 +239,3 @@ def _quaternion(xp: Any, half: Array) -> Array:
         ],
         -1,
     )
-
-
-def _array(value: Any) -> Any:
-    return value.numpy() if hasattr(value, "numpy") else value
