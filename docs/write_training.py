@@ -56,8 +56,8 @@ def tables() -> Iterator[str]:
     yield (
         f"\nEvery world of a quadruped also has its own friction ({span(r.friction)}), trunk mass "
         f"({span(r.base_mass)} kg on top) and centre (±{r.base_centre:g} m), and is pushed by up to "
-        f"{r.push:g} m/s about every {r.push_every_s:g} s. Parameters of effects that were identified are drawn "
-        "from their standard "
+        f"{r.push:g} m/s about every {r.push_every_s:g} s. Parameters of effects that were identified are "
+        "drawn from their standard "
         f"deviations. Links are drawn as the task has it ({own}), or as `--legs` says."
     )
 
