@@ -44,8 +44,8 @@ class EncoderEccentricity(Effect):
         return Response.read(motion, np.stack([read_on(place, *pair, motion) for pair in pairs]))
 
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
-        """Any phase."""
-        top = self.parameters[0].upper
+        """Any phase; both at their bound still make an amplitude within its own."""
+        top = self.parameters[0].upper / np.sqrt(2.0)
         return np.full(2, -top), np.full(2, top)
 
     def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
