@@ -63,9 +63,12 @@ def test_any_beginning_is_a_fair_sample() -> None:
 
 @pytest.mark.parametrize("case", [c for c in CASES if c.hidden], ids=lambda case: case.name)
 def test_the_rig_can_hide_it(case) -> None:
-    machine = Machine()
+    machine, bare = Machine(), Machine()
     for hidden in case.hidden:
+        before = repr(machine)
         install(hidden, machine)
+        assert repr(machine) != before
+    assert repr(Machine()) == repr(bare)
 
 
 @pytest.mark.parametrize(

@@ -121,7 +121,7 @@ class Case:
 def cases() -> list[Case]:
     out = []
     for name in MODELS:
-        for key in places(load_model(name), ranked=False):
+        for key in places(load_model(name)):
             values = ON_THE_SLIDE if name == "emps" else VALUES
             # what identification gave the Kin-Only leg is not free
             fixed = name == "emps" or (name == "leg_kin_only" and key.effect.startswith("linkage"))

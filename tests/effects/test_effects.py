@@ -118,7 +118,7 @@ def test_friction_takes_energy(case: Case) -> None:
 @pytest.mark.parametrize("name", MODELS)
 def test_places_are_where_effects_apply(name: str) -> None:
     model = load_model(name)
-    keys = places(model, ranked=False)
+    keys = places(model)
     assert len(set(keys)) == len(keys)
     for key in keys:
         effect = effect_named(key.effect)
@@ -137,7 +137,7 @@ def test_places_are_where_effects_apply(name: str) -> None:
 
 
 def test_no_payload_without_a_site() -> None:
-    keys = places(replace(load_model("leg"), payload_site=None), ranked=False)
+    keys = places(replace(load_model("leg"), payload_site=None))
     assert "payload_mass" not in {key.effect for key in keys}
 
 

@@ -124,9 +124,8 @@ def separation(ours: Model, theirs: Model, design: Design, data: Data) -> float:
         SimulationError: a model is unstable in the experiment.
     """
     recordings = [as_recording(ours, design, e) for e in range(len(design.trials))]
-    moved = [(model, std) for model, std in _moved(theirs)]
-    models = [ours, theirs, *(model for model, _ in moved)]
-    runs = simulate([Run(m, r) for m in models for r in recordings])
+    moved = _moved(theirs)
+    runs = simulate([Run(m, r) for m in (ours, theirs, *moved) for r in recordings])
     names, floor = scored_signals(data.recordings[0]), np.sqrt(data.pool(data.floor))
     weight = np.where(floor > 0, 1.0 / np.where(floor > 0, floor, 1.0), 0.0)
 
@@ -149,7 +148,7 @@ def separation(ours: Model, theirs: Model, design: Design, data: Data) -> float:
     return float(np.sqrt(1.0 + np.sum(difference**2) / max(counted, 1.0)))
 
 
-def _moved(model: Model) -> list[tuple[Model, float]]:
+def _moved(model: Model) -> list[Model]:
     """The model with each estimated parameter of its last effect one deviation away."""
     if not model.effects:
         return []
@@ -163,7 +162,7 @@ def _moved(model: Model) -> list[tuple[Model, float]]:
             *model.effects[:-1],
             replace(changed, parameters={**last.parameters, **changed.parameters}),
         )
-        out.append((replace(model, effects=effects), estimate.std))
+        out.append(replace(model, effects=effects))
     return out
 
 

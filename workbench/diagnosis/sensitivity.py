@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -14,7 +13,7 @@ from workbench.comparison import scored_signals
 from workbench.core import EffectKey, Recording
 from workbench.effects import Motion, Plant, compile_plant, effect_named
 from workbench.models import AppliedEffect, Model, Placement
-from workbench.simulation import CORES, Disturbance
+from workbench.simulation import Disturbance, on_all_cores
 
 from .data import Data
 from .hypothesis import applied_effect
@@ -74,8 +73,7 @@ class Scene:
         def one(index: int, run: Recording) -> Motion:
             return self.data.replay.motion(self._plant, index, run)
 
-        with ThreadPoolExecutor(CORES) as pool:
-            return tuple(pool.map(one, range(len(self.runs)), self.runs))
+        return tuple(on_all_cores(one, range(len(self.runs)), self.runs))
 
     @cached_property
     def loops(self) -> tuple[Any, ...]:
@@ -84,8 +82,7 @@ class Scene:
         def one(index: int, motion: Motion) -> Any:
             return self.data.replay.loop(self._plant, index, motion)
 
-        with ThreadPoolExecutor(CORES) as pool:
-            return tuple(pool.map(one, range(len(self.runs)), self.motions))
+        return tuple(on_all_cores(one, range(len(self.runs)), self.motions))
 
     @property
     def bends(self) -> bool:

@@ -74,9 +74,6 @@ EFFECTS: tuple[Effect, ...] = (
     LinkLengthError(),
 )
 
-#: Effects that models can have and that are simulated, but that a diagnosis does not rank; none at present.
-UNRANKED: frozenset[str] = frozenset()
-
 _BY_NAME = {effect.name: effect for effect in EFFECTS}
 
 
@@ -93,16 +90,13 @@ def effect_named(name: str) -> Effect:
     return _BY_NAME[name]
 
 
-def places(model: Model, *, ranked: bool = True) -> tuple[EffectKey, ...]:
+def places(model: Model) -> tuple[EffectKey, ...]:
     """Every effect in every place where it could be added to this model.
 
     An effect that the model has may be added once more where its parameters may be wrong: increments add up.
-    With `ranked`, only those that a diagnosis tries.
     """
     keys: list[EffectKey] = []
     for effect in EFFECTS:
-        if ranked and effect.name in UNRANKED:
-            continue
         if effect.axes == "all":
             candidates = [EffectKey(effect.name, None)]
         else:

@@ -1,19 +1,19 @@
 """Runs a model the way a recording was made, one or thousands at once."""
 
 from .control import SensorNoise
+from .cores import on_all_cores
 from .designs import as_recording, held_posture, joint_limits, limits_of, predictor, whole_period
 from .experiment import Experiment, check_axes, prepare, scored_torque
 from .inverse import required_torque, rigid_torque
 from .linear import Loop, linearise, slopes
 from .march import Disturbance, propagate
 from .motion import motion_of
-from .run import CORES, Run, simulate
+from .run import Run, simulate
 from .sense import true_motion
 from .trajectory import TRUE_MOTION, Track, interpolate, joint_columns, smooth_track
 from .unlogged_rate import differentiates, rate_read
 
 __all__ = [
-    "CORES",
     "TRUE_MOTION",
     "Disturbance",
     "Experiment",
@@ -31,6 +31,7 @@ __all__ = [
     "limits_of",
     "linearise",
     "motion_of",
+    "on_all_cores",
     "predictor",
     "prepare",
     "propagate",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -12,8 +11,8 @@ from numba import njit
 
 from workbench.effects import follow
 
+from .cores import on_all_cores
 from .linear import Loop
-from .run import CORES
 
 
 @dataclass(frozen=True)
@@ -47,8 +46,7 @@ def propagate(
     Returns:
         Per run ``(position, torque)``, each (N, n, C), in the recording's coordinates.
     """
-    with ThreadPoolExecutor(CORES) as pool:
-        return list(pool.map(_propagate, loops, disturbances))
+    return on_all_cores(_propagate, loops, disturbances)
 
 
 def _propagate(loop: Loop, disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:

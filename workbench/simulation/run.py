@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,14 +12,12 @@ from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 
 from .control import SensorNoise, control_law
+from .cores import on_all_cores
 from .drives import drives_of
 from .experiment import Experiment, prepare
 from .sense import logged, sensors_of
 from .trajectory import TRUE_MOTION
 from .world import march, world_of
-
-#: Threads that run at once.
-CORES = os.cpu_count() or 1
 
 
 @dataclass(frozen=True)
@@ -57,10 +53,9 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
     results: list[Recording | None] = [None] * len(runs)
     # the longest first, so that no core is left alone with one at the end
     order = sorted(range(len(runs)), key=lambda i: -experiments[i].substeps)
-    with ThreadPoolExecutor(min(CORES, max(len(runs), 1))) as pool:
-        made = pool.map(lambda i: _run(runs[i], experiments[i], plants[i]), order)
-        for i, recording in zip(order, made, strict=True):
-            results[i] = recording
+    made = on_all_cores(lambda i: _run(runs[i], experiments[i], plants[i]), order)
+    for i, recording in zip(order, made, strict=True):
+        results[i] = recording
     out = [r for r in results if r is not None]
     if strict:
         for run, e, recording in zip(runs, experiments, out, strict=True):
