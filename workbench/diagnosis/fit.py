@@ -17,7 +17,7 @@ from .sensitivity import Scene, respond
 from .solve import solve
 from .uncertainty import covariance_of, with_deviations
 
-ITERATIONS = 6
+_ITERATIONS = 6
 ENOUGH = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
 _FAR_BEHIND = 8.0
 _TELLING = 0.6  # share of the error in the recordings of a race's first heats
@@ -49,7 +49,7 @@ class _Work:
 
 
 def fit(
-    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = ITERATIONS, enough: float = ENOUGH
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS, enough: float = ENOUGH
 ) -> list[Fit | None]:
     """Fit all hypotheses to the training recordings, simulating them side by side.
 
@@ -64,7 +64,7 @@ def fit(
     """
     works = [_Work(h, h) for h in hypotheses]
     for turn in range(iterations):
-        best = min(w.value for w in works)
+        best = min((w.value for w in works), default=np.inf)
         for work in works:
             # what is far behind after two tries needs no better estimate to lose
             work.done |= turn > 1 and work.value > _FAR_BEHIND * best
@@ -102,12 +102,9 @@ def race(
     left = [np.inf if f is None else f.trained - floor for f in first]
     shares = [None if f is None else 1.0 - x / excess for f, x in zip(first, left, strict=True)]
     limit = _BEHIND * max(min(left), 0.0) + 0.2 * floor + 0.02 * excess
-    running = [k for k, x in enumerate(left) if x <= limit]
-    final: list[Fit | None] = [None] * len(first)
-    starts = [f.hypothesis for k in running if (f := first[k]) is not None]
-    for k, own in zip(running, fit(starts, data), strict=True):
-        final[k] = own
-    return final, shares
+    running = {k: f.hypothesis for k, (f, x) in enumerate(zip(first, left, strict=True)) if f and x <= limit}
+    final = dict(zip(running, fit(list(running.values()), data), strict=True))
+    return [final.get(k) for k in range(len(first))], shares
 
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
