@@ -22,7 +22,8 @@ from workbench.models import Model
 
 from .evidence import Clues, finding_lines
 from .next_experiment import next_experiment
-from .search import LIMIT, Progress, Search, Stage, search
+from .search import LIMIT, Progress, search
+from .stage import Search, Stage
 
 #: Share of the squared error above the noise that findings must explain before they are named. True
 #: causes explain nearly all of it; the nearest wrong one seldom half.
@@ -53,7 +54,7 @@ def diagnose(
         SimulationError: the model is unstable in a recording's loop.
     """
     _check(model, training, held_out)
-    return _diagnosis(search(model, training, held_out, seed=seed, survey=True, progress=progress))
+    return _diagnosis(search(model, training, held_out, seed=seed, progress=progress))
 
 
 def improve(
@@ -75,7 +76,7 @@ def improve(
         InputError, SimulationError: as `diagnose`.
     """
     _check(model, training, held_out)
-    found = search(model, training, held_out, seed=seed, limit=limit, survey=True, progress=progress)
+    found = search(model, training, held_out, seed=seed, limit=limit, progress=progress)
     diagnosis = _diagnosis(found)
     named = diagnosis.verdict == "missing_effect"
     stages = found.stages if named else ()

@@ -25,7 +25,7 @@ from .responses import (
     response_lines,
     responses,
 )
-from .search import Stage
+from .stage import Stage
 
 _RULES = 0.5  # share of the residual torque that a relation has to explain to stand beside a finding
 #: Doors whose effects are torques on the mechanism; others shift what is commanded or read.

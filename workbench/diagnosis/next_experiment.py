@@ -25,7 +25,7 @@ from workbench.simulation import (
 
 from .data import Data
 from .hypothesis import applied_effect
-from .search import Search
+from .stage import Search
 
 _DOUBTFUL = 0.9  # a name less probable than this is worth another experiment
 _LENGTH_S = 6.0  # of each experiment that is tried

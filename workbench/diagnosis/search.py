@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -35,6 +35,7 @@ from .judging import (
 from .refining import polished, prune, settle, with_candidate
 from .screen import Candidate, screen
 from .sensitivity import Scene
+from .stage import Search, Stage
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
 # What the rest must be above, in floors, for springs and gaps to be looked for: after a first effect, more.
@@ -45,67 +46,6 @@ _CLOSE = 1.5  # times what the best leaves: where how friction sets in may decid
 _SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Stage:
-    """One accepted effect.
-
-    Attributes:
-        added: the effect.
-        fit: model with it and all earlier ones, refitted.
-        data: recordings with the noise floor of that model.
-        before, after: judged error over the noise floor's.
-        removed_share: share of the judged excess that it removed.
-        rivals: effects that do as well, with the number of free parameters no smaller.
-        others: models with the best other explanations in place of it, best first.
-        dropped: earlier effects that it made needless.
-        ranking: what every simulated candidate removed of the excess, best first.
-        margin: judged error of the best other explanation over this one's; infinite where there is none.
-        folds: (agreeing, all).
-        by_held_out: whether held-out recordings judged.
-        runs: the model's runs, without and with noise; filled in when the stage is accepted.
-    """
-
-    added: EffectKey
-    fit: Fit
-    data: Data
-    before: float
-    after: float
-    removed_share: float
-    rivals: tuple[EffectKey, ...]
-    others: tuple[tuple[EffectKey, Model], ...]
-    dropped: tuple[EffectKey, ...]
-    ranking: tuple[tuple[EffectKey, float], ...]
-    margin: float
-    folds: tuple[int, int]
-    by_held_out: bool
-    runs: Simulated | None = None
-
-
-@dataclass(frozen=True)
-class Search:
-    """The whole way: data and fit at the start, stages, first screening, whether noise explains the end."""
-
-    model: Model
-    start: Fit
-    start_data: Data
-    start_runs: Simulated
-    stages: tuple[Stage, ...]
-    screened: tuple[Candidate, ...]
-    consistent_before: bool
-    consistent_after: bool
-    explained: float
-
-    @property
-    def final(self) -> Fit:
-        """The last accepted fit."""
-        return self.stages[-1].fit if self.stages else self.start
-
-    @property
-    def final_data(self) -> Data:
-        """The recordings with the floor of the last accepted model."""
-        return self.stages[-1].data if self.stages else self.start_data
 
 
 def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = True) -> bool:
@@ -124,7 +64,6 @@ def search(
     *,
     seed: int = 0,
     limit: int = LIMIT,
-    survey: bool = False,
     progress: Progress = lambda text: None,
 ) -> Search:
     """Add effects one at a time until noise explains the rest or nothing helps.
@@ -136,7 +75,6 @@ def search(
             folds of the training data judge.
         seed: of the noise simulations.
         limit: most effects to add.
-        survey: screen effects even where noise explains everything, to know what the data could show.
         progress: told what is being done.
     """
     progress("simulating the model and its noise")
@@ -146,7 +84,7 @@ def search(
     first = data
     before = is_consistent(data, start.mean_squares)
     current, stages, screened, done = start, [], (), before
-    if before and survey:
+    if before:  # what the data could have shown
         scene = Scene.of(model, data, start.simulated, len(data.recordings))
         screened = tuple(screen(scene, data, start.simulated, ())[0])
     while not done and len(stages) < limit and not (stages and as_good_as_done(current, start, data)):
@@ -291,8 +229,6 @@ def _next(
         added=candidate.key,
         fit=kept,
         data=data,
-        before=current.judged / floor,
-        after=kept.judged / floor,
         removed_share=(current.judged - kept.judged) / excess,
         rivals=(*rivals, *(k for k in dropped if not contains(candidate.key, k))),
         others=tuple(

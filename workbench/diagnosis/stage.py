@@ -1,0 +1,71 @@
+"""What a search finds: the effects it accepted one by one, and the way from start to end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from workbench.comparison import Simulated
+from workbench.core import EffectKey
+from workbench.models import Model
+
+from .data import Data
+from .hypothesis import Fit
+from .screen import Candidate
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One accepted effect.
+
+    Attributes:
+        added: the effect.
+        fit: model with it and all earlier ones, refitted.
+        data: recordings with the noise floor of that model.
+        removed_share: share of the judged excess that it removed.
+        rivals: effects that do as well, with the number of free parameters no smaller.
+        others: models with the best other explanations in place of it, best first.
+        dropped: earlier effects that it made needless.
+        ranking: what every simulated candidate removed of the excess, best first.
+        margin: judged error of the best other explanation over this one's; infinite where there is none.
+        folds: (agreeing, all).
+        by_held_out: whether held-out recordings judged.
+        runs: the model's runs, without and with noise; filled in when the stage is accepted.
+    """
+
+    added: EffectKey
+    fit: Fit
+    data: Data
+    removed_share: float
+    rivals: tuple[EffectKey, ...]
+    others: tuple[tuple[EffectKey, Model], ...]
+    dropped: tuple[EffectKey, ...]
+    ranking: tuple[tuple[EffectKey, float], ...]
+    margin: float
+    folds: tuple[int, int]
+    by_held_out: bool
+    runs: Simulated | None = None
+
+
+@dataclass(frozen=True)
+class Search:
+    """The whole way: data and fit at the start, stages, first screening, whether noise explains the end."""
+
+    model: Model
+    start: Fit
+    start_data: Data
+    start_runs: Simulated
+    stages: tuple[Stage, ...]
+    screened: tuple[Candidate, ...]
+    consistent_before: bool
+    consistent_after: bool
+    explained: float
+
+    @property
+    def final(self) -> Fit:
+        """The last accepted fit."""
+        return self.stages[-1].fit if self.stages else self.start
+
+    @property
+    def final_data(self) -> Data:
+        """The recordings with the floor of the last accepted model."""
+        return self.stages[-1].data if self.stages else self.start_data
