@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.next_experiment import separation, tell_apart
 from workbench.effects import load_model
 from workbench.frf import chirp
-from workbench.models import AppliedEffect, Model
+from workbench.models import AppliedEffect, Model, write_model
 from workbench.simulation import held_posture
 
 from .rig import recordings
@@ -27,8 +28,8 @@ def data() -> Data:
     return gather(LEG, training, (), seed=0)[0]
 
 
-def having(key: EffectKey, std: float = 0.0, **values: float) -> Model:
-    return LEG.with_effect(AppliedEffect(key, {k: Estimate(v, std, "") for k, v in values.items()}))
+def having(key: EffectKey, model: Model = LEG, *, std: float = 0.0, **values: float) -> Model:
+    return model.with_effect(AppliedEffect(key, {k: Estimate(v, std, "") for k, v in values.items()}))
 
 
 def sweep(amplitude: float):
@@ -47,7 +48,7 @@ def test_free_parameters_follow_as_far_as_they_may(data: Data) -> None:
     key = EffectKey("viscous_damping", "knee")
     ours = having(key, damping=0.10)
     stiff, loose = (
-        separation(ours, having(key, std, damping=0.13), sweep(0.2), data) for std in (1e-6, 0.05)
+        separation(ours, having(key, std=std, damping=0.13), sweep(0.2), data) for std in (1e-6, 0.05)
     )
     assert stiff > 1.2
     assert loose == pytest.approx(1.0, abs=0.01)
@@ -68,13 +69,16 @@ def test_the_command_that_is_proposed_runs_and_keeps_its_promise(data: Data, tmp
     from workbench.frf import load_design
 
     one, other = EffectKey("torque_bias", "hip"), EffectKey("parallel_spring", "hip")
-    ours = having(one, std=0.005, torque=0.4)
-    theirs = having(other, std=0.005, stiffness=1.0, rest=-0.15)
+    # a leg in a file of its own, whose name no shipped model has
+    write_model(LEG, tmp_path / "my leg.toml")
+    own = load_model(tmp_path / "my leg.toml")
+    ours = having(one, own, std=0.005, torque=0.4)
+    theirs = having(other, own, std=0.005, stiffness=1.0, rest=-0.15)
     said = tell_apart(ours, theirs, one, other, data)
     command = re.search(r"workbench (excite .*?)\. With the one true.* score ([\d.]+) times", said)
     assert command is not None, said
     file = tmp_path / "next.toml"
-    words = command[1].replace("next.toml", str(file)).split()
+    words = shlex.split(command[1].replace("next.toml", str(file)))
     assert CliRunner().invoke(app, words, catch_exceptions=False).exit_code == 0
     ratio = separation(ours, theirs, load_design(file), data)
     assert np.isclose(ratio, float(command[2]), rtol=0.15)

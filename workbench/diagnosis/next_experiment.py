@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -11,7 +12,7 @@ from workbench.comparison import scored_signals
 from workbench.core import Comparison, EffectKey, Finding, InputError, Recording, SimulationError, Verdict
 from workbench.effects import effect_named
 from workbench.frf import Design, Limit, chirp, multisine, scale_to_limits
-from workbench.models import Model
+from workbench.models import Model, find_model
 from workbench.simulation import (
     Run,
     as_recording,
@@ -194,13 +195,22 @@ def _design(model: Model, option: Option, recordings: Sequence[Recording]) -> tu
     limits: list[Limit] = limits_of(model, [max(fastest)])
     scaled = scale_to_limits(design, predictor(model, limits), limits)
     words = [
-        f"workbench excite {model.name} -o next.toml --kind {option.kind} --drive {option.drive}",
+        f"workbench excite {_opened_by(model)} -o next.toml --kind {option.kind} --drive {option.drive}",
         f"--f-min {option.f_min:g} --f-max {band['f_max_hz']:g} --period {length:g}",
         *(f"--amplitude {s * scaled.factor:.2g}" for s in size),
     ]
     if option.posture != 0.5:
         words += [f"--posture {name}={value:.3g}" for name, value in _posture(model, option.posture).items()]
     return scaled.design, " ".join(words)
+
+
+def _opened_by(model: Model) -> str:
+    """What names the model on a command line: a shipped one's name, else its file."""
+    try:
+        shipped = find_model(model.name) == model.source
+    except InputError:
+        shipped = False
+    return model.name if shipped or model.source is None else shlex.quote(str(model.source))
 
 
 def _posture(model: Model, place: float) -> dict[str, float]:

@@ -31,7 +31,9 @@ def merge_into_links(spec: mujoco.MjSpec, own: mujoco.MjSpec, m: mujoco.MjModel)
     bodies = list(spec.bodies)[1:]
     if any(b.gravcomp < 0.0 for b in bodies) and not any(b.gravcomp > 0.0 for b in bodies):
         # MuJoCo looks at gravity compensation only where some body's is above zero
-        links[0].body.gravcomp = _NOTHING
+        free = next((b for b in bodies if b.gravcomp == 0.0), None)
+        free = free or links[0].body.add_body(name="gravity compensation")
+        free.gravcomp = _NOTHING
 
 
 @dataclass(frozen=True)
