@@ -251,7 +251,7 @@ def test_a_free_base_feels_what_the_tree_has_not() -> None:
 
 
 @settings(max_examples=15, deadline=None)
-@example(m11=0.0078125, m22=0.015625, ratio=0.0, gravity=(1.0, 0.25))  # both links weigh more than they have mass
+@example(m11=0.0078125, m22=0.015625, ratio=0.0, gravity=(1.0, 0.25))  # links heavier than their masses
 @given(
     m11=st.floats(0.002, 0.05),
     m22=st.floats(0.001, 0.02),
