@@ -161,21 +161,6 @@ def test_missing_rows_are_filled_where_a_valid_column_exists(tmp_path: Path) -> 
     np.testing.assert_array_equal(r.position[54:, 0], two_axes()["q_a"][54:])
 
 
-def test_jitter_is_resampled_and_said(tmp_path: Path) -> None:
-    data = two_axes()
-    t = data["t"] + np.random.default_rng(1).uniform(-1e-3, 1e-3, 400)
-    w = 2 * np.pi * 2.0
-    held = np.repeat(np.arange(80.0) % 3, 5)
-    moved = {**data, "t": t, "q_a": 0.3 * np.sin(w * t), "ff": held}
-    columns = with_columns(torque_feedforward=["ff", "ff"])
-    r = load_recording(write_recording(tmp_path, moved, columns=columns))
-    steps = np.diff(r.time)
-    np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
-    assert "jitter" in r.notes[0] and r.time[0] == 0
-    np.testing.assert_allclose(r.position[:, 0], 0.3 * np.sin(w * (r.time + t[0])), atol=5e-4)
-    assert set(np.unique(r.signals["torque_feedforward"])) == {0.0, 1.0, 2.0}, "held, not interpolated"
-
-
 @pytest.mark.parametrize("decimals", [4, 5, 9])
 def test_rounding_of_the_time_column_is_no_jitter(tmp_path: Path, decimals: int) -> None:
     data = two_axes(1200, 1 / 3000)

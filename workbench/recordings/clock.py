@@ -11,6 +11,7 @@ from workbench.core import InputError
 
 _MISSING = 1.5  # an increment longer than this many periods hides a row,
 _USUAL = 1.3  # and longer than this many of those that are long but usual where a clock is not even
+_SURELY = 2.5  # a stamp later than this hides rows, whatever those after it say [periods]
 _STRAIGHT = 1e-3  # rows this close to a uniform clock, in periods, are on it
 
 
@@ -68,8 +69,9 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
     _check_forward(step, kept, column, path)
     period = float(np.median(step))
     widest = max(_MISSING * period, _USUAL * float(np.quantile(step, 0.95)))
-    if valid is None and step.max() > widest:
-        bad = int(np.argmax(step > widest))
+    wide = np.flatnonzero(step > widest)
+    if valid is None and len(gaps := _gaps(t, period, wide)):
+        bad = int(gaps[0])
         raise InputError(
             f"time jumps by {step[bad] / period:.4g} periods, from {t[bad]:.6g} s to {t[bad + 1]:.6g} s",
             file=path,
@@ -77,7 +79,8 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
             row=int(kept[bad + 1]) + 1,
             remedy="cut the recording there, or add a `valid` column to have the gap filled and masked",
         )
-    row = np.concatenate([[0], np.cumsum(np.maximum(1, np.round(step / period)))]).astype(int)
+    hidden = np.ones(len(step)) if valid is None else np.maximum(1, np.round(step / period))
+    row = np.concatenate([[0], np.cumsum(hidden)]).astype(int)
     straight = np.polynomial.Polynomial.fit(row, t, 1)
     start, exact = straight.convert().coef
     off = float(np.abs(t - start - exact * row).max())
@@ -87,9 +90,30 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
         plain = float(f"{exact:.4g}")  # 0.004, where its single-precision neighbour was summed up
         exact = plain if abs(plain - exact) < 6e-8 * exact else exact
         return Clock(np.arange(row[-1] + 1) * exact, row * exact, row, kept, 0.0, widest)
+    # a straight line through N late stamps has a slope off by twelve times their variance, over N^3
+    spread = float(np.std(t - start - exact * row))
+    if spread < exact:
+        period = _short(exact, 3 * spread * np.sqrt(12 / len(t)) / row[-1])
+        logged = t - np.mean(t - period * row)
+    else:  # a log that changes its rate
+        logged = t - t[0]
     jitter = float(np.sqrt(np.mean((step[step < widest] / period - 1) ** 2)))
-    count = int(np.floor((t[-1] - t[0]) / period * (1 + 1e-9)))
-    return Clock(np.arange(count + 1) * period, t - t[0], None, kept, jitter, widest)
+    count = int(np.floor(logged[-1] / period + 0.5))
+    return Clock(np.arange(count + 1) * period, logged, None, kept, jitter, widest)
+
+
+def _gaps(t: np.ndarray, period: float, wide: np.ndarray) -> np.ndarray:
+    """Of increments that are wide, those that hide rows: all later rows are late, not one stamp."""
+    place = t - period * np.arange(len(t))
+    around = 20
+    missing = [
+        k
+        for k in wide
+        if t[k + 1] - t[k] > _SURELY * period
+        or np.median(place[k + 1 : k + 1 + around]) - np.median(place[max(0, k + 1 - around) : k + 1])
+        > 0.5 * period
+    ]
+    return np.array(missing, int)
 
 
 def _check_forward(step: np.ndarray, kept: np.ndarray, column: str, path: Path) -> None:

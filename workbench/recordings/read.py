@@ -14,6 +14,7 @@ from .checks import check_alive, check_excitation, check_finite
 from .clock import Clock, read_clock
 from .convert import axis_signals, axis_units, extra_signals, seconds
 from .description import ControllerTable, Description, read_description
+from .jitter import settle_jitter
 from .resample import measured_on_clock, onto_clock
 from .tables import read_table
 from .velocity import derive_velocity
@@ -46,8 +47,12 @@ def load_recording(path: str | Path) -> Recording:
     good = np.ones(len(data[column]), bool) if measured is None else measured
     signals, extra = axis_signals(d, data, path), extra_signals(d, data, path)
     check_finite(d, {**signals, **extra}, good, table)
-    signals = {name: onto_clock(name, rows, good, clock) for name, rows in signals.items()}
-    extra = {name: onto_clock(name, rows, good, clock) for name, rows in extra.items()}
+    if clock.row is None:
+        smooth = [signals[name][clock.kept] for name in ("position", "velocity") if name in signals]
+        clock = settle_jitter(clock, smooth)
+    loop_s = controller.period_s
+    signals = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in signals.items()}
+    extra = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in extra.items()}
     check_excitation(d, clock.time, column, table)
     check_alive(d, signals, table)
 
@@ -151,9 +156,14 @@ def _measured(d: Description, data: dict[str, np.ndarray], table: Path) -> np.nd
 
 def _clock_notes(clock: Clock, valid: np.ndarray) -> tuple[str, ...]:
     notes: tuple[str, ...] = ()
-    if clock.row is None:
+    if clock.jitter:
         period = f"{1e3 * clock.time[1]:.6g} ms"
-        notes += (f"Clock jitter of {100 * clock.jitter:.2g} % (rms) resampled onto a period of {period}.",)
+        done = (
+            f"resampled onto a period of {period}"
+            if clock.row is None
+            else f"is the stamps' alone: the rows themselves are {period} apart"
+        )
+        notes += (f"Clock jitter of {100 * clock.jitter:.2g} % (rms) {done}.",)
     masked = int((~valid).sum())
     if masked:
         notes += (f"{masked} of {len(valid)} rows are masked and were filled by interpolation.",)

@@ -1,0 +1,98 @@
+"""A clock that jitters: what the rows say about when they were taken, and when the loop ticked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workbench.core import InputError
+from workbench.recordings import load_recording
+from workbench.recordings.held import held_by, nearest_between_steps, step_phase, ticks
+
+from .test_read import two_axes, with_columns, write_recording
+
+ROWS, PERIOD = 3000, 0.001
+LOOP = 0.003
+W = 2 * np.pi * 3.0
+
+
+def commanded(t: np.ndarray) -> np.ndarray:
+    """What a loop of 3 ms that ticks at zero holds."""
+    return np.sin(0.7 * np.floor(t / LOOP + 1e-9))
+
+
+def log(path: Path, taken: np.ndarray, stamped: np.ndarray, noise: float = 1e-4) -> Path:
+    """Rows taken at one time and stamped with another."""
+    path.mkdir(exist_ok=True)
+    generator = np.random.default_rng(2)
+    wave = [0.3 * np.sin(W * taken + p) + noise * generator.standard_normal(ROWS) for p in (0.0, 1.0)]
+    data = {k: np.resize(v, ROWS) for k, v in two_axes().items()}
+    data |= {"t": stamped, "q_a": wave[0], "q_b": wave[1], "ff": commanded(taken)}
+    data |= {k: W * 0.3 * np.cos(W * taken) for k in data if k.startswith("w_")}
+    columns = with_columns(torque_feedforward=["ff", "ff"])
+    controller = {"kind": "pd", "kp": [1.0, 1.0], "kd": [0.1, 0.1], "period_s": LOOP}
+    return write_recording(path, data, columns=columns, controller=controller)
+
+
+@pytest.mark.parametrize("size", [0.02, 0.2])
+def test_rows_taken_late_are_moved_to_the_clock(tmp_path: Path, size: float) -> None:
+    clock = np.arange(ROWS) * PERIOD
+    taken = clock + PERIOD * np.clip(size * np.random.default_rng(1).standard_normal(ROWS), -0.45, 0.45)
+    r = load_recording(log(tmp_path, taken, taken))
+    assert r.period == PERIOD and len(r) == ROWS and "jitter" in r.notes[0] and "resampled" in r.notes[0]
+    missed = r.position[:, 0] - 0.3 * np.sin(W * r.time)
+    assert np.std(missed) == pytest.approx(1e-4, rel=0.1), "a row keeps the noise that it has"
+    np.testing.assert_array_equal(r.signals["torque_feedforward"][:, 0], commanded(clock))
+
+
+def test_where_only_the_stamps_are_late_rows_stay_as_they_are(tmp_path: Path) -> None:
+    clock = np.arange(ROWS) * PERIOD
+    stamped = clock + PERIOD * 0.4 * np.random.default_rng(1).uniform(-1, 1, ROWS)
+    r = load_recording(log(tmp_path, clock, stamped))
+    exact = load_recording(log(tmp_path / "exact", clock, clock))
+    assert r.period == PERIOD and "stamps" in r.notes[0]
+    for name, signal in exact.signals.items():
+        np.testing.assert_array_equal(r.signals[name], signal, err_msg=name)
+
+
+def test_a_late_stamp_is_no_gap_and_a_missing_row_is_one(tmp_path: Path) -> None:
+    clock = np.arange(ROWS) * PERIOD
+    stamped = clock + PERIOD * 0.2 * np.clip(np.random.default_rng(1).standard_normal(ROWS), -2.2, 2.2)
+    stamped[[700, 701]] = clock[[700, 701]] + np.array([-0.44, 0.44]) * PERIOD
+    assert load_recording(log(tmp_path, clock, stamped)).valid is not None
+    stamped[701:] += PERIOD
+    with pytest.raises(InputError, match="time jumps"):
+        load_recording(log(tmp_path / "gap", clock, stamped))
+
+
+@settings(max_examples=25, deadline=None)
+@given(phase=st.floats(0.0, 2.9e-3), size=st.floats(0.0, 0.3), loop=st.sampled_from([0.002, 0.003, 0.005]))
+def test_any_loop_is_found_between_rows(phase: float, size: float, loop: float) -> None:
+    generator = np.random.default_rng(4)
+    times = np.arange(2000) * PERIOD + PERIOD * size * generator.uniform(-1, 1, 2000)
+    of = generator.standard_normal((2000, 2))
+
+    def held(t: np.ndarray) -> np.ndarray:
+        return of[np.floor((t - phase) / loop).astype(int) + 3]
+
+    found = ticks(times, held(times), loop)
+    assert found is not None
+    amid = phase + loop * (np.arange(3, 300) + 0.5)
+    np.testing.assert_array_equal(held_by(times, held(times), *found, amid), held(amid))
+
+
+def test_nothing_is_interpolated_across_a_step_of_the_torque() -> None:
+    generator = np.random.default_rng(4)
+    at = np.arange(3000) * PERIOD
+    times = at + PERIOD * 0.2 * generator.uniform(-1, 1, 3000)
+    torque = np.column_stack([commanded(times) + 0.02 * generator.standard_normal(3000)])
+    phase = step_phase(times, torque, LOOP)
+    assert phase is not None and min(phase, LOOP - phase) < 0.3 * PERIOD
+    chosen = torque[nearest_between_steps(times, 0.0, LOOP, at)][:, 0]
+    assert np.abs(chosen - commanded(at)).max() < 0.1
+    smooth = np.column_stack([np.sin(W * times)])
+    assert step_phase(times, smooth, LOOP) is None
