@@ -40,6 +40,12 @@ def test_a_dbc_is_written(tmp_path: Path) -> None:
     assert names == {"command_hip", "command_knee", "feedback_11", "feedback_12"}
 
 
+def with_interface(interface: str, **more: object) -> dict:
+    content = table([HIP], **more)
+    content["bus"][0]["interface"] = interface
+    return content
+
+
 HIP, KNEE = motor("hip", 1), motor("knee", 2)
 
 
@@ -60,6 +66,8 @@ HIP, KNEE = motor("hip", 1), motor("knee", 2)
         (table([HIP], mechanism=[{"model": "leg", "axes": ["hip", "toe"]}]), "axis 'toe' has no motor"),
         (table([HIP], loop={"kp": [1.0, 2.0, 3.0]}), "has 3 values for 1 axes"),
         (table([HIP], loop={"damping": float("nan")}), "loop.damping"),
+        (table([HIP], bench={"time_scale": 0.5}), "greater than or equal to 1"),
+        (with_interface("socketcan", bench={"time_scale": 4.0}), "the drives on 'can0' keep real time"),
     ],
 )
 def test_what_is_wrong_is_named(tmp_path: Path, content: dict, said: str) -> None:

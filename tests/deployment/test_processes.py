@@ -19,13 +19,15 @@ from workbench.can import load_config
 from workbench.can.candump import archive, read_candump
 from workbench.deployment import Host, joints_of
 from workbench.deployment.ports import PortNetwork
-from workbench.deployment.processes import end, start, virtual_hardware
+from workbench.deployment.processes import ProcessError, end, start, virtual_hardware
 
 
 @pytest.fixture
 def robot(tmp_path: Path) -> Path:
     motors = [motor(axis, k + 1, limits=LIMITS, ranges=RANGES) for k, axis in enumerate(("hip", "knee"))]
-    content = table(motors, mechanism=[{"model": "leg", "axes": ["hip", "knee"]}], loop={"soft_start_s": 0.1})
+    # slow enough that whoever shares this machine delays nothing by as much as a limit
+    content = table(motors, mechanism=[{"model": "leg", "axes": ["hip", "knee"]}],
+                    loop={"soft_start_s": 0.1}, bench={"time_scale": 8.0})  # fmt: skip
     content["bus"][0]["channel"] = str(tmp_path / "can0")
     return written(tmp_path, content)
 
@@ -39,10 +41,10 @@ def test_a_leg_runs_across_processes(robot: Path) -> None:
         assert [v.told["watchdog"] for v in told] == pytest.approx([0.02, 0.02])
         host.operator.arm = True
         moved = []
-        host.run(1.5, lambda h, _: moved.append(h.feedback.position.copy()))
+        host.run(1.0, lambda h, _: moved.append(h.feedback.position.copy()))
         assert running() and host.punctuality.counts["feedback"] > 200
         assert host.punctuality.counts["garbage"] == 0
-        # it was armed and moved; whether it still runs is up to how busy the machine is
+        assert host.state.phase == "run", host.state
         assert np.ptp(np.array(moved[20:]), axis=0).min() > 0.05
         host.close()
         network.close()
@@ -70,7 +72,7 @@ def test_drives_stop_when_the_host_is_stopped(robot: Path) -> None:
     try:
         assert host.stdout and host.stdout.readline().strip() == "run"
         host.send_signal(signal.SIGSTOP)  # to a drive the same as SIGKILL
-        time.sleep(0.3)
+        time.sleep(load_config(robot).clock.machine(0.1))
         motors.send_signal(signal.SIGTERM)
         said, _ = motors.communicate(timeout=20)
         longest = re.search(r"longest without a command: ([\d.]+) ms", said)
@@ -87,6 +89,8 @@ def test_a_log_whose_writer_is_killed_is_readable(robot: Path) -> None:
     config, log = load_config(robot), robot.parent / "run.log"
     with virtual_hardware(robot):
         logger = start("can", "log", str(robot), "-o", str(log))
+        with pytest.raises(ProcessError, match=r"run\.log"):
+            start("can", "log", str(robot), "-o", str(log))
         network = PortNetwork(config)
         host = Host(config, network, Swing(2), joints_of(config))
         host.verify()
@@ -115,6 +119,29 @@ def test_drives_stop_when_the_bus_is_killed(robot: Path) -> None:
         assert host.state.phase in ("damp", "off")
         said, _ = motors.communicate(timeout=20)
         assert "driving: none" in said
+        network.close()
+    finally:
+        end(motors)
+        end(bus)
+
+
+def test_motors_that_were_held_up_catch_up_and_go_on(robot: Path) -> None:
+    config = load_config(robot)
+    bus = start("can", "bus", str(robot))
+    motors = start("can", "motors", str(robot))
+    try:
+        network = PortNetwork(config)
+        host = Host(config, network, Swing(2), joints_of(config))
+        host.verify()
+        host.operator.arm = True
+        host.run(0.3)
+        for _ in range(3):
+            motors.send_signal(signal.SIGSTOP)
+            host.run(0.003)
+            motors.send_signal(signal.SIGCONT)
+            host.run(0.05)
+        assert host.state.phase == "run", host.state
+        host.close()
         network.close()
     finally:
         end(motors)

@@ -7,8 +7,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-import can
-
 from workbench.core import InputError
 
 from .frame import Frame
@@ -56,6 +54,8 @@ def read_candump(path: str | Path) -> Iterator[Logged]:
 
 def archive(log: str | Path, blf: str | Path) -> int:
     """Writes a candump log as BLF; returns the number of frames."""
+    import can  # takes seconds to load, and only an archive needs it
+
     count, channels = 0, {}
     with can.BLFWriter(str(blf)) as writer:
         for stamp, bus, frame in read_candump(log):

@@ -13,6 +13,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat,
 
 from workbench.core import InputError
 
+from .clock import Clock
 from .damiao import REGISTERS_ID, Damiao
 from .frame import FrameError
 from .messages import Ranges
@@ -138,6 +139,17 @@ class LoopTable(_Table):
     soft_start_s: NotNegative = 1.0
 
 
+class BenchTable(_Table):
+    """``[bench]``: virtual hardware, where buses run between processes.
+
+    Attributes:
+        time_scale: how many times slower than real time everything runs: for machines that hold processes up
+            longer than a drive's watchdog waits.
+    """
+
+    time_scale: Annotated[float, Field(ge=1.0, le=1000.0)] = 1.0
+
+
 class CanConfig(_Table):
     """The whole file; `machine` is the hash of the machine that policies must have been trained for."""
 
@@ -148,12 +160,18 @@ class CanConfig(_Table):
     motor: Annotated[list[MotorTable], Field(min_length=1)]
     mechanism: list[MechanismTable] = []
     loop: LoopTable = LoopTable()
+    bench: BenchTable = BenchTable()
     source: Path | None = None
 
     @property
     def axes(self) -> tuple[str, ...]:
         """Names of the axes, in the order of the motors."""
         return tuple(motor.axis for motor in self.motor)
+
+    @property
+    def clock(self) -> Clock:
+        """What every process that works on these buses takes its time from."""
+        return Clock(self.bench.time_scale)
 
     def on(self, bus: str) -> list[MotorTable]:
         """The motors of a bus."""
@@ -228,6 +246,10 @@ def _problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for key, values in (("loop.kp", c.loop.kp), ("loop.kd", c.loop.kd)):
         if len(values) not in (1, n):
             yield key, f"has {len(values)} values for {n} axes", "give one, or one an axis"
+    real = [bus.name for bus in c.bus if bus.interface != "workbench"]
+    if c.bench.time_scale != 1.0 and real:
+        remedy = 'remove it, or give every bus interface = "workbench"'
+        yield "bench.time_scale", f"the drives on '{real[0]}' keep real time", remedy
     taken: list[str] = []
     for mechanism in c.mechanism:
         for axis in mechanism.axes:
@@ -317,7 +339,7 @@ def _explain(error: ValidationError, path: Path) -> InputError:
     if first["type"] == "extra_forbidden":
         tables: dict[Any, type[_Table]] = {
             "bus": BusTable, "motor": MotorTable, "mechanism": MechanismTable, "loop": LoopTable,
-            "ranges": RangesTable, "limits": LimitsTable,
+            "ranges": RangesTable, "limits": LimitsTable, "bench": BenchTable,
         }  # fmt: skip
         inside = [part for part in first["loc"][:-1] if part in tables]
         known = tuple((tables[inside[-1]] if inside else CanConfig).model_fields)

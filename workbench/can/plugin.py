@@ -10,6 +10,7 @@ from typing import Any
 import can
 from can.exceptions import CanInitializationError, CanOperationError
 
+from .clock import Clock
 from .frame import Frame
 from .packets import SIZE, pack, unpack
 
@@ -23,16 +24,19 @@ class WorkbenchBus(can.BusABC):
     Args:
         channel: path of the bus's socket.
         receive_own_messages: echo own frames when they are complete on the wire.
+        time_scale: of the bench (see `Clock`), on whose clock stamps are.
 
     Raises:
         CanInitializationError: nobody serves the bus.
     """
 
-    def __init__(self, channel: str, receive_own_messages: bool = False, **kwargs: Any) -> None:
+    def __init__(
+        self, channel: str, receive_own_messages: bool = False, time_scale: float = 1.0, **kwargs: Any
+    ) -> None:  # fmt: skip
         self._can_protocol = can.CanProtocol.CAN_20
         self.channel_info = f"workbench bus {channel}"
         self._off, self._refused = False, 0
-        self.shift = time.time() - time.monotonic()
+        self.shift = time.time() - Clock(time_scale).now()
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         try:
             self._socket.connect(str(channel))

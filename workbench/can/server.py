@@ -7,7 +7,6 @@ import os
 import select
 import socket
 import stat
-import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -139,16 +138,17 @@ def serve(
         raise InputError("no bus between processes", file=config.source, column="bus.interface",
                          remedy='write interface = "workbench"')  # fmt: skip
     servers: list[BusServer] = []
+    clock = config.clock
     try:
         servers += [BusServer(bus.channel, Wire(bus.bitrate)) for bus in own]
         ready()
         while not stop():
-            now = time.monotonic()
+            now = clock.now()
             done = [d for server in servers if (d := server.wire.next_done()) is not None]
-            wait = min([_LONGEST, *(max(0.0, d - now) for d in done)])
+            wait = min([_LONGEST, *(clock.machine(max(0.0, d - now)) for d in done)])
             sockets = [s for server in servers for s in server.sockets]
             readable = set(select.select(sockets, [], [], wait)[0])
-            now = time.monotonic()
+            now = clock.now()
             for server in servers:
                 server.serve(readable, now)
     finally:

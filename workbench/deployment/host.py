@@ -181,6 +181,14 @@ class Host:
         return self.state.phase in ("arm", "soft_start", "run")
 
     def _stale(self) -> bool:
+        """Whether a drive has been silent too long, by all that has come in: what waits is read first."""
+        if not self._old():
+            return False
+        for arrival in self._network.receive(self._network.now()):
+            self.feedback.take(arrival, self._network.now())
+        return self._old()
+
+    def _old(self) -> bool:
         return bool((self.feedback.age(self._network.now()) >= self._limits.stale_s).any())
 
     def _breathe(self, gap: float) -> None:

@@ -35,18 +35,19 @@ def log_buses(
         ready: called when everything that comes is logged.
     """
     network, count = PortNetwork(config, echo=False), 0
-    shift = time.time() - time.monotonic()
+    clock = config.clock
+    shift = time.time() - clock.now()
     flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_EXCL
-    log, clock = os.open(path, flags, 0o644), os.open(path.with_suffix(".clock"), flags, 0o644)
+    log, clocks = os.open(path, flags, 0o644), os.open(path.with_suffix(".clock"), flags, 0o644)
     try:
         ready()
         pair = 0.0
         while not (stop() or network.gone):
-            now = time.monotonic()
+            now = clock.now()
             if now >= pair:
                 pair = now + _PAIR
                 entry = {"monotonic": now, "wall": time.time(), "shift": shift}
-                os.write(clock, (json.dumps(entry) + "\n").encode())
+                os.write(clocks, (json.dumps(entry) + "\n").encode())
             arrivals = network.receive(now + _NAP)
             # whole lines in one write: whoever is killed leaves whole lines
             os.write(log, "".join(line(a.stamp + shift, a.bus, a.frame) for a in arrivals).encode())
@@ -54,6 +55,6 @@ def log_buses(
             time.sleep(2e-3)  # a few frames at a time; they wait in the socket
     finally:
         os.close(log)
-        os.close(clock)
+        os.close(clocks)
         network.close()
     return count

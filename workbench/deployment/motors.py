@@ -1,13 +1,14 @@
-"""Virtual motors as a process: they hear their buses and work row by row, in real time."""
+"""Virtual motors as a process: they hear their buses and work row by row, on the clock of the bench."""
 
 from __future__ import annotations
 
-import time
+from collections import deque
 from collections.abc import Callable
 
 from workbench.can import CanConfig
 from workbench.rigs import MotorBank
 
+from .network import Arrival
 from .ports import PortNetwork
 
 _ALONE = 0.2  # s without any bus, time for every watchdog
@@ -22,32 +23,44 @@ def run_motors(
 ) -> None:
     """Works the motors of a bank on the buses of a configuration until `stop` says so, or the bus is gone.
 
+    Rows are worked in the order of their times, and no row hears what came later: one that is worked late
+    does what it would have done in time, so that a process that was held up lets no watchdog run out.
+
     Args:
         config: the buses.
         bank: motors and machines.
         stop: asked once a row.
         ready: called when they hear.
     """
-    network = PortNetwork(config, echo=False)
+    network, waiting = PortNetwork(config, echo=False), deque[Arrival]()
     bus = {motor.axis: motor.bus for motor in config.motor}
     hearers = {b.name: [bank.motors[m.axis] for m in config.on(b.name)] for b in config.bus}
+
+    def hear(until: float) -> None:
+        """What was complete on the wire by then."""
+        while waiting and waiting[0].stamp <= until:
+            arrival = waiting.popleft()
+            for motor in hearers[arrival.bus]:
+                motor.hear(arrival.frame)
+
     ready()
-    row = heard = time.monotonic()
+    row = heard = network.now()
     try:
         while not stop() and row - heard < _ALONE:
-            for arrival in network.receive(row):
-                for motor in hearers[arrival.bus]:
-                    if not arrival.sent:
-                        motor.hear(arrival.frame)
-            now = time.monotonic()
+            came = [a for a in network.receive(row) if not a.sent]
+            if came:
+                waiting = deque(sorted([*waiting, *came], key=lambda a: a.stamp))
+            now = network.now()
             if now < row:
-                for axis, frame in bank.respond(now):
-                    network.send(bus[axis], frame)
-                continue
-            row = now if now - row > _BEHIND else row
-            for axis, frame in bank.work(row):
+                hear(now)
+                said = bank.respond(now)
+            else:
+                row = now if now - row > _BEHIND else row
+                hear(row)
+                said = bank.work(row)
+                row += bank.row
+                heard = heard if network.gone else row
+            for axis, frame in said:
                 network.send(bus[axis], frame)
-            row += bank.row
-            heard = heard if network.gone else row
     finally:
         network.close()

@@ -1,10 +1,9 @@
-"""Buses by python-can, and the monotonic clock."""
+"""Buses by python-can, on the clock of their configuration."""
 
 from __future__ import annotations
 
 import select
 import time
-from time import sleep
 
 import can
 
@@ -34,6 +33,7 @@ class PortNetwork:
         self._buses: dict[str, can.BusABC] = {}
         self._off: set[str] = set()
         self._refused: dict[str, int] = {}
+        self._clock = config.clock
         try:
             for bus in config.bus:
                 self._buses[bus.name] = open_bus(bus, config, echo)
@@ -46,13 +46,11 @@ class PortNetwork:
 
     def now(self) -> float:
         """Monotonic time [s]."""
-        return time.monotonic()
+        return self._clock.now()
 
     def sleep_until(self, time: float) -> None:
         """Sleeps."""
-        wait = time - self.now()
-        if wait > 0.0:
-            sleep(wait)
+        self._clock.sleep_until(time)
 
     def send(self, bus: str, frame: Frame) -> bool:
         """Queues a frame; never waits."""
@@ -69,7 +67,7 @@ class PortNetwork:
         """What has come in; waits for the first."""
         arrivals: list[Arrival] = []
         while not arrivals:
-            wait = max(0.0, until - time.monotonic())
+            wait = self._clock.machine(max(0.0, until - self._clock.now()))
             if self._selectable:
                 names = [self._names[f] for f in select.select(list(self._names), [], [], wait)[0]]
             else:
@@ -165,7 +163,9 @@ def open_bus(bus: BusTable, config: CanConfig, echo: bool = True) -> can.BusABC:
     where = {"file": config.source, "column": f"bus '{bus.name}'"}
     try:
         if bus.interface == "workbench":  # also where the package's entry points are not installed
-            return WorkbenchBus(bus.channel, receive_own_messages=echo, **bus.options)
+            return WorkbenchBus(
+                bus.channel, receive_own_messages=echo, time_scale=config.bench.time_scale, **bus.options
+            )
         return can.Bus(
             interface=bus.interface, channel=bus.channel, bitrate=bus.bitrate, receive_own_messages=echo,
             **bus.options,

@@ -92,7 +92,7 @@ def record_live(
         RunError: everything damped before the end; the log is there.
         VerifyError: a drive is not what the configuration says.
     """
-    shift = time.time() - time.monotonic()
+    shift = time.time() - config.clock.now()
     logger = start("can", "log", str(config.source), "-o", str(log))
     player = Player(design, experiment, config.loop.period_s)
     try:

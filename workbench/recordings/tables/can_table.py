@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import can
-import cantools
-import cantools.database
 import numpy as np
 
 from workbench.core import InputError
 
 from .missing import missing_column
+
+if TYPE_CHECKING:
+    import can
 
 _TIME, _VALID = ("t", "time"), "valid"
 
@@ -62,6 +62,8 @@ def _at(rows: np.ndarray, stamps: list[float], values: list[float], half: float)
 
 
 def _decode(message: can.Message, database: Any, signals: dict[str, Any], series: dict[str, Any]) -> None:
+    import cantools.database
+
     read: dict[str, Any] | None = None
     for column, (channel, name, signal) in signals.items():
         if message.arbitration_id != name.frame_id or message.is_extended_id != name.is_extended_frame:
@@ -97,6 +99,9 @@ def _find(column: str, database: Any, path: Path) -> tuple[str | None, Any, str]
 
 
 def _database(path: Path) -> Any:
+    import cantools
+    import cantools.database
+
     own = path.with_suffix(".dbc")
     others = sorted(path.parent.glob("*.dbc"))
     if not own.is_file() and len(others) != 1:
@@ -111,6 +116,8 @@ def _database(path: Path) -> Any:
 
 def _messages(path: Path) -> Iterator[can.Message]:
     """The data frames of a log."""
+    import can  # takes seconds to load, and most tables are no logs
+
     try:
         with can.LogReader(path) as reader:
             for message in reader:

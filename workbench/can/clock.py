@@ -1,0 +1,34 @@
+"""The one clock of a robot: monotonic time, which a bench of virtual hardware may let run slower."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Monotonic time over `scale`: every process with the same scale reads the same clock.
+
+    Buses, drives, watchdogs and the loop all take their time from here, so that nothing between them changes
+    when it runs slower; only the operating system's own delays become shorter against it.
+
+    Attributes:
+        scale: seconds of the machine to one of the bench.
+    """
+
+    scale: float = 1.0
+
+    def now(self) -> float:
+        """Seconds of the bench."""
+        return time.monotonic() / self.scale
+
+    def machine(self, seconds: float) -> float:
+        """How long that is for the machine, to sleep or to wait [s]."""
+        return seconds * self.scale
+
+    def sleep_until(self, when: float) -> None:
+        """Returns at `when` [s], or at once where that is past."""
+        wait = self.machine(when - self.now())
+        if wait > 0.0:
+            time.sleep(wait)
