@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from tests.can.make import config, motor
+from tests.can.make import config, motor, table, written
 from tests.deployment.robot import LIMITS, RANGES
-from workbench.can import CanConfig
+from workbench.can import CanConfig, load_config
 from workbench.can.candump import Logged, read_candump
+from workbench.cli import record as _record  # noqa: F401  (registers the command)
+from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.deployment import Host, SimulatedNetwork, joints_of
 from workbench.deployment.from_log import Played, recording
 from workbench.deployment.player import Player
-from workbench.deployment.record import keep, play, record_simulated
-from workbench.frf import Design, estimate, fit_actuator, multisine
+from workbench.deployment.processes import virtual_hardware
+from workbench.deployment.record import from_log, keep, play, record_simulated
+from workbench.frf import Design, estimate, fit_actuator, multisine, save_design
 from workbench.recordings import load_recording
 from workbench.rigs.bench import VirtualBench
 
@@ -111,3 +118,45 @@ def test_a_log_without_the_axis_is_refused(tmp_path: Path) -> None:
     played = Played("m", 0.0, np.zeros((100, 1)), np.zeros((100, 1)), design().excitation(0))
     with pytest.raises(InputError, match="no feedback of 'motor'"):
         recording(actuator(tmp_path), read_candump(path), played)
+
+
+def test_a_live_experiment_is_recorded_and_one_that_was_killed_is_not_lost(tmp_path: Path) -> None:
+    content = table([motor("motor", 1, limits=FREE, ranges=RANGES)], bench={"time_scale": 8.0},
+                    loop={"soft_start_s": 0.1, "kp": 0.0, "kd": 0.0})  # fmt: skip
+    content["bus"][0]["channel"] = str(tmp_path / "can0")
+    path, data = written(tmp_path, content), tmp_path / "data"
+    played = multisine(
+        ("motor",), f_min_hz=2.0, f_max_hz=60.0, rate_hz=1000.0, name="m", period_s=0.501, rms=3.0, periods=2,
+        transient_periods=0, driven="torque_feedforward", seed=0, mixing="single",
+    )  # fmt: skip
+    save_design(played, tmp_path / "m.toml")
+    words = ["record", str(path), str(tmp_path / "m.toml"), "--yes", "-o"]
+    log = tmp_path / "killed" / f"{played.trials[0].name}.log"
+    with virtual_hardware(path):
+        done = CliRunner().invoke(app, [*words, str(data)])
+        assert done.exit_code == 0, done.output
+        whole = load_recording(data / f"{played.trials[0].name}.toml")
+        killed = subprocess.Popen([sys.executable, "-m", "workbench.cli", *words, str(log.parent)])
+        while not log.with_suffix(".begun").exists():
+            assert killed.poll() is None
+            time.sleep(0.05)
+        time.sleep(load_config(path).clock.machine(0.5))
+        killed.kill()
+        killed.wait()
+        time.sleep(4.0)  # its logger ends by itself
+        size = log.stat().st_size
+        time.sleep(0.5)
+        assert log.stat().st_size == size
+    assert CliRunner().invoke(app, [*words, str(log.parent), "--from-logs"]).exit_code == 0
+    rest = load_recording(log.with_suffix(".toml"))
+    assert 0.4 < len(rest) * rest.period < 0.8 < len(whole) * whole.period
+    for each in (whole, rest):
+        assert each.valid.mean() > 0.9
+        played_again = each.signals["torque_command"] - each.signals["torque_feedforward"]
+        assert np.abs(played_again[each.valid]).max() < 0.02, "what was sent is what was to be played"
+
+
+def test_a_log_in_which_nothing_was_played_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "m.log").write_text("")
+    with pytest.raises(InputError, match="nothing was played"):
+        from_log(actuator(tmp_path), design(), 0, tmp_path / "m.log")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import signal
 import time
 from collections.abc import Callable, Sequence
@@ -18,6 +20,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from workbench.can import BusLoad
+
+_AFTERWARDS = 2.0  # s that are logged after the host is gone: what the drives then do
 
 can = typer.Typer(
     no_args_is_help=True,
@@ -144,6 +148,7 @@ def virtual(
 def log(
     config: ConfigArgument,
     output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="The candump log.")],
+    parent: Annotated[int, typer.Option(help="End after this process, if it started this one.")] = 0,
 ) -> None:
     """Log every frame of the buses as candump does, until interrupted.
 
@@ -156,8 +161,16 @@ def log(
     stop, path = _until_told(), Path(output)
     for file in (path, path.with_suffix(".clock")):
         check_free(file, force=False)
-    count = log_buses(load_config(config), path, stop, lambda: typer.echo("ready"))
-    typer.echo(f"Logged {count} frames.")
+    alone: list[float] = []  # since when
+
+    def over() -> bool:
+        if parent and os.getppid() != parent:
+            alone.append(time.monotonic())
+        return stop() or bool(alone and time.monotonic() > alone[0] + _AFTERWARDS)
+
+    count = log_buses(load_config(config), path, over, lambda: typer.echo("ready"))
+    with contextlib.suppress(OSError):  # whoever started this is gone, and with it its end of the pipe
+        typer.echo(f"Logged {count} frames.")
 
 
 def _until_told() -> Callable[[], bool]:

@@ -48,6 +48,10 @@ def record(
         bool, typer.Option("--virtual", help="Over CAN: virtual motors on modelled buses, in simulated time.")
     ] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Over CAN: move without asking.")] = False,
+    from_logs: Annotated[
+        bool,
+        typer.Option("--from-logs", help="Over CAN: of the folder's logs that broke off."),
+    ] = False,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -69,7 +73,10 @@ def record(
         raise InputError("no output folder", remedy="say where the recordings go: -o FOLDER")
     hidden = hidden_effects(hide, set_)
     if over_can:
-        count = _over_can(rig, experiments or [], Path(output), hidden, seed, (virtual, yes, force))
+        if from_logs:
+            count = _from_logs(rig, experiments or [], Path(output), force)
+        else:
+            count = _over_can(rig, experiments or [], Path(output), hidden, seed, (virtual, yes, force))
     elif rig == "actuator":
         if hide:
             raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
@@ -150,27 +157,19 @@ def _over_can(
     from workbench.can import load_config
     from workbench.deployment import SimulatedNetwork
     from workbench.deployment.record import keep, record_live, record_simulated
-    from workbench.frf import load_design
     from workbench.rigs import MotorBank
 
     virtual, yes, force = options
     config = load_config(rig)
-    if not names:
-        raise InputError("nothing to play", remedy="give a design: workbench excite MODEL -o design.toml")
+    designs = _for_axes(config.axes, names)
     if hidden and not virtual:
         raise InputError("only virtual motors hide effects", remedy="add --virtual")
     folder.mkdir(parents=True, exist_ok=True)
     count = 0
-    for name in names:
-        design = load_design(Path(name))
-        if design.axes != config.axes:
-            raise InputError(
-                f"plays {', '.join(design.axes)}; the configuration has {', '.join(config.axes)}", file=name,
-                remedy="design it for a model of these axes",
-            )  # fmt: skip
+    for design in designs:
         for k, trial in enumerate(design.trials):
             log = folder / f"{trial.name}.log"
-            for file in (log, log.with_suffix(".clock")):
+            for file in (log, log.with_suffix(".clock"), log.with_suffix(".begun")):
                 check_free(file, force=force)
                 file.unlink(missing_ok=True)
             if virtual:
@@ -185,6 +184,48 @@ def _over_can(
             keep(result, folder, log, force)
             count += 1
     return count
+
+
+def _from_logs(rig: str, names: Sequence[str], folder: Path, force: bool) -> int:
+    """Recordings of the logs in a folder that belong to these designs; returns how many.
+
+    Raises:
+        InputError: no log of these designs is there, or nothing was played in one.
+    """
+    from workbench.can import load_config
+    from workbench.deployment.record import from_log, keep
+
+    config, count = load_config(rig), 0
+    for design in _for_axes(config.axes, names):
+        for k, trial in enumerate(design.trials):
+            log = folder / f"{trial.name}.log"
+            if log.is_file():
+                keep(from_log(config, design, k, log), folder, log, force)
+                count += 1
+    if not count:
+        raise InputError("no log of these experiments", file=folder, remedy="name the folder of the logs: -o")
+    return count
+
+
+def _for_axes(axes: tuple[str, ...], names: Sequence[str]) -> list[Design]:
+    """Designs that play exactly these axes.
+
+    Raises:
+        InputError: none is named, or one is for other axes.
+    """
+    from workbench.frf import load_design
+
+    if not names:
+        raise InputError("nothing to play", remedy="give a design: workbench excite MODEL -o design.toml")
+    designs = []
+    for name in names:
+        designs.append(load_design(Path(name)))
+        if designs[-1].axes != axes:
+            raise InputError(
+                f"plays {', '.join(designs[-1].axes)}; the configuration has {', '.join(axes)}", file=name,
+                remedy="design it for a model of these axes",
+            )  # fmt: skip
+    return designs
 
 
 def _design(name: str, axes: int) -> Design:

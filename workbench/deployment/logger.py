@@ -39,15 +39,20 @@ def log_buses(
     shift = time.time() - clock.now()
     flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_EXCL
     log, clocks = os.open(path, flags, 0o644), os.open(path.with_suffix(".clock"), flags, 0o644)
+
+    def pair(now: float) -> None:
+        entry = {"monotonic": now, "wall": time.time(), "shift": shift}
+        os.write(clocks, (json.dumps(entry) + "\n").encode())
+
     try:
+        due = clock.now()
+        pair(due)
         ready()
-        pair = 0.0
         while not (stop() or network.gone):
             now = clock.now()
-            if now >= pair:
-                pair = now + _PAIR
-                entry = {"monotonic": now, "wall": time.time(), "shift": shift}
-                os.write(clocks, (json.dumps(entry) + "\n").encode())
+            if now >= due + _PAIR:
+                due = now
+                pair(now)
             arrivals = network.receive(now + _NAP)
             # whole lines in one write: whoever is killed leaves whole lines
             os.write(log, "".join(line(a.stamp + shift, a.bus, a.frame) for a in arrivals).encode())

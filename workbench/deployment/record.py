@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-import time
+import os
 from collections.abc import Callable
 from pathlib import Path
 
 from workbench.can import CanConfig, Wire
 from workbench.can.candump import archive, line, read_candump
 from workbench.can.realtime import realtime
-from workbench.core import Recording, WorkbenchError
+from workbench.core import InputError, Recording, WorkbenchError
 from workbench.core.files import check_free, write_whole
 from workbench.frf import Design
 from workbench.recordings import save_recording
@@ -23,6 +23,7 @@ from .ports import PortNetwork
 from .processes import end, start
 from .simulated import SimulatedNetwork
 
+_BEGUN = ".begun"
 _GRACE = 5.0  # s for arming, soft start and settling
 
 
@@ -32,8 +33,13 @@ class RunError(WorkbenchError):
     exit_code = 1
 
 
-def play(host: Host, player: Player, say: Callable[[Host], None] | None = None) -> None:
+def play(host: Host, player: Player, begun: Callable[[float], None] = lambda time: None) -> None:
     """Arms, plays to the end, and disables.
+
+    Args:
+        host: the loop, with the player as its controller.
+        player: one experiment.
+        begun: is told once when the first row is played [s].
 
     Raises:
         RunError: everything damped before the end.
@@ -41,9 +47,13 @@ def play(host: Host, player: Player, say: Callable[[Host], None] | None = None) 
     host.verify()
     host.operator.arm = True
 
+    said = False
+
     def each(host: Host, tick: int) -> bool:
-        if say:
-            say(host)
+        nonlocal said
+        if player.begun is not None and not said:
+            said = True
+            begun(player.begun)
         return host.state.phase == "damp" or player.done(host.time)
 
     host.run(player.seconds + _GRACE, each)
@@ -83,29 +93,42 @@ def record_simulated(
     return recording(config, read_candump(log), _played(design, experiment, player, player.begun))
 
 
-def record_live(
-    config: CanConfig, design: Design, experiment: int, log: Path, say: Callable[[Host], None] | None = None
-) -> Recording:
+def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -> Recording:
     """Plays on hardware; frames are logged by a process of its own, which outlives this one.
+
+    Beside the log stands ``.begun``, the time of the first row: whatever happens from then on, `from_log`
+    makes a recording of what was played.
 
     Raises:
         RunError: everything damped before the end; the log is there.
         VerifyError: a drive is not what the configuration says.
     """
-    shift = time.time() - config.clock.now()
-    logger = start("can", "log", str(config.source), "-o", str(log))
+    logger = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
     player = Player(design, experiment, config.loop.period_s)
     try:
         network = PortNetwork(config)
         try:
             with realtime():
-                play(Host(config, network, player, joints_of(config)), player, say)
+                host = Host(config, network, player, joints_of(config))
+                play(host, player, lambda at: _note(log, at + _shift(log)))
         finally:
             network.close()
     finally:
         end(logger)
-    assert player.begun is not None
-    begun = player.begun + _shift(log, shift)
+    return from_log(config, design, experiment, log)
+
+
+def from_log(config: CanConfig, design: Design, experiment: int, log: Path) -> Recording:
+    """The recording of an experiment whose log and its ``.begun`` were left behind, up to where it broke off.
+
+    Raises:
+        InputError: it broke off before anything was played.
+    """
+    try:
+        begun = float(log.with_suffix(_BEGUN).read_text())
+    except (OSError, ValueError) as error:
+        raise InputError("nothing was played in this log", file=log, remedy="record it again") from error
+    player = Player(design, experiment, config.loop.period_s)
     return recording(config, read_candump(log), _played(design, experiment, player, begun))
 
 
@@ -124,10 +147,11 @@ def _played(design: Design, experiment: int, player: Player, begun: float) -> Pl
     return Played(name, begun, player.reference, player.feedforward, excitation)
 
 
-def _shift(log: Path, default: float) -> float:
-    """Wall clock minus monotonic time as the log's stamps have it [s]."""
-    try:
-        first = log.with_suffix(".clock").read_text().splitlines()[0]
-        return float(json.loads(first)["shift"])
-    except (OSError, IndexError, ValueError, KeyError):
-        return default
+def _shift(log: Path) -> float:
+    """Wall clock minus monotonic time as the log's stamps have it [s]; written before its logger is ready."""
+    return float(json.loads(log.with_suffix(".clock").read_text().splitlines()[0])["shift"])
+
+
+def _note(log: Path, begun: float) -> None:
+    """When the first row was played, by the stamps of the log [s]."""
+    log.with_suffix(_BEGUN).write_text(f"{begun:.6f}\n")
