@@ -11,13 +11,16 @@ _RANGES = {"position": 12.5, "velocity": 45.0, "torque": 25.0, "source": "of the
 _AXES = {"abduction": (-12.0, 12.0), "hip": (-1.7, 1.7), "knee": (-1.4, 4.0)}
 
 
-def four_legs(folder: Path, time_scale: float, legs: int = 4) -> Path:
+def four_legs(folder: Path, time_scale: float = 1.0, legs: int = 4, machine: str = "") -> Path:
     """Three drives a leg and a bus a leg, written to a folder; returns the file.
+
+    Legs stand on their own; for policies of a machine they carry a trunk with an inertial unit.
 
     Args:
         folder: of the file and of the buses' sockets.
         time_scale: of the bench.
         legs: how many of the four.
+        machine: hash of the machine that policies were trained for; empty for none.
     """
     motors = [
         {
@@ -32,8 +35,11 @@ def four_legs(folder: Path, time_scale: float, legs: int = 4) -> Path:
         {"name": leg, "interface": "workbench", "channel": str(folder / f"{leg}.sock")} for leg in LEGS[:legs]
     ]
     mechanisms = [{"model": "leg", "axes": [f"{leg}_hip", f"{leg}_knee"]} for leg in LEGS[:legs]]
-    content = {"format": 1, "name": "legs", "bench": {"time_scale": time_scale}, "bus": buses,
+    bench = {"time_scale": time_scale, "rig": "quadruped" if machine else "legs"}
+    content = {"format": 1, "name": "legs", "machine": machine, "bench": bench, "bus": buses,
                "motor": motors, "mechanism": mechanisms}  # fmt: skip
+    if machine:
+        content["imu"] = {"bus": LEGS[0], "id": 0x60}
     path = folder / "robot.toml"
     path.write_text(tomli_w.dumps(content))
     return path

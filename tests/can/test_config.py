@@ -67,6 +67,10 @@ HIP, KNEE = motor("hip", 1), motor("knee", 2)
         (table([HIP], loop={"kp": [1.0, 2.0, 3.0]}), "has 3 values for 1 axes"),
         (table([HIP], loop={"damping": float("nan")}), "loop.damping"),
         (table([HIP], bench={"time_scale": 0.5}), "greater than or equal to 1"),
+        (table([HIP], imu={"bus": "can7", "id": 0x60}), "no bus is called 'can7'"),
+        (table([HIP], imu={"bus": "can0", "id": 0x10}), "id 0x11 is used by 'hip' too"),
+        (table([HIP], imu={"bus": "can0", "id": 0x7FF}), "outside 0x0 to 0x7fe"),
+        (table([HIP], imu={"bus": "can0", "id": 0x60, "protocol": "x"}), "no unit is called 'x'"),
         (with_interface("socketcan", bench={"time_scale": 4.0}), "the drives on 'can0' keep real time"),
     ],
 )

@@ -22,7 +22,7 @@ class Swing:
     def __init__(self, n: int) -> None:
         self.n, self.spoil, self.stuck, self.seen = n, 0.0, None, []
 
-    def target(self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray) -> Target:
+    def target(self, now: float, phase: str, position, velocity, base) -> Target:
         reference = np.resize(HOLD, self.n) + 0.2 * np.sin(6.0 * now)
         made = now if self.stuck is None else self.stuck
         return Target(reference + self.spoil, np.zeros(self.n), made)

@@ -19,6 +19,7 @@ from workbench.cli import deploy as _deploy  # noqa: F401
 from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.deployment import Host, SimulatedNetwork, joints_of
+from workbench.deployment.base import BaseMotion
 from workbench.deployment.deploy import deploy
 from workbench.deployment.observe import OBSERVATIONS, Reach, Sight
 from workbench.deployment.policies import PolicyController, Tracker, check_bundle
@@ -26,6 +27,7 @@ from workbench.training.export import to_onnx
 from workbench.training.tasks import TASKS, reach_reference
 
 MACHINE = "<mujoco model='leg'/>"
+STILL = BaseMotion(np.zeros(3), np.array([0.0, 0.0, -1.0]))
 SIZES = {"reach_ahead": 8}  # all others 2
 
 
@@ -97,7 +99,8 @@ def test_observations_that_drives_cannot_tell_are_refused(tmp_path: Path) -> Non
     config, loaded = load_config(leg(tmp_path)), read_bundle(bundle(tmp_path))
     first, *rest = loaded.observations
     for wrong, said in (
-        (type(first)("gravity", 0, 2, 1.0, ""), "'gravity', which drives cannot tell"),
+        (type(first)("foot_load", 0, 2, 1.0, ""), "'foot_load', which nothing here can tell"),
+        (type(first)("gravity", 0, 3, 1.0, ""), "'gravity', and there is no inertial unit"),
         (type(first)("reach_ahead", 0, 2, 1.0, ""), "has 2 numbers from 0, here 8"),
     ):
         changed = PolicyBundle(**{**vars(loaded), "observations": (wrong, *rest)})
@@ -114,7 +117,7 @@ def test_a_policy_sees_what_it_was_trained_to_see() -> None:
         assert goal.position(time) == pytest.approx(angle[0]) and goal.velocity(time) == pytest.approx(
             speed[0]
         )
-    sight = Sight(HOLD, np.ones(2), HOLD, np.ones(2), goal, 0.1, 0.018)
+    sight = Sight(HOLD, np.ones(2), HOLD, np.ones(2), goal, 0.1, 0.018, *STILL, np.zeros(3))
     ahead = [
         reach_reference(np, command[None], np.array([0.1 + k * 0.018]))[0][0] - HOLD for k in (0, 1, 2, 4)
     ]
@@ -130,7 +133,7 @@ def test_a_policy_is_asked_every_sixth_tick_and_held_in_between(tmp_path: Path) 
 
     goal = Reach(HOLD, np.zeros(2), np.ones(2), np.zeros(2))
     controller = PolicyController(read_bundle(bundle(tmp_path)), act, goal, 6, 0.003)
-    targets = [controller.target(5.0 + k * 0.003, "run", HOLD, np.zeros(2)) for k in range(18)]
+    targets = [controller.target(5.0 + k * 0.003, "run", HOLD, np.zeros(2), STILL) for k in range(18)]
     assert len(asked) == 3 and all(len(seen) == 18 for seen in asked)
     assert [t.reference[0] - HOLD[0] for t in targets[::6]] == pytest.approx([0.05, 0.1, 0.15])
     assert (

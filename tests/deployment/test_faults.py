@@ -28,7 +28,7 @@ def test_it_runs(robot: Robot) -> None:
     robot.run(0.5)
     assert robot.host.state.phase == "run" and robot.host.punctuality.counts["garbage"] == 0
     joints = robot.joints.position(robot.host.feedback.position)
-    reference = robot.controller.target(robot.network.now(), "run", joints, joints).reference
+    reference = robot.controller.target(robot.network.now(), "run", joints, joints, None).reference
     assert np.abs(joints - reference).max() < 0.15, "gravity and lag of a soft loop, no more"
     assert max(motor.longest for motor in robot.motors) < 2 * TICK
 

@@ -60,6 +60,7 @@ SEEN = st.builds(
     stop=st.sampled_from([False, False, False, True]),
     arm=st.sampled_from([True, True, True, False]),
     verified=st.sampled_from([True, True, True, False]),
+    base_age=st.sampled_from([0.0, 0.0, 0.0, 0.0085, 0.01, math.nan]),
 )
 FINE = st.builds(lambda p, q: seen(position=np.array([p, q])), st.floats(-1.04, 1.04), st.floats(0.17, 2.04))
 WANTED = st.one_of(
@@ -86,7 +87,8 @@ def test_no_output_is_ever_outside_its_limits(ticks) -> None:
         assert (np.abs(out.torque) <= room).all() and (np.abs(state.torque) <= room).all()
         if state.phase not in ("soft_start", "run"):
             assert not out.torque.any() and not out.kp.any()
-        if not (look.age < LIMITS.stale_s).all() or look.stop or not np.isfinite(look.position).all():
+        blind = not (look.age < LIMITS.stale_s).all() or not look.base_age < LIMITS.stale_s
+        if blind or look.stop or not np.isfinite(look.position).all():
             assert state.phase in ("off", "damp")
         if before.phase == "damp" and before.asked:
             assert state.phase == "damp", "only asking anew leaves damp"
@@ -121,6 +123,7 @@ FAULTS = {
     "no feedback": {"age": np.array([0.009, 0.0])},
     "never heard": {"age": np.array([np.inf, 0.0])},
     "age unknown": {"age": np.array([np.nan, 0.0])},
+    "no word of the base": {"base_age": 0.009},
     "no number": {"position": np.array([np.nan, 1.0])},
     "no speed": {"velocity": np.array([0.0, -np.inf])},
     "drive": {"faulty": np.array([False, True])},

@@ -10,9 +10,10 @@ from workbench.comparison import compare
 from workbench.effects import load_model
 from workbench.mechanism import ClosedChain
 from workbench.recordings import load_recordings, save_recording
+from workbench.rigs.quadruped import quadruped_mechanism
 from workbench.training.evaluate import evaluate, machine_of
 from workbench.training.export import to_onnx
-from workbench.training.plants import ClosedChainPlant, TrainedPlant, begin, quadruped_mechanism
+from workbench.training.plants import ClosedChainPlant, TrainedPlant, begin
 from workbench.training.settings import control_table, layout
 from workbench.training.tasks import TASKS
 

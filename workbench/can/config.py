@@ -16,6 +16,7 @@ from workbench.core import InputError
 from .clock import Clock
 from .damiao import REGISTERS_ID, Damiao
 from .frame import FrameError
+from .imu import IMUS
 from .messages import Ranges
 from .mit import Mit
 from .robstride import Robstride
@@ -127,6 +128,7 @@ class LoopTable(_Table):
         kp, kd: of joints (host) or axes (drive), one or one each [N m/rad, N m s/rad].
         damping: what an axis damps with when nothing else is to be done [N m s/rad].
         soft_start_s: over which torque and references fade in [s].
+        hold_s: how long a policy's posture is held before the policy begins [s].
     """
 
     period_s: Annotated[float, Field(ge=0.001, le=0.02)] = 0.003
@@ -137,16 +139,36 @@ class LoopTable(_Table):
     kd: Gains = [1.5]
     damping: Positive = 1.0
     soft_start_s: NotNegative = 1.0
+    hold_s: NotNegative = 0.5
+
+
+class ImuTable(_Table):
+    """``[imu]``: the inertial unit of a base.
+
+    Attributes:
+        bus: name of its bus.
+        protocol: a name in `workbench.can.imu.IMUS`.
+        id: of its first frame.
+        period_s: from one sample to the next [s].
+    """
+
+    bus: str
+    protocol: str = "workbench"
+    id: int
+    period_s: Annotated[float, Field(ge=0.0005, le=0.02)] = 0.003
 
 
 class BenchTable(_Table):
-    """``[bench]``: virtual hardware, where buses run between processes.
+    """``[bench]``: virtual hardware.
 
     Attributes:
+        rig: what virtual motors turn. ``legs``: each mechanism a leg on its stand, every other axis a lone
+            actuator. ``quadruped``: abduction, hip and knee of fl, fr, rl and rr, under one trunk.
         time_scale: how many times slower than real time everything runs: for machines that hold processes up
             longer than a drive's watchdog waits.
     """
 
+    rig: Literal["legs", "quadruped"] = "legs"
     time_scale: Annotated[float, Field(ge=1.0, le=1000.0)] = 1.0
 
 
@@ -160,6 +182,7 @@ class CanConfig(_Table):
     motor: Annotated[list[MotorTable], Field(min_length=1)]
     mechanism: list[MechanismTable] = []
     loop: LoopTable = LoopTable()
+    imu: ImuTable | None = None
     bench: BenchTable = BenchTable()
     source: Path | None = None
 
@@ -242,6 +265,7 @@ def _problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
         yield from _motor_problems(motor, c)
     for bus in names:
         yield from _id_problems(c.on(bus))
+    yield from _imu_problems(c)
     n = len(c.motor)
     for key, values in (("loop.kp", c.loop.kp), ("loop.kd", c.loop.kd)):
         if len(values) not in (1, n):
@@ -333,13 +357,35 @@ def _id_problems(motors: list[MotorTable]) -> Iterator[tuple[str, str, str]]:
         yield "motor.id", f"id {id:#x} is used twice", "give each drive of a bus its own"
 
 
+def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
+    if c.imu is None:
+        return
+    names = [bus.name for bus in c.bus]
+    if c.imu.bus not in names:
+        yield "imu.bus", f"no bus is called '{c.imu.bus}'", f"buses: {', '.join(names)}"
+    if c.imu.protocol not in IMUS:
+        yield "imu.protocol", f"no unit is called '{c.imu.protocol}'", f"known: {', '.join(IMUS)}"
+        return
+    try:
+        ids = IMUS[c.imu.protocol](c.imu.id).ids
+    except FrameError as error:
+        yield "imu.id", str(error), "correct the identifier"
+        return
+    taken = {REGISTERS_ID: "the registers"}
+    for motor in c.on(c.imu.bus):
+        taken |= {motor.id: f"'{motor.axis}'", motor.reply_id: f"'{motor.axis}'"}
+    for id in ids:
+        if id in taken:
+            yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose two that are free"
+
+
 def _explain(error: ValidationError, path: Path) -> InputError:
     first = error.errors()[0]
     key = ".".join(str(part) for part in first["loc"])
     if first["type"] == "extra_forbidden":
         tables: dict[Any, type[_Table]] = {
             "bus": BusTable, "motor": MotorTable, "mechanism": MechanismTable, "loop": LoopTable,
-            "ranges": RangesTable, "limits": LimitsTable, "bench": BenchTable,
+            "ranges": RangesTable, "limits": LimitsTable, "bench": BenchTable, "imu": ImuTable,
         }  # fmt: skip
         inside = [part for part in first["loc"][:-1] if part in tables]
         known = tuple((tables[inside[-1]] if inside else CanConfig).model_fields)

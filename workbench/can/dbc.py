@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .damiao import Damiao
+from .imu import Imu, WorkbenchImu
 from .mit import Mit
 from .robstride import Robstride
 from .span import Span
@@ -19,11 +20,12 @@ _UNITS = {"position": "rad", "velocity": "rad/s", "torque": "N*m", "kp": "N*m/ra
 _MOTION = (("position", 8, 16), ("velocity", 24, 12), ("torque", 36, 12))
 
 
-def dbc(drives: Mapping[str, Drive]) -> str:
+def dbc(drives: Mapping[str, Drive], imu: Imu | None = None) -> str:
     """The text of a DBC file.
 
     Args:
         drives: axis -> drive; the axis becomes part of the names of messages and signals.
+        imu: the inertial unit, as far as its frames are ours.
     """
     messages: list[str] = []
     answers: dict[int, list[str]] = {}
@@ -48,6 +50,14 @@ def dbc(drives: Mapping[str, Drive]) -> str:
         lines += _tail(axis, drive, key)
     for id, signals in answers.items():
         messages.append(_message(id, f"feedback_{id:x}", signals))
+    if isinstance(imu, WorkbenchImu):
+        for id, (quantity, span) in zip(imu.ids, imu.spans, strict=True):
+            unit = "rad/s" if quantity == "angular" else ""
+            signals = [
+                _line(f"{quantity}_{axis}", 16 * k, 16, span.step, span.low, unit)
+                for k, axis in enumerate("xyz")
+            ]
+            messages.append(_message(id, f"imu_{quantity}", signals, 6))
     return "\n".join(['VERSION ""', "", "NS_ :", "", "BS_:", "", "BU_: host", "", *messages])
 
 
@@ -68,8 +78,8 @@ def _tail(axis: str, drive: Mit, key: str) -> list[str]:
     return lines[: drive.length - 6]
 
 
-def _message(id: int, name: str, signals: list[str]) -> str:
-    return "\n".join([f"BO_ {id} {name}: 8 Vector__XXX", *signals, ""])
+def _message(id: int, name: str, signals: list[str], length: int = 8) -> str:
+    return "\n".join([f"BO_ {id} {name}: {length} Vector__XXX", *signals, ""])
 
 
 def _signal(name: str, offset: int, bits: int, span: Span, multiplexed: str = "") -> str:

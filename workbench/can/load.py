@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from .config import CanConfig, make_drive
 from .frame import worst_bits
+from .imu import IMUS
 
 MOST = 0.7  # of a bus; the rest is for errors, parameters and frames that come late
 
@@ -43,5 +44,10 @@ def bus_load(config: CanConfig) -> list[BusLoad]:
             drive = make_drive(motor)
             bits += worst_bits(8, drive.extended) + worst_bits(drive.length, drive.extended)
         count = len(config.on(bus.name))
-        loads.append(BusLoad(bus.name, count, 2 * count * rate, bits * rate, bits * rate / bus.bitrate))
+        frames, second = 2 * count * rate, bits * rate
+        if config.imu and config.imu.bus == bus.name:
+            lengths = IMUS[config.imu.protocol](config.imu.id).lengths
+            frames += len(lengths) / config.imu.period_s
+            second += sum(worst_bits(length) for length in lengths) / config.imu.period_s
+        loads.append(BusLoad(bus.name, count, frames, second, second / bus.bitrate))
     return loads

@@ -78,10 +78,13 @@ def dbc(
     """
     from workbench.can import dbc as text
     from workbench.can import load_config, make_drive
+    from workbench.can.imu import IMUS
     from workbench.core.files import write_whole
 
-    motors = load_config(config).motor
-    write_whole(output, text({motor.axis: make_drive(motor) for motor in motors}), force=force)
+    loaded = load_config(config)
+    imu = IMUS[loaded.imu.protocol](loaded.imu.id) if loaded.imu else None
+    drives = {motor.axis: make_drive(motor) for motor in loaded.motor}
+    write_whole(output, text(drives, imu), force=force)
 
 
 @can.command()

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import Annotated
 
 import typer
+
+from workbench.core import InputError
 
 from .app import app
 from .common import JsonOption, QuietOption, SeedOption, check_outputs
@@ -23,6 +26,10 @@ def deploy(
     ] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Move without asking.")] = False,
     cpu: Annotated[int | None, typer.Option(min=0, help="Processor to stay on.")] = None,
+    velocity: Annotated[
+        tuple[float, float, float],
+        typer.Option(metavar="X Y TURN", help="What a walking policy is asked for [m/s, m/s, rad/s]."),
+    ] = (0.8, 0.0, 0.8),
     seed: SeedOption = 0,
     json: JsonOption = None,
     quiet: QuietOption = False,
@@ -42,7 +49,9 @@ def deploy(
     if not (dry_run or yes):
         typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True)
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
-    result = run(robot, policy, seconds, dry=dry_run, seed=seed, cpu=cpu, say=say)
+    if not all(map(math.isfinite, velocity)):
+        raise InputError("a velocity is no number", remedy="give three: --velocity 0.8 0 0.8")
+    result = run(robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, cpu=cpu, say=say)
     if json:
         write_json({"format": 1, **result}, json, force=True)
     if not quiet and json != "-":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -13,6 +13,7 @@ from workbench.bundle import Policy, PolicyBundle
 from workbench.can import CanConfig, bus_load
 from workbench.can.realtime import realtime
 from workbench.core import InputError
+from workbench.rigs import MotorBank
 
 from .host import Controller, Host
 from .joints import Joints, joints_of
@@ -21,10 +22,14 @@ from .policies import PolicyController, Tracker, check_bundle, reach_between
 from .ports import PortNetwork
 from .simulated import SimulatedNetwork
 
+CIRCLE = (0.8, 0.0, 0.8)  # m/s, m/s, rad/s: paper, Table V
 _CALM = 0.5  # s of damping before drives are switched off
 
 
-def controller_of(bundle: PolicyBundle | None, config: CanConfig, joints: Joints, seed: int) -> Controller:
+def controller_of(
+    bundle: PolicyBundle | None, config: CanConfig, joints: Joints, seed: int,
+    twist: Sequence[float] = CIRCLE,
+) -> Controller:  # fmt: skip
     """The bundle's policy, or a tracker where there is no bundle.
 
     Raises:
@@ -40,7 +45,9 @@ def controller_of(bundle: PolicyBundle | None, config: CanConfig, joints: Joints
     policy = Policy(bundle)
     policy(np.zeros(policy.size))  # the first call is the slowest: not in the loop
     goal = reach_between(low, high, own.posture, seed)
-    return PolicyController(bundle, policy, goal, loop.policy_every, loop.period_s)
+    return PolicyController(
+        bundle, policy, goal, loop.policy_every, loop.period_s, loop.hold_s, np.array(twist, float)
+    )
 
 
 def deploy(
@@ -50,6 +57,8 @@ def deploy(
     *,
     dry: bool = False,
     seed: int = 0,
+    twist: Sequence[float] = CIRCLE,
+    network: Network | None = None,
     cpu: int | None = None,
     say: Callable[[str], None] = lambda line: None,
 ) -> dict[str, Any]:
@@ -60,7 +69,9 @@ def deploy(
         bundle: its policy; None for a trajectory tracker.
         seconds: how long it runs once it is armed.
         dry: on virtual motors in simulated time; no bus is touched.
-        seed: of the trajectory.
+        seed: of the trajectory, and of virtual sensors.
+        twist: forward, sideward and turning speed that a policy is to keep [m/s, m/s, rad/s].
+        network: with motors of one's own, for a dry run.
         cpu: processor to stay on.
         say: gets a status line now and then.
 
@@ -78,8 +89,11 @@ def deploy(
                 remedy="use more buses or a longer period",
             )  # fmt: skip
     joints = joints_of(config)
-    controller = controller_of(bundle, config, joints, seed)
-    network: SimulatedNetwork | PortNetwork = SimulatedNetwork(config) if dry else PortNetwork(config)
+    controller = controller_of(bundle, config, joints, seed, twist)
+    if not dry:
+        network = PortNetwork(config)
+    elif network is None:
+        network = SimulatedNetwork(config, MotorBank(config, seed=seed))
     try:
         with realtime(cpu) as refused:
             for what in refused:

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.can import CanConfig, Drive, Fault, FrameError, Parameter, make_drive
 from workbench.can import Feedback as Said
 
+from .base import BaseFeedback
 from .network import Arrival
 
 _SLACK = 0.05  # by which a position may step beyond what full speed allows [rad]
@@ -22,7 +23,8 @@ class Feedback:
         temperature: [deg C], NaN where none is told.
         stamp: when the feedback was complete on the wire [s]; -inf before the first.
         faulty: drives that report a fault or that they do not drive.
-        counts: frames by what they were: feedback, parameter, echo, unknown, garbage, old.
+        base: what is known of the base.
+        counts: frames by what they were: feedback, base, parameter, echo, unknown, garbage, old.
     """
 
     def __init__(self, config: CanConfig) -> None:
@@ -37,6 +39,7 @@ class Feedback:
         self.faulty = np.ones(n, bool)
         self.counts: Counter[str] = Counter()
         self._stale = 3 * config.loop.period_s
+        self.base = BaseFeedback(config, self._stale)
         self._parameters: list[dict[str, float]] = [{} for _ in range(n)]
 
     def take(self, arrival: Arrival, now: float) -> None:
@@ -53,7 +56,8 @@ class Feedback:
             if said is not None:
                 self._heard(index, said, arrival.stamp, now)
                 return
-        self.counts["unknown"] += 1
+        base = self.base.take(arrival.frame, arrival.stamp, now) if arrival.bus == self.base.bus else None
+        self.counts[base or "unknown"] += 1
 
     def parameter(self, index: int, name: str) -> float | None:
         """A parameter that drive `index` told since it was last asked."""

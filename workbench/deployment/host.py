@@ -15,6 +15,7 @@ import numpy as np
 from workbench.can import CanConfig, Frame, FrameError, Setpoint
 from workbench.core import WorkbenchError
 
+from .base import BaseMotion
 from .feedback import Feedback
 from .joints import Joints
 from .limits import Limits, limits_of
@@ -45,13 +46,16 @@ class Target(NamedTuple):
 class Controller(Protocol):
     """Decides where the joints go."""
 
-    def target(self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray) -> Target | None:
+    def target(
+        self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
+    ) -> Target | None:
         """Once a tick.
 
         Args:
             now: nominal time of the tick [s].
             phase: of safety.
             position, velocity: of the joints (n,) [rad, rad/s].
+            base: how it turns and where down is, as far as that is known.
         """
         ...
 
@@ -253,7 +257,7 @@ class Host:
         self._prepare()
         seen = Seen(
             now, f.position, f.velocity, f.temperature, f.age(now), f.faulty, self._bus_ok,
-            self.operator.stop, self.operator.arm and self._enabling == 0, self._verified,
+            self.operator.stop, self.operator.arm and self._enabling == 0, self._verified, f.base.age(now),
         )  # fmt: skip
         self._bus_ok = True
         self.state, out = step(self._limits, self.state, seen, self._wanted(now))
@@ -288,7 +292,7 @@ class Host:
         if self.state.phase == "arm":
             self._start = position
         try:
-            target = self._controller.target(self.time, self.state.phase, position, velocity)
+            target = self._controller.target(self.time, self.state.phase, position, velocity, f.base.motion)
         except (WorkbenchError, ArithmeticError, ValueError):
             return None
         if target is None:

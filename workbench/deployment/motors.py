@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from workbench.can import CanConfig
 from workbench.rigs import MotorBank
+from workbench.rigs.motor_bank import IMU
 
 from .network import Arrival
 from .ports import PortNetwork
@@ -34,6 +35,7 @@ def run_motors(
     """
     network, waiting = PortNetwork(config, echo=False), deque[Arrival]()
     bus = {motor.axis: motor.bus for motor in config.motor}
+    bus |= {IMU: config.imu.bus} if config.imu else {}
     hearers = {b.name: [bank.motors[m.axis] for m in config.on(b.name)] for b in config.bus}
 
     def hear(until: float) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 from workbench.core import InputError
 from workbench.frf import Design
 
+from .base import BaseMotion
 from .host import Target
 
 
@@ -52,7 +53,9 @@ class Player:
         """Whether everything was played `now` [s]."""
         return self.begun is not None and now >= self.begun + self.seconds
 
-    def target(self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray) -> Target:
+    def target(
+        self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
+    ) -> Target:
         """The row of this tick; the posture before the first and behind the last."""
         if phase != "run":
             return Target(self.reference[0], self._zero, now)

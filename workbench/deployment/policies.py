@@ -11,6 +11,7 @@ from workbench.bundle import PolicyBundle
 from workbench.can import CanConfig
 from workbench.core import InputError
 
+from .base import BaseMotion
 from .host import Target
 from .joints import Joints
 from .observe import Reach, Sight, check_layout, observe
@@ -27,7 +28,9 @@ class Tracker:
         self._goal, self._begun = goal, np.inf
         self._zero = np.zeros(len(goal.middle))
 
-    def target(self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray) -> Target:
+    def target(
+        self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
+    ) -> Target:
         """The reference of this tick."""
         self._begun = min(self._begun, now) if phase == "run" else np.inf
         time = max(0.0, now - self._begun) if phase == "run" else 0.0
@@ -43,26 +46,39 @@ class PolicyController:
         goal: what it is to follow.
         every: ticks from one action to the next.
         period: of the loop [s].
+        hold: how long the posture is held first [s].
+        twist: forward, sideward and turning speed that it is to keep (3,) [m/s, m/s, rad/s].
     """
 
-    def __init__(self, bundle: PolicyBundle, act: Act, goal: Reach, every: int, period: float) -> None:
-        self._bundle, self._act, self._goal = bundle, act, goal
+    def __init__(
+        self, bundle: PolicyBundle, act: Act, goal: Reach, every: int, period: float, hold: float = 0.0,
+        twist: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
+        self._bundle, self._act, self._goal, self._hold = bundle, act, goal, hold
+        self._twist = np.zeros(3) if twist is None else twist
         self._step, self._period, self._every = every * period, period, every
         self._posture = bundle.control.posture
         self._zero = np.zeros(len(self._posture))
         self._begun, self._due, self._made = np.inf, 0, 0.0
         self._action = self._zero
 
-    def target(self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray) -> Target:
-        """The reference of this tick; the posture until the loop runs."""
+    def target(
+        self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
+    ) -> Target:
+        """The reference of this tick; the posture until the loop runs, and while it is held."""
         if phase != "run":
             self._begun, self._due, self._action = np.inf, 0, self._zero
             return Target(self._posture, self._zero, now)
-        self._begun = min(self._begun, now)
+        self._begun = min(self._begun, now + self._hold)
+        if now < self._begun:
+            return Target(self._posture, self._zero, now)
         tick = round((now - self._begun) / self._period)
         if tick >= self._due:
             time = tick * self._period
-            sight = Sight(position, velocity, self._posture, self._action, self._goal, time, self._step)
+            sight = Sight(
+                position, velocity, self._posture, self._action, self._goal, time, self._step, base.angular,
+                base.gravity, self._twist,
+            )  # fmt: skip
             self._action = self._act(observe(self._bundle.observations, sight))
             self._made, self._due = now, (tick // self._every + 1) * self._every
         scale = self._bundle.control.action_scale
@@ -79,7 +95,7 @@ def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> Non
     if len(own.joints) != n:
         problem = f"a policy of {len(own.joints)} joints for {n} motors"
         raise InputError(problem, file=bundle.source, remedy="deploy it on the robot it was trained for")
-    check_layout(bundle.observations, n)
+    check_layout(bundle.observations, n, config)
     kp, kd = config.gains()
     wanted = (
         ("transmission", own.transmission, joints.matrix, "mechanism"),

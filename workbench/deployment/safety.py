@@ -31,6 +31,7 @@ class Seen:
         stop: the emergency stop is pressed.
         arm: the operator asks for motion.
         verified: every drive was asked who it is, and said what it had to.
+        base_age: of what is known of the base [s]; 0 where there is no base to know of.
     """
 
     now: float
@@ -43,6 +44,7 @@ class Seen:
     stop: bool = False
     arm: bool = True
     verified: bool = True
+    base_age: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +157,8 @@ def _sight(limits: Limits, seen: Seen) -> str | None:
         return "feedback is no number"
     if not (seen.age < limits.stale_s).all():
         return f"no feedback for {1e3 * limits.stale_s:.3g} ms"
+    if not seen.base_age < limits.stale_s:
+        return f"no word of the base for {1e3 * limits.stale_s:.3g} ms"
     if seen.faulty.any():
         return "a drive reports a fault"
     over = limits.overrun

@@ -7,6 +7,7 @@ from functools import partial
 
 from workbench.can import CanConfig, Frame, Wire
 from workbench.rigs import MotorBank
+from workbench.rigs.motor_bank import IMU
 
 from .network import Arrival
 
@@ -39,6 +40,9 @@ class SimulatedNetwork:
             )
             for motor in config.motor
         }
+        if config.imu:
+            wire = self.wires[config.imu.bus]
+            self._motors[IMU] = (wire, wire.attach("imu", lambda stamp, frame: None))
         self.hosts = {
             name: wire.attach("host", partial(self._arrived, name, False), partial(self._arrived, name, True))
             for name, wire in self.wires.items()

@@ -171,6 +171,10 @@ class DiscreteChain:
                     forces[self._feet.index(body)] += sign * contact.contact_force()
         return forces
 
+    def place(self, frame: str) -> np.ndarray:
+        """Where the origin of a frame is in the world (3,) [m]."""
+        return self.plant.GetFrameByName(frame).CalcPoseInWorld(self._context).translation()
+
     def _whole(self, base: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         """All positions, with the base where it is wanted or where the file has it, and all speeds, zero."""
         positions = self.plant.GetPositions(self.plant.CreateDefaultContext())

@@ -4,30 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from workbench.can import CanConfig, Frame, make_drive
+from workbench.can.imu import Triple, WorkbenchImu
 from workbench.core import InputError
 
 from .hidden import HiddenEffect
 from .live import ROW, LiveLeg, LiveShaft, Plant
+from .quadruped import ROW as QUADRUPED_ROW
+from .quadruped import LiveQuadruped
 from .virtual_leg import Sensors
 from .virtual_motor import VirtualMotor
+
+IMU = ""  # who says what is no axis's
+_STEADY = 0.1  # s that drives hold at full torque before a stand lets go
+_STILL, _DOWN = np.zeros(3), np.array([0.0, 0.0, -1.0])
 
 #: Full scale of drives whose ranges are to be read from them.
 _OWN = (12.5, 45.0, 25.0)
 
 
 class MotorBank:
-    """Virtual motors: every mechanism of two axes is a reference leg, every other axis a lone actuator.
+    """Virtual motors: legs on their stands and lone actuators, or one quadruped with its inertial unit.
+
+    A quadruped is held by its stand until all its drives have been on for as long as they start softly.
 
     Args:
         config: the buses and drives.
         hidden: effects in every leg.
         seed: of sensor noise; each machine draws its own.
         sensors: noise and resolution.
-        row: one cycle of the drives' control [s].
+        row: one cycle of the drives' control [s]; None for the rig's own.
+
+    Attributes:
+        robot: the quadruped, if it is one.
 
     Raises:
-        InputError: a mechanism that is no leg.
+        InputError: a mechanism that is no leg, or a quadruped of other than 12 axes.
     """
 
     def __init__(
@@ -36,15 +50,47 @@ class MotorBank:
         hidden: Sequence[HiddenEffect] = (),
         seed: int = 0,
         sensors: Sensors | None = None,
-        row: float = ROW,
+        row: float | None = None,
     ) -> None:
-        self.row = row
+        quadruped = config.bench.rig == "quadruped"
+        self.row = row or (QUADRUPED_ROW if quadruped else ROW)
         self.motors = {
             m.axis: VirtualMotor(m.axis, make_drive(m, _OWN if m.reads_ranges else None), m.sign, m.offset)
             for m in config.motor
         }
         self._plants: list[tuple[Plant, list[VirtualMotor]]] = []
-        free = list(config.axes)
+        self.robot: LiveQuadruped | None = None
+        self._imu, self._sample, self._on = None, 0.0, 0
+        if config.imu:
+            if config.imu.protocol != "workbench":
+                raise InputError(
+                    f"the virtual unit does not speak '{config.imu.protocol}'", file=config.source,
+                    column="imu.protocol", remedy='for virtual motors write "workbench"',
+                )  # fmt: skip
+            self._imu, self._period = WorkbenchImu(config.imu.id), config.imu.period_s
+        if quadruped:
+            self._stand(config, hidden, seed, sensors)
+        else:
+            self._single(config, hidden, seed, sensors)
+
+    def _stand(
+        self, config: CanConfig, hidden: Sequence[HiddenEffect], seed: int, sensors: Sensors | None
+    ) -> None:
+        if len(config.motor) != LiveQuadruped.axes:
+            raise InputError(
+                f"a quadruped has {LiveQuadruped.axes} axes, here are {len(config.motor)}",
+                file=config.source, column="bench.rig", remedy="abduction, hip and knee of fl, fr, rl and rr",
+            )  # fmt: skip
+        if hidden:
+            raise InputError("the virtual quadruped hides nothing", remedy="hide it in a leg")
+        self.robot = LiveQuadruped(seed, sensors, self.row)
+        self._plants.append((self.robot, list(self.motors.values())))
+        self._let_go = round((config.loop.soft_start_s + _STEADY) / self.row)
+
+    def _single(
+        self, config: CanConfig, hidden: Sequence[HiddenEffect], seed: int, sensors: Sensors | None
+    ) -> None:
+        row, free = self.row, list(config.axes)
         for k, mechanism in enumerate(config.mechanism):
             if len(mechanism.axes) != 2:
                 remedy = "virtual motors turn legs of two axes, or lone actuators"
@@ -76,7 +122,7 @@ class MotorBank:
         return said
 
     def work(self, now: float) -> list[tuple[str, Frame]]:
-        """One row that begins now [s]; returns what the motors say: axis and frame."""
+        """One row that begins now [s]; returns what motors and inertial unit say: axis (or `IMU`), frame."""
         said: list[tuple[str, Frame]] = []
         for plant, motors in self._plants:
             for motor in motors:
@@ -88,4 +134,21 @@ class MotorBank:
             for motor, look in zip(motors, after, strict=True):
                 said += [(motor.axis, frame) for frame in motor.answer(look, now, self.row)]
             plant.advance()
-        return said
+        return said + self._base(now)
+
+    def _base(self, now: float) -> list[tuple[str, Frame]]:
+        """What the inertial unit says; without a robot it lies still. Lets the robot go when it is time."""
+        robot = self.robot
+        if robot and robot.held:
+            self._on = self._on + 1 if all(motor.enabled for motor in self.motors.values()) else 0
+            robot.held = self._on < self._let_go
+        if self._imu is None or now < self._sample - 0.5 * self.row:
+            return []
+        self._sample = max(self._sample, now - self._period) + self._period
+        angular, gravity = robot.feel() if robot else (_STILL, _DOWN)
+        return [(IMU, frame) for frame in self._imu.encode(_triple(angular), _triple(gravity))]
+
+
+def _triple(values: np.ndarray) -> Triple:
+    x, y, z = values.tolist()
+    return x, y, z

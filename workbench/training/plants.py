@@ -11,6 +11,7 @@ import numpy as np
 from workbench.core import Mechanism
 from workbench.core.paths import closed_chain_file
 from workbench.mechanism import DiscreteChain, Ground
+from workbench.rigs.quadruped import quadruped_mechanism
 
 from .machine import FOOT_RADIUS, LEGS, STEP_S, Machine
 from .situation import base_state
@@ -145,14 +146,6 @@ class TrainedPlant:
                     world = contact.frame.reshape(3, 3).T @ six[:3]
                     loads[self._feet.index(foot)] += world if side else -world
         return loads
-
-
-def quadruped_mechanism() -> Mechanism:
-    """The reference quadruped with abduction: 12 drives, four loops."""
-    own = ("abduction", "hip", "crank_pin"), ("abduction", "hip", "knee")
-    drives, joints = (tuple(f"{leg}_{name}" for leg in LEGS for name in names) for names in own)
-    loops = tuple((f"{leg}_coupler_end", f"{leg}_rear_arm_end") for leg in LEGS)
-    return Mechanism(closed_chain_file("quadruped_abduction"), drives, joints, loops, foot="fl_foot")
 
 
 def begin(plant: Plant, machine: Machine) -> None:

@@ -1,0 +1,64 @@
+"""The inertial unit on a bus: exact to its steps, deaf to everything else, and readable with the DBC."""
+
+from __future__ import annotations
+
+import cantools.database
+import numpy as np
+import pytest
+
+from tests.can.make import config, motor
+from workbench.can import Frame, FrameError, dbc
+from workbench.can.imu import WorkbenchImu
+from workbench.deployment.base import BaseFeedback
+
+UNIT = WorkbenchImu(0x60)
+
+
+def test_what_is_sent_is_what_is_read_and_what_a_dbc_reads() -> None:
+    generator, database = np.random.default_rng(3), cantools.database.load_string(dbc({}, UNIT))
+    for _ in range(200):
+        angular, down = generator.uniform(-34, 34, 3), generator.standard_normal(3)
+        down /= np.linalg.norm(down)
+        for frame, (name, wanted, step) in zip(
+            UNIT.encode(tuple(angular), tuple(down)),
+            (("angular", angular, 70 / 65535), ("gravity", down, 2.4 / 65535)),
+            strict=True,
+        ):
+            quantity, values = UNIT.decode(frame) or ("", ())
+            assert quantity == name and np.abs(values - wanted).max() <= 0.5001 * step
+            read = database.decode_message(frame.id, frame.data)
+            assert isinstance(read, dict)
+            assert [read[f"{name}_{axis}"] for axis in "xyz"] == pytest.approx(values, abs=1e-9)
+
+
+def test_what_is_beyond_its_range_stays_at_the_end_of_it() -> None:
+    frame, _ = UNIT.encode((1e3, -1e3, 0.0), (0.0, 0.0, -1.0))
+    said = UNIT.decode(frame)
+    assert said and said[1][:2] == pytest.approx((35.0, -35.0))
+
+
+def test_frames_that_do_not_fit_change_nothing(tmp_path) -> None:
+    loaded = config(tmp_path, [motor("hip", 1)], imu={"bus": "can0", "id": 0x60})
+    base, generator = BaseFeedback(loaded, 0.009), np.random.default_rng(5)
+    for frame in UNIT.encode((0.1, 0.2, 0.3), (0.0, 0.0, -1.0)):
+        assert base.take(frame, 1.0, 1.001) == "base"
+    before, age = base.motion, base.age(1.002)
+    for _ in range(20_000):
+        id, length = int(generator.integers(0x800)), int(generator.integers(9))
+        frame = Frame(id, generator.bytes(length))
+        if id in UNIT.ids and length == 6 and id == 0x60:
+            continue  # any six bytes are an angular velocity
+        assert base.take(frame, 1.0, 1.001) in (None, "garbage", "old")
+    for frame in UNIT.encode((9.0, 9.0, 9.0), (1.0, 0.0, 0.0)):
+        assert base.take(frame, 1.0, 1.001) == "old", "repeated"
+        assert base.take(frame, 1.02, 1.03) == "old", "too long on its way"
+    assert base.motion is before and base.age(1.002) == age
+    with pytest.raises(FrameError):
+        UNIT.decode(Frame(0x61, bytes(6)))
+    assert UNIT.decode(Frame(0x60, bytes(6), extended=True)) is None
+
+
+def test_what_is_not_known_is_old_and_what_is_not_there_is_not_missed(tmp_path) -> None:
+    loaded = config(tmp_path, [motor("hip", 1)], imu={"bus": "can0", "id": 0x60})
+    assert BaseFeedback(loaded, 0.009).age(5.0) == float("inf")
+    assert BaseFeedback(loaded.model_copy(update={"imu": None}), 0.009).age(5.0) == 0.0

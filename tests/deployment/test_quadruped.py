@@ -1,0 +1,99 @@
+"""Policies of the quadruped over CAN: twelve drives, four buses, an inertial unit, and the same motion."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from virtual_robot import four_legs
+
+from workbench.bundle import PolicyBundle, read_bundle
+from workbench.can import CanConfig, bus_load, load_config
+from workbench.core import InputError
+from workbench.deployment import Host, SimulatedNetwork, joints_of
+from workbench.deployment.deploy import controller_of, deploy
+from workbench.rigs import MotorBank
+from workbench.training.evaluate import evaluate
+from workbench.training.tasks import CIRCLE, PITCH_HZ
+
+POLICIES = Path(__file__).resolve().parents[2] / "policies"
+RUN_S = 3.0  # of the policy; the first second is not judged
+
+
+def robot(folder: Path, bundle: PolicyBundle) -> CanConfig:
+    return load_config(four_legs(folder, machine=hashlib.sha256(bundle.machine.encode()).hexdigest()[:16]))
+
+
+def moved(config: CanConfig, bundle: PolicyBundle, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gravity, linear and angular velocity of the trunk (N, 3), a second after the policy began."""
+    network = SimulatedNetwork(config, MotorBank(config, seed=seed))
+    trunk = network.bank.robot
+    assert trunk is not None
+    rows: list[tuple[np.ndarray, ...]] = []
+    network.every_row = lambda now: rows.append(trunk.motion) if not trunk.held else None
+    before = config.loop.soft_start_s + config.loop.hold_s + 0.02
+    result = deploy(config, bundle, before + RUN_S, dry=True, seed=seed, network=network)
+    assert result["fault"] is None and result["missed_share"] == 0.0
+    assert result["frames"]["base"] > 2 * (before + RUN_S) / config.imu.period_s - 20  # type: ignore[union-attr]
+    wanted = round((RUN_S - 1.0) / network.bank.row)
+    calm = round(0.52 / network.bank.row)  # it damps before it is switched off
+    return tuple(np.array([row[k] for row in rows[-wanted - calm : -calm]]) for k in range(3))  # type: ignore[return-value]
+
+
+def test_it_pitches_as_it_does_when_it_is_evaluated(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "pitch-in-place_s3n_full.zip")
+    direct = evaluate(bundle, seconds=RUN_S, seed=1).scores
+    gravity, _, angular = moved(robot(tmp_path, bundle), bundle, 1)
+    low, high = np.percentile(angular[:, 1], [1, 99])
+    assert high - low == pytest.approx(direct["pitch_rate_peak_to_peak_rad_s"], rel=0.04)
+    amplitude = np.sqrt(2.0) * np.std(np.arcsin(gravity[:, 0]))
+    assert amplitude == pytest.approx(direct["pitch_amplitude_rad"], rel=0.04)
+
+
+def test_it_runs_as_it_does_when_it_is_evaluated(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    direct = evaluate(bundle, seconds=RUN_S, seed=1).scores
+    _, linear, angular = moved(robot(tmp_path, bundle), bundle, 1)
+    assert linear[:, 0].mean() == pytest.approx(direct["forward_m_s"], abs=0.02)
+    assert angular[:, 2].mean() == pytest.approx(direct["yaw_rad_s"], abs=0.02)
+
+
+def test_an_inertial_unit_that_falls_silent_damps(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    network, joints = SimulatedNetwork(config), joints_of(config)
+    host = Host(config, network, controller_of(bundle, config, joints, 0), joints)
+    host.verify()
+    host.operator.arm = True
+    host.run(1.3)
+    assert host.state.phase == "run"
+    silent = network.now()
+    network.wires["fl"].lost = lambda node, frame: frame.id == 0x60
+    host.run(0.05, lambda h, _: h.state.phase == "damp")
+    assert host.state.fault == "no word of the base for 9 ms"
+    assert host.state.since - silent <= 0.009 + config.loop.period_s
+
+
+def test_a_robot_that_does_not_fit_is_refused(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    with pytest.raises(InputError, match="there is no inertial unit"):
+        deploy(config.model_copy(update={"imu": None}), bundle, 1.0, dry=True)
+    with pytest.raises(InputError, match="a quadruped has 12 axes, here are 9"):
+        MotorBank(config.model_copy(update={"motor": config.motor[:9]}))
+
+
+def test_tasks_and_deployment_mean_the_same() -> None:
+    from workbench.deployment import deploy as module
+    from workbench.deployment.observe import PITCH_HZ as OURS
+
+    assert OURS == PITCH_HZ and module.CIRCLE == CIRCLE
+
+
+def test_the_unit_counts_in_the_load_of_its_bus(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    first, second, *_ = bus_load(robot(tmp_path, bundle))
+    assert first.frames - second.frames == pytest.approx(2 / 0.003)
+    assert 0.06 < first.share - second.share < 0.09

@@ -1,0 +1,79 @@
+"""Inertial units on a bus: how the base turns, and where down is.
+
+A unit of another make is one more class with these three members, under its name in `IMUS`; what it measures
+in other quantities (a quaternion, an acceleration) it turns into these itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal, Protocol
+
+from .frame import Frame, FrameError
+from .span import Span
+
+#: x, y and z in the base's frame.
+Triple = tuple[float, float, float]
+Quantity = Literal["angular", "gravity"]
+
+
+class Imu(Protocol):
+    """What the host and the bus load ask of a unit.
+
+    Attributes:
+        lengths: bytes of each frame of one sample.
+        ids: standard identifiers that it sends on.
+    """
+
+    lengths: tuple[int, ...]
+    ids: tuple[int, ...]
+
+    def decode(self, frame: Frame) -> tuple[Quantity, Triple] | None:
+        """Angular velocity [rad/s] or direction of gravity (unit vector); None where it is not its frame.
+
+        Raises:
+            FrameError: its identifier, and nothing that it sends.
+        """
+        ...
+
+
+class WorkbenchImu:
+    """The virtual unit: angular velocity on `id`, direction of gravity on the next, 16 bits each, big-endian.
+
+    Args:
+        id: of the first of its two frames.
+    """
+
+    lengths: tuple[int, ...] = (6, 6)
+    spans: tuple[tuple[Quantity, Span], ...] = (
+        ("angular", Span(-35.0, 35.0, 16)), ("gravity", Span(-1.2, 1.2, 16)),
+    )  # fmt: skip
+
+    def __init__(self, id: int) -> None:
+        if not 0 <= id < 0x7FF:
+            raise FrameError(f"id {id:#x} is outside 0x0 to 0x7fe")
+        self.ids: tuple[int, ...] = (id, id + 1)
+
+    def encode(self, angular: Triple, gravity: Triple) -> list[Frame]:
+        """One sample; what is beyond its range is at the end of it."""
+        frames = []
+        for id, values, (_, span) in zip(self.ids, (angular, gravity), self.spans, strict=True):
+            raw = [span.encode(min(max(value, span.low), span.high)) for value in values]
+            frames.append(Frame(id, b"".join(each.to_bytes(2, "big") for each in raw)))
+        return frames
+
+    def decode(self, frame: Frame) -> tuple[Quantity, Triple] | None:
+        """See `Imu`."""
+        if frame.extended or frame.id not in self.ids:
+            return None
+        if len(frame.data) != 6:
+            raise FrameError(f"{len(frame.data)} bytes are no sample")
+        quantity, span = self.spans[frame.id - self.ids[0]]
+        x, y, z = (span.decode(int.from_bytes(frame.data[k : k + 2], "big")) for k in (0, 2, 4))
+        if quantity == "gravity" and not 0.8 < x * x + y * y + z * z < 1.2:
+            raise FrameError("no direction")
+        return quantity, (x, y, z)
+
+
+#: Name in a configuration -> the unit with this identifier.
+IMUS: dict[str, Callable[[int], Imu]] = {"workbench": WorkbenchImu}
