@@ -15,16 +15,13 @@ from matplotlib.figure import Figure
 from rich.table import Table
 
 from workbench import load_model, report
+from workbench.core.palette import COLOURS, LINES
 from workbench.models import Model
 from workbench.report.layout import table as new_table
 from workbench.s3n.gap import InertiaGap, inertia_gap
 
 _ENTRIES = (("M11", 0, 0), ("M12", 0, 1), ("M22", 1, 1))
-_LINES = {
-    "kin_only": ("#D55E00", (0, (4, 1.6))),
-    "s3n_act": ("#009E73", (0, (1, 1.2))),
-    "s3n_full": ("#0072B2", "-"),
-}
+_LINES = {name: LINES[name] for name in ("kin_only", "s3n_act", "s3n_full")}
 _ALPHA = np.radians(np.linspace(0.0, 180.0, 181))
 
 
@@ -84,13 +81,13 @@ def gap_figure(gap: InertiaGap) -> Figure:
     axes = figure.subplots(1, 4)
     degrees = np.degrees(gap.alpha)
     for ax, (name, i, j) in zip(axes, _ENTRIES, strict=False):
-        for variant, (color, style) in _LINES.items():
-            ax.plot(degrees, gap.mass[variant][:, i, j], color=color, ls=style, label=variant)
+        for variant, line in _LINES.items():
+            ax.plot(degrees, gap.mass[variant][:, i, j], label=variant, **line.drawn())
         ax.set_title(f"{name}, serial [kg m²]", fontsize=9, loc="left")
         low, high = ax.get_ylim()
         ax.set_ylim(min(0.0, low), high)
     axes[0].legend(frameon=False, fontsize=8)
-    axes[3].plot(degrees, 100.0 * gap.too_fast, color="#1a1c1e")
+    axes[3].plot(degrees, 100.0 * gap.too_fast, color=COLOURS["ink"][0])
     axes[3].set_title("Kin-Only too fast by [%]", fontsize=9, loc="left")
     axes[3].set_ylim(0.0, 120.0 * gap.too_fast.max())
     for ax in axes:

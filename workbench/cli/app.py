@@ -47,6 +47,7 @@ def main() -> None:
         normalize,
         record,
         train,
+        ui,
     )
 
     try:

@@ -3,7 +3,7 @@
 from .compare import check_recordings, compare, evaluate, simulate_with_noise
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, Simulated, needs_inverse, replay_of
-from .score import Scale, normalised, scored_signals
+from .score import Scale, normalised, score_runs, scored_signals
 
 __all__ = [
     "DRAWS",
@@ -17,6 +17,7 @@ __all__ = [
     "needs_inverse",
     "normalised",
     "replay_of",
+    "score_runs",
     "scored_signals",
     "simulate_with_noise",
 ]

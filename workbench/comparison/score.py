@@ -86,3 +86,19 @@ def pooled(sums: Sequence[np.ndarray], counts: Sequence[int]) -> np.ndarray:
     total = np.nansum(stacked, axis=0)
     count = weights.sum(axis=0)
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def score_runs(recordings: Sequence[Recording], runs: Sequence[Recording]) -> tuple[float, list[np.ndarray]]:
+    """`Comparison.error` of runs without noise, and the root mean squares behind it.
+
+    Args:
+        recordings: measured.
+        runs: simulated, one a recording.
+
+    Returns:
+        The error, and per recording position and torque RMSE, (2, n); NaN where not compared.
+    """
+    counts = [int(np.sum(r.valid)) for r in recordings]
+    sums = [squares(r, s) for r, s in zip(recordings, runs, strict=True)]
+    error = normalised(pooled(sums, counts), Scale.of(recordings))
+    return error, [np.sqrt(s / c) for s, c in zip(sums, counts, strict=True)]

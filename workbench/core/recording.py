@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -121,6 +121,14 @@ class Recording:
         object.__setattr__(self, "time", _readonly(self.time))
         valid = np.ones(len(self.time), bool) if self.valid is None else self.valid
         object.__setattr__(self, "valid", _readonly(np.asarray(valid, bool)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        # views of tables cannot be pickled
+        return {**self.__dict__, "signals": dict(self.signals), "extra": dict(self.extra)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.__post_init__()
 
     def __len__(self) -> int:
         return len(self.time)

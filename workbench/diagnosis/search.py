@@ -80,7 +80,7 @@ def search(
     progress("simulating the model and its noise")
     data, simulated = gather(model, training, held_out, seed)
     data = data.heard(data.mean_squares(simulated.clean))
-    start = _start(model, data, simulated.clean)
+    start = starting_fit(model, data, simulated.clean)
     first = data
     before = is_consistent(data, start.mean_squares)
     current, stages, screened, done = start, [], (), before
@@ -143,7 +143,8 @@ def _fitted(
     return sorted(pairs, key=lambda cf: cf[1].trained), behind
 
 
-def _start(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
+def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
+    """The model as it is, as a fit of nothing."""
     return rejudged(
         Fit(Hypothesis(model, ()), tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0)),
         data,

@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from workbench.core.palette import COLOURS, LINES
 from workbench.frf import Fit
+
+_FIT = LINES["fit"].drawn()
+_DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
 
 
 def fit_figure(fit: Fit) -> Figure:
@@ -37,14 +41,14 @@ def _entry(
 ) -> None:
     size = np.abs(measured)
     low = np.maximum(size - 1.96 * std, 0.02 * size)
-    magnitude.fill_between(f, low, size + 1.96 * std, color="#c9cdd2", lw=0, label="95 %")
-    magnitude.loglog(f, size, ".", ms=3, color="#5b6168", label="measured")
-    magnitude.loglog(f, np.abs(model), color="#0072B2", lw=1.2, label="fit")
+    magnitude.fill_between(f, low, size + 1.96 * std, color=_BAND, lw=0, label="95 %")
+    magnitude.loglog(f, size, ".", ms=3, color=_DOTS, label="measured")
+    magnitude.loglog(f, np.abs(model), **_FIT, label="fit")
     fitted = np.unwrap(np.angle(model))
     # noise would make an unwrapped measurement jump by whole turns; each line lies within half of one
     beside = fitted + np.angle(measured / model)
-    phase.semilogx(f, np.degrees(beside), ".", ms=3, color="#5b6168")
-    phase.semilogx(f, np.degrees(fitted), color="#0072B2", lw=1.2)
+    phase.semilogx(f, np.degrees(beside), ".", ms=3, color=_DOTS)
+    phase.semilogx(f, np.degrees(fitted), **_FIT)
     for ax in (magnitude, phase):
         ax.grid(alpha=0.25)
         ax.spines[["top", "right"]].set_visible(False)

@@ -14,6 +14,7 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from workbench.core import Comparison, Diagnosis, Improvement, InputError
 from workbench.core.files import check_free, write_whole
+from workbench.core.palette import COLOURS, LINES
 
 from .ladder import log_axis, rungs
 from .numbers import handy, number, plain
@@ -32,13 +33,10 @@ from .residuals import (
     units,
 )
 
-#: Okabe and Ito's palette, told apart without colour by the line style beside each.
-INK, BEFORE, AFTER, FLOOR = "#1a1c1e", "#D55E00", "#0072B2", "#8a9096"
-_STYLE: dict[str, dict[str, Any]] = {
-    "measured": {"color": "#a4a9ae", "lw": 3.2, "ls": "-", "solid_capstyle": "butt"},
-    "before": {"color": BEFORE, "lw": 1.1, "ls": (0, (4, 1.6))},
-    "after": {"color": AFTER, "lw": 1.3, "ls": "-"},
-}
+INK, BEFORE, AFTER, FLOOR = (COLOURS[name][0] for name in ("ink", "before", "after", "noise"))
+_QUIET, _RULE = COLOURS["quiet"][0], COLOURS["rule"][0]
+_STYLE: dict[str, dict[str, Any]] = {name: LINES[name].drawn() for name in ("measured", "before", "after")}
+_STYLE["measured"]["solid_capstyle"] = "butt"
 _RC: Any = {
     "font.size": 9,
     "axes.titlesize": 9.5,
@@ -47,12 +45,12 @@ _RC: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.linewidth": 0.6,
-    "axes.edgecolor": "#5b6168",
+    "axes.edgecolor": _QUIET,
     "axes.labelcolor": INK,
-    "xtick.color": "#5b6168",
-    "ytick.color": "#5b6168",
+    "xtick.color": _QUIET,
+    "ytick.color": _QUIET,
     "axes.grid": True,
-    "grid.color": "#e6e8eb",
+    "grid.color": _RULE,
     "grid.linewidth": 0.6,
     "axes.axisbelow": True,
     "legend.frameon": False,
@@ -130,7 +128,7 @@ def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | No
             factor, small = handy([_worst(comparison, axis, name)], unit)
             for col, (against, per) in enumerate(quantities):
                 a = axes[row, col]
-                a.axhline(0, color="#5b6168", lw=0.6)
+                a.axhline(0, color=_QUIET, lw=0.6)
                 for when, run in _runs(comparison, after):
                     b = binned(run, axis, name, against)
                     style = _STYLE[when] | {"marker": "o" if when == "before" else "s", "ms": 3}

@@ -15,6 +15,7 @@ from typing import Any
 import jinja2
 
 from workbench.core import InputError
+from workbench.core.palette import COLOURS
 
 from .numbers import plain, unbroken
 
@@ -59,6 +60,7 @@ def template(name: str) -> jinja2.Template:
         undefined=jinja2.StrictUndefined,
     )
     environment.filters["unbroken"] = unbroken
+    environment.globals["palette"] = COLOURS
     return environment.get_template(name)
 
 

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from workbench.core.palette import COLOURS, LINES
+
 from .responses import FrfComparison
 
-#: Okabe and Ito's palette, told apart without colour by the line style.
-_STYLE: dict[str, dict[str, Any]] = {
-    "closed_chain": {"color": "#1a1c1e", "lw": 1.6, "ls": "-"},
-    "kin_only": {"color": "#D55E00", "lw": 1.3, "ls": (0, (4, 1.6))},
-    "s3n_act": {"color": "#009E73", "lw": 1.3, "ls": (0, (1, 1.2))},
-    "s3n_full": {"color": "#0072B2", "lw": 1.3, "ls": (0, (6, 1.5, 1, 1.5))},
-    "exact": {"color": "#CC79A7", "lw": 1.1, "ls": (0, (2, 2))},
-}
+_STYLE = {name: line.drawn() for name, line in LINES.items()}
+_DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
 
 
 def frf_figure(comparison: FrfComparison, names: tuple[str, ...] | None = None) -> Figure:
@@ -50,9 +44,9 @@ def frf_figure(comparison: FrfComparison, names: tuple[str, ...] | None = None) 
 def _magnitude(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -> None:
     f, size, std = c.frf.frequency, np.abs(c.frf.response[:, i, j]), c.frf.std[:, i, j]
     ax.fill_between(
-        f, np.maximum(size - 1.96 * std, 0.02 * size), size + 1.96 * std, color="#c9cdd2", lw=0, label="95 %"
+        f, np.maximum(size - 1.96 * std, 0.02 * size), size + 1.96 * std, color=_BAND, lw=0, label="95 %"
     )
-    ax.plot(f, size, ".", ms=2.2, color="#6b7178", label="measured")
+    ax.plot(f, size, ".", ms=2.2, color=_DOTS, label="measured")
     for name in names:
         ax.plot(f, np.abs(c.models[name][:, i, j]), label=name.replace("_", " "), **_STYLE.get(name, {}))
     ax.set_xscale("log")
@@ -64,7 +58,7 @@ def _phase(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -
     f = c.frf.frequency
     # where noise rules, a phase means nothing and an unwrapped one jumps by whole turns
     sure = c.frf.std[:, i, j] < 0.5 * np.abs(c.frf.response[:, i, j])
-    ax.plot(f[sure], np.degrees(np.angle(c.frf.response[sure, i, j])), ".", ms=2.2, color="#6b7178")
+    ax.plot(f[sure], np.degrees(np.angle(c.frf.response[sure, i, j])), ".", ms=2.2, color=_DOTS)
     for name in names:
         angle = np.degrees(np.angle(c.models[name][:, i, j]))
         jump = np.abs(np.diff(angle, prepend=angle[0])) > 180
@@ -77,7 +71,7 @@ def _phase(ax: Axes, c: FrfComparison, names: tuple[str, ...], i: int, j: int) -
 
 def _errors(ax: Axes, c: FrfComparison, names: tuple[str, ...]) -> None:
     f = c.frf.frequency
-    ax.fill_between(f, 1e-4, 100.0 * c.noise, color="#c9cdd2", lw=0, label="measurement's own")
+    ax.fill_between(f, 1e-4, 100.0 * c.noise, color=_BAND, lw=0, label="measurement's own")
     for name in names:
         ax.plot(f, 100.0 * c.error[name], label=name.replace("_", " "), **_STYLE.get(name, {}))
     ax.set_xscale("log")

@@ -1,0 +1,145 @@
+"""The page in a real browser: a diagnosis, a click, and the error falls."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.request import urlopen
+
+import pytest
+
+from tests.report.browser import CHROMIUM
+from workbench import load_model
+
+from .chrome import Chrome
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
+
+
+@pytest.fixture(scope="module")
+def server(leg_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
+    """The command itself, in a folder of its own, and its address."""
+    folder = tmp_path_factory.mktemp("served")
+    names = [str(leg_folder / f"{n}.toml") for n in ("slow", "validation")]
+    command = [
+        sys.executable,
+        "-m",
+        "workbench.cli",
+        "ui",
+        "leg",
+        *names,
+        "--no-browser",
+        "--holdout",
+        names[1],
+    ]
+    process = subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1
+    )
+    assert process.stdout and process.stderr
+    said = process.stdout.readline()
+    address = re.search(r"http://127\.0\.0\.1:\d+/", said)
+    assert address, said + process.stderr.read()
+    yield address[0], folder
+    process.send_signal(signal.SIGINT)
+    _, complaints = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert complaints.strip() == "interrupted", complaints
+
+
+@pytest.fixture(scope="module")
+def chrome(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
+    with Chrome(tmp_path_factory.mktemp("profile")) as chrome:
+        yield chrome
+
+
+def error(chrome: Chrome) -> float:
+    return float(chrome.ask("deep('dd.error').textContent"))
+
+
+def test_an_effect_is_found_added_with_a_click_and_the_error_falls(
+    server: tuple[str, Path], chrome: Chrome
+) -> None:
+    address, folder = server
+    chrome.look(1280, 900)
+    chrome.open(address)
+    chrome.wait("document.documentElement.dataset.ready === 'yes'")
+    chrome.wait("words().includes('times the noise floor of')")
+    before = error(chrome)
+    # a diagnosis that is stopped leaves nothing behind; another one may follow
+    chrome.ask("button('Find what is missing').click()")
+    chrome.wait("words().includes('simulating the model')")
+    chrome.ask("button('Stop').click()")
+    chrome.wait("button('Find what is missing').offsetParent && !deep('progress')")
+    chrome.ask("button('Find what is missing').click()")
+    chrome.wait("button('Add Coulomb friction on the knee drive')", 120)
+    assert "Something is missing: Coulomb friction on the knee drive" in chrome.ask("words()")
+    chrome.ask("button('Add Coulomb friction on the knee drive').click()")
+    chrome.wait("words().includes('explains the data to the noise')")
+    after = error(chrome)
+    assert after < 0.5 * before
+    assert float(chrome.ask("deep('dd.given').textContent")) == before
+
+    # a slider moves the error, undo takes it back
+    chrome.ask("(() => { const e = deep('.noUi-handle'); e.focus(); return true; })()")
+    for _ in range(3):
+        chrome.key("ArrowRight", 39)
+    chrome.wait(f"Number(deep('dd.error').textContent) > {after}")
+    chrome.ask("button('Undo').click()")
+    chrome.wait(f"Number(deep('dd.error').textContent) <= {after}")
+
+    chrome.ask("button('Save the model').click()")
+    chrome.wait("words().includes('Saved the model')")
+    assert load_model(folder / "better.toml").effects[-1].key.effect == "coulomb_friction"
+    chrome.ask("button('Save the model').click()")
+    chrome.wait("words().includes('the file exists')")
+    chrome.ask("button('Save the report').click()")
+    chrome.wait("words().includes('Saved the page of the diagnosis')")
+    assert "workbench diagnose leg" in (folder / "report.html").read_text()
+
+    # another tab shows the same, and so does this one after loading it again
+    chrome.open(address)
+    chrome.wait("words().includes('explains the data to the noise')")
+    assert error(chrome) == after and chrome.ask("!!button('Remove Coulomb friction')")
+    assert chrome.errors == []
+    assert all(r.startswith((address, "data:", "blob:")) for r in chrome.requests)
+
+
+def test_the_motion_plays_and_moves_the_time_in_the_curves(server: tuple[str, Path], chrome: Chrome) -> None:
+    chrome.look(390, 800, dark=True)
+    chrome.open(server[0])
+    chrome.wait(
+        "document.documentElement.dataset.ready === 'yes' && document.getElementById('moment').max > 2"
+    )
+    assert chrome.ask("document.documentElement.scrollWidth") <= 390
+    pixels = "document.getElementById('stage').toDataURL()"
+    first = chrome.ask(pixels)
+    chrome.ask("document.getElementById('play').click()")
+    chrome.wait("parseFloat(document.getElementById('clock').textContent) > 0.1")
+    chrome.ask("document.getElementById('play').click()")
+    assert chrome.ask(pixels) != first
+    cursor = "Bokeh.documents[0].get_model_by_name('cursor').data.x[0]"
+    assert chrome.ask(cursor) == pytest.approx(
+        chrome.ask("parseFloat(document.getElementById('clock').textContent)"), abs=1e-3
+    )
+    chrome.ask("(document.getElementById('stage').focus(), true)")
+    still = chrome.ask(pixels)
+    chrome.key("ArrowLeft", 37)
+    assert chrome.ask(pixels) != still
+    chrome.ask("document.querySelector('[data-zoom=in]').click()")
+    chrome.wait("document.getElementById('window').textContent === '0.75 to 2.25 s'")
+    assert chrome.errors == []
+
+
+def test_strangers_are_not_let_in(server: tuple[str, Path]) -> None:
+    from websockets.exceptions import InvalidStatus
+    from websockets.sync.client import connect
+
+    address = server[0]
+    page = urlopen(address).read().decode()
+    assert "default-src 'self'" in page and not re.search(r"(src|href)=\"https?://(?!127)", page)
+    with pytest.raises(InvalidStatus, match="403"):
+        connect(address.replace("http", "ws") + "ws", origin="http://elsewhere.invalid").close()  # type: ignore[arg-type]

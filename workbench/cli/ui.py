@@ -1,0 +1,61 @@
+"""``workbench ui``."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from workbench.core import InputError
+
+from .app import app
+from .common import SeedOption
+
+
+@app.command()
+def ui(
+    model: Annotated[
+        str | None,
+        typer.Argument(metavar="[MODEL]", help="Model file (.toml or .xml), or a shipped model's name."),
+    ] = None,
+    recordings: Annotated[
+        list[str] | None, typer.Argument(metavar="[REC...]", help="Recording files (.toml).")
+    ] = None,
+    holdout: Annotated[
+        str | None, typer.Option("--holdout", metavar="REC", help="Recording that judges and is not fitted.")
+    ] = None,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="0: any free one.")] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
+    seed: SeedOption = 0,
+) -> None:
+    """Open the live workbench in the browser, on this machine only, until interrupted.
+
+    Without names it offers the models and recordings in this folder. Nothing is written unless asked for.
+
+    Example: workbench ui leg recordings/*.toml --holdout recordings/validation.toml
+    """
+    if importlib.util.find_spec("panel") is None:
+        raise InputError("the live workbench needs Panel", remedy="install it: pip install 'workbench[ui]'")
+    from workbench.ui import Bench, Shelf
+
+    names = list(recordings or [])
+    if holdout is not None and holdout not in names:
+        names.append(holdout)
+    shelf = Shelf.of(model, names, Path.cwd())
+    bench = Bench(shelf, Path.cwd(), seed)
+    first, labels = next(iter(shelf.models)), list(shelf.recordings)[: len(names)]
+    if model is not None and names:
+        bench.choose(bench.read(first, labels, None if holdout is None else labels[names.index(holdout)]))
+    elif model is not None:
+        shelf.model(first)
+
+    from workbench.ui.server import serve
+
+    def ready(address: str) -> None:
+        typer.echo(f"The workbench is at {address}  (Ctrl-C ends it)")
+        if browser:
+            typer.launch(address)
+
+    serve(bench, port, ready)

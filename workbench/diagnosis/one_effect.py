@@ -1,0 +1,70 @@
+"""One effect of one's own choice, fitted: for who wants to see what it would do, whatever a search says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from workbench.comparison import check_recordings
+from workbench.core import EffectKey, InputError, Recording
+from workbench.effects import effect_named
+from workbench.models import AppliedEffect, Model
+
+from .data import gather
+from .fit import fit
+from .giving import what_gives_way
+from .refining import polished, with_candidate
+from .screen import screen
+from .search import Progress, starting_fit
+from .sensitivity import Scene
+
+
+def fit_effect(
+    model: Model,
+    recordings: Sequence[Recording],
+    key: EffectKey,
+    *,
+    seed: int = 0,
+    progress: Progress = lambda text: None,
+) -> tuple[AppliedEffect, Model]:
+    """Fit one effect to recordings; nothing is judged.
+
+    Args:
+        model: what it is added to; nothing else in it changes.
+        recordings: what to fit.
+        key: the effect and its place.
+        seed: of the noise simulations.
+        progress: told what is being done.
+
+    Returns:
+        The effect with its estimates, and the model with it.
+
+    Raises:
+        InputError: recordings that do not fit the model, or an effect that these cannot start a fit of.
+        SimulationError: the model is unstable in a recording's loop.
+    """
+    check_recordings(model, recordings)
+    progress("simulating the model and its noise")
+    data, simulated = gather(model, recordings, (), seed)
+    start = starting_fit(model, data, simulated.clean)
+    scene = Scene.of(model, data, start.simulated, len(data.recordings))
+    progress(f"looking for values of {key} to start from")
+    candidates = (
+        what_gives_way(scene, data.training, start.judged)
+        if effect_named(key.effect).splits
+        else screen(scene, data, start.simulated, ())[0]
+    )
+    candidate = next((c for c in candidates if c.key == key), None)
+    if candidate is None:
+        raise InputError(
+            f"{key} explains nothing of what these recordings lack",
+            remedy="choose another effect, or recordings in which it would show",
+        )
+    hypothesis = with_candidate(scene, candidate, start)
+    if hypothesis.stated:
+        return hypothesis.stated[-1], hypothesis.model
+    progress(f"fitting {key}")
+    found = fit([hypothesis], data)[0]
+    if found is None:
+        raise InputError(f"the model does not run with {key}", remedy="choose another effect")
+    found = polished(found, data)
+    return found.hypothesis.free[-1], found.hypothesis.model

@@ -1,0 +1,267 @@
+"""The state of the workbench: a model, recordings, and the changes made so far. Knows no page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench import report
+from workbench.comparison import Replay, check_recordings, evaluate, replay_of, score_runs
+from workbench.core import (
+    Comparison,
+    Diagnosis,
+    EffectKey,
+    Estimate,
+    Finding,
+    InputError,
+    Recording,
+    RecordingError,
+    SimulationError,
+)
+from workbench.core.files import check_free
+from workbench.effects import check_effect, effect_named
+from workbench.models import AppliedEffect, Model, write_model
+from workbench.report.numbers import plain
+
+from .history import History
+from .shelf import Shelf
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """What lies on the bench.
+
+    Attributes:
+        model_label, labels: names on the shelf.
+        held_out: the label of the recording that judges a diagnosis; None where none does.
+        model: as its file has it.
+        recordings: as they are replayed, in the order of `labels`.
+        replay: how models are run on them.
+    """
+
+    model_label: str
+    labels: tuple[str, ...]
+    held_out: str | None
+    model: Model
+    recordings: tuple[Recording, ...]
+    replay: Replay
+
+    def split(self) -> tuple[list[Recording], list[Recording]]:
+        """Recordings to fit, and those that judge."""
+        pairs = list(zip(self.labels, self.recordings, strict=True))
+        return [r for name, r in pairs if name != self.held_out], [
+            r for name, r in pairs if name == self.held_out
+        ]
+
+
+@dataclass
+class Bench:
+    """What is chosen, what was changed, and what was found; everything it computes, it computes at once.
+
+    Attributes:
+        shelf: what may be chosen.
+        folder: where models and reports are saved.
+        seed: of the noise simulations.
+        chosen, history: None until something is chosen.
+        diagnosis: of the model as it was when it was asked for, and `explained`, that with all findings.
+    """
+
+    shelf: Shelf
+    folder: Path
+    seed: int = 0
+    chosen: Chosen | None = None
+    history: History | None = None
+    diagnosis: Diagnosis | None = None
+    explained: Model | None = None
+
+    def read(self, model: str, recordings: Sequence[str], held_out: str | None = None) -> Chosen:
+        """Read what was chosen, without choosing it yet; slow where files are large.
+
+        Raises:
+            InputError: not on the shelf, unreadable, or not made for each other.
+        """
+        loaded = self.shelf.model(model)
+        data = [self.shelf.recording(name) for name in recordings]
+        check_recordings(loaded, data)
+        names = [r.name for r in data]
+        twice = next((n for n in names if names.count(n) > 1), None)
+        if twice is not None:
+            raise InputError(
+                f"two of the recordings are named '{twice}'", column="name", remedy="give each its own name"
+            )
+        replay = replay_of(loaded, data)
+        if held_out not in recordings or len(recordings) < 2:
+            held_out = None
+        return Chosen(model, tuple(recordings), held_out, loaded, replay.recordings, replay)
+
+    def choose(self, chosen: Chosen) -> None:
+        """Put it on the bench; changes stay where the model is the same."""
+        same = self.chosen is not None and self.chosen.model_label == chosen.model_label
+        self.chosen = chosen
+        if not same or self.history is None:
+            self.history = History(chosen.model)
+        self.diagnosis = self.explained = None
+
+    @property
+    def model(self) -> Model:
+        """The model as it is now."""
+        return self._history.current
+
+    @property
+    def _history(self) -> History:
+        if self.history is None:
+            raise InputError("no model is chosen", remedy="choose one, and a recording")
+        return self.history
+
+    def add(self, applied: AppliedEffect) -> None:
+        """Add an effect.
+
+        Raises:
+            InputError: it does not belong in this model.
+        """
+        checked = check_effect(self.model, applied)
+        self._history.change(f"adding {applied.key}", self.model.with_effect(checked))
+
+    def add_finding(self, finding: Finding) -> None:
+        """Add what a diagnosis found, and the way in which its friction sets in.
+
+        Raises:
+            InputError: it does not belong in this model any more.
+        """
+        model, applied = self.model, AppliedEffect(finding.key, finding.parameters)
+        if self.explained is not None and effect_named(finding.key.effect).dry:
+            model = replace(model, sliding_speed=self.explained.sliding_speed)
+        self.take(f"adding {finding.key}", model.with_effect(check_effect(model, applied)))
+
+    def take(self, what: str, model: Model) -> None:
+        """Go on with a model that somebody else made of the present one."""
+        self._history.change(what, model)
+
+    def remove(self, index: int) -> None:
+        """Take the effect at this place of the model's list out."""
+        effects = self.model.effects
+        kept = (*effects[:index], *effects[index + 1 :])
+        self._history.change(f"removing {effects[index].key}", replace(self.model, effects=kept))
+
+    def set_value(self, index: int, name: str, value: float) -> None:
+        """Give a parameter of the effect at this place another value, within its physical bounds.
+
+        Raises:
+            InputError: a body cannot have it.
+        """
+        model, applied = self.model, self.model.effects[index]
+        old = applied.parameters[name]
+        # what was estimated is no longer what the number is
+        parameters = {**applied.parameters, name: Estimate(float(value), 0.0, old.unit)}
+        others = replace(model, effects=(*model.effects[:index], *model.effects[index + 1 :]))
+        changed = check_effect(others, AppliedEffect(applied.key, parameters))
+        effects = (*model.effects[:index], changed, *model.effects[index + 1 :])
+        self._history.change(
+            f"{name} of {applied.key}", replace(model, effects=effects), (index, applied.key, name)
+        )
+
+    def has(self, key: EffectKey) -> bool:
+        """Whether an effect was added to the model as given."""
+        count = sum(e.key == key for e in self.model.effects)
+        return count > sum(e.key == key for e in self._history.given.effects)
+
+    def simulate(self, model: Model, chosen: Chosen, indices: Sequence[int]) -> tuple[Recording, ...]:
+        """A model's runs, without noise, of some of the recordings.
+
+        Raises:
+            SimulationError: it is unstable there.
+        """
+        runs = chosen.replay.only(indices).run([model])[0]
+        for index, run in zip(indices, runs, strict=True):
+            if not np.isfinite(run.position).all():
+                raise SimulationError(
+                    f"with these parameters the model becomes unstable on '{chosen.recordings[index].name}'"
+                )
+        return runs
+
+    def error(self, chosen: Chosen, runs: Sequence[Recording]) -> float:
+        """The error number of runs of all recordings."""
+        return score_runs(chosen.recordings, runs)[0]
+
+    def entries(
+        self, chosen: Chosen, runs: Sequence[Recording], like: Comparison | None
+    ) -> tuple[RecordingError, ...]:
+        """Runs beside the recordings, with the noise of a comparison of nearly the same model."""
+        _, rmse = score_runs(chosen.recordings, runs)
+        unknown = np.full(len(chosen.model.axes), np.nan)
+        return tuple(
+            RecordingError(
+                recording=r,
+                simulated=run,
+                position_rmse=rmse[i][0],
+                torque_rmse=rmse[i][1],
+                position_noise=like.recordings[i].position_noise if like else unknown,
+                torque_noise=like.recordings[i].torque_noise if like else unknown,
+                error=float("nan"),
+                noise_error=like.recordings[i].noise_error if like else float("nan"),
+            )
+            for i, (r, run) in enumerate(zip(chosen.recordings, runs, strict=True))
+        )
+
+    def compare(self, model: Model, chosen: Chosen) -> Comparison:
+        """The whole comparison, with the noise that a perfect model would leave.
+
+        Raises:
+            SimulationError: the model is unstable.
+        """
+        return evaluate(model, chosen.replay.with_noise(model, self.seed))
+
+    def save_model(self, name: str, *, force: bool = False) -> Path:
+        """Write the model as it is now into the folder.
+
+        Raises:
+            InputError: not a plain file name, or the file exists and `force` is not set.
+        """
+        target = self._target(name, ".toml", force)
+        write_model(replace(self.model, name=target.stem), target, force=force)
+        return target
+
+    def save_report(self, name: str, result: Comparison | Diagnosis, *, force: bool = False) -> Path:
+        """Write the report page of a comparison or diagnosis into the folder.
+
+        Raises:
+            InputError: as `save_model`.
+        """
+        target = self._target(name, ".html", force)
+        chosen = self.chosen
+        assert chosen is not None
+        files = [self.shelf.models[chosen.model_label], *(self.shelf.recordings[n] for n in chosen.labels)]
+        report.write_page(
+            result,
+            target,
+            command=self.command(result),
+            seeds={"noise": self.seed},
+            inputs=[p for p in files if p.is_file()],
+            force=force,
+        )
+        return target
+
+    def command(self, result: Comparison | Diagnosis) -> str:
+        """The command line that makes the same result."""
+        assert self.chosen is not None
+        chosen, shelf = self.chosen, self.shelf
+        model = shelf.typed[shelf.models[chosen.model_label]]
+        typed = {label: shelf.typed[shelf.recordings[label]] for label in chosen.labels}
+        names = list(typed.values())
+        if isinstance(result, Comparison):
+            return " ".join(["workbench compare", model, *names])
+        held = ["--holdout", typed[chosen.held_out]] if chosen.held_out else []
+        return " ".join(["workbench diagnose", model, *(n for n in names if n not in held), *held])
+
+    def _target(self, name: str, ending: str, force: bool) -> Path:
+        name = name.strip()
+        if not name or name[0] == "." or Path(name).name != name or "\\" in name or plain(name) != name:
+            raise InputError(
+                f"'{plain(name)}' is no plain file name", remedy=f"e.g. better{ending}, without a folder"
+            )
+        target = self.folder / (name if name.endswith(ending) else name + ending)
+        check_free(target, force=force)
+        return target

@@ -1,0 +1,71 @@
+"""Which model and recordings are looked at."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import panel as pn
+
+from .live import Live
+from .widgets import column, safe, text, widget
+
+_NONE = "none"
+
+
+class Chooser:
+    """The model, the recordings, and the one among them that judges a diagnosis."""
+
+    def __init__(self, live: Live) -> None:
+        self.live = live
+        shelf = live.bench.shelf
+        self.model = widget(pn.widgets.Select, name="Model", options=list(shelf.models))
+        self.recordings = widget(pn.widgets.CheckBoxGroup, options=list(shelf.recordings))
+        self.held_out = widget(pn.widgets.Select, name="Held out, to judge", options=[_NONE])
+        hint = "" if shelf.recordings else _no_recordings()
+        if shelf.unreadable:
+            names = ", ".join(map(safe, shelf.unreadable[:3]))
+            hint += f"<p class=quiet>Not offered, as they are no TOML: {names}</p>"
+        many = {"scroll": True, "max_height": 230} if len(shelf.recordings) > 9 else {}
+        boxes = column(self.recordings, **many) if shelf.recordings else None
+        parts: list[Any] = [
+            self.model,
+            text("<p class=label>Recordings</p>"),
+            boxes,
+            text(hint),
+            self.held_out,
+        ]
+        self.view = column(*(p for p in parts if p is not None))
+        self._following = False
+        for part in (self.model, self.recordings, self.held_out):
+            part.param.watch(lambda event: self._chosen(), "value")
+
+    def follow(self) -> None:
+        """Show what is on the bench."""
+        chosen = self.live.bench.chosen
+        if chosen is None:
+            return
+        self._following = True
+        try:
+            self.model.value = chosen.model_label
+            self.recordings.value = list(chosen.labels)
+            self.held_out.options = [_NONE, *(chosen.labels if len(chosen.labels) > 1 else ())]
+            self.held_out.value = chosen.held_out or _NONE
+        finally:
+            self._following = False
+
+    def _chosen(self) -> None:
+        if self._following:
+            return
+        names = tuple(n for n in self.recordings.options if n in self.recordings.value)
+        if not names:
+            self.live.say("Choose at least one recording.")
+            return
+        held_out = None if self.held_out.value == _NONE else self.held_out.value
+        self.live.choose(self.model.value, names, held_out)
+
+
+def _no_recordings() -> str:
+    return (
+        "<p class=quiet>No recording was named, and none lies in this folder. The virtual leg makes some: "
+        "<code>workbench record leg -o data</code></p>"
+    )

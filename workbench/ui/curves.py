@@ -1,0 +1,149 @@
+"""Measured over simulated against time, and what is left, with one zoom for all diagrams."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, Range1d
+
+from workbench.core import Recording, RecordingError
+from workbench.report.numbers import handy, torque_unit
+from workbench.report.residuals import min_max
+
+from .plots import band, crosshair, figure, line, set_range, span_of, zooming
+
+_BINS = 900  # stretches that a curve is thinned to: about one a pixel
+_SIGNALS = (("position", "position"), ("torque_measured", "torque"))
+_LOOKS = ("measured", "before", "after")
+
+
+class Curves:
+    """Position, its residual, torque, its residual, of one axis of one recording.
+
+    Attributes:
+        figures: the four diagrams, top first.
+        time: the stretch of time that all show [s].
+    """
+
+    def __init__(self) -> None:
+        self.time: Any = Range1d(start=0, end=1)
+        self.figures: list[Any] = []
+        self._sources: list[ColumnDataSource] = []
+        self._noise: list[ColumnDataSource] = []
+        #: where the moving picture is, drawn by the page itself
+        self.cursor = ColumnDataSource({"x": [float("nan")]}, name="cursor")
+        for name, _ in _SIGNALS:
+            for residual in (False, True):
+                self._add(name, residual)
+        crosshair(self.figures)
+        self.figures[-1].xaxis.axis_label = "time [s]"
+
+    def _add(self, name: str, residual: bool) -> None:
+        plot = figure(height=125 if residual else 190, x_range=self.time, y_range=Range1d(start=-1, end=1))
+        source = ColumnDataSource({"t": [], **{look: [] for look in _LOOKS}})
+        if residual:
+            noise = ColumnDataSource({"t": [], "low": [], "high": []})
+            band(plot, noise, "t", "low", "high", "noise", 0.28)
+            self._noise.append(noise)
+        for look in _LOOKS[1:] if residual else _LOOKS:
+            line(plot, source, "t", look, look)
+        plot.vspan(x="x", source=self.cursor, line_width=1.2, tags=["line:accent"])
+        zooming(plot)
+        # numbers of the same width keep diagrams above each other aligned
+        plot.yaxis.ticker.desired_num_ticks = 4 if residual else 5
+        plot.xaxis.major_label_text_font_size = "12px"
+        last = residual and name == _SIGNALS[-1][0]
+        plot.xaxis.visible = last
+        if last:
+            plot.height += 46
+        self.figures.append(plot)
+        self._sources.append(source)
+
+    def show(
+        self,
+        recording: Recording,
+        axis: int,
+        before: Recording | None,
+        after: Recording | None,
+        noise: RecordingError | None,
+    ) -> None:
+        """Draw what lies in the stretch of time that is looked at.
+
+        Args:
+            recording: measured.
+            axis: its column.
+            before, after: runs of the model as given, and with the changes; None where there is none.
+            noise: where the noise is known.
+        """
+        unit = recording.units[axis]
+        for k, (name, label) in enumerate(_SIGNALS):
+            top, bottom = self.figures[2 * k], self.figures[2 * k + 1]
+            measured = recording.get(name)
+            if measured is None and name == "torque_measured":
+                name, measured = "torque_command", recording.get("torque_command")
+            top.visible = bottom.visible = measured is not None
+            if measured is None:
+                continue
+            its = unit if label == "position" else torque_unit(unit)
+            runs = {
+                look: run.signals[name][:, axis]
+                for look, run in (("before", before), ("after", after))
+                if run is not None and run.get(name) is not None
+            }
+            real = np.where(recording.valid, measured[:, axis], np.nan)
+            curves = {"measured": real, **runs}
+            self._fill(2 * k, recording, curves, f"{label} [{its}]", 1.0)
+            left = {look: real - run for look, run in runs.items()}
+            sizes = [float(np.nanstd(x)) for x in left.values()] or [0.0]
+            factor, small = handy([3 * max(sizes)], its)
+            levels = () if noise is None else (noise.position_noise, noise.torque_noise)
+            floor = float(levels[k][axis]) if levels else float("nan")
+            self._fill(2 * k + 1, recording, left, f"residual [{small}]", factor, floor)
+
+    def _fill(
+        self,
+        at: int,
+        recording: Recording,
+        curves: dict[str, np.ndarray],
+        label: str,
+        factor: float,
+        noise: float = float("nan"),
+    ) -> None:
+        plot, dt, count = self.figures[at], recording.period, len(recording)
+        first = int(np.clip(np.floor(self.time.start / dt) - 1, 0, count - 1))
+        last = int(np.clip(np.ceil(self.time.end / dt) + 2, first + 2, count))
+        thin = {look: thinned(factor * values[first:last], dt, first) for look, values in curves.items()}
+        longest = max((t for t, _ in thin.values()), key=len, default=np.zeros(0))
+        empty = np.full(len(longest), np.nan)
+        columns = {look: thin[look][1] if look in thin else empty for look in _LOOKS}
+        shown = [v for v in columns.values() if np.isfinite(v).any()]
+        low, high = min(map(np.nanmin, shown), default=-1.0), max(map(np.nanmax, shown), default=1.0)
+        if at % 2:
+            floor = 2 * factor * noise
+            edge = [floor, floor] if np.isfinite(floor) else []
+            self._noise[at // 2].data = {
+                "t": [0.0, recording.duration][: len(edge)],
+                "low": [-e for e in edge],
+                "high": edge,
+            }
+            low, high = (min(low, -floor), max(high, floor)) if edge else (low, high)
+        self._sources[at].data = {"t": longest, **columns}
+        plot.yaxis.axis_label = label
+        set_range(plot.y_range, *span_of(float(low), float(high)))
+
+
+def thinned(values: np.ndarray, dt: float, first: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times and values for the eye: least and greatest of each stretch, gaps left open.
+
+    Args:
+        values: (N,), NaN in gaps.
+        dt: of a row [s].
+        first: number of the first row.
+    """
+    gaps = ~np.isfinite(values)
+    filled = np.where(gaps, np.nanmean(values) if not gaps.all() else 0.0, values)
+    thin, stride = min_max(filled, _BINS)
+    rows = stride * np.arange(len(thin))
+    at = np.clip(rows.astype(int), 0, len(values) - 1)
+    return dt * (first + rows), np.where(gaps[at], np.nan, thin)

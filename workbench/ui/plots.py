@@ -1,0 +1,94 @@
+"""Bokeh figures as this page has them: bare, in one style, coloured in the browser by their tags."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bokeh.models import BoxZoomTool, ColumnDataSource, CrosshairTool, HoverTool, Range1d, WheelZoomTool
+from bokeh.plotting import figure as new_figure
+
+from workbench.core.palette import LINES
+
+_SMALL = "12px"
+_FONT = "system-ui, Segoe UI, Roboto, Noto Sans, DejaVu Sans, sans-serif"
+
+
+def figure(*, height: int, x_label: str = "", y_label: str = "", **options: Any) -> Any:
+    """An empty figure without a toolbar that is as wide as its place."""
+    out = new_figure(
+        height=height,
+        sizing_mode="stretch_width",
+        toolbar_location=None,
+        tools="",
+        min_border_left=64,
+        min_border_right=8,
+        min_border_top=6,
+        min_border_bottom=4,
+        outline_line_color=None,
+        background_fill_color=None,
+        border_fill_color=None,
+        output_backend="canvas",
+        **options,
+    )
+    for axis, label in ((out.xaxis, x_label), (out.yaxis, y_label)):
+        axis.axis_label = label
+        axis.axis_label_text_font_style = "normal"
+        axis.axis_label_text_font_size = axis.major_label_text_font_size = _SMALL
+        axis.axis_label_text_font = axis.major_label_text_font = _FONT
+        axis.minor_tick_line_color = None
+        axis.major_tick_in, axis.major_tick_out = 0, 4
+    return out
+
+
+def line(plot: Any, source: ColumnDataSource, x: str, y: str, look: str, **options: Any) -> Any:
+    """A curve that looks as its name in `LINES` says; slightly wider than on paper."""
+    style = LINES[look]
+    dash = [round(1.25 * d) for d in style.dash]
+    return plot.line(
+        x,
+        y,
+        source=source,
+        line_width=min(1.25 * style.width, 3.0),
+        line_dash=dash,
+        line_color=style.light,
+        tags=[f"line:{style.colour}"],
+        **options,
+    )
+
+
+def band(plot: Any, source: ColumnDataSource, x: str, low: str, high: str, colour: str, alpha: float) -> Any:
+    """A band between two curves."""
+    return plot.varea(x, low, high, source=source, fill_alpha=alpha, tags=[f"fill:{colour}"])
+
+
+def zooming(plot: Any) -> None:
+    """Drag a stretch of time to look at it; the wheel zooms while Ctrl is held, so that the page scrolls."""
+    box = BoxZoomTool(dimensions="width")
+    wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
+    plot.add_tools(box, wheel)
+    plot.toolbar.active_drag = box
+
+
+def telling(plot: Any, renderer: Any, tooltips: list[tuple[str, str]]) -> None:
+    """Numbers at the pointer."""
+    plot.add_tools(HoverTool(renderers=[renderer], tooltips=tooltips, mode="vline", attachment="horizontal"))
+
+
+def crosshair(plots: list[Any]) -> None:
+    """One vertical line through all diagrams at the pointer."""
+    from bokeh.models import Span
+
+    span = Span(dimension="height", line_width=1, line_alpha=0.5, tags=["line:quiet"])
+    for plot in plots:
+        plot.add_tools(CrosshairTool(overlay=span, dimensions="height"))
+
+
+def span_of(low: float, high: float) -> tuple[float, float]:
+    """Limits with some air for values from `low` to `high`."""
+    air = 0.06 * (high - low) or 0.05 * abs(high) or 1.0
+    return low - air, high + air
+
+
+def set_range(current: Range1d, low: float, high: float) -> None:
+    """Move a range, in one step."""
+    current.update(start=low, end=high)

@@ -1,0 +1,118 @@
+"""The server: this machine only, this address only, until it is interrupted."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import socket
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import jinja2
+import panel as pn
+from bokeh.server.server import Server
+from bokeh.util.warnings import BokehUserWarning
+from panel.io.server import get_server
+
+from workbench.core import InputError
+from workbench.core.palette import COLOURS, LINES
+
+from .bench import Bench
+from .live import Live
+from .page import Page
+from .widgets import style_sheet
+
+_HOST = "127.0.0.1"
+_TICK_MS = 500
+
+
+def serve(bench: Bench, port: int, ready: Callable[[str], None]) -> None:
+    """Serve the bench until interrupted.
+
+    Args:
+        bench: with or without something chosen.
+        port: 0 for a free one.
+        ready: told the address once it can be opened.
+
+    Raises:
+        InputError: the port is taken.
+    """
+    port = _free(port)
+    _hush()
+    pn.extension(notifications=False)
+    lives: list[Live] = []
+    server: Server = get_server(
+        {"/": lambda: _document(lives[0])},
+        port=port,
+        address=_HOST,
+        websocket_origin=[f"{_HOST}:{port}", f"localhost:{port}"],
+        show=False,
+        start=False,
+        title="workbench",
+    )
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # which Panel replaced by one that ends well
+    loop = server.io_loop
+    live = Live(bench, loop.add_callback, loop.call_later)
+    lives.append(live)
+    chosen = bench.chosen
+    if chosen is not None:
+        loop.add_callback(lambda: live.take(chosen))
+    server.start()
+    ready(f"http://{_HOST}:{port}/")
+    try:
+        loop.start()
+    finally:
+        live.close()
+        server.stop()
+
+
+def _document(live: Live) -> Any:
+    """A tab was opened."""
+    template = pn.Template(_page())
+    document = pn.state.curdoc
+    page = Page(live, document)
+    for name, view in page.roots.items():
+        template.add_panel(name, view)
+    ticking = pn.state.add_periodic_callback(page.tick, _TICK_MS)
+
+    def closed(context: Any) -> None:
+        ticking.stop()
+        page.close()
+
+    pn.state.on_session_destroyed(closed)
+    return template
+
+
+def _page() -> str:
+    """The page as the template that Panel fills: what is known beforehand stands in it already."""
+    fill = jinja2.Environment(
+        variable_start_string="<<", variable_end_string=">>", block_start_string="<%", block_end_string="%>",
+        autoescape=False,
+    )  # fmt: skip
+    looks = {
+        name: {"colour": look.colour, "dash": list(look.dash), "width": look.width}
+        for name, look in LINES.items()
+    }
+    return fill.from_string(style_sheet("page.html")).render(
+        palette=COLOURS, looks=looks, css=style_sheet("page.css"), script=style_sheet("page.js")
+    )
+
+
+def _hush() -> None:
+    """Keep from the terminal what is no one's business: tabs that close, and strangers turned away."""
+    for name, level in (("bokeh.server.views.ws", logging.CRITICAL), ("tornado.access", logging.ERROR)):
+        logging.getLogger(name).setLevel(level)
+    warnings.filterwarnings("ignore", "reference already known", BokehUserWarning)
+
+
+def _free(port: int) -> int:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((_HOST, port))
+        except OSError as error:
+            raise InputError(
+                f"port {port} cannot be had: {error.strerror}", remedy="give another one: --port"
+            ) from error
+        return probe.getsockname()[1]

@@ -1,0 +1,117 @@
+"""What the workbench may open: what the command line named, and what lies in the working directory.
+
+A page sends labels, never paths: what is not on the shelf cannot be opened.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from workbench.core import InputError, Recording
+from workbench.core.paths import models_folder
+from workbench.effects import load_model
+from workbench.models import Model, find_model
+from workbench.recordings import load_recording
+
+_MOST = 200  # files of a folder that are looked into
+_LARGEST = 1_000_000  # bytes of a description; data tables are not TOML
+
+
+@dataclass
+class Shelf:
+    """Models and recordings by the label under which a page shows them.
+
+    Attributes:
+        models, recordings: label to file; what was named stands first, in its order.
+        typed: file to what a command line calls it.
+        unreadable: TOML files of the working directory that are no TOML.
+    """
+
+    models: Mapping[str, Path]
+    recordings: Mapping[str, Path]
+    typed: Mapping[Path, str] = field(default_factory=dict)
+    unreadable: tuple[str, ...] = ()
+    _read: dict[tuple[Path, int], Recording] = field(default_factory=dict, repr=False)
+
+    @staticmethod
+    def of(model: str | None, recordings: Sequence[str], folder: Path) -> Shelf:
+        """What was named, then what `folder` and its subfolders hold, then the shipped models.
+
+        Raises:
+            InputError: what was named does not exist, or stands twice.
+        """
+        models = {} if model is None else {model: find_model(model).resolve()}
+        named: dict[str, Path] = {}
+        for name in recordings:
+            path = Path(name).resolve()
+            if path in named.values():
+                raise InputError("the recording is given twice", file=name, remedy="name each recording once")
+            named[name] = path
+        found, unreadable = _look_through(folder)
+        for kind, into in (("model", models), ("recording", named)):
+            for path in found[kind]:
+                if path not in into.values():
+                    into[path.relative_to(folder.resolve()).as_posix()] = path
+        for path in sorted(models_folder().glob("*.toml")):
+            if path.resolve() not in models.values():
+                models.setdefault(path.stem, path.resolve())
+        typed = {path: name for files in (models, named) for name, path in files.items()}
+        return Shelf(_short(models), _short(named), typed, unreadable)
+
+    def model(self, label: str) -> Model:
+        """The model under a label.
+
+        Raises:
+            InputError: not on the shelf, or something is wrong with the file.
+        """
+        return load_model(_offered(self.models, label, "model"))
+
+    def recording(self, label: str) -> Recording:
+        """The recording under a label; read once, unless its description changed.
+
+        Raises:
+            InputError: not on the shelf, or something is wrong with it.
+        """
+        path = _offered(self.recordings, label, "recording")
+        changed = path.stat().st_mtime_ns if path.exists() else 0
+        if (path, changed) not in self._read:
+            self._read[path, changed] = load_recording(path)
+        return self._read[path, changed]
+
+
+def _short(files: Mapping[str, Path]) -> dict[str, Path]:
+    """The same under the names of the files alone, where these differ."""
+    stems = [path.stem for path in files.values()]
+    return {path.stem if stems.count(path.stem) == 1 else name: path for name, path in files.items()}
+
+
+def _offered(shelf: Mapping[str, Path], label: str, kind: str) -> Path:
+    if label not in shelf:
+        raise InputError(
+            f"no {kind} of this name was offered", file=label, remedy="start 'workbench ui' with it"
+        )
+    return shelf[label]
+
+
+def _look_through(folder: Path) -> tuple[dict[str, list[Path]], tuple[str, ...]]:
+    """Models and recordings in a folder and those right below it, and files that are no TOML."""
+    root = folder.resolve()
+    files = sorted(p for pattern in ("*.toml", "*/*.toml") for p in root.glob(pattern))
+    found: dict[str, list[Path]] = {"model": [], "recording": []}
+    unreadable = []
+    for path in files[:_MOST]:
+        hidden = any(part.startswith(".") for part in path.relative_to(root).parts)
+        if hidden or not path.is_file() or path.stat().st_size > _LARGEST:
+            continue
+        try:
+            table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError):
+            unreadable.append(path.relative_to(root).as_posix())
+            continue
+        kind = "recording" if "table" in table else "model" if "serial" in table else None
+        if kind:
+            found[kind].append(path)
+    return found, tuple(unreadable)

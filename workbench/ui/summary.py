@@ -1,0 +1,30 @@
+"""The verdict and the numbers at the top of the page."""
+
+from __future__ import annotations
+
+from workbench.core import Comparison
+from workbench.report import wording as w
+from workbench.report.numbers import number
+
+from .widgets import safe
+
+
+def verdict(model: str, comparison: Comparison | None) -> str:
+    """A comparison in one sentence; None while it is computed."""
+    words = w.comparison_sentence(comparison) if comparison else "Comparing with the noise …"
+    tone = "" if comparison is None else "good" if comparison.consistent else "missing"
+    return f"<p class=eyebrow>{safe(model)}</p><h1 class='verdict {tone}'>{safe(words)}</h1>"
+
+
+def numbers(error: float | None, given: float | None, floor: float | None) -> str:
+    """The numbers that move with every change."""
+    cells = [("error", number(error) if error is not None else "…", "error")]
+    if given is not None:
+        cells.append(("as given", number(given), "given"))
+    cells.append(("noise floor", number(floor) if floor is not None else "…", "floor"))
+    if error is not None and floor:
+        cells.append(("over the noise", w.times_noise(error, floor).replace(" times", " ×"), "times"))
+    parts = "".join(
+        f"<div><dt>{name}</dt><dd class='{kind}'>{safe(value)}</dd></div>" for name, value, kind in cells
+    )
+    return f"<dl class=numbers aria-live=polite>{parts}</dl>"

@@ -1,0 +1,77 @@
+"""Panel's widgets in this page's clothes, and text that is safe to show."""
+
+from __future__ import annotations
+
+import html
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import panel as pn
+
+from workbench.core.palette import LINES
+from workbench.report.numbers import plain, unbroken
+
+
+@cache
+def style_sheet(name: str) -> str:
+    """A style sheet of this package."""
+    return resources.files("workbench.ui").joinpath("templates", name).read_text(encoding="utf-8")
+
+
+def widget(kind: Any, **options: Any) -> Any:
+    """A widget that looks as the page does and is as wide as its place."""
+    options.setdefault("sizing_mode", None if "width" in options else "stretch_width")
+    options.setdefault("margin", (2, 0))
+    return kind(stylesheets=[style_sheet("widgets.css")], **options)
+
+
+def button(name: str, act: Any, *, kind: str = "default", **options: Any) -> Any:
+    """A button that calls `act()`."""
+    out = widget(pn.widgets.Button, name=name, button_type=kind, **options)
+    out.on_click(lambda event: act())
+    return out
+
+
+def text(content: str = "", **options: Any) -> Any:
+    """A piece of HTML; whoever makes it has escaped what strangers wrote."""
+    options.setdefault("margin", 0)
+    return pn.pane.HTML(
+        content, sizing_mode="stretch_width", stylesheets=[style_sheet("text.css")], **options
+    )
+
+
+def column(*objects: Any, **options: Any) -> Any:
+    """Things below each other."""
+    options.setdefault("margin", 0)
+    return pn.Column(*objects, sizing_mode="stretch_width", **options)
+
+
+def row(*objects: Any, **options: Any) -> Any:
+    """Things beside each other, as long as there is room."""
+    return pn.FlexBox(*objects, sizing_mode="stretch_width", gap="2px 16px", margin=0, **options)
+
+
+def plot_pane(figure: Any) -> Any:
+    """A figure in the page."""
+    return pn.pane.Bokeh(figure, sizing_mode="stretch_width", margin=0)
+
+
+def safe(content: object) -> str:
+    """A string of anybody's as HTML."""
+    return unbroken(html.escape(plain(content)))
+
+
+_WORDS = {"before": "model as given", "after": "with the changes", "closed_chain": "closed chain"}
+
+
+def key(names: list[str]) -> str:
+    """What the lines of a diagram mean, as HTML."""
+    parts = []
+    for name in names:
+        look = LINES[name]
+        dash = " ".join(f"{1.25 * d:g}" for d in look.dash) or "none"
+        style = f"stroke: var(--{look.colour}); stroke-dasharray: {dash}; stroke-width: {1.25 * look.width:g}"
+        line = f'<svg width="28" height="8" aria-hidden="true"><path d="M0 4H28" style="{style}"/></svg>'
+        parts.append(f"<span>{line}{_WORDS.get(name, name)}</span>")
+    return f"<p class=key>{''.join(parts)}</p>"
