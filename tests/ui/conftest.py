@@ -8,6 +8,8 @@ import pytest
 from workbench.rigs import VirtualLeg, demo_experiments
 from workbench.rigs.hidden import HiddenEffect
 
+pytest.importorskip("panel")
+
 FRICTION = 0.25  # N m, of the knee's drive
 
 

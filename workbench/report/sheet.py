@@ -17,6 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from workbench.core.files import check_free, write_whole
+from workbench.core.palette import LINES
 
 from .figures import figure_bytes
 from .numbers import plain
@@ -24,18 +25,20 @@ from .shell import compress, plotly, reproduce, template
 
 #: Most points of a curve; a longer one is thinned evenly along a logarithmic axis.
 _POINTS = 500
+_LARGER = 1.25  # lines on a screen than on paper
 
 #: Look of a curve: colour (a variable of the style sheet), dash, width. Lines are told apart without colour.
 STYLES: dict[str, tuple[str, str, float]] = {
+    **{
+        name: (
+            look.colour,
+            ",".join(f"{_LARGER * d:g}px" for d in look.dash) or "solid",
+            _LARGER * look.width,
+        )
+        for name, look in LINES.items()
+    },
     "measured": ("measured", "dot", 5.0),
     "noise": ("noise", "band", 8.0),
-    "closed_chain": ("ink", "solid", 1.6),
-    "fit": ("after", "solid", 1.6),
-    "kin_only": ("before", "6px,3px", 1.6),
-    "s3n_act": ("good", "2px,2px", 1.8),
-    "s3n_full": ("after", "9px,3px,2px,3px", 1.6),
-    "s3n_full_paper": ("quiet", "12px,3px", 1.2),
-    "exact": ("fifth", "4px,4px", 1.4),
     "limit": ("noise", "2px,4px", 2.0),
 }
 
