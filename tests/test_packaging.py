@@ -21,6 +21,7 @@ DISTRIBUTIONS = {
     "warp": "warp-lang",
 }
 EXTRA = PROJECT["optional-dependencies"]["training"]
+PAGES = PROJECT["optional-dependencies"]["ui"]
 
 
 def third_party(folder: str) -> set[str]:
@@ -44,10 +45,12 @@ def names(requirements: list[str]) -> set[str]:
 
 
 def test_dependencies_are_what_the_package_imports() -> None:
-    assert names(PROJECT["dependencies"]) | names(EXTRA) == third_party("workbench")
+    assert names(PROJECT["dependencies"]) | names(EXTRA) | names(PAGES) == third_party("workbench")
     for folder in (ROOT / "workbench").iterdir():
         if folder.is_dir() and folder.name not in ("training", "bundle"):
             assert not third_party(f"workbench/{folder.name}") & names(EXTRA), folder.name
+        if folder.is_dir() and folder.name != "ui":
+            assert not third_party(f"workbench/{folder.name}") & names(PAGES), folder.name
 
 
 def test_tests_and_benchmarks_need_no_more_than_the_dev_extra() -> None:
