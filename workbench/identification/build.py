@@ -17,16 +17,30 @@ _SURE = 2.0  # deviations by which something has to be impossible before it is c
 _ALPHA = np.radians(np.linspace(0.0, 180.0, 13))
 
 
-def with_actuator(model: Model, found: ActuatorIdentification) -> Model:
-    """The model with every drive's inertia, damping and delay as identified (S3N-Act, Eqs. 12, 13)."""
+def with_actuator(model: Model, *found: ActuatorIdentification) -> Model:
+    """The model with every drive's inertia, damping and delay as identified (S3N-Act, Eqs. 12, 13).
+
+    Args:
+        model: the model.
+        found: one drive that stands for all, or one an axis; the model has one delay, their mean.
+
+    Raises:
+        InputError: another number of drives.
+    """
     n = model.size
+    if len(found) not in (1, n):
+        raise InputError(
+            f"{len(found)} drives were identified and model '{model.name}' has {n}", file=model.source,
+            remedy="identify one drive that stands for all, or every one",
+        )  # fmt: skip
+    each = found * n if len(found) == 1 else found
     return replace(
         model,
         actuators=replace(
             model.actuators,
-            inertia=(found.inertia.value,) * n,
-            damping=(found.damping.value,) * n,
-            delay_s=max(found.delay.value, 0.0),
+            inertia=tuple(f.inertia.value for f in each),
+            damping=tuple(f.damping.value for f in each),
+            delay_s=max(sum(f.delay.value for f in each) / n, 0.0),
         ),
     )
 

@@ -1,6 +1,6 @@
 """Results for people and programs: terminal tables, JSON, figures, and one self-contained page."""
 
-from .figures import ladder_figure, overlay_figure, residual_figure, save_figure, spectrum_figure
+from .figures import house_style, ladder_figure, overlay_figure, residual_figure, save_figure, spectrum_figure
 from .json import comparison_dict, diagnosis_dict, improvement_dict, verification_dict, write_json
 from .layout import print_table
 from .page import render_page, write_page
@@ -16,6 +16,7 @@ __all__ = [
     "comparison_dict",
     "diagnosis_dict",
     "diagnosis_table",
+    "house_style",
     "improvement_dict",
     "improvement_table",
     "ladder_figure",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -59,6 +60,11 @@ _RC: Any = {
     "svg.hashsalt": "workbench",
     "figure.dpi": 120,
 }
+
+
+def house_style() -> AbstractContextManager[None]:
+    """Figures that are made within look like all others."""
+    return mpl.rc_context(_RC)
 
 
 def overlay_figure(

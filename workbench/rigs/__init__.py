@@ -2,8 +2,11 @@
 
 from workbench.mechanism import ClosedChain, Reduced
 
+from .bench import VirtualBench
 from .degrade import degrade
 from .draw import draw_hidden, draw_several
+from .drive_side import DriveSide, drive_side
+from .drive_train import DriveTrain
 from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
 from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
 from .live import LiveLeg, LiveShaft
@@ -30,6 +33,8 @@ __all__ = [
     "OUTSIDERS",
     "PERFECT",
     "ClosedChain",
+    "DriveSide",
+    "DriveTrain",
     "Experiment",
     "HiddenEffect",
     "LegStructure",
@@ -38,6 +43,7 @@ __all__ = [
     "MotorBank",
     "Reduced",
     "Sensors",
+    "VirtualBench",
     "VirtualLeg",
     "VirtualMotor",
     "chirp",
@@ -46,6 +52,7 @@ __all__ = [
     "dither",
     "draw_hidden",
     "draw_several",
+    "drive_side",
     "experiments_for",
     "hidden_effect",
     "leg_structure",

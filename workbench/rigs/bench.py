@@ -1,12 +1,14 @@
 """An actuator alone on a bench, excited by torque without feedback (paper, Sec. IV-A).
 
-One shaft in Drake, J a + B w = tau(t - T_d): linear, so each row is integrated without error by the matrix
-exponential of what Drake says of the shaft.
+One shaft in Drake, J a + B w = tau(t - T_d): between two rows and two changes of sign of w it is linear, so
+that it is integrated without error, dry friction and all.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
+from math import exp, log
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,9 @@ from pydrake.multibody.plant import MultibodyPlant
 from workbench.core import Controller, Excitation, Recording
 from workbench.core.paths import closed_chain_file
 
-from .machine import DRIVE_DELAY, TORQUE_LIMIT
+from .drive_side import DriveSide, drive_side
+from .hidden import HiddenEffect
+from .machine import ACTUATOR_DAMPING, ACTUATOR_INERTIA, DRIVE_DELAY, TORQUE_LIMIT
 from .virtual_leg import Sensors
 
 _ROW = 1e-3  # s
@@ -29,12 +33,24 @@ class VirtualBench:
     Args:
         seed: of the sensors' noise; run k of a call draws from (seed, k).
         sensors: noise and resolution, as on the virtual leg.
+        hidden: effects of the leg that the drive was taken from; those of the links are not on the bench.
+        axis: of the leg, where the drive was.
+
+    Raises:
+        InputError: the drive hides what the bench cannot have.
     """
 
     axes = ("motor",)
 
-    def __init__(self, seed: int = 0, sensors: Sensors | None = None) -> None:
+    def __init__(
+        self,
+        seed: int = 0,
+        sensors: Sensors | None = None,
+        hidden: Sequence[HiddenEffect] = (),
+        axis: str = "hip",
+    ) -> None:
         self.seed, self.sensors = seed, sensors or Sensors()
+        self._drive = drive_side(hidden, axis)
 
     def run(self, commands: dict[str, np.ndarray], excitation: Excitation) -> list[Recording]:
         """Plays torque commands.
@@ -54,7 +70,7 @@ class VirtualBench:
         command = np.repeat(wanted[::_TICK], _TICK)[:rows]
         late = np.concatenate([np.zeros(round(DRIVE_DELAY / _ROW)), command])[:rows]
         torque = np.clip(late, -TORQUE_LIMIT, TORQUE_LIMIT)
-        position, velocity = _shaft(torque)
+        position, velocity = _shaft(torque, self._drive)
         step = self.sensors.encoder
         if step:
             position = np.round(position / step) * step
@@ -79,15 +95,28 @@ class VirtualBench:
         )
 
 
-def _shaft(torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angle and speed at every row under torques (N,) held from row to row, from rest."""
+def _shaft(torque: np.ndarray, drive: DriveSide) -> tuple[np.ndarray, np.ndarray]:
+    """Angle and speed at every row under measured torques (N,) held from row to row, from rest."""
     inertia, damping = shaft_constants()
-    decay = np.exp(-damping / inertia * _ROW)
+    inertia += drive.inertia - ACTUATOR_INERTIA
+    damping += drive.damping - ACTUATOR_DAMPING
     speed, angle = np.zeros(len(torque)), np.zeros(len(torque))
+    q = w = 0.0
     for k in range(len(torque) - 1):
-        final = torque[k] / damping
-        speed[k + 1] = final + (speed[k] - final) * decay
-        angle[k + 1] = angle[k] + final * _ROW + (speed[k] - final) * (1.0 - decay) * inertia / damping
+        true, left = drive.gain * float(torque[k]), _ROW
+        while left > 0.0:
+            sign = np.sign(w) or np.sign(true)
+            if w == 0.0 and abs(true) <= drive.friction:
+                break  # it sticks
+            final, lag = (true - sign * drive.friction) / damping, inertia / damping
+            # the speed w(t) = final + (w - final) exp(-t / lag) turns round where friction does
+            stops = w != 0.0 and final * w < 0.0
+            until = min(left, lag * log(1.0 - w / final)) if stops else left
+            decay = exp(-until / lag)
+            q += final * until + (w - final) * (1.0 - decay) * lag
+            w = 0.0 if stops and until < left else final + (w - final) * decay
+            left -= until
+        angle[k + 1], speed[k + 1] = q, w
     return angle, speed
 
 

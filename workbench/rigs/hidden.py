@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 from workbench.core import InputError
 
@@ -55,6 +55,9 @@ class HiddenEffect:
             raise InputError(f"'{self.effect}' acts on one axis", remedy="give axis = hip or knee")
         if self.location == "joint" and self.effect not in AT_JOINTS:
             raise InputError(f"'{self.effect}' cannot sit in a joint", remedy="location = actuator")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return HiddenEffect, (self.effect, self.axis, self.location, dict(self.parameters))
 
     @property
     def place(self) -> Place:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,8 +12,8 @@ import numpy as np
 
 from workbench.bundle import Policy, PolicyBundle
 from workbench.core import Controller, Excitation, InputError, Recording
-from workbench.models import read_model
-from workbench.rigs import Sensors
+from workbench.models import Model, read_model
+from workbench.rigs import HiddenEffect, Sensors
 from workbench.s3n import with_variant
 
 from .control import action_target, drive_torque
@@ -90,6 +90,9 @@ def evaluate(
     seed: int = 0,
     hardware: bool = True,
     sensors: Sensors | None = None,
+    hidden: Sequence[HiddenEffect] = (),
+    friction: float | None = None,
+    model: Model | None = None,
     tell: Callable[[float], None] = lambda done: None,
 ) -> Evaluation:
     """Run a bundle's policy.
@@ -100,14 +103,27 @@ def evaluate(
         seed: of the command (``reach``) and of the sensors' noise.
         hardware: on the closed chain in Drake; else in the serial machine that it was trained in.
         sensors: of the drives; by default those of the virtual leg.
+        hidden: effects in the drives of the hardware's legs.
+        friction: coefficient of the hardware's ground, where it has one.
+        model: of a leg, with its variant; the simulation is of this model instead of the trained one.
         tell: is told the share that is done.
 
     Raises:
-        InputError: the bundle cannot be run here.
+        InputError: the bundle cannot be run here, or hardware and simulation are asked for at once.
     """
+    if (hidden or friction is not None) if not hardware else model is not None:
+        raise InputError(
+            "effects and friction are the hardware's, a model is the simulation's",
+            remedy="leave out what belongs to the other",
+        )
     with tempfile.TemporaryDirectory() as folder:
         machine = machine_of(bundle, Path(folder))
-        plant: Plant = ClosedChainPlant(machine) if hardware else TrainedPlant(machine)
+        if hardware:
+            ground = {} if friction is None else {"friction": friction}
+            plant: Plant = ClosedChainPlant(machine, hidden, **ground)
+        else:
+            other = None if model is None else make_machine(machine.kind, model)
+            plant = TrainedPlant(other or machine)
     task = TASKS[bundle.task]
     log = _run(Policy(bundle), task, machine, plant, seconds, seed, sensors or Sensors(), tell)
     name = f"{task.name}_{bundle.variant}_{'hardware' if hardware else 'simulation'}"

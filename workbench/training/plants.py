@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import mujoco
@@ -11,6 +12,7 @@ import numpy as np
 from workbench.core import Mechanism
 from workbench.core.paths import closed_chain_file
 from workbench.mechanism import DiscreteChain, Ground
+from workbench.rigs import DriveSide, DriveTrain, HiddenEffect, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
 from .machine import FOOT_RADIUS, LEGS, STEP_S, Machine
@@ -26,7 +28,8 @@ class State:
     """One moment: true motion of the drives (n,), of the base in MuJoCo's order, and the feet's loads.
 
     `pose` (7,): position, quaternion w x y z. `rate` (6,): linear velocity in the world, angular velocity in
-    the body. `feet` (F, 3): force of the ground on each foot [N]. All empty for a leg on its stand.
+    the body. `feet` (F, 3): force of the ground on each foot, the mean over the control step before [N], as
+    a force plate of that bandwidth shows it. All empty for a leg on its stand.
     """
 
     position: np.ndarray
@@ -57,49 +60,74 @@ class ClosedChainPlant:
 
     Args:
         machine: tells which mechanism, and the drives' inertia and damping.
+        hidden: effects in the drives of every leg, beyond those of `machine`.
+        friction: coefficient of the ground.
+
+    Raises:
+        InputError: an effect that drives cannot hide here.
     """
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(
+        self, machine: Machine, hidden: Sequence[HiddenEffect] = (), friction: float = _FRICTION
+    ) -> None:
         self._machine = machine
         model = machine.model
+        step = STEP_S / _SUBSTEPS
         if machine.floating:
-            per_leg = (model.actuators.inertia[0], *model.actuators.inertia)
-            drag = (model.actuators.damping[0], *model.actuators.damping)
-            inertia, damping = np.tile(per_leg, 4), np.tile(drag, 4)
-            mechanism, ground = (
-                quadruped_mechanism(),
-                Ground(tuple(f"{x}_foot" for x in LEGS), FOOT_RADIUS, _FRICTION),
-            )
+            mechanism = quadruped_mechanism()
+            ground = Ground(tuple(f"{x}_foot" for x in LEGS), FOOT_RADIUS, friction)
         else:
-            inertia, damping = np.array(model.actuators.inertia), np.array(model.actuators.damping)
             mechanism, ground = model.closed_chain or Mechanism(closed_chain_file("leg")), None
-        self._chain = DiscreteChain(mechanism, list(inertia), list(damping), STEP_S / _SUBSTEPS, ground)
+        self._drives = DriveTrain(_sides(machine, hidden), step)
+        self._chain = DiscreteChain(
+            mechanism, list(self._drives.rotor), list(self._drives.damping), step, ground
+        )
+        self._force = np.zeros((len(LEGS) if machine.floating else 0, 3))
 
     def reset(self, drives: np.ndarray, height: float) -> None:
         """At rest at drive positions (n,)."""
         base = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, height]) if self._machine.floating else None
         self._chain.reset(drives, base=base)
+        self._drives.reset(drives)
+        self._force = np.zeros_like(self._force)
 
     def advance(self, torque: np.ndarray) -> None:
         """One control step."""
+        chain, force = self._chain, np.zeros_like(self._force)
         for _ in range(_SUBSTEPS):
-            self._chain.advance(torque)
+            chain.advance(self._drives.advance(torque, chain.position, chain.velocity))
+            if self._machine.floating:
+                force += chain.ground_force
+        self._force = force / _SUBSTEPS
 
     def state(self) -> State:
         """Now."""
         chain, nothing = self._chain, np.zeros(0)
+        motion = self._drives.motion(chain.position, chain.velocity)
         if not self._machine.floating:
-            return State(chain.position, chain.velocity, nothing, nothing, np.zeros((0, 3)))
+            return State(*motion, nothing, nothing, self._force)
         base, rate = chain.base, chain.base_velocity
         turn = np.zeros(9)
         mujoco.mju_quat2Mat(turn, base[:4])
         return State(
-            chain.position,
-            chain.velocity,
+            *motion,
             np.concatenate([base[4:], base[:4]]),
             np.concatenate([rate[3:], turn.reshape(3, 3).T @ rate[:3]]),
-            chain.ground_force,
+            self._force,
         )
+
+
+def _sides(machine: Machine, hidden: Sequence[HiddenEffect]) -> list[DriveSide]:
+    """Every drive with its own inertia and damping and what is hidden in it; abductions hide nothing."""
+    own, nominal = machine.model.actuators, DriveSide()
+    leg = []
+    for axis, inertia, damping in zip(machine.model.axes, own.inertia, own.damping, strict=True):
+        side = drive_side(hidden, axis)
+        more = side.inertia - nominal.inertia, side.damping - nominal.damping
+        leg.append(replace(side, inertia=inertia + more[0], damping=damping + more[1]))
+    if not machine.floating:
+        return leg
+    return [DriveSide(own.inertia[0], own.damping[0]), *leg] * len(LEGS)
 
 
 class TrainedPlant:

@@ -1,0 +1,184 @@
+"""Circular locomotion (paper, Sec. VI-C): how far are velocities in hardware from those in simulation?
+
+    python analyses/circular_locomotion.py --out out/circular
+
+Each policy runs one lap, at 0.8 m/s and 0.8 rad/s from standing, on the virtual quadruped and in its
+simulator. A trial has its own noise and its own friction of the ground, 0.6 to 1.0. Rows are paired in time
+from the command's onset; E_phi averages the gap, divided by the command, over 72 bins of the lap's phase
+(Eqs. 31, 32), E_RMSE is from RMSE over the lap (Eq. 30).
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from transfer_plants import SETS
+from transfer_policies import METHODS, Job, Rollout, Simulators, build_all, rollout
+from transfer_tables import show, spread, write_csv
+from transfer_trials import run_trials
+
+from workbench import report
+from workbench.training.machine import STEP_S
+from workbench.training.tasks import CIRCLE
+
+PAPER = {
+    "Kin-Only": ("0.167", "0.144", "19.46", "17.3"),
+    "Kin-Only HR": ("0.220", "0.167", "24.17", "21.5"),
+    "S3N-Act": ("0.164", "0.128", "18.26", "15.7"),
+    "S3N-Full": ("0.074", "0.122", "12.23", "9.9"),
+}
+_LAP_S = 2 * np.pi / CIRCLE[2]
+_BINS = 72
+_FRICTION = (0.6, 1.0)
+_COLORS = dict(zip(METHODS, ("#D55E00", "#E69F00", "#009E73", "#0072B2", "#1a1c1e"), strict=True))
+
+
+@dataclass(frozen=True)
+class Gap:
+    """One method on one set, a row a trial; NaN where the robot fell.
+
+    Attributes:
+        forward, yaw: RMSE over the lap (T,) [m/s, rad/s].
+        whole: E_RMSE (T,) [%].
+        local: gap by phase (T, 72) [%]; its mean is E_phi.
+    """
+
+    forward: np.ndarray
+    yaw: np.ndarray
+    whole: np.ndarray
+    local: np.ndarray
+
+    @property
+    def phase(self) -> np.ndarray:
+        """E_phi of each trial (T,) [%]."""
+        return self.local.mean(axis=1)
+
+
+def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Gap]]:
+    """Run, print, write, draw; returns the gaps by set and method."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--out", type=Path, default=Path("out/circular"))
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--trials", type=int, default=5)
+    parser.add_argument("--models", type=Path, help="models that chirp_response.py identified; else anew")
+    parser.add_argument("--set", choices=list(SETS), help="one of the sets; else all")
+    parser.add_argument("--quick", action="store_true", help="two methods, a quarter of a lap, nothing found")
+    given = parser.parse_args(arguments)
+    sets = ["clean"] if given.quick else [given.set] if given.set else list(SETS)
+    methods = ["Kin-Only", "S3N-Full"] if given.quick else list(METHODS)
+    trials, seconds = (1, 0.25 * _LAP_S) if given.quick else (given.trials, _LAP_S)
+    built = build_all(sets, given.seed, given.models, given.quick)
+    results = {
+        which: evaluate_set(which, built[which], methods, seconds, given.seed, trials, given.quick)
+        for which in sets
+    }
+    for which, mine in results.items():
+        table(given.out, which, mine, built[which])
+    rows = [
+        {
+            "set": which, "method": name, "trial": k, "e_vx_m_s": float(g.forward[k]),
+            "e_wz_rad_s": float(g.yaw[k]), "E_RMSE_percent": float(g.whole[k]),
+            "E_phi_percent": float(g.phase[k]),
+        }
+        for which, mine in results.items() for name, g in mine.items() for k in range(trials)
+    ]  # fmt: skip
+    write_csv(given.out / "circular.csv", rows)
+    for which, mine in results.items():
+        report.save_figure(polar(which, mine), given.out / f"{which.replace(' ', '_')}.png", force=True)
+    print(f"Wrote {given.out}.")
+    return results
+
+
+def evaluate_set(
+    which: str, built: Simulators, methods: Sequence[str], seconds: float, seed: int, trials: int, quick: bool
+) -> dict[str, Gap]:
+    """All methods on hardware that hides one set; a policy that two methods share runs there once."""
+    policies = list(dict.fromkeys(METHODS[m][0] for m in methods))
+    ground = np.random.default_rng([seed, 5]).uniform(*_FRICTION, trials)
+    jobs = [
+        Job("circular", p, seconds, seed + k, which, friction=float(ground[k]))
+        for p in policies
+        for k in range(trials)
+    ]
+    jobs += [
+        Job("circular", METHODS[m][0], seconds, seed, model=built.models[METHODS[m][1]]) for m in methods
+    ]
+    made = run_trials(rollout, jobs, serial=quick)
+    hardware = {p: made[i * trials : (i + 1) * trials] for i, p in enumerate(policies)}
+    simulated = dict(zip(methods, made[len(policies) * trials :], strict=True))
+    return {m: gap(hardware[METHODS[m][0]], simulated[m]) for m in methods}
+
+
+def gap(hardware: Sequence[Rollout], simulation: Rollout) -> Gap:
+    """The paper's metrics of each trial."""
+    forward, yaw, local = [], [], []
+    bins = np.minimum((STEP_S * np.arange(len(simulation.yaw)) / _LAP_S * _BINS).astype(int), _BINS - 1)
+    for run in hardware:
+        if run.fell_s is not None or simulation.fell_s is not None:
+            forward.append(np.nan)
+            yaw.append(np.nan)
+            local.append(np.full(bins[-1] + 1, np.nan))
+            continue
+        ahead, turn = np.abs(simulation.forward - run.forward), np.abs(simulation.yaw - run.yaw)
+        forward.append(float(np.sqrt(np.mean(ahead**2))))
+        yaw.append(float(np.sqrt(np.mean(turn**2))))
+        both = 50.0 * (ahead / abs(CIRCLE[0]) + turn / abs(CIRCLE[2]))
+        local.append(np.bincount(bins, both) / np.bincount(bins))
+    whole = 50.0 * (np.array(forward) / abs(CIRCLE[0]) + np.array(yaw) / abs(CIRCLE[2]))
+    return Gap(np.array(forward), np.array(yaw), whole, np.array(local))
+
+
+def table(folder: Path, which: str, results: dict[str, Gap], built: Simulators) -> str:
+    """The four metrics by method, each beside the paper's."""
+    rows = []
+    for name, g in results.items():
+        paper = PAPER.get(name, ("",) * 4)
+        mine = spread(g.forward, 3), spread(g.yaw, 3), spread(g.whole, 2), spread(g.phase, 2)
+        rows.append((name, *(cell for pair in zip(mine, paper, strict=True) for cell in pair)))
+    columns = (
+        "method", "e_vx [m/s]", "paper", "e_wz [rad/s]", "paper", "E_RMSE [%]", "paper", "E_phi [%]", "paper",
+    )  # fmt: skip
+    trials = len(next(iter(results.values())).forward)
+    title = f"Circular locomotion, {which}: {trials} trials, mean ± sample standard deviation"
+    text = show(folder, which.replace(" ", "_"), title, columns, rows)
+    print(built.about)
+    return text
+
+
+def polar(which: str, results: dict[str, Gap]) -> Figure:
+    """The gap over the phase of the lap, a panel a method; thin lines are trials."""
+    with report.house_style():
+        figure = Figure(figsize=(2.3 * len(results), 3.1), layout="constrained")
+        axes = np.atleast_1d(
+            figure.subplots(1, len(results), subplot_kw={"projection": "polar"}, squeeze=False)[0]
+        )
+        most = max(np.nanmax(g.local) for g in results.values())
+        for a, (name, g) in zip(axes, results.items(), strict=True):
+            angle = (np.arange(g.local.shape[1]) + 0.5) * 2 * np.pi / _BINS
+            whole = g.local.shape[1] == _BINS  # close the circle of a whole lap
+
+            def closed(x: np.ndarray, whole: bool = whole) -> np.ndarray:
+                return np.append(x, x[0]) if whole else x
+
+            for trial in g.local:
+                a.plot(closed(angle), closed(trial), color=_COLORS[name], lw=0.6, alpha=0.35)
+            a.plot(closed(angle), closed(np.nanmean(g.local, axis=0)), color=_COLORS[name], lw=1.8)
+            a.set_ylim(0.0, 1.05 * most)
+            a.set_theta_zero_location("N")
+            a.set_xticks(np.radians([0, 90, 180, 270]))
+            a.tick_params(labelsize=7, pad=-1)
+            a.set_rlabel_position(135)
+            a.set_title(f"{name}\n$E_\\phi$ = {spread(g.phase, 1)} %", loc="center")
+        figure.suptitle(
+            f"Gap between simulation and hardware over the lap, % of the command; {which}", fontsize=9.5
+        )
+    return figure
+
+
+if __name__ == "__main__":
+    main()

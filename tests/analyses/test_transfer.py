@@ -1,0 +1,79 @@
+"""The transfer study in small: S3N-Full from recordings alone is ahead, and the metrics are the paper's."""
+
+from pathlib import Path
+
+import chirp_response
+import circular_locomotion
+import numpy as np
+import pitch_in_place
+import pytest
+from transfer_chirp import reduction
+from transfer_plants import SETS, other_leg
+from transfer_policies import Rollout
+from transfer_tables import spread
+
+from workbench.rigs import VirtualLeg
+from workbench.training.machine import STEP_S
+
+
+def test_the_contact_free_leg(tmp_path: Path) -> None:
+    [(_, trial)] = chirp_response.main(["--quick", "--out", str(tmp_path)])
+    less = [reduction(errors, "s3n_full") for errors in (trial.position, trial.torque)]
+    assert less[0] > 80.9 and less[1] > 82.1  # the paper's
+    assert trial.found == ("linkage_gravity",)
+    np.testing.assert_allclose(trial.position["found"], trial.position["noise"], rtol=0.15)
+    np.testing.assert_allclose(trial.torque["found"], trial.torque["noise"], rtol=0.15)
+    files = {p.name for p in tmp_path.iterdir()}
+    assert {"clean_reference_leg.md", "clean_curves.png", "summary.png", "chirp.csv"} <= files
+
+
+def test_pitch_in_place(tmp_path: Path) -> None:
+    results = pitch_in_place.main(["--quick", "--out", str(tmp_path)])["clean"]
+    for name in ("Kin-Only", "S3N-Full"):
+        assert 5.5 < results[name].range_rad_s[0] < 7.5  # the command has 6.28
+        assert results[name].pitch_percent[0] < 15.0 and results[name].force[0] < 40.0
+    assert (tmp_path / "pitch.png").stat().st_size > 10_000
+
+
+def test_circular_locomotion(tmp_path: Path) -> None:
+    results = circular_locomotion.main(["--quick", "--out", str(tmp_path)])["clean"]
+    for gap in results.values():
+        assert 0.2 < gap.phase[0] < 15.0 and gap.local.shape == (1, 18)
+
+
+def test_the_circle_s_metrics_are_those_of_the_equations() -> None:
+    t = STEP_S * np.arange(round(circular_locomotion._LAP_S / STEP_S))
+    still = np.zeros_like(t)
+    simulation = Rollout(still + 0.8, still + 0.8, still, still, None)
+    hardware = Rollout(still + 0.72, 0.8 + 0.16 * np.sign(np.sin(40.0 * t)), still, still, None)
+    gap = circular_locomotion.gap([hardware], simulation)
+    assert gap.local.shape == (1, 72)
+    assert gap.phase[0] == pytest.approx(15.0, rel=5e-3)  # half of 10 % and 20 %
+    assert gap.whole[0] == pytest.approx(15.0, rel=5e-3) and gap.forward[0] == pytest.approx(0.08)
+    fallen = Rollout(still[:9], still[:9], still[:9], still[:9], 0.5)
+    assert np.isnan(circular_locomotion.gap([fallen, hardware], simulation).phase[0])
+
+
+def test_a_shift_in_phase_is_a_gap_and_a_whole_cycle_is_none() -> None:
+    t = STEP_S * np.arange(round(2.3 / STEP_S))
+    flat = np.zeros_like(t)
+
+    def swing(lag: float) -> Rollout:
+        return Rollout(flat, flat, 3.0 * np.sin(10 * np.pi * (t - lag)), 40.0 + flat, None)
+
+    late, same = (pitch_in_place.result([swing(lag)], swing(0.0), 4) for lag in (0.01, 0.2))
+    wanted = 100.0 * 2.0 * 3.0 * np.sin(0.05 * np.pi) / np.sqrt(2.0) / 6.0
+    assert late.pitch_percent[0] == pytest.approx(wanted, rel=0.01)
+    assert same.pitch_percent[0] < 0.1 and late.force[0] == 0.0
+
+
+def test_other_legs_are_legs_that_the_rig_can_be() -> None:
+    for which in SETS:
+        legs = [other_leg(which, seed) for seed in range(4)]
+        assert len({leg.hidden[0].parameters["inertia"] for leg in legs}) == 4
+        for leg in legs:
+            VirtualLeg(leg.hidden)
+
+
+def test_spread_is_mean_and_sample_deviation() -> None:
+    assert spread([1.0, 3.0], 2) == "2.00 ± 1.41" and spread([2.0, np.nan], 1) == "2.0" and spread([]) == "–"
