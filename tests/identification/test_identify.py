@@ -75,6 +75,16 @@ def test_s3n_full_is_built_without_counting_the_actuator_twice() -> None:
     assert built.actuators.inertia == pytest.approx((0.0162, 0.0162), rel=0.01)
 
 
+def test_every_drive_has_its_own_numbers() -> None:
+    model, found = read_model("leg_kin_only"), identify_actuator(bench())
+    heavy = replace(found, inertia=Estimate(0.02, 0.0, "kg m^2"), delay=Estimate(5e-3, 0.0, "s"))
+    both = with_actuator(model, found, heavy).actuators
+    assert both.inertia == (found.inertia.value, 0.02)
+    assert both.delay_s == pytest.approx(4e-3, rel=0.01)
+    with pytest.raises(InputError, match="3 drives"):
+        with_actuator(model, found, found, found)
+
+
 def test_links_that_no_body_can_be_are_refused() -> None:
     model = read_model("leg_kin_only")
     fine = np.diag([1e-5, 1e-5, 1e-5]) ** 2

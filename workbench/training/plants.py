@@ -78,7 +78,7 @@ class ClosedChainPlant:
             ground = Ground(tuple(f"{x}_foot" for x in LEGS), FOOT_RADIUS, friction)
         else:
             mechanism, ground = model.closed_chain or Mechanism(closed_chain_file("leg")), None
-        self._drives = DriveTrain(_sides(machine, hidden), step)
+        self._drives, self._hides = DriveTrain(_sides(machine, hidden), step), bool(hidden)
         self._chain = DiscreteChain(
             mechanism, list(self._drives.rotor), list(self._drives.damping), step, ground
         )
@@ -93,9 +93,11 @@ class ClosedChainPlant:
 
     def advance(self, torque: np.ndarray) -> None:
         """One control step."""
-        chain, force = self._chain, np.zeros_like(self._force)
+        chain, force, passed = self._chain, np.zeros_like(self._force), torque
         for _ in range(_SUBSTEPS):
-            chain.advance(self._drives.advance(torque, chain.position, chain.velocity))
+            if self._hides:
+                passed = self._drives.advance(torque, chain.position, chain.velocity)
+            chain.advance(passed)
             if self._machine.floating:
                 force += chain.ground_force
         self._force = force / _SUBSTEPS
