@@ -150,7 +150,7 @@ def numbers(which: str, trial: Trial) -> list[dict[str, object]]:
 def curves(trial: Trial) -> Figure:
     """Measured over simulated where the chirp passes a few hertz, and the errors over the whole run."""
     with report.house_style():
-        figure = Figure(figsize=(9.0, 7.2), layout="constrained")
+        figure = Figure(figsize=(7.6, 6.0), layout="constrained")
         axes = figure.subplots(4, 2, sharex="row", height_ratios=[1.3, 1, 1.3, 1])
         for k, joint in enumerate(("hip", "knee")):
             measured = trial.measured[k]

@@ -13,7 +13,7 @@ from workbench import report
 from workbench.core.files import write_whole
 from workbench.report.layout import table as new_table
 
-_WIDTH = 150  # columns of the screen: a log file has no width of its own
+_WIDTH = 190  # columns of the screen: a log file has no width of its own
 
 
 def spread(values: Sequence[float] | np.ndarray, digits: int = 4, scale: float = 1.0) -> str:
