@@ -17,24 +17,22 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 from transfer_chirp import NAMES, Task, Trial, reduction, run_trial
+from transfer_looks import LOOKS
 from transfer_plants import SETS, other_leg, reference_leg
 from transfer_tables import show, spread, write_csv
 from transfer_trials import run_trials
 
 from workbench import report
+from workbench.core.palette import COLOURS, LINES
 from workbench.models import write_model
 
 PAPER = {
     "kin_only": ("0.0271, 0.0353", "3.58, 4.86", ""),
     "s3n_full": ("0.0073, 0.0046", "0.90, 0.61", "80.9, 82.1"),
 }
-_LINES = {
-    "kin_only": ("#D55E00", (0, (4, 1.6))),
-    "s3n_act": ("#009E73", (0, (1, 1.2))),
-    "s3n_full": ("#0072B2", "-"),
-    "found": ("#1a1c1e", "-"),
-}
+_CURVES = ("kin_only", "s3n_act", "s3n_full", "found")
 
 
 def main(arguments: Sequence[str] | None = None) -> list[tuple[str, Trial]]:
@@ -160,16 +158,12 @@ def curves(trial: Trial) -> Figure:
                 top, bottom = axes[2 * row, k], axes[2 * row + 1, k]
                 shown = (measured.time >= window[0]) & (measured.time <= window[1])
                 truth = getattr(measured, what)[:, k]
-                top.plot(measured.time[shown], truth[shown], color="#a4a9ae", lw=3.2, label="measured")
-                for name, (color, style) in _LINES.items():
-                    if name not in trial.simulated:
-                        continue
-                    values = getattr(trial.simulated[name][k], what)[:, k]
+                top.plot(measured.time[shown], truth[shown], **LINES["measured"].drawn(), label="measured")
+                for name in _CURVES:
+                    values, look = getattr(trial.simulated[name][k], what)[:, k], LOOKS[NAMES[name]].drawn()
                     if name in ("kin_only", "s3n_full"):
-                        top.plot(measured.time[shown], values[shown], color=color, ls=style, lw=1.1)
-                    bottom.plot(
-                        measured.time, values - truth, color=color, ls=style, lw=0.9, label=NAMES[name]
-                    )
+                        top.plot(measured.time[shown], values[shown], **look)
+                    bottom.plot(measured.time, values - truth, **look | {"lw": 0.9}, label=NAMES[name])
                 top.set_title(f"{joint}: {what} [{unit}]")
                 bottom.set_title(f"{joint}: simulated − measured [{unit}]")
                 top.margins(x=0)
@@ -195,15 +189,17 @@ def summary(results: Sequence[tuple[str, Trial]]) -> Figure:
                 a = axes[2 * i + j]
                 for t in (t for w, t in results if w == which):
                     own = t.plant.name == "reference leg"
+                    colour = COLOURS["after" if own else "before"][0]
                     errors = {n: e.mean() * (1e3 if j == 0 else 1.0) for n, e in getattr(t, what).items()}
                     a.plot(
                         list(errors.values()), [rows.index(n) for n in errors], "o" if own else "D",
-                        ms=5 if own else 4, color="#0072B2" if own else "#D55E00",
-                        mfc="#0072B2" if own else "none", ls="",
+                        ms=5 if own else 4, color=colour,
+                        mfc=colour if own else "none", ls="",
                         label="reference leg" if own else "other legs",
                     )  # fmt: skip
                 a.set_xscale("log")
-                a.set_title(f"{which}: {what} [{unit}]")
+                a.set_title(f"{which}:\n{what} [{unit}]")
+                a.xaxis.set_minor_formatter(NullFormatter())
                 a.set_yticks(range(len(rows)), list(NAMES.values()))
         axes[0].invert_yaxis()
         handles = {label: h for a in axes for h, label in zip(*a.get_legend_handles_labels(), strict=True)}

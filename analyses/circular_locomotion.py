@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from transfer_looks import LOOKS
 from transfer_plants import SETS
 from transfer_policies import METHODS, Job, Rollout, Simulators, build_all, rollout
 from transfer_tables import show, spread, write_csv
@@ -35,7 +36,6 @@ PAPER = {
 _LAP_S = 2 * np.pi / CIRCLE[2]
 _BINS = 72
 _FRICTION = (0.6, 1.0)
-_COLORS = dict(zip(METHODS, ("#D55E00", "#E69F00", "#009E73", "#0072B2", "#1a1c1e"), strict=True))
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def table(folder: Path, which: str, results: dict[str, Gap], built: Simulators) 
 def polar(which: str, results: dict[str, Gap]) -> Figure:
     """The gap over the phase of the lap, a panel a method; thin lines are trials."""
     with report.house_style():
-        figure = Figure(figsize=(2.3 * len(results), 3.1), layout="constrained")
+        figure = Figure(figsize=(2.3 * len(results), 2.75), layout="constrained")
         axes = np.atleast_1d(
             figure.subplots(1, len(results), subplot_kw={"projection": "polar"}, squeeze=False)[0]
         )
@@ -166,8 +166,8 @@ def polar(which: str, results: dict[str, Gap]) -> Figure:
                 return np.append(x, x[0]) if whole else x
 
             for trial in g.local:
-                a.plot(closed(angle), closed(trial), color=_COLORS[name], lw=0.6, alpha=0.35)
-            a.plot(closed(angle), closed(np.nanmean(g.local, axis=0)), color=_COLORS[name], lw=1.8)
+                a.plot(closed(angle), closed(trial), color=LOOKS[name].light, lw=0.6, alpha=0.35)
+            a.plot(closed(angle), closed(np.nanmean(g.local, axis=0)), color=LOOKS[name].light, lw=1.8)
             a.set_ylim(0.0, 1.05 * most)
             a.set_theta_zero_location("N")
             a.set_xticks(np.radians([0, 90, 180, 270]))

@@ -16,12 +16,14 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from transfer_looks import LOOKS
 from transfer_plants import SETS
 from transfer_policies import METHODS, Job, Rollout, Simulators, build_all, rollout
 from transfer_tables import show, spread, write_csv
 from transfer_trials import run_trials
 
 from workbench import report
+from workbench.core.palette import COLOURS
 from workbench.training.machine import STEP_S
 from workbench.training.tasks import PITCH_HZ
 
@@ -32,13 +34,6 @@ PAPER = {
     "S3N-Full": ("2.64", "10.2"),
 }
 _SETTLE, _CYCLES, _PHASES = 5, 40, 100  # cycles, cycles, points a cycle
-_LOOKS = {
-    "Kin-Only": ("#D55E00", (0, (4, 1.6))),
-    "Kin-Only HR": ("#E69F00", (0, (6, 1, 1, 1))),
-    "S3N-Act": ("#009E73", (0, (1, 1.2))),
-    "S3N-Full": ("#0072B2", "-"),
-    "S3N + found effects": ("#1a1c1e", "-"),
-}
 
 
 @dataclass(frozen=True)
@@ -168,23 +163,26 @@ def figure(results: dict[str, dict[str, Result]]) -> Figure:
         for row, (which, mine) in zip(axes, results.items(), strict=True):
             measured = np.array([r.hardware[0] for r in mine.values()])
             mean, spread_ = measured.mean(axis=0), measured.std(axis=0)
-            row[0].fill_between(phase, mean - spread_, mean + spread_, color="#a4a9ae", lw=0)
-            row[0].plot(phase, mean, color="#5b6168", lw=1.6, label="hardware, mean of the methods")
+            row[0].fill_between(phase, mean - spread_, mean + spread_, color=COLOURS["measured"][0], lw=0)
+            row[0].plot(phase, mean, color=COLOURS["quiet"][0], lw=1.6, label="hardware, mean of the methods")
             for name, r in mine.items():
-                color, style = _LOOKS[name]
-                row[0].plot(phase, r.simulation[0], color=color, ls=style, lw=1.0, label=name)
-                row[1].plot(phase, r.gap, color=color, ls=style, lw=1.1)
+                look = LOOKS[name].drawn()
+                row[0].plot(phase, r.simulation[0], **look, label=name)
+                row[1].plot(phase, r.gap, **look)
                 x = list(mine).index(name)
-                row[2].errorbar(np.nanmean(r.force), x, xerr=np.nanstd(r.force), fmt="o", color=color, ms=5)
-            row[0].set_title(f"{which}: pitch rate, simulated [rad/s]")
-            row[1].set_title("rear right foot: |gap| of force [N]")
+                row[2].errorbar(
+                    np.nanmean(r.force), x, xerr=np.nanstd(r.force), fmt="o", color=look["color"], ms=5
+                )
+            row[0].set_title(f"{which}: pitch rate [rad/s]")
+            row[1].set_title("|gap| of the foot's force [N]")
             row[2].set_title("RMSE of force [N]")
             row[2].set_yticks(range(len(mine)), list(mine))
             row[2].invert_yaxis()
             row[2].set_xlim(left=0.0)
+        for a in axes[:, :2].ravel():
+            a.set_xticks([0, 90, 180, 270, 360])
         for a in axes[-1, :2]:
             a.set_xlabel("phase of the command [°]")
-            a.set_xticks([0, 90, 180, 270, 360])
         handles, labels = axes[0, 0].get_legend_handles_labels()
         made.legend(handles, labels, loc="outside upper left", ncols=6)
     return made
