@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import pty
 import socket
 import time
+import tty
 from pathlib import Path
 
 import can
@@ -68,3 +71,30 @@ def test_socketcan(tmp_path: Path) -> None:
     got = network.receive(network.now() + 1.0)
     assert [a.frame for a in got] == [Frame(0x7F, b"\1")] and got[0].sent
     network.close()
+
+
+def test_a_serial_adapter_is_a_bus(tmp_path: Path) -> None:
+    pytest.importorskip("serial", reason="slcan needs pyserial")
+    adapter, ours = pty.openpty()
+    tty.setraw(ours)
+    content = table([motor("hip", 1)])
+    content["bus"][0] |= {
+        "interface": "slcan", "channel": os.ttyname(ours), "options": {"sleep_after_open": 0.0},
+    }  # fmt: skip
+    network = PortNetwork(load_config(written(tmp_path, content)))
+    try:
+        assert network.send("can0", Frame(0x07F, b"\1\2\3"))
+        said = b""
+        while b"t07F3010203\r" not in said:
+            said += os.read(adapter, 100)
+        assert b"S8\r" in said and b"O\r" in said, "a megabit, opened"
+        os.write(adapter, b"t0112AABB\rT0000123418F\r")
+        seen, end = [], network.now() + 10.0
+        while len(seen) < 2 and network.now() < end:
+            seen += network.receive(network.now() + 0.1)
+        assert [a.frame for a in seen] == [Frame(0x11, b"\xaa\xbb"), Frame(0x1234, b"\x8f", True)]
+        assert not any(a.sent for a in seen) and all(abs(a.stamp - network.now()) < 10.0 for a in seen)
+    finally:
+        network.close()
+        os.close(adapter)
+        os.close(ours)

@@ -48,7 +48,7 @@ def logged(folder: Path, ending: str, lost: range = range(0), more: str = "") ->
     return path
 
 
-@pytest.mark.parametrize("ending", [".log", ".blf", ".asc"])
+@pytest.mark.parametrize("ending", [".log", ".blf", ".asc", ".mf4"])
 def test_logs_of_every_form_are_the_same_recording(tmp_path: Path, ending: str) -> None:
     read = load_recording(logged(tmp_path, ending))
     assert len(read) == pytest.approx(400, abs=1) and read.period == pytest.approx(0.003, rel=1e-3)
