@@ -13,6 +13,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 #: Modules whose distribution goes by another name.
 DISTRIBUTIONS = {
     "can": "python-can",
+    "mcap_ros2": "mcap-ros2-support",
     "mujoco_warp": "mujoco-warp",
     "pinocchio": "pin",
     "pydrake": "drake",
@@ -21,7 +22,8 @@ DISTRIBUTIONS = {
     "warp": "warp-lang",
 }
 EXTRA = PROJECT["optional-dependencies"]["training"]
-PAGES = PROJECT["optional-dependencies"]["ui"]
+#: What some commands use where it is there.
+OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PROJECT["optional-dependencies"]["ui"]]
 
 
 def third_party(folder: str) -> set[str]:
@@ -45,16 +47,17 @@ def names(requirements: list[str]) -> set[str]:
 
 
 def test_dependencies_are_what_the_package_imports() -> None:
-    assert names(PROJECT["dependencies"]) | names(EXTRA) | names(PAGES) == third_party("workbench")
+    needed = names(PROJECT["dependencies"]) | names(EXTRA)
+    assert needed == third_party("workbench") - names(OPTIONAL)
     for folder in (ROOT / "workbench").iterdir():
         if folder.is_dir() and folder.name not in ("training", "bundle"):
             assert not third_party(f"workbench/{folder.name}") & names(EXTRA), folder.name
         if folder.is_dir() and folder.name != "ui":
-            assert not third_party(f"workbench/{folder.name}") & names(PAGES), folder.name
+            assert not third_party(f"workbench/{folder.name}") & names(OPTIONAL), folder.name
 
 
 def test_tests_and_benchmarks_need_no_more_than_the_dev_extra() -> None:
-    declared = names([*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA])
+    declared = names([*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA, *OPTIONAL])
     assert third_party("tests") | third_party("benchmarks") <= declared
 
 

@@ -245,10 +245,10 @@ def test_truncated_gzip(tmp_path: Path) -> None:
     assert "whole" in refused(path).remedy
 
 
-@pytest.mark.parametrize("ending", ["mcap"])
-def test_formats_of_a_later_version(tmp_path: Path, ending: str) -> None:
+@pytest.mark.parametrize("ending", ["mcap", "npz", "txt"])
+def test_what_is_to_be_imported_first(tmp_path: Path, ending: str) -> None:
     error = refused(write_recording(tmp_path, table=f"table.{ending}"))
-    assert "later version" in error.problem and ".csv" in error.remedy
+    assert f"workbench import table.{ending}" in error.remedy
 
 
 def test_unknown_table_format(tmp_path: Path) -> None:

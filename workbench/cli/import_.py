@@ -10,17 +10,63 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, QuietOption
+from .common import ForceOption, JsonOption, QuietOption, check_outputs
+from .import_table import import_table, read_answers
 
 
 @app.command(name="import")
 def import_(
     file: Annotated[
-        str, typer.Argument(metavar="FILE", help="SDF or URDF of the mechanism, its loops cut open.")
+        str,
+        typer.Argument(
+            metavar="FILE",
+            help="A table or log (CSV, Parquet, MATLAB, NumPy, MCAP, ROS 2 bag, LeRobot data set, CAN log), "
+            "or SDF or URDF of a mechanism, its loops cut open.",
+        ),
     ],
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="MODEL", help="The new model file (.toml).")
+        str,
+        typer.Option(
+            "--output", "-o", metavar="TOML", help="The new recording or model file; FILE.toml for a table."
+        ),
     ] = "",
+    model: Annotated[
+        str | None,
+        typer.Option("--model", metavar="MODEL", help="Table: the model whose axes the recording is for."),
+    ] = None,
+    column: Annotated[
+        list[str] | None,
+        typer.Option("--column", metavar="SIGNAL=A,B", help="Table: columns of a signal, one an axis."),
+    ] = None,
+    unit: Annotated[
+        list[str] | None,
+        typer.Option("--unit", metavar="KIND=UNIT", help="Table: unit of time, position, velocity, torque."),
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option("--rate", metavar="HZ", help="Table: rows a second; no column is time."),
+    ] = None,
+    counts: Annotated[
+        float | None, typer.Option("--counts", metavar="N", help="Table: encoder counts per turn.")
+    ] = None,
+    coordinates: Annotated[
+        str, typer.Option("--coordinates", metavar="WHERE", help="Table: 'actuator' or 'joint'.")
+    ] = "",
+    kp: Annotated[
+        list[float] | None,
+        typer.Option("--kp", help="Table: the loop's gain [N m/rad], one or each."),
+    ] = None,
+    kd: Annotated[
+        list[float] | None, typer.Option("--kd", help="Table: the loop's damping [N m s/rad].")
+    ] = None,
+    period: Annotated[
+        float | None, typer.Option("--period", metavar="S", help="Table: the loop's period.")
+    ] = None,
+    episode: Annotated[int, typer.Option("--episode", min=0, help="LeRobot: which episode.")] = 0,
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="Table: take the likeliest answer to every question.")
+    ] = False,
+    json: JsonOption = None,
     drive: Annotated[
         list[str] | None,
         typer.Option("--drive", metavar="JOINT", help="A joint that a motor turns; in order."),
@@ -75,9 +121,12 @@ def import_(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Make a model of your own leg: serial tree, transmission and linkage, from an SDF or URDF with a loop.
+    """Make a recording of any table or log, or a model of your own leg from an SDF or URDF with a loop.
 
-    Without --drive it lists the file's joints and frames.
+    Of a table it finds time, joints, quantities and units, shows what it assumes, and asks what it cannot
+    tell; the source is not changed. Of an SDF or URDF without --drive it lists joints and frames.
+
+    Example: workbench import run.csv --model arm.xml -o run.toml
 
     Example: workbench import leg.sdf --drive hip --drive crank_pin --joint hip --joint knee
     --loop coupler_end:rear_arm_end --foot foot --gear 9 --rotor-inertia 2e-4 -o my_leg.toml
@@ -86,6 +135,11 @@ def import_(
     from workbench.importing import Drives, contents_of, import_model
 
     path = Path(file)
+    if path.suffix.lower() not in (".sdf", ".urdf", ".xml", ".xacro", ".world"):
+        answers = read_answers(axis, column, unit, rate, counts, coordinates, kp, kd, period, model)
+        check_outputs(json, force=force)
+        import_table(path, output, answers, episode=episode, yes=yes, json=json, force=force, quiet=quiet)
+        return
     contents = contents_of(path)
     if not drive:
         typer.echo(str(contents))
@@ -117,15 +171,15 @@ def import_(
         _each(torque_limit, count, float("inf"), "--torque-limit"),
         delay,
     )
-    model = import_model(mechanism, drives, output, axes=axis, force=force)
+    made = import_model(mechanism, drives, output, axes=axis, force=force)
     if quiet:
         return
-    kind = "changes with the posture" if model.posture_dependent else "is constant"
+    kind = "changes with the posture" if made.posture_dependent else "is constant"
     typer.echo(
-        f"Wrote {output} and {model.serial.name}: the transmission {kind}: {model.transmission.tolist()}."
+        f"Wrote {output} and {made.serial.name}: the transmission {kind}: {made.transmission.tolist()}."
     )
-    if model.linkage is not None:
-        sizes = {k: v for k, v in vars(model.linkage).items() if k != "identified"}
+    if made.linkage is not None:
+        sizes = {k: v for k, v in vars(made.linkage).items() if k != "identified"}
         typer.echo(
             "A parallelogram; over the serial tree its linkage has "
             + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())

@@ -28,10 +28,8 @@ READERS: dict[str, Reader] = {
     ".mf4": read_can,
 }
 
-#: Log formats that a later version reads, and what turns them into a table today.
-LATER: dict[str, str] = {
-    ".mcap": "convert it to .csv or .parquet (the mcap command or the mcap Python package)",
-}
+#: What is no table by itself, and becomes one.
+_IMPORTED = (".mcap", ".mcap.gz", ".npz", ".npy", ".txt", ".tsv", ".db3")
 
 
 def read_table(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
@@ -49,9 +47,9 @@ def read_table(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
             columns of different lengths, no rows.
     """
     name = path.name.lower()
-    for ending, remedy in LATER.items():
-        if name.endswith((ending, f"{ending}.gz")):
-            raise InputError(f"{ending} logs are read by a later version", file=path, remedy=remedy)
+    if name.endswith(_IMPORTED):
+        remedy = f"run 'workbench import {path.name}': it makes a table of it"
+        raise InputError("this is no table of columns yet", file=path, remedy=remedy)
     endings = [e for e in READERS if name.endswith(e)]
     if not endings:
         remedy = f"convert it to one of {', '.join(READERS)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,6 +51,23 @@ def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     valid = np.isfinite(np.column_stack(list(data.values()))).all(axis=1)
     data |= {name: rows - rows[0] for name in _TIME if name in columns}
     return data | ({_VALID: valid.astype(float)} if _VALID in columns else {})
+
+
+def sent_signals(path: Path) -> dict[str, str]:
+    """Signals of the DBC that stand in a log at least twice: column name -> unit, empty where none is stated.
+
+    Raises:
+        InputError: no DBC, or a log that cannot be read.
+    """
+    database = _database(path)
+    sent = Counter((m.arbitration_id, m.is_extended_id) for m in _messages(path))
+    known = [m for m in database.messages if sent[(m.frame_id, m.is_extended_frame)] >= 2]
+    every = Counter(s.name for m in database.messages for s in m.signals)
+    return {
+        s.name if every[s.name] == 1 else f"{m.name}.{s.name}": str(s.unit or "")
+        for m in known
+        for s in m.signals
+    }
 
 
 def _at(rows: np.ndarray, stamps: list[float], values: list[float], half: float) -> np.ndarray:

@@ -1,0 +1,163 @@
+"""Files made to do harm end in one line: nothing runs, nothing outside is read, memory stays bounded."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import os
+import pickle
+import struct
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from tests.proposing.test_formats import lerobot
+from workbench.core import InputError
+from workbench.proposing import open_table
+
+resource = pytest.importorskip("resource")
+
+
+class Trap:
+    """Unpickled, it would make a folder."""
+
+    def __init__(self, marker: Path) -> None:
+        self.marker = marker
+
+    def __reduce__(self) -> tuple:
+        return os.mkdir, (str(self.marker),)
+
+
+def refused(path: Path, match: str) -> None:
+    limits = resource.getrlimit(resource.RLIMIT_AS)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(InputError, match=match) as caught:
+        open_table(path)
+    assert "\n" not in str(caught.value) and caught.value.remedy
+    assert resource.getrlimit(resource.RLIMIT_AS) == limits
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1.5 * 2**20  # KiB
+
+
+def test_pickles_are_not_opened(tmp_path: Path) -> None:
+    marker = tmp_path / "ran"
+    (tmp_path / "run.pkl").write_bytes(pickle.dumps(Trap(marker)))
+    refused(tmp_path / "run.pkl", "run code")
+    np.save(tmp_path / "run.npy", np.array([Trap(marker)], dtype=object), allow_pickle=True)
+    refused(tmp_path / "run.npy", "run code")
+    np.savez(tmp_path / "run.npz", t=np.arange(9.0), q=np.array([Trap(marker)], dtype=object))
+    refused(tmp_path / "run.npz", "run code")
+    assert not marker.exists()
+
+
+def test_a_header_that_claims_everything(tmp_path: Path) -> None:
+    out = io.BytesIO()
+    np.lib.format.write_array_header_1_0(out, {"descr": "<f8", "fortran_order": False, "shape": (2**50,)})
+    (tmp_path / "run.npy").write_bytes(out.getvalue() + b"\0" * 64)
+    refused(tmp_path / "run.npy", "claims to hold")
+
+
+def test_a_gzip_that_unpacks_for_ever(tmp_path: Path) -> None:
+    part = gzip.compress(b"0,0\n" * 2**22)
+    (tmp_path / "run.csv.gz").write_bytes(gzip.compress(b"t,q\n") + part * 40)
+    refused(tmp_path / "run.csv.gz", "claims to hold")
+
+
+def test_a_zip_that_unpacks_for_ever(tmp_path: Path) -> None:
+    with (
+        zipfile.ZipFile(tmp_path / "run.npz", "w", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("q.npy", "w") as f,
+    ):
+        for _ in range(600):
+            f.write(b"\0" * 2**20)
+    refused(tmp_path / "run.npz", "claims to hold")
+
+
+def test_a_matlab_file_that_unpacks_for_ever(tmp_path: Path) -> None:
+    path = tmp_path / "run.mat"
+    savemat(path, {"t": np.arange(20.0)})
+    pack, body = zlib.compressobj(9), b""
+    for _ in range(600):
+        body += pack.compress(b"\0" * 2**20)
+    body += pack.flush()
+    path.write_bytes(path.read_bytes() + struct.pack("<II", 15, len(body)) + body)
+    refused(path, "claims to hold")
+
+
+def test_a_matlab_cell_that_claims_everything(tmp_path: Path) -> None:
+    path = tmp_path / "run.mat"
+    savemat(path, {"c": np.array([1, 2], dtype=object)})
+    raw = path.read_bytes()
+    at = raw.index(struct.pack("<IIii", 5, 8, 1, 2)) + 8
+    path.write_bytes(raw[:at] + struct.pack("<ii", 2**15, 2**15) + raw[at + 8 :])
+    refused(path, "claims to hold|not a readable MATLAB")
+
+
+@pytest.mark.parametrize("name", ["run.zip", "run.tar.gz", "run.7z", "run.xlsx", "run.h5"])
+def test_archives_and_others_are_named(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"PK\3\4 whatever")
+    refused(tmp_path / name, "is an? ")
+
+
+def test_random_bytes_under_every_ending(tmp_path: Path) -> None:
+    noise = np.random.default_rng(0).bytes(4000)
+    for ending in ("csv", "csv.gz", "txt", "parquet", "mat", "npy", "npz", "mcap", "blf", "asc", "log"):
+        path = tmp_path / f"run.{ending}"
+        path.write_bytes(noise)
+        with pytest.raises(InputError):
+            open_table(path)
+
+
+def test_truncated_files_under_every_ending(tmp_path: Path) -> None:
+    t = np.arange(50.0)
+    savemat(tmp_path / "run.mat", {"t": t, "q": t}, do_compression=True)
+    np.savez(tmp_path / "run.npz", t=t, q=t)
+    for path in tmp_path.iterdir():
+        path.write_bytes(path.read_bytes()[:-150])
+        with pytest.raises(InputError):
+            open_table(path)
+
+
+def test_links_that_lead_out(tmp_path: Path) -> None:
+    folder = lerobot(tmp_path / "set")
+    data = folder / "data" / "chunk-000" / "episode_000000.parquet"
+    data.rename(tmp_path / "outside.parquet")
+    data.symlink_to(tmp_path / "outside.parquet")
+    refused(folder, "leads out")
+    info = folder / "meta" / "info.json"
+    info.rename(tmp_path / "info.json")
+    info.symlink_to(tmp_path / "info.json")
+    refused(folder, "leads out")
+
+
+def test_bags_whose_files_lie_elsewhere(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    (tmp_path / "secret.db3").write_bytes(b"")
+    content = {
+        "version": 5,
+        "storage_identifier": "sqlite3",
+        "duration": {"nanoseconds": 1},
+        "starting_time": {"nanoseconds_since_epoch": 0},
+        "message_count": 1,
+        "topics_with_message_count": [],
+        "relative_file_paths": ["../secret.db3"],
+    }
+    (bag / "metadata.yaml").write_text(json.dumps({"rosbag2_bagfile_information": content}))
+    refused(bag, "no readable bag")
+    (bag / "secret.db3").symlink_to(tmp_path / "secret.db3")
+    refused(bag, "leads out")
+    (bag / "secret.db3").unlink()
+    packed = {**content, "compression_mode": "FILE", "compression_format": "zstd"}
+    (bag / "metadata.yaml").write_text(json.dumps({"rosbag2_bagfile_information": packed}))
+    refused(bag, "no readable bag|compressed")
+
+
+def test_json_that_nests_without_end(tmp_path: Path) -> None:
+    folder = lerobot(tmp_path / "set")
+    (folder / "meta" / "info.json").write_text("[" * 100_000)
+    refused(folder, "JSON")

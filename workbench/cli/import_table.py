@@ -1,0 +1,190 @@
+"""``workbench import`` of a table or log: what was found is shown, what is not known is asked."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import typer
+
+from workbench.core import InputError
+
+if TYPE_CHECKING:
+    from workbench.inspection import Inspection
+    from workbench.proposing import Answers, Proposal, Question
+
+_ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
+
+
+def import_table(
+    path: Path,
+    output: str,
+    answers: Answers,
+    *,
+    episode: int = 0,
+    yes: bool = False,
+    json: str | None = None,
+    force: bool = False,
+    quiet: bool = False,
+) -> None:
+    """Propose, ask, write, show.
+
+    Raises:
+        InputError: the file cannot be read, or a question is open and nobody is there to ask.
+    """
+    from workbench import report
+    from workbench.core.files import check_free
+    from workbench.inspection import inspect
+    from workbench.proposing import complete, open_table, propose, write
+
+    target = Path(output) if output else default_output(path)
+    check_free(target, force=force)
+    table = open_table(path, episode=episode)
+    proposal = propose(table, answers)
+    for _ in range(_ROUNDS):
+        # a proposal holds the likeliest units and axes already, and says that they are guesses
+        asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key != "rate"))
+        if not asked:
+            break
+        answers = _answer(asked, answers, path, yes)
+        proposal = propose(table, answers)
+    proposal, recording = complete(proposal, table, answers)
+    written = write(proposal, table, target, force=force)
+    found = inspect([recording])
+    if json:
+        report.write_json(proposal_dict(proposal, written, found), json, force=force)
+    if not quiet and json != "-":
+        from .import_tables import proposal_tables
+
+        report.print_table(proposal_tables(proposal, recording, found))
+        typer.echo(f"Wrote {' and '.join(str(f) for f in written)}.")
+        typer.echo(f"Next: workbench compare MODEL {target}")
+
+
+def default_output(path: Path) -> Path:
+    """``run.toml`` beside ``run.csv``; for a folder ``folder.toml`` beside it."""
+    name = path.name
+    for ending in (".gz", *path.suffixes[::-1]):
+        if name.lower().endswith(ending.lower()) and name != ending and not path.is_dir():
+            name = name[: -len(ending)]
+    return path.with_name(f"{name or path.name}.toml")
+
+
+def _answer(questions: tuple[Question, ...], answers: Answers, path: Path, yes: bool) -> Answers:
+    """One more answer: from the user, or the likeliest.
+
+    Raises:
+        InputError: nobody can be asked, or there is no likeliest answer.
+    """
+    if yes:
+        for question in questions:
+            if question.best:
+                taken = answers.with_answer(question.key, question.best)
+                return replace(taken, guessed=taken.guessed | {question.key})
+    elif sys.stdin.isatty() and sys.stdout.isatty():
+        return _ask(questions[0], answers)
+    texts = " ".join(q.text for q in questions)
+    remedy = "pass " + " ".join(q.option for q in questions)
+    if not yes and all(q.best for q in questions):
+        remedy += ", or --yes for the likeliest"
+    raise InputError(f"cannot be told: {texts}", file=path, remedy=remedy)
+
+
+def _ask(question: Question, answers: Answers) -> Answers:
+    typer.echo(question.text)
+    for number, choice in enumerate(question.choices, 1):
+        typer.echo(f"  {number}  {choice}")
+    while True:
+        text = str(typer.prompt("Answer", default=question.best or None)).strip()
+        if text.isdigit() and 1 <= int(text) <= len(question.choices):
+            text = question.choices[int(text) - 1]
+        try:
+            return answers.with_answer(question.key, text)
+        except ValueError:
+            typer.echo(f"'{text}' is not an answer to that.")
+
+
+def read_answers(
+    axis: list[str] | None,
+    column: list[str] | None,
+    unit: list[str] | None,
+    rate: float | None,
+    counts: float | None,
+    coordinates: str,
+    kp: list[float] | None,
+    kd: list[float] | None,
+    period: float | None,
+    model: str | None,
+) -> Answers:
+    """What the options say.
+
+    Raises:
+        InputError: an option that is not of its form, or a model that cannot be read.
+    """
+    from workbench.proposing import Answers
+
+    if coordinates not in ("", "actuator", "joint"):
+        raise InputError(f"--coordinates '{coordinates}' is neither 'actuator' nor 'joint'")
+    for value, option in ((rate, "--rate"), (counts, "--counts"), (period, "--period")):
+        if value is not None and not 0 < value < float("inf"):
+            raise InputError(f"{option} must be positive", remedy="give a finite number above zero")
+    names, linear, transmission = _model_axes(model)
+    columns = {k: tuple(v.split(",")) for k, v in _pairs(column, "--column").items()}
+    return Answers(
+        axes=tuple(axis or ()),
+        columns={k: tuple(part.strip() for part in v) for k, v in columns.items()},
+        units=_pairs(unit, "--unit"),
+        coordinates=coordinates,
+        rate_hz=rate,
+        counts=counts,
+        kp=tuple(kp or ()),
+        kd=tuple(kd or ()),
+        period_s=period,
+        model_axes=names,
+        linear=linear,
+        transmission=transmission,
+    )
+
+
+def _model_axes(model: str | None) -> tuple[tuple[str, ...], tuple[bool, ...], np.ndarray | None]:
+    """Axes, which of them move along a line, and the transmission where it is not the identity."""
+    if model is None:
+        return (), (), None
+    import mujoco
+
+    from workbench.effects import load_model
+
+    loaded = load_model(model)
+    spec = mujoco.MjSpec.from_file(str(loaded.serial))
+    kinds = {joint.name: joint.type for joint in spec.joints}
+    slides = tuple(kinds.get(name) == mujoco.mjtJoint.mjJNT_SLIDE for name in loaded.joints)
+    plain = np.array_equal(loaded.transmission, np.eye(loaded.size))
+    return loaded.axes, slides, None if plain else loaded.transmission
+
+
+def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:
+    out = {}
+    for text in texts or []:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise InputError(f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} position=...")
+        out[name.strip()] = value.strip()
+    return out
+
+
+def proposal_dict(proposal: Proposal, written: list[Path], found: Inspection) -> dict[str, Any]:
+    """The result for programs."""
+    return {
+        "format": 1,
+        "files": [str(file) for file in written],
+        "recording": dict(proposal.description),
+        "assumptions": [
+            {"what": a.what, "value": a.value, "probability": a.sure, "because": a.because}
+            for a in proposal.assumptions
+        ],
+        "notes": list(proposal.notes),
+        "problems": [r.text for r in found.recordings[0].remarks if r.severity in ("problem", "warning")],
+    }

@@ -1,0 +1,112 @@
+"""Which joints there are, in which order, and every signal brought into that order."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from workbench.core import InputError
+
+from .proposal import Answers, Question
+from .signals import Signals
+from .table import Table
+
+if TYPE_CHECKING:
+    from .propose import _Draft
+
+
+def named_axes(
+    signals: Signals, answers: Answers, table: Table, draft: _Draft
+) -> tuple[list[str], dict[str, list[str]]]:
+    """Axis names, and signal -> one column an axis; signals that lack a joint are left out, and said.
+
+    Raises:
+        InputError: there is no position, or another number of axes than was stated.
+    """
+    positions = signals.columns.get("position")
+    if not positions:
+        shown = ", ".join(list(table.columns)[:12])
+        raise InputError(
+            "no column looks like a measured position",
+            file=table.file,
+            remedy=f"name them: --column position=A,B; the columns are {shown}",
+        )
+    joints = list(positions)
+    joints, axes = _axes(joints, answers, table, draft)
+    columns: dict[str, list[str]] = {}
+    for signal, by_joint in signals.columns.items():
+        row = _in_order(by_joint, joints, list(positions))
+        if row is None:
+            missing = [a for j, a in zip(joints, axes, strict=True) if j not in by_joint]
+            lacking = f"There is no {signal} of {', '.join(missing)}; the signal is left out."
+            draft.notes.append(lacking)
+            continue
+        columns[signal] = row
+        short = [re.sub(r"^.*/(?=[^\[\](){}]*(\[\d+\])?$)", "", name) for name in row]
+        shown = ", ".join(short) if len(", ".join(short)) < 30 else f"{short[0]} ... {short[-1]}"
+        draft.assume(signal, shown, signals.sure.get(signal, 0.97), signals.because.get(signal, "its name"))
+    return axes, columns
+
+
+def _axes(joints: list[str], answers: Answers, table: Table, draft: _Draft) -> tuple[list[str], list[str]]:
+    """Joints in the order of the axes, and the axes' names."""
+    own = [_readable(j, k, len(joints)) for k, j in enumerate(joints)]
+    wanted = list(answers.axes or answers.model_axes)
+    if not wanted:
+        draft.assume("axes", ", ".join(own), 0.97 if all(joints) else 0.93, "names of the columns")
+        return joints, own
+    found = {axis: _same(axis, joints, own) for axis in wanted}
+    matched = [found[a] for a in wanted]
+    if all(m is not None for m in matched) and len(set(matched)) == len(matched):
+        because = "you said so" if answers.axes else "the model's names"
+        draft.assume("axes", ", ".join(wanted), 1.0 if answers.axes else 0.98, because)
+        left = [o for j, o in zip(joints, own, strict=True) if j not in matched]
+        if left:
+            draft.notes.append(f"Not among the axes: {', '.join(left)}.")
+        return [m for m in matched if m is not None], wanted
+    if len(wanted) != len(joints):
+        names = ",".join(["NAME"] * len(wanted))
+        raise InputError(
+            f"has positions of {len(joints)} joints ({', '.join(own)}) for {len(wanted)} axes",
+            file=table.file,
+            remedy=f"say which belong to {', '.join(wanted)}, in this order: --column position={names}",
+        )
+    if answers.axes or "position" in answers.columns:
+        draft.assume("axes", ", ".join(wanted), 1.0, "you said so")
+    else:
+        pairs = ", ".join(f"{o} is {w}" for o, w in zip(own, wanted, strict=True))
+        draft.assume("axes", ", ".join(wanted), 0.85, "the model's order")
+        text = f"Names of the file and of the model differ. Is it so: {pairs}?"
+        named = ",".join(wanted)
+        draft.questions.append(Question("axes", text, (named,), named, f"--axis {' --axis '.join(wanted)}"))
+    return joints, wanted
+
+
+def _same(axis: str, joints: list[str], own: list[str]) -> str | None:
+    """The joint that an axis' name means: the same words, else the one joint that has it in its name."""
+    plain = [_plain(o) for o in own]
+    if plain.count(_plain(axis)) == 1:
+        return joints[plain.index(_plain(axis))]
+    near = [j for j, p in zip(joints, plain, strict=True) if p and (p in _plain(axis) or _plain(axis) in p)]
+    return near[0] if len(near) == 1 and len(_plain(axis)) > 2 and not near[0].isdigit() else None
+
+
+def _plain(name: str) -> str:
+    words = [w for w in re.split(r"[^a-z0-9]+", name.lower()) if w not in ("joint", "axis", "motor", "")]
+    return "".join(words)
+
+
+def _readable(joint: str, k: int, count: int) -> str:
+    if not joint or joint.startswith("column_"):
+        return "joint" if count == 1 else f"joint{k + 1}"
+    return f"joint{joint}" if joint.isdigit() else joint
+
+
+def _in_order(by_joint: dict[str, str], joints: list[str], every: list[str]) -> list[str] | None:
+    """One column a joint: by name, else by order where there are as many as positions."""
+    if all(j in by_joint for j in joints):
+        return [by_joint[j] for j in joints]
+    if len(by_joint) == len(every) and not set(by_joint) & set(every):
+        by_place = dict(zip(every, by_joint.values(), strict=True))
+        return [by_place[j] for j in joints]
+    return None

@@ -1,0 +1,102 @@
+"""A file from anywhere may claim any size: reading stops at a bound, and leaves no more than its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Protocol
+
+from workbench.core import InputError
+
+MOST_BYTES = 512 * 2**20  # of a table once it is unpacked
+MOST_CELLS = 64 * 2**20  # as floats the same
+_HEADROOM = 4 * 2**30  # address space above what is used already; libraries reserve more than they touch
+
+
+@contextmanager
+def bounded(path: Path) -> Iterator[None]:
+    """Whatever a library allocates in here ends in one line, not in a machine that swaps.
+
+    Raises:
+        InputError: the file needs more memory than a table may.
+    """
+    try:
+        import resource  # not on every system
+    except ImportError:
+        resource = None
+    old = None
+    if resource is not None:
+        old = resource.getrlimit(resource.RLIMIT_AS)
+        limit = _used() + _HEADROOM
+        ceilings = [x for x in old if x != resource.RLIM_INFINITY]
+        if _used():
+            resource.setrlimit(resource.RLIMIT_AS, (min([limit, *ceilings]), old[1]))
+    try:
+        yield
+    except MemoryError as error:
+        raise too_large(path) from error
+    finally:
+        if resource is not None and old is not None:
+            resource.setrlimit(resource.RLIMIT_AS, old)
+
+
+def too_large(path: Path) -> InputError:
+    """The one line about a file that is too large, or claims to be."""
+    return InputError(
+        f"holds, or claims to hold, more than {MOST_BYTES >> 20} MiB of numbers",
+        file=path,
+        remedy="cut out the part and the columns that matter",
+    )
+
+
+def check_cells(count: int, path: Path) -> None:
+    """Raises InputError where a table would have more cells than are read."""
+    if count > MOST_CELLS:
+        raise too_large(path)
+
+
+class Readable(Protocol):
+    """What can be read piece by piece."""
+
+    def read(self, size: int, /) -> bytes:
+        """At most `size` bytes."""
+        ...
+
+
+def read_bounded(stream: Readable, path: Path) -> bytes:
+    """All of a stream, unpacked.
+
+    Raises:
+        InputError: it is longer than a table may be.
+    """
+    parts, total = [], 0
+    while part := stream.read(2**20):
+        total += len(part)
+        if total > MOST_BYTES:
+            raise too_large(path)
+        parts.append(part)
+    return b"".join(parts)
+
+
+def inside(folder: Path, path: Path) -> Path:
+    """The path, links followed.
+
+    Raises:
+        InputError: it leads out of the folder.
+    """
+    real = path.resolve()
+    if not real.is_relative_to(folder.resolve()):
+        raise InputError("leads out of its folder", file=path, remedy="put the file itself there, not a link")
+    return real
+
+
+def _used() -> int:
+    """Address space in use [bytes]; 0 where the system does not say."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+    except (OSError, ValueError, IndexError):
+        return 0
+    import resource
+
+    return pages * resource.getpagesize()

@@ -1,0 +1,120 @@
+"""A table's rows made a recording's rows: time forward, nothing twice, what was not measured marked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+_SOME = 0.05  # share of repeated stamps from which the clock is taken to be too coarse
+_SPARSE = 0.2  # share of empty cells from which a column is taken to be logged more slowly
+
+
+@dataclass(frozen=True)
+class Clean:
+    """Rows that can be read.
+
+    Attributes:
+        columns: name -> values (K,), the time column first.
+        valid: rows that were measured (K,) bool, or None where all were and no gap is among them.
+        changed: whether anything differs from the file, so that a table has to be written.
+        notes: what was done, one sentence each.
+    """
+
+    columns: Mapping[str, np.ndarray]
+    valid: np.ndarray | None
+    changed: bool
+    notes: tuple[str, ...]
+
+
+def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str]) -> Clean:
+    """Put rows in order.
+
+    Args:
+        columns: name -> values (N,).
+        time: the time column, in any unit.
+        used: the other columns that the recording names.
+    """
+    notes: list[str] = []
+    t = columns[time]
+    rows, changed = _in_order(t, notes)
+    t = t[rows]
+    data = {name: columns[name][rows] for name in used}
+    t, kept = _without_repeats(t, notes)
+    changed |= len(kept) != len(rows) or not np.array_equal(t, columns[time][rows][kept])
+    data = {name: values[kept] for name, values in data.items()}
+    for name, values in data.items():
+        empty = ~np.isfinite(values)
+        if _SPARSE < empty.mean() < 0.99 and _evenly(empty):
+            data[name] = np.interp(t, t[~empty], values[~empty])
+            notes.append(
+                f"'{name}' is logged more slowly than the rest; lines are drawn between its numbers."
+            )
+            changed = True
+    good = np.all([np.isfinite(v) for v in data.values()], axis=0) if data else np.ones(len(t), bool)
+    if good.any() and not good.all():
+        first, last = int(np.argmax(good)), len(good) - int(np.argmax(good[::-1]))
+        if first or last < len(good):
+            notes.append(f"{len(good) - (last - first)} rows before and after the measurement are left out.")
+            changed = True
+        t, good = t[first:last], good[first:last]
+        data = {name: values[first:last] for name, values in data.items()}
+    valid = None
+    if not good.all():
+        notes.append(f"{int((~good).sum())} rows with empty cells are marked as not measured.")
+        valid = good
+    step = np.diff(t)
+    if len(step) and step.max() > max(1.5 * np.median(step), 1.3 * np.quantile(step, 0.95)):
+        gaps = int((step > max(1.5 * np.median(step), 1.3 * np.quantile(step, 0.95))).sum())
+        notes.append(f"{gaps} gap(s) in time are marked as not measured.")
+        valid = good
+    return Clean({time: t, **data}, valid, changed or valid is not None, tuple(notes))
+
+
+def _in_order(t: np.ndarray, notes: list[str]) -> tuple[np.ndarray, bool]:
+    """Indices of the rows to keep, in order of time."""
+    rows = np.flatnonzero(np.isfinite(t))
+    changed = len(rows) < len(t)
+    if changed:
+        notes.append(f"{len(t) - len(rows)} rows without a time are left out.")
+    back = np.flatnonzero(np.diff(t[rows]) < 0)
+    if len(back) == 0:
+        return rows, changed
+    # a clock that starts again: several runs in one file
+    edges = np.concatenate([[0], back + 1, [len(rows)]])
+    sizes = np.diff(edges)
+    if sizes.max() > 0.05 * len(rows) and len(back) < 50 and _restarts(t[rows], back):
+        longest = int(np.argmax(sizes))
+        notes.append(f"Time starts anew {len(back)} time(s); the longest of {len(sizes)} runs is taken.")
+        return rows[edges[longest] : edges[longest + 1]], True
+    notes.append(f"Time goes back at {len(back)} row(s); rows are sorted by time.")
+    return rows[np.argsort(t[rows], kind="stable")], True
+
+
+def _restarts(t: np.ndarray, back: np.ndarray) -> bool:
+    """Whether time falls back to where it began, rather than by a row or two."""
+    return bool(np.all(t[back] - t[back + 1] > 0.5 * (t[back] - t[0])))
+
+
+def _without_repeats(t: np.ndarray, notes: list[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Times that increase, and the rows that they belong to."""
+    every = np.arange(len(t))
+    repeats = np.concatenate([[False], np.diff(t) == 0])
+    if not repeats.any():
+        return t, every
+    if repeats.mean() > _SOME:
+        line = np.polynomial.Polynomial.fit(every, t, 1)
+        even = line(every)
+        quantum = float(np.median(np.diff(np.unique(t))))
+        if np.abs(even - t).max() < 2.5 * quantum:
+            notes.append("Time stamps are coarser than the rows; an even clock is drawn through them.")
+            return even, every
+    notes.append(f"{int(repeats.sum())} rows that repeat a time stamp are left out.")
+    return t[~repeats], every[~repeats]
+
+
+def _evenly(empty: np.ndarray) -> bool:
+    """Whether numbers come at regular distances between empty cells."""
+    at = np.flatnonzero(~empty)
+    return len(at) > 10 and float(np.quantile(np.diff(at), 0.99)) <= 2.0 * float(np.median(np.diff(at))) + 1

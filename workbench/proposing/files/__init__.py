@@ -1,0 +1,80 @@
+"""Every kind of file that an engineer may have, opened: what it is says its content, then its name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from workbench.core import InputError
+
+from ..bounds import bounded
+from ..table import Table
+from .arrays import read_matlab_file, read_numpy_file, read_parquet_file
+from .can_log import read_can_log
+from .lerobot import is_lerobot, read_lerobot
+from .logs import read_bag, read_mcap_file
+from .text import read_text
+
+#: File ending -> reader; what has another ending is taken for text.
+READERS = {
+    ".parquet": read_parquet_file,
+    ".mat": read_matlab_file,
+    ".npy": read_numpy_file,
+    ".npz": read_numpy_file,
+    ".mcap": read_mcap_file,
+    ".blf": read_can_log,
+    ".asc": read_can_log,
+    ".mf4": read_can_log,
+}
+
+_ARCHIVES = (".zip", ".tar", ".tgz", ".tar.gz", ".7z", ".rar", ".bz2", ".xz", ".zst")
+_PICKLES = (".pkl", ".pickle", ".joblib", ".pt", ".pth")
+
+
+def open_table(path: Path, *, episode: int = 0) -> Table:
+    """The columns of a file or folder, whatever it is.
+
+    Args:
+        path: a table, a log, a ROS 2 bag or a LeRobot data set.
+        episode: which episode of a LeRobot data set.
+
+    Raises:
+        InputError: it is missing, of no known kind, damaged, or larger than a table may be.
+    """
+    if not path.exists():
+        raise InputError("there is no such file", file=path, remedy="check the path")
+    with bounded(path):
+        if path.is_dir():
+            return _folder(path, episode)
+        return _reader(path)(path)
+
+
+def _reader(path: Path):
+    name = path.name.lower()
+    if name.endswith(_ARCHIVES):
+        raise InputError("is an archive", file=path, remedy="unpack it and give the table in it")
+    if name.endswith(_PICKLES):
+        remedy = "save the numbers as .csv, .parquet or .npz"
+        raise InputError("is a pickle, and reading it could run code", file=path, remedy=remedy)
+    if name.endswith((".xlsx", ".xls", ".ods")):
+        raise InputError("is a spreadsheet", file=path, remedy="save it as CSV")
+    if name.endswith((".db3", ".yaml")) and (path.parent / "metadata.yaml").is_file():
+        raise InputError("is part of a ROS 2 bag", file=path, remedy=f"give the folder: {path.parent}")
+    if name.endswith((".h5", ".hdf5")):
+        raise InputError("is an HDF5 file", file=path, remedy="save the arrays as .npz, .mat (-v7) or .csv")
+    if name.endswith(".log"):
+        with path.open("rb") as file:
+            if file.read(1) == b"(":
+                return read_can_log
+    return READERS.get(path.suffix.lower(), read_text)
+
+
+def _folder(path: Path, episode: int) -> Table:
+    if is_lerobot(path):
+        return read_lerobot(path, episode)
+    if (path / "metadata.yaml").is_file() or list(path.glob("*.mcap")):
+        return read_bag(path)
+    raise InputError(
+        "is a folder, and neither a ROS 2 bag (metadata.yaml) nor a LeRobot data set (meta/info.json)",
+        file=path,
+        remedy="give one file",
+    )

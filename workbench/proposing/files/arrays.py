@@ -1,0 +1,218 @@
+"""Parquet, MATLAB and NumPy files: every array of numbers in them becomes columns; nothing in them is run."""
+
+from __future__ import annotations
+
+import struct
+import zipfile
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from workbench.core import InputError
+
+from ..bounds import MOST_BYTES, check_cells, too_large
+from ..table import Table
+
+_WHOLE = "check that the file is whole"
+_DEEP = 6  # structs within structs
+
+
+def read_parquet_file(path: Path) -> Table:
+    """Columns of a Parquet file; lists of fixed length become ``name[0]``, ``name[1]``..."""
+    try:
+        with pq.ParquetFile(path) as file:
+            check_cells(file.metadata.num_rows * file.metadata.num_columns, path)
+            _check_unpacked(file.metadata, path)
+            table = file.read()
+    except (pa.ArrowInvalid, pa.ArrowNotImplementedError, OSError) as error:
+        raise InputError("is not a readable Parquet file", file=path, remedy=_WHOLE) from error
+    columns, plain = parquet_columns(table, path)
+    return Table(path, columns, plain=plain)
+
+
+def parquet_columns(table: pa.Table, path: Path) -> tuple[dict[str, np.ndarray], bool]:
+    """Numbers of an Arrow table, and whether each stood in a column of its own."""
+    out: dict[str, np.ndarray] = {}
+    plain = len(set(table.column_names)) == len(table.column_names)
+    for name, column in zip(table.column_names, table.columns, strict=True):
+        kind = column.type
+        if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) or pa.types.is_large_list(kind):
+            plain = False
+            out |= _list_columns(name, column, path)
+        elif pa.types.is_timestamp(kind):
+            plain = False
+            out[name] = column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy() / 1e9
+        elif pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind):
+            out[name] = np.array(column.to_numpy(), dtype=float)
+    return out, plain
+
+
+def _list_columns(name: str, column: pa.ChunkedArray, path: Path) -> dict[str, np.ndarray]:
+    rows = column.to_pylist()
+    widths = {len(row) for row in rows if row is not None}
+    if len(widths) != 1 or not (width := widths.pop()) or width > 256:
+        return {}
+    check_cells(width * len(rows), path)
+    try:
+        array = np.array([row if row is not None else [np.nan] * width for row in rows], dtype=float)
+    except (TypeError, ValueError):
+        return {}  # of text, or of lists
+    return {f"{name}[{i}]": array[:, i] for i in range(width)} if array.ndim == 2 else {}
+
+
+def _check_unpacked(metadata: Any, path: Path) -> None:
+    size = sum(metadata.row_group(i).total_byte_size for i in range(metadata.num_row_groups))
+    if size > MOST_BYTES:
+        raise too_large(path)
+
+
+def read_matlab_file(path: Path) -> Table:
+    """Arrays of a MATLAB file up to version 7, by the names that the recording reader takes."""
+    from scipy.io import loadmat
+
+    _check_matlab(path)
+    try:
+        data = loadmat(path, struct_as_record=False, chars_as_strings=False)
+    except NotImplementedError as error:
+        remedy = "save it again in MATLAB with save(..., '-v7')"
+        raise InputError("MATLAB 7.3 files are not read", file=path, remedy=remedy) from error
+    except MemoryError:
+        raise
+    except Exception as error:  # scipy raises whatever its parser met
+        raise InputError("is not a readable MATLAB file", file=path, remedy=_WHOLE) from error
+    arrays: dict[str, np.ndarray] = {}
+    for name, value in data.items():
+        if not name.startswith("__"):
+            _walk(name, value, arrays, 0)
+    return _stacked(path, arrays, plain=True)
+
+
+def _walk(name: str, value: Any, out: dict[str, np.ndarray], depth: int) -> None:
+    if isinstance(value, np.ndarray) and value.dtype == object and value.size == 1:
+        value = value.flat[0]
+    if hasattr(value, "_fieldnames") and depth < _DEEP:
+        for field in value._fieldnames:
+            _walk(f"{name}.{field}", getattr(value, field), out, depth + 1)
+    elif isinstance(value, np.ndarray) and value.dtype.kind in "biuf" and value.ndim <= 2:
+        out[name] = value
+
+
+def _stacked(path: Path, arrays: dict[str, np.ndarray], plain: bool) -> Table:
+    """Arrays of the commonest length as columns, with ``[i]`` where an array has several."""
+    by_row = {
+        n: (a.T if a.shape[0] < a.shape[1] else a)
+        for n, a in ((n, np.atleast_2d(a)) for n, a in arrays.items())
+    }
+    tall = {n: a for n, a in by_row.items() if a.shape[0] >= 8 and a.shape[1] <= 256}
+    if not tall:
+        raise InputError("holds no arrays with eight rows or more", file=path, remedy="name another file")
+    lengths = [len(a) for a in tall.values()]
+    length = max(set(lengths), key=lambda n: (lengths.count(n), n))
+    columns: dict[str, np.ndarray] = {}
+    for name, array in tall.items():
+        if len(array) != length:
+            continue
+        for i in range(array.shape[1]):
+            columns[f"{name}[{i}]" if array.shape[1] > 1 else name] = np.array(array[:, i], dtype=float)
+    check_cells(length * len(columns), path)
+    left = [name for name, array in tall.items() if len(array) != length]
+    notes = tuple(f"'{name}' has another length than the rest and is left out." for name in left)
+    return Table(path, columns, plain=plain, notes=notes)
+
+
+def _check_matlab(path: Path) -> None:
+    """Raises InputError where the arrays would not fit in memory once unpacked, by their own headers."""
+    from scipy.io import whosmat
+
+    with path.open("rb") as file:
+        head = file.read(128)
+        if head[:6] == b"MATLAB" and head[124:128] in (b"\x00\x01IM", b"\x01\x00MI"):
+            order = "<" if head[126:128] == b"IM" else ">"
+            total = 0
+            while len(tag := file.read(8)) == 8:
+                kind, size = struct.unpack(f"{order}II", tag)
+                body = file.read(min(size, MOST_BYTES + 1))
+                total += _unpacked(body, path) if kind == 15 else len(body)
+                if total > MOST_BYTES or size > MOST_BYTES:
+                    raise too_large(path)
+    try:
+        shapes = [shape for _, shape, _ in whosmat(path)]
+    except Exception:  # said where the file is read
+        return
+    for shape in shapes:
+        check_cells(int(np.prod([float(n) for n in shape])) if shape else 0, path)
+
+
+def _unpacked(body: bytes, path: Path) -> int:
+    """Length of a packed block, found without keeping it."""
+    unpack, total = zlib.decompressobj(), 0
+    try:
+        part = unpack.decompress(body, 2**20)
+        while part:
+            total += len(part)
+            if total > MOST_BYTES:
+                raise too_large(path)
+            part = unpack.decompress(unpack.unconsumed_tail, 2**20)
+    except zlib.error as error:
+        raise InputError("is not a readable MATLAB file", file=path, remedy=_WHOLE) from error
+    return total
+
+
+def read_numpy_file(path: Path) -> Table:
+    """Arrays of a .npy or .npz file; one with objects in it is refused, not unpickled."""
+    try:
+        if path.suffix.lower() == ".npy":
+            with path.open("rb") as file:
+                arrays = dict(_fields("column", _array(file, path)))
+        else:
+            with zipfile.ZipFile(path) as archive:
+                if sum(entry.file_size for entry in archive.infolist()) > MOST_BYTES:
+                    raise too_large(path)
+                arrays = {}
+                for entry in archive.infolist():
+                    if entry.filename.endswith(".npy"):
+                        with archive.open(entry) as file:
+                            arrays |= dict(_fields(entry.filename[:-4], _array(file, path)))
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("is not a readable NumPy file", file=path, remedy=_WHOLE) from error
+    return _stacked(path, arrays, plain=False)
+
+
+def _fields(name: str, array: np.ndarray | None) -> Iterator[tuple[str, np.ndarray]]:
+    if array is None:
+        return
+    if array.dtype.names:
+        for field in array.dtype.names:
+            if array.dtype[field].kind in "biuf" and array[field].ndim <= 2:
+                yield field, array[field]
+    elif array.dtype.kind in "biuf" and array.ndim in (1, 2):
+        yield name, array
+
+
+def _array(file: IO[bytes], path: Path) -> np.ndarray | None:
+    """One array, its header checked before its numbers are read; None where it holds text."""
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, fortran, kind = read(file)
+    if kind.hasobject:
+        raise InputError(
+            "holds Python objects, and reading those could run code",
+            file=path,
+            remedy="save plain arrays of numbers",
+        )
+    count = int(np.prod([float(n) for n in shape])) if shape else 1
+    check_cells(count * max(1, len(kind.names or ())), path)
+    if kind.itemsize * count > MOST_BYTES:
+        raise too_large(path)
+    if kind.kind not in "biufV":
+        return None
+    raw = file.read(kind.itemsize * count)
+    flat = np.frombuffer(raw, dtype=kind, count=count)
+    return flat.reshape(shape, order="F" if fortran else "C")

@@ -1,0 +1,72 @@
+"""Columns held against each other: which is the derivative of which, which follows which, on what scale."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import correlate
+
+from workbench.recordings.velocity import derive_velocity
+
+_MOST = 60_000  # rows looked at
+_REACH = 40  # rows of delay looked for
+
+
+@dataclass(frozen=True)
+class Relation:
+    """``b(k) = factor * a(k - lag)``, as far as `likeness` (0 to 1) says."""
+
+    factor: float
+    lag: int
+    likeness: float
+
+
+def slope(position: np.ndarray) -> np.ndarray:
+    """Change of a column per row, smooth, shape (N,)."""
+    return derive_velocity(position[:, None], 1.0)[:, 0]
+
+
+def derivative(position: np.ndarray, velocity: np.ndarray) -> Relation:
+    """How far a column is the derivative (per row) of another; both shape (N,), finite."""
+    position, velocity = position[:_MOST], velocity[:_MOST]
+    change = slope(position)
+    if np.ptp(change) == 0 or np.ptp(velocity) == 0:
+        return Relation(0.0, 0, 0.0)
+    return _relation(*_smooth(change, velocity))
+
+
+def follows(a: np.ndarray, b: np.ndarray) -> Relation:
+    """How far column b is column a, later or earlier, on another scale; offsets aside."""
+    a, b = a[:_MOST], b[:_MOST]
+    if np.ptp(a) == 0 or np.ptp(b) == 0:
+        return Relation(0.0, 0, 0.0)
+    return _relation(a - a.mean(), b - b.mean())
+
+
+def _relation(a: np.ndarray, b: np.ndarray) -> Relation:
+    reach = min(_REACH, len(a) // 4)
+    size = float(np.linalg.norm(a) * np.linalg.norm(b))
+    if size == 0 or reach < 1:
+        return Relation(0.0, 0, 0.0)
+    middle = len(a) - 1
+    by_lag = correlate(b, a, mode="full", method="fft")[middle - reach : middle + reach + 1] / size
+    at = int(np.argmax(np.abs(by_lag)))
+    lag = at - reach
+    x, y = (a[: len(a) - lag], b[lag:]) if lag >= 0 else (a[-lag:], b[:lag])
+    total = float(x @ x)
+    return Relation(float(x @ y) / total if total else 0.0, lag, min(1.0, abs(float(by_lag[at]))))
+
+
+def _smooth(change: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Both through one moving mean as wide as the motion allows, so that noise does not shrink the factor."""
+    power = np.abs(np.fft.rfft(change - change.mean())) ** 2
+    top = np.searchsorted(np.cumsum(power) / max(power.sum(), 1e-300), 0.95) / len(change)  # per row
+    width = int(np.clip(0.1 / max(top, 1e-4), 1, 101))
+    return uniform_filter1d(change, width), uniform_filter1d(velocity, width)
+
+
+def held_share(values: np.ndarray) -> float:
+    """Part of the rows at which a column keeps its value exactly."""
+    return float(np.mean(np.diff(values) == 0)) if len(values) > 1 else 1.0

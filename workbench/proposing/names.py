@@ -1,0 +1,195 @@
+"""What a column's name says: quantity, unit, joint, and whether it was measured or asked for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+from .units import fits, known_unit
+
+#: Words for each quantity, as controllers, simulators and people write them.
+KINDS: dict[str, tuple[str, ...]] = {
+    "acceleration": ("acc", "accel", "acceleration", "ddq", "qdd", "qddot", "qacc", "alpha"),
+    "velocity": (
+        *("velocity", "velocities", "vel", "speed", "dq", "qd", "qdot", "qvel", "omega", "w", "v", "vm"),
+        *("thetadot", "dtheta", "phidot", "dphi", "rpm", "om"),
+    ),
+    "torque": (
+        *("torque", "torques", "tau", "tq", "trq", "moment", "mom", "effort", "efforts", "force", "frc"),
+        *("actuatorforce", "qfrc", "load"),
+    ),
+    "position": (
+        *("position", "positions", "pos", "q", "qpos", "qm", "angle", "angles", "ang", "theta", "th", "phi"),
+        *("enc", "encoder", "state", "winkel", "motorposition", "linkposition"),
+    ),
+    "current": ("current", "currents", "curr", "cur", "amps", "iq", "i", "strom"),
+    "voltage": ("voltage", "volt", "volts", "u"),
+    "temperature": ("temperature", "temp", "temps", "celsius"),
+    "time": (
+        *("time", "t", "timestamp", "stamp", "clock", "zeit", "epoch", "datetime", "timestep", "tid"),
+        *("sec", "secs", "seconds", "millis", "micros", "ms", "us", "ns", "date"),
+    ),
+    "valid": ("valid", "ok"),
+    "index": ("index", "idx", "sample", "samples", "frame", "row", "step", "n", "count", "counter", "nr"),
+}
+ROLES: dict[str, tuple[str, ...]] = {
+    "feedforward": ("ff", "feedforward", "injected", "excitation"),
+    "reference": (
+        *("ref", "reference", "des", "desired", "set", "setpoint", "sp", "target", "goal", "demand", "soll"),
+        *(
+            "cmd",
+            "command",
+            "commands",
+            "commanded",
+            "action",
+            "actions",
+            "ctrl",
+            "control",
+            "tgt",
+            "rq",
+            "dem",
+        ),
+    ),
+    "measured": (
+        *("meas", "measured", "mes", "act", "actual", "fb", "feedback", "msr", "ist", "real", "observation"),
+        *("obs", "present", "sensed", "sensor", "est", "estimated", "states"),
+    ),
+}
+_COMMAND = ("cmd", "command", "commands", "commanded", "action", "actions", "ctrl", "control")
+_NOISE = (
+    "joint",
+    "joints",
+    "jnt",
+    "axis",
+    "axes",
+    "ax",
+    "motor",
+    "motors",
+    "main",
+    "data",
+    "robot",
+    "feedback",
+)
+_KIND = {word: kind for kind, words in KINDS.items() for word in words}
+_ROLE = {word: role for role, words in ROLES.items() for word in words}
+_BRACKET = re.compile(r"\s*[\[\(<{]\s*([^\]\)>}]*)\s*[\]\)>}]\s*$")
+_SHORT = ("w", "v", "i", "u", "n", "t", "a", "om", "q", "x")
+
+
+@dataclass(frozen=True)
+class Role:
+    """What one name says.
+
+    Attributes:
+        kind: a key of `KINDS`, ``command`` where only that is said, or ``""``.
+        role: ``measured``, ``reference``, ``feedforward`` or ``""`` where the name does not say.
+        joint: what is left of the name, ``""`` where nothing is.
+        unit: the unit in the name, or ``""``.
+        words: every word of the name.
+    """
+
+    kind: str
+    role: str = ""
+    joint: str = ""
+    unit: str = ""
+    words: tuple[str, ...] = ()
+
+
+@lru_cache(maxsize=4096)
+def role_of(name: str, unit: str = "") -> Role:
+    """Read one column's name; a unit stated elsewhere may be given."""
+    text = name
+    bracket = _BRACKET.search(name)
+    if bracket and not bracket[1].strip().isdigit() and (bracket[1] == "" or known_unit(bracket[1])):
+        text, unit = name[: bracket.start()], unit or bracket[1].strip()
+    words = _words(text)
+    kind, role, rest = "", "", list(words)
+    only_command = False
+    for word in words:
+        if word in _ROLE and (not role or role == "measured"):
+            role = _ROLE[word]
+            only_command = word in _COMMAND
+            rest.remove(word)
+        elif word in _ROLE:
+            rest.remove(word)
+    # long words outweigh single letters: "v" in "motor_v_position" names a motor
+    # and the end of a path outweighs its beginning: "q" in "arm/state.q" is what a topic's message calls it
+    tail = _words(re.split(r"[/.:]", text.rstrip("/.:"))[-1])
+    for word in sorted(
+        (w for w in rest if w in _KIND), key=lambda w: (w not in tail, w in _SHORT, rest.index(w))
+    ):
+        kind = _KIND[word]
+        rest.remove(word)
+        break
+    unit, rest = _unit_at_end(rest, kind, unit)
+    if not kind and unit:
+        kind = _kind_of_unit(unit)
+    if not kind and only_command:
+        kind = "command"
+    joint = "_".join(rest)
+    return Role(kind, role, joint, unit, tuple(words))
+
+
+def _words(text: str) -> list[str]:
+    """Lower-case words: split at marks, at capitals and between letters and digits; known pairs apart."""
+    text = text.replace("τ", " tau ").replace("θ", " theta ").replace("ω", " omega ").replace("φ", " phi ")
+    text = text.replace("°", " deg ")
+    text = re.sub(r"([a-z])([A-Z])", r"\1 \2", text)
+    out: list[str] = []
+    for part in re.split(r"[^A-Za-z0-9]+", text):
+        for word in re.findall(r"[A-Za-z]+|\d+", part):
+            out += _split(word.lower())
+    return out
+
+
+def _split(word: str) -> list[str]:
+    if word in _KIND or word in _ROLE or len(word) < 3:
+        return [word]
+    for i in range(len(word) - 1, 0, -1):
+        head, tail = word[:i], word[i:]
+        if (head in _KIND and tail in _ROLE) or (head in _ROLE and tail in _KIND and len(tail) > 1):
+            return [head, tail]
+    return [word]
+
+
+def _unit_at_end(rest: list[str], kind: str, unit: str) -> tuple[str, list[str]]:
+    """A unit written as the last words of a name, as in ``speed_deg_s``, and the words without it."""
+    if unit:
+        tail = _words(unit)
+        if rest[-len(tail) :] == tail:
+            rest = rest[: -len(tail)]
+        return unit, rest
+    for count in (3, 2, 1):
+        tail = rest[-count:]
+        if len(tail) < count or (count == 1 and len(tail[0]) == 1 and kind != "time"):
+            continue
+        for text in ("/".join(tail), "".join(tail), " ".join(tail)):
+            if (kind and fits(text, kind)) or (
+                not kind and count == 1 and text in ("deg", "rad", "nm", "mnm")
+            ):
+                return text, rest[:-count]
+    return "", rest
+
+
+def _kind_of_unit(unit: str) -> str:
+    for kind in ("time", "position", "velocity", "torque", "current", "voltage", "temperature"):
+        if fits(unit, kind):
+            return kind
+    return ""
+
+
+def name_joints(roles: Sequence[Role]) -> list[Role]:
+    """Joint names made short: without the words that all columns of a kind share, or that say nothing."""
+    out = list(roles)
+    groups: dict[tuple[str, str], list[int]] = {}
+    for i, role in enumerate(roles):
+        groups.setdefault((role.kind, role.role), []).append(i)
+    for members in groups.values():
+        split = [roles[i].joint.split("_") for i in members]
+        shared = set.intersection(*map(set, split)) if len(members) > 1 else set()
+        for i, words in zip(members, split, strict=True):
+            own = [w for w in words if w and w not in shared and w not in _NOISE]
+            out[i] = replace(roles[i], joint="_".join(own))
+    return out

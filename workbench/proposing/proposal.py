@@ -1,0 +1,127 @@
+"""What a proposal is made of: what was assumed and how sure, what could not be told, what the user said."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+#: Below this an assumption is a question.
+ASK = 0.9
+
+
+@dataclass(frozen=True)
+class Assumption:
+    """One line of the table that says what was taken for what.
+
+    Attributes:
+        what: the thing, e.g. ``unit of position``.
+        value: what it is taken for.
+        sure: probability that this is right; 1 where the user or the file says so.
+        because: the reason, a few words.
+    """
+
+    what: str
+    value: str
+    sure: float
+    because: str
+
+    @property
+    def word(self) -> str:
+        """``stated``, ``sure``, ``likely`` or ``a guess``."""
+        if self.sure >= 1.0 and self.because == "you said so":
+            return "stated"
+        return "sure" if self.sure >= 0.97 else "likely" if self.sure >= ASK else "a guess"
+
+
+@dataclass(frozen=True)
+class Question:
+    """What the file does not say.
+
+    Attributes:
+        key: ``unit.KIND``, ``column.SIGNAL``, ``rate``, ``axes``, ``coordinates`` or ``counts``.
+        text: the question.
+        choices: answers to choose from; empty where any may be right.
+        best: the likeliest, ``""`` where none is.
+        option: what to pass on the command line, with the likeliest answer or a placeholder in it.
+    """
+
+    key: str
+    text: str
+    choices: tuple[str, ...]
+    best: str
+    option: str
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What the user says; the rest is found or asked.
+
+    Attributes:
+        axes: names of the axes, in order.
+        columns: signal -> the table's columns, one an axis (``time``: one).
+        units: kind -> unit.
+        coordinates: ``actuator`` or ``joint``.
+        rate_hz: rows a second, where there is no time column.
+        counts: encoder counts per turn.
+        kp, kd, period_s: the controller, one gain an axis or one for all.
+        model_axes: the model's axes, in its order.
+        linear: which of the model's axes move along a line.
+        transmission: the model's J in q_p = J q_s, shape (n, n), where it is not the identity.
+        guessed: keys of questions that were answered for the user.
+    """
+
+    axes: tuple[str, ...] = ()
+    columns: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    coordinates: str = ""
+    rate_hz: float | None = None
+    counts: float | None = None
+    kp: tuple[float, ...] = ()
+    kd: tuple[float, ...] = ()
+    period_s: float | None = None
+    model_axes: tuple[str, ...] = ()
+    linear: tuple[bool, ...] = ()
+    transmission: np.ndarray | None = None
+    guessed: frozenset[str] = frozenset()
+
+    def with_answer(self, key: str, value: str) -> Answers:
+        """These answers and one more; the key is a question's."""
+        kind, _, name = key.partition(".")
+        if kind == "unit":
+            return replace(self, units={**self.units, name: value})
+        if kind == "column":
+            return replace(self, columns={**self.columns, name: _listed(value)})
+        if kind == "coordinates":
+            if value not in ("actuator", "joint"):
+                raise ValueError(value)
+            return replace(self, coordinates=value)
+        if kind == "axes":
+            return replace(self, axes=_listed(value))
+        number = float(value)
+        return replace(self, rate_hz=number) if kind == "rate" else replace(self, counts=number)
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A recording's description, and how it came about.
+
+    Attributes:
+        description: the TOML's content; ``table`` is still missing.
+        data: columns to be written as a table of their own, or None where the file serves as it is.
+        assumptions: what was taken for what.
+        questions: what could not be told; the description holds the likeliest answers.
+        notes: what was done to the rows, what is not used, what looks wrong.
+    """
+
+    description: Mapping[str, Any]
+    data: Mapping[str, np.ndarray] | None
+    assumptions: tuple[Assumption, ...]
+    questions: tuple[Question, ...]
+    notes: tuple[str, ...]
+
+
+def _listed(value: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in value.split(",") if part.strip())

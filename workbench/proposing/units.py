@@ -1,0 +1,141 @@
+"""Units as people write them in headers, and what the size of numbers says where nobody wrote any."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from workbench.core.units import KINDS, to_si
+
+#: Spellings that pint reads otherwise or not at all ("Nm" is a nanometre to it).
+_SPELLINGS: dict[str, tuple[str, ...]] = {
+    "N*m": ("nm", "n m", "n.m", "n·m", "n*m", "n-m", "newtonmeter", "newton meter"),
+    "mN*m": ("mnm", "mn m", "mn.m", "mn·m", "mn*m"),
+    "N*mm": ("nmm", "n mm", "n.mm", "n·mm", "n*mm"),
+    "N*cm": ("ncm", "n cm", "n.cm", "n·cm", "n*cm"),
+    "kN*m": ("knm", "kn m", "kn·m", "kn*m"),
+    "deg": ("deg", "degree", "degrees", "°", "grad", "degs"),
+    "rad": ("rad", "radian", "radians", "rads"),
+    "mrad": ("mrad",),
+    "turn": ("rev", "revs", "turn", "turns", "rot", "revolutions", "u"),
+    "deg/s": ("deg/s", "°/s", "dps", "degs/s", "degps", "deg/sec", "degree/s", "degrees/s", "deg s"),
+    "rad/s": ("rad/s", "rads/s", "radps", "rad/sec", "rad s", "rads", "1/s"),
+    "rpm": ("rpm", "1/min", "u/min", "rev/min", "min-1", "min^-1"),
+    "turn/s": ("rev/s", "turn/s", "turns/s", "rps"),
+    "s": ("s", "sec", "secs", "second", "seconds"),
+    "ms": ("ms", "msec", "millis", "milliseconds", "millisecond"),
+    "us": ("us", "µs", "μs", "usec", "micros", "microseconds"),
+    "ns": ("ns", "nsec", "nanos", "nanoseconds", "nanosec"),
+    "m": ("m", "meter", "meters", "metre"),
+    "mm": ("mm",),
+    "cm": ("cm",),
+    "m/s": ("m/s", "m/sec", "mps", "m s"),
+    "mm/s": ("mm/s", "mm s"),
+    "N": ("n", "newton"),
+    "kN": ("kn",),
+    "A": ("a", "amp", "amps", "ampere"),
+    "mA": ("ma",),
+    "V": ("v", "volt", "volts"),
+    "mV": ("mv",),
+    "degC": ("c", "°c", "degc", "celsius"),
+    "K": ("k", "kelvin"),
+}
+
+
+@lru_cache(maxsize=1024)
+def pint_unit(text: str, kind: str) -> str:
+    """The unit as pint writes it, ``""`` where `text` is no unit of this kind."""
+    plain = " ".join(text.strip().lower().replace("⋅", "·").split())
+    for unit, spellings in _SPELLINGS.items():
+        if (plain in spellings or plain == unit.lower()) and _is_of(unit, kind):
+            return unit
+    try:
+        # a unit that pint knows as it stands: "mrad/s", "N*mm"
+        to_si(text, kind)
+    except ValueError:
+        return ""
+    return text if len(text) > 1 else ""
+
+
+def fits(text: str, kind: str) -> bool:
+    """Whether `text` is a unit of this kind."""
+    return kind in KINDS and bool(pint_unit(text, kind))
+
+
+def known_unit(text: str) -> bool:
+    """Whether `text` is a unit of any kind."""
+    return any(pint_unit(text, kind) for kind in KINDS)
+
+
+def _is_of(unit: str, kind: str) -> bool:
+    try:
+        to_si(unit, kind)
+    except ValueError:
+        return False
+    return True
+
+
+def scale(unit: str, kind: str) -> float:
+    """SI per unit."""
+    return to_si(unit, kind)[0]
+
+
+def is_linear(unit: str, kind: str) -> bool:
+    """Whether the unit belongs to an axis that moves along a line."""
+    return to_si(unit, kind)[2] in ("m", "m/s", "N")
+
+
+def by_size(kind: str, values: np.ndarray) -> dict[str, float]:
+    """Weights of the units that numbers of this size may have.
+
+    Args:
+        kind: ``position``, ``velocity`` or ``torque``.
+        values: all columns of the kind, shape (N, n).
+    """
+    top = float(np.nanmax(np.abs(values), initial=0.0))
+    if kind == "position":
+        whole = bool(np.all(values[np.isfinite(values)] == np.round(values[np.isfinite(values)])))
+        spread = float(np.nanmax(np.ptp(np.nan_to_num(values), axis=0), initial=0.0))
+        return {
+            "rad": _falls(max(top / 1.5, spread), 7.0, 3.0),
+            "deg": _rises(top, 7.0, 3.0) * _falls(top, 3000.0, 3.0),
+            "turn": 0.01,
+            "counts": 30.0 if whole and top > 500 else 0.0,
+        }
+    if kind == "velocity":
+        return {
+            "rad/s": _falls(top, 40.0, 2.0),
+            "deg/s": _rises(top, 40.0, 2.0) * _falls(top, 5000.0, 2.0),
+            "rpm": 0.05 if top > 20 else 0.005,
+        }
+    return {
+        "N*m": _falls(top, 600.0, 2.0),
+        "mN*m": 0.3 * _rises(top, 600.0, 2.0) + 0.005,
+        "N*mm": 0.7 * _rises(top, 600.0, 2.0) + 0.005,
+    }
+
+
+def by_step(step: float, start: float, rows: int) -> dict[str, float]:
+    """Weights of the units of a clock, from its typical increment and its first stamp.
+
+    Robots are logged at 10 Hz to 10 kHz, and a stamp near now, counted since 1970, tells its unit by itself.
+    """
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
+        if 1e9 < start * size < 3e9:
+            return {unit: 1.0, **dict.fromkeys({"s", "ms", "us", "ns"} - {unit}, 1e-6)}
+    out = {}
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)):
+        seconds = step * size
+        usual = np.exp(-0.5 * (np.log(seconds / 3e-3) / 1.2) ** 2) if seconds > 0 else 0.0
+        long = rows * seconds
+        out[unit] = float(usual) * (1.0 if 0.5 < long < 7200 else 0.05) + 1e-9
+    return out
+
+
+def _falls(x: float, edge: float, power: float) -> float:
+    return 1.0 / (1.0 + (x / edge) ** (2 * power))
+
+
+def _rises(x: float, edge: float, power: float) -> float:
+    return 1.0 - _falls(x, edge, power) + 0.01

@@ -1,0 +1,154 @@
+"""A proposal tried, completed by what only the read recording tells, and written."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv as pacsv
+import tomli_w
+
+from workbench.core import InputError, Recording
+from workbench.core.files import check_free, write_whole
+from workbench.recordings import load_recording
+
+from .law import find_law
+from .proposal import Answers, Assumption, Proposal
+from .table import Table
+
+
+def complete(proposal: Proposal, table: Table, answers: Answers) -> tuple[Proposal, Recording]:
+    """The proposal with controller and start filled in, and the recording as it will be read.
+
+    Raises:
+        InputError: the recording reader refuses it, in the reader's own words.
+    """
+    with TemporaryDirectory() as folder:
+        toml = Path(folder) / "proposal.toml"
+        data = table.file.resolve()
+        if proposal.data is not None:
+            data = Path(folder) / "proposal.csv"
+            data.write_bytes(_csv(proposal.data))
+        write = lambda p: toml.write_bytes(_toml(p.description, str(data)))  # noqa: E731
+        write(proposal)
+        try:
+            recording = load_recording(toml)
+            controller, assumed, at_rest = _control(recording, answers)
+            description = {**proposal.description}
+            if controller:
+                description["controller"] = controller
+            if not at_rest:
+                description["timing"] = {"initial_at_rest": False}
+                assumed = [*assumed, Assumption("start", "moving", 0.97, "speed of the first rows")]
+            proposal = replace(
+                proposal, description=description, assumptions=(*proposal.assumptions, *assumed)
+            )
+            write(proposal)
+            recording = load_recording(toml)
+        except InputError as error:
+            shown = table.file if str(error.file) in (str(data), str(toml)) else error.file
+            raise InputError(
+                error.problem, file=shown, column=error.column, row=error.row, remedy=error.remedy
+            ) from error
+    return proposal, replace(recording, name=table.file.stem, source=None)
+
+
+def write(proposal: Proposal, table: Table, output: Path, *, force: bool = False) -> list[Path]:
+    """Write the TOML, and beside it a table where the file is no plain one.
+
+    Returns:
+        The files written.
+
+    Raises:
+        InputError: an output exists, or is the source itself.
+    """
+    if output.suffix != ".toml":
+        raise InputError("does not end in .toml", file=output, remedy="e.g. -o run.toml")
+    written = []
+    target = output.with_name(f"{output.stem}.table.csv.gz")
+    if proposal.data is not None and target.resolve() == table.file.resolve():
+        raise InputError("would overwrite the source", file=target, remedy="give another name with -o")
+    check_free(output, force=force)
+    if proposal.data is not None:
+        packed = gzip.compress(_csv(proposal.data), compresslevel=6, mtime=0)
+        written.append(write_whole(target, packed, force=force))
+        source = target.name
+    else:
+        source = os.path.relpath(table.file.resolve(), output.resolve().parent)
+    try:
+        written.insert(0, write_whole(output, _toml(proposal.description, source, output.stem), force=force))
+    except BaseException:
+        for file in written:
+            file.unlink(missing_ok=True)  # a table that no TOML names is only in the way
+        raise
+    return written
+
+
+def toml_text(proposal: Proposal, table: str) -> str:
+    """The TOML as it would be written."""
+    return _toml(proposal.description, table).decode()
+
+
+def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], list[Assumption], bool]:
+    """The ``[controller]`` table, what it rests on, and whether the run starts at rest."""
+    n = len(recording.axes)
+    at_rest = _starts_at_rest(recording)
+    if answers.kp:
+        gains = {"kp": _each(answers.kp, n, "--kp"), "kd": _each(answers.kd or (0.0,), n, "--kd")}
+        table = {"kind": "pd", "coordinates": recording.coordinates, **gains}
+        if answers.period_s:
+            table["period_s"] = answers.period_s
+        return table, [Assumption("controller", "pd", 1.0, "you said so")], at_rest
+    law = find_law(recording, answers.transmission)
+    if law is None:
+        because = (
+            "no logged command follows its reference"
+            if recording.get("position_reference") is not None
+            else ("no reference is logged")
+        )
+        return {}, [Assumption("controller", "unknown", 0.98, because)], at_rest
+    table = {
+        "kind": "pd",
+        "coordinates": law.coordinates,
+        "kp": [float(f"{x:.4g}") for x in law.kp],
+        "kd": [float(f"{x:.4g}") for x in law.kd],
+        "period_s": float(f"{law.period_s:.9g}"),
+    }
+    shown = f"pd, kp {', '.join(f'{x:.4g}' for x in law.kp)}; kd {', '.join(f'{x:.4g}' for x in law.kd)}"
+    because = f"the command is that law to {100 * law.rest:.1g} %"
+    return table, [Assumption("controller", shown, 0.99 if law.rest < 0.005 else 0.95, because)], at_rest
+
+
+def _starts_at_rest(recording: Recording) -> bool:
+    speed = np.abs(recording.velocity)
+    # the very first row: an arm that is let go falls from the second on
+    first = speed[0] if "velocity" not in recording.derived else np.median(speed[:3], axis=0)
+    return bool(np.all(first <= 0.05 * np.quantile(speed, 0.99, axis=0) + 1e-9))
+
+
+def _each(values: tuple[float, ...], n: int, option: str) -> list[float]:
+    if len(values) not in (1, n):
+        raise InputError(f"{len(values)} values of {option} for {n} axes", remedy="give one, or one an axis")
+    return list(values) * (n if len(values) == 1 else 1)
+
+
+def _toml(description: Mapping[str, Any], table: str, name: str | None = None) -> bytes:
+    head = {"format": description["format"], **({"name": name} if name else {}), "table": table}
+    rest = {k: v for k, v in description.items() if k != "format" and v != ""}
+    return tomli_w.dumps({**head, **rest}).encode()
+
+
+def _csv(data: Mapping[str, np.ndarray]) -> bytes:
+    out = io.BytesIO()
+    options = pacsv.WriteOptions(quoting_style="needed", quoting_header="none")
+    columns = {name: np.ascontiguousarray(values) for name, values in data.items()}
+    pacsv.write_csv(pa.table(columns), out, options)
+    return out.getvalue()
