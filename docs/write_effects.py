@@ -41,6 +41,8 @@ def catalogue() -> Iterator[str]:
     for effect in EFFECTS:
         about = (effect.__doc__ or "").splitlines()[0].rstrip(".")
         yield f"\n### {effect.name}\n"
+        if PAGE.with_name("images").joinpath("effects", f"{effect.name}.png").is_file():
+            yield f"![Its signature over speed, position and time](images/effects/{effect.name}.png)\n"
         yield f"- Equation: {escaped(about)}"
         yield f"- Source: {escaped(effect.source)}"
         yield f"- Shows in: {escaped(effect.shows)}"

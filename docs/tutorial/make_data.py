@@ -107,9 +107,10 @@ def measured(seed: int, rows: int) -> str:
         seen_torque = command + rng.normal(0.0, 0.02, 3)
         lines.append((1000 * t, *seen_q, *seen_v, *wanted, *command, *seen_torque))
         for _ in range(ROWS):
+            q = q + 0.5 * STEP * v  # leapfrog: half a step, the push, half a step
             friction = np.array([0.0, 0.0, HIDDEN * np.tanh(v[2] / 0.002)])
             v = v + STEP * acceleration(q, v, command - friction)
-            q = q + STEP * v
+            q = q + 0.5 * STEP * v
     joints = ("base", "shoulder", "elbow")
     heads = (
         "{} angle [deg]",

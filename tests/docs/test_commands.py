@@ -7,6 +7,7 @@ or ``xml NAME`` block is written to that file first. All blocks of a page share 
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +17,7 @@ import pytest
 from workbench.core.paths import models_folder
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 BLOCK = re.compile(r"^```(?P<kind>\w+)(?: (?P<name>\S+))?\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -29,6 +30,7 @@ def blocks(page: Path) -> list[tuple[str, str | None, str]]:
     "page", [p for p in PAGES if any(b[0] == "console" for b in blocks(p))], ids=lambda p: p.name
 )
 def test_commands_of_a_page_run_in_order(page: Path, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "docs" / "tutorial", tmp_path / "docs" / "tutorial")  # as in a clone
     for kind, name, text in blocks(page):
         if kind != "console":
             assert name is not None

@@ -115,3 +115,23 @@ def test_any_encoder_step_is_found(step: float, start: float, seed: int) -> None
 
 def test_no_lattice_in_real_numbers() -> None:
     assert lattice_step(np.random.default_rng(0).normal(size=3000)) == 0.0
+
+
+def test_noise_of_speed_that_the_loop_answers_counts_as_noise() -> None:
+    """Where damping makes the command of noisy speed, the command must not explain the noise away."""
+    rng = np.random.default_rng(5)
+    period, rows, sigma = 0.005, 2400, 0.005
+    time = np.arange(rows) * period
+    wanted = 0.5 * np.sin(2.1 * time) + 0.2 * np.sin(7.3 * time)
+    q, v = 0.0, 0.0
+    log = np.empty((rows, 3))
+    for k in range(rows):
+        seen = v + rng.normal(0, sigma)
+        command = 60.0 * (wanted[k] - q) - 3.0 * seen
+        log[k] = q, seen, command
+        for _ in range(10):
+            v += 0.1 * period * command / 0.1
+            q += 0.1 * period * v
+    signals = {"position": log[:, :1], "velocity": log[:, 1:2], "torque_command": log[:, 2:]}
+    found = noise_levels(Recording("loop", ("a",), "actuator", time, signals, ("rad",)))
+    assert found.velocity_std[0] == pytest.approx(sigma, rel=0.15)

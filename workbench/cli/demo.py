@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, progress
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, progress, staged
 
 
 @app.command()
@@ -57,7 +57,7 @@ def demo(
     model = load_model("leg")
     with progress(quiet) as tell:
         result, better = improve(
-            model, load_recordings(training), load_recordings(held_out), seed=seed, progress=tell
+            model, load_recordings(training), load_recordings(held_out), seed=seed, progress=staged(tell)
         )
     write_model(replace(better, name="leg_improved"), folder / "improved.toml", force=force)
     truth = [

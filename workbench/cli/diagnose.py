@@ -16,6 +16,7 @@ from .common import (
     deliver,
     progress,
     read_pair,
+    staged,
 )
 
 
@@ -41,6 +42,6 @@ def diagnose(
     loaded = load_model(model)
     training, held_out = read_pair(recordings, holdout)
     with progress(quiet) as tell:
-        result = run(loaded, training, held_out, seed=seed, progress=tell)
+        result = run(loaded, training, held_out, seed=seed, progress=staged(tell))
     inputs = [model, *recordings, *(holdout or [])]
     deliver(result, json=json, html=html, force=force, quiet=quiet, inputs=inputs, seeds={"noise": seed})

@@ -20,6 +20,7 @@ from .common import (
     deliver,
     progress,
     read_pair,
+    staged,
 )
 
 
@@ -47,7 +48,7 @@ def improve(
     loaded = load_model(model)
     training, held_out = read_pair(recordings, holdout)
     with progress(quiet) as tell:
-        result, better = run(loaded, training, held_out, seed=seed, progress=tell)
+        result, better = run(loaded, training, held_out, seed=seed, progress=staged(tell))
     write_model(better, output, force=force)
     inputs = [model, *recordings, *(holdout or [])]
     deliver(result, json=json, html=html, force=force, quiet=quiet, inputs=inputs, seeds={"noise": seed})

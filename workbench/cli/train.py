@@ -11,7 +11,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, QuietOption, progress
+from .common import ForceOption, QuietOption, duration, progress
 
 
 @app.command()
@@ -115,7 +115,7 @@ def train(
         def told(p) -> None:
             tell(
                 f"iteration {p.iteration} of {p.iterations}, reward {p.reward:.2f} a second, "
-                f"{p.steps_per_s:,.0f} steps/s, {_duration(p.left_s)} left"
+                f"{p.steps_per_s:,.0f} steps/s, {duration(p.left_s)} left"
             )
 
         done = learn(
@@ -127,8 +127,3 @@ def train(
     bundle = export(folder, folder / "bundle.zip", force=force or resume)
     if not quiet:
         typer.echo(f"Trained {settings.iterations} iterations; wrote {bundle}.")
-
-
-def _duration(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"

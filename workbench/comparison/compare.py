@@ -134,7 +134,8 @@ def consistent(
     Args:
         error_ms: mean squares (2, n) of measured minus simulated, pooled.
         draws_ms: the same of each noise draw, (draws, 2, n).
-        error, floors: the scores.
+        error: the score.
+        floors: the score of each noise draw, (draws,).
         by_signal: look at each axis and kind by itself too, which finds effects that the score, ruled by
             the noisiest signal, would hide.
     """

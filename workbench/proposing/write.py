@@ -123,7 +123,7 @@ def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], li
         "period_s": float(f"{law.period_s:.9g}"),
     }
     shown = f"pd, kp {', '.join(f'{x:.4g}' for x in law.kp)}; kd {', '.join(f'{x:.4g}' for x in law.kd)}"
-    because = f"the command is that law to {100 * law.rest:.1g} %"
+    because = "the command is that law" + (f" to {100 * law.rest:.1g} %" if law.rest > 1e-5 else "")
     return table, [Assumption("controller", shown, 0.99 if law.rest < 0.005 else 0.95, because)], at_rest
 
 

@@ -15,6 +15,7 @@ from .lattice import lattice_step
 _WINDOW = 200  # rows; short beside any change of configuration, long enough to separate bands
 _WINDOWS = 80  # per axis; more would sharpen the median below 1 %, which nothing needs
 _BANDS = (0.25, 0.4, 0.6)  # parts of half the row rate taken to be motion; the rest is noise
+_OWN = 0x5EED  # seed of noise that is added to see whether it comes out; nobody else draws from it
 _REACH_S = 0.010  # a torque answers its command within delay and current loop, well inside this
 
 
@@ -77,7 +78,26 @@ def _velocity_noise(
     # out. Feedback carries this very noise in the command, so that only a clear gain is believed.
     every = command if command.shape[1] <= 4 else command[:, axis : axis + 1]
     driven = white_noise(v, valid, every, period, integrated=True)
-    return driven if driven < 0.7 * plain else plain
+    return driven if driven < 0.7 * plain and _seen(v, valid, every, axis, period, plain, driven) else plain
+
+
+def _seen(
+    v: np.ndarray, valid: np.ndarray, every: np.ndarray, axis: int, period: float, plain: float, driven: float
+) -> bool:
+    """Whether noise of speed that goes round the loop would be seen at all beside the command's integral.
+
+    Above the slow cosines a signal can be told from its own neighbours, and so noise from the command that
+    answers it. Noise is added, to the speed and by the loop's gain to the command: it has to come out.
+    """
+    k = axis if every.shape[1] > 1 else 0
+    # the gain at which the command answers the same row's speed, by their fastest parts
+    fast, answer = np.diff(v, 4), np.diff(every[:, k], 4)
+    gain = min(0.0, float(fast @ answer / max(fast @ fast, 1e-300)))  # a loop damps
+    added = np.random.default_rng(_OWN).normal(0.0, plain, len(v))
+    answered = every.copy()
+    answered[:, k] += gain * added
+    both = white_noise(v + added, valid, answered, period, integrated=True)
+    return both**2 - driven**2 > 0.5 * plain**2
 
 
 def white_noise(

@@ -1,0 +1,51 @@
+"""The site builds without a warning, holds every page, and asks nothing of the network."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from workbench.effects import EFFECTS
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    pytest.importorskip("mkdocs")
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
+    # no proxy leads anywhere: a page that needs the network cannot be built
+    dead = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
+    environment = {**os.environ, **dead, "NO_MKDOCS_2_WARNING": "1"}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+def test_every_page_is_there(site: Path) -> None:
+    pages = {p.relative_to(ROOT / "docs").with_suffix(".html") for p in (ROOT / "docs").rglob("*.md")}
+    assert pages and all((site / page).is_file() for page in pages)
+    assert "workbench.diagnosis.diagnose" in (site / "api.html").read_text()
+
+
+def test_nothing_is_fetched(site: Path) -> None:
+    loads = re.compile(
+        r"""<(?:script|img|iframe)[^>]+src=["'](https?:)?//|<link[^>]+href=["'](https?:)?//[^>]+stylesheet"""
+    )
+    for page in site.rglob("*.html"):
+        assert not loads.search(page.read_text()), page
+    for sheet in site.rglob("*.css"):
+        assert not re.search(r"url\(['\"]?(https?:)?//", sheet.read_text()), sheet
+
+
+def test_every_effect_has_its_picture() -> None:
+    folder = ROOT / "docs" / "images" / "effects"
+    without = {"link_length_error"}  # nothing to see of it without a load at the foot
+    assert {p.stem for p in folder.glob("*.png")} == {effect.name for effect in EFFECTS} - without
+    assert sum(p.stat().st_size for p in folder.iterdir()) < 1.5e6
