@@ -47,9 +47,9 @@ figure = report.overlay_figure(before, "elbow", after=after)
 
 # %% [markdown]
 # **Answer.** Two files, and no line about columns, units or gains. The elbow has dry friction that the
-# drawings do not show, and with it the model explains the logs to the noise, or nearly so.
+# drawings do not show, and with it the model explains the logs to the noise.
 
 # %%
 assert (best.key.effect, best.key.axis) == ("coulomb_friction", "elbow")
 assert abs(best.parameters["torque"].value - 0.3) < 0.01
-assert after.error < 0.3 * before.error
+assert after.consistent and before.error > 4 * before.noise_error

@@ -22,8 +22,9 @@ DISTRIBUTIONS = {
     "warp": "warp-lang",
 }
 EXTRA = PROJECT["optional-dependencies"]["training"]
+PAGES = PROJECT["optional-dependencies"]["ui"]
 #: What some commands use where it is there.
-OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PROJECT["optional-dependencies"]["ui"]]
+OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES]
 
 
 def third_party(folder: str) -> set[str]:
@@ -53,7 +54,7 @@ def test_dependencies_are_what_the_package_imports() -> None:
         if folder.is_dir() and folder.name not in ("training", "bundle"):
             assert not third_party(f"workbench/{folder.name}") & names(EXTRA), folder.name
         if folder.is_dir() and folder.name != "ui":
-            assert not third_party(f"workbench/{folder.name}") & names(OPTIONAL), folder.name
+            assert not third_party(f"workbench/{folder.name}") & names(PAGES), folder.name
 
 
 def test_tests_and_benchmarks_need_no_more_than_the_dev_extra() -> None:
