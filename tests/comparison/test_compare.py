@@ -49,16 +49,7 @@ def logs() -> tuple[Recording, ...]:
 
 
 #: Row period and the loop's own period [s].
-RATES = [
-    (0.001, 0.003),
-    (0.005, 0.010),
-    pytest.param(
-        *(0.005, 0.005),
-        marks=pytest.mark.xfail(
-            reason="velocity noise that a loop feeds back row by row passes for motion", strict=True
-        ),
-    ),
-]
+RATES = [(0.001, 0.003), (0.005, 0.010), (0.005, 0.005)]
 
 
 @pytest.mark.parametrize(("period", "tick"), RATES)
