@@ -29,7 +29,8 @@ OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES]
 
 def third_party(folder: str) -> set[str]:
     own = {"workbench", "tests", *sys.stdlib_module_names}
-    own |= {entry.stem for entry in (ROOT / "benchmarks").iterdir()}  # scripts find what lies beside them
+    # scripts find what lies beside them
+    own |= {entry.stem for scripts in ("benchmarks", "analyses") for entry in (ROOT / scripts).iterdir()}
     files = (ROOT / folder).rglob("*.py")
     modules = {module.split(".")[0] for file in files for module in imported(file)} - own
     return {DISTRIBUTIONS.get(module, module) for module in modules}
