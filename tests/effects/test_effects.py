@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 from tests.effects.cases import CASES, MODELS, Case, equation, experiment, reference, with_effect
 from tests.simulation.make import having, slide_experiment
-from workbench.core import EffectKey, Recording
+from workbench.core import EffectKey, Estimate, InputError, Recording, SimulationError
 from workbench.effects import (
     EFFECTS,
     Door,
@@ -21,7 +22,7 @@ from workbench.effects import (
     load_model,
     places,
 )
-from workbench.models import Placement, write_model
+from workbench.models import AppliedEffect, Placement, write_model
 from workbench.simulation import Run, Track, motion_of, required_torque, simulate
 
 every_case = pytest.mark.parametrize("case", CASES, ids=str)
@@ -171,3 +172,22 @@ def test_units_follow_the_axis() -> None:
     slide = having(load_model("emps"), EffectKey("coulomb_friction", "slide"), torque=0.1)
     assert leg.effects[-1].parameters["torque"].unit == "N*m"
     assert slide.effects[-1].parameters["torque"].unit == "N"
+
+
+@every_place
+def test_at_any_corner_of_its_bounds_an_effect_builds_or_says_why_not(case: Case) -> None:
+    base, place = load_model(case.model), Placement.of(load_model(case.model), case.key)
+    values, shape = case.effect.to_coefficients(dict(case.values))
+    lower, upper = case.effect.bounds(base, place)
+    limits = case.effect.shape_bounds(base, place)
+    for number in product((0, 1, 2), repeat=len(values)):
+        corner = [np.clip((0.0, a, b)[k], -1e3, 1e3) for k, a, b in zip(number, lower, upper, strict=True)]
+        corner = np.clip(corner, lower, upper)
+        for side in (None, 0, 1):
+            at = shape if side is None else {n: float(np.clip(limits[n][side], -1e3, 1e3)) for n in shape}
+            try:
+                parameters = case.effect.to_parameters(corner, at)
+                applied = AppliedEffect(case.key, {n: Estimate(v, 0.0, "") for n, v in parameters.items()})
+                compile_plant(base.with_effect(applied))
+            except (SimulationError, InputError) as error:
+                assert str(error)

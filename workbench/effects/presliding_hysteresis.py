@@ -79,6 +79,8 @@ class PreslidingHysteresis(Effect):
     ) -> None:
         """A spring of its own on the axis's coordinate, whose stiffness and rest follow the state."""
         assert place is not None
+        if values["torque"] == 0.0:  # no friction: the share of a stiffness of nothing is no number
+            return
         name = f"hysteresis:{len(build.chain.hysteresis)}"
         tendon = build.spec.add_tendon(name=name)
         for joint, coefficient in zip(model.joints, place.row, strict=True):
