@@ -16,6 +16,7 @@ from workbench.effects import load_model
 from workbench.models import Model
 from workbench.recordings import load_recordings
 from workbench.rigs import Experiment, VirtualLeg
+from workbench.rigs.degrade import degrade
 from workbench.simulation import Run, SensorNoise, simulate
 
 LEG = load_model("leg")
@@ -49,7 +50,7 @@ def logs() -> tuple[Recording, ...]:
 
 
 #: Row period and the loop's own period [s].
-RATES = [(0.001, 0.003), (0.005, 0.010), (0.005, 0.005)]
+RATES = [(0.001, 0.003), (0.002, 0.003), (0.005, 0.010), (0.005, 0.005), (0.003, 0.003)]
 
 
 @pytest.mark.parametrize(("period", "tick"), RATES)
@@ -279,3 +280,11 @@ def test_what_cannot_be_compared_is_refused() -> None:
     bare = without(with_unknown_loop(log), "torque_measured", "torque_command")
     with pytest.raises(InputError, match="neither the loop nor a torque"):
         compare(UNKNOWN, [bare])
+
+
+@pytest.mark.parametrize("every", [2, 4, 5])
+def test_rows_that_miss_ticks_of_the_loop_are_no_error(every: int) -> None:
+    asked = leg_experiment(4.0, 0.001, LEG_LOOP)
+    thinned = [degrade(log, every=every) for log in measured(LEG, asked, range(2))]
+    result, whole = compare(LEG, thinned), compare(LEG, measured(LEG, asked, range(2)))
+    assert result.consistent and result.error == pytest.approx(whole.error, rel=0.1)

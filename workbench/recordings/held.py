@@ -6,7 +6,8 @@ import numpy as np
 
 _FEW = 12  # changes that say nothing
 _BESIDE = 0.5  # a row this close to a tick may show the command before or after [rows]
-_NEARLY_ALL = 0.99  # of the changes of a held signal lie beside a tick
+_MOST = 0.9  # of the changes of a held signal lie beside a tick
+_NO_LESS = 0.01  # share of changes that tells one phase from another
 _SHARP = 0.1  # what a signal that stands between its steps moves there, of what it moves in them (power)
 
 
@@ -29,7 +30,8 @@ def ticks(times: np.ndarray, values: np.ndarray, period: float | None) -> tuple[
     period = period or row * float(np.round(np.median(np.diff(times[change])) / row))
     if period < 1.5 * row:
         return None
-    before, after = times[change] - _BESIDE * row, times[change + 1] + _BESIDE * row
+    beside = row * min(_BESIDE, 0.25 * (period / row - 1.0))
+    before, after = times[change] - beside, times[change + 1] + beside
 
     def told(phase: float) -> float:
         """Share of the changes that have a tick beside them."""
@@ -38,12 +40,12 @@ def ticks(times: np.ndarray, values: np.ndarray, period: float | None) -> tuple[
     # the contract's loop ticks at the first row; another one may tick at any time
     phases = np.arange(0.0, period, row / 10)
     share = np.array([told(phase) for phase in phases])
-    if share.max() < _NEARLY_ALL:
+    if share.max() < _MOST:
         return None
-    if share[0] >= _NEARLY_ALL:
+    if share[0] >= share.max() - _NO_LESS:
         return 0.0, period
     # the middle of the phases that will do, which may lie across the end of the period
-    fits = np.exp(2j * np.pi * phases[share >= _NEARLY_ALL] / period).mean()
+    fits = np.exp(2j * np.pi * phases[share >= share.max() - _NO_LESS] / period).mean()
     return float(np.angle(fits) / (2 * np.pi) * period), period
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
@@ -16,6 +17,7 @@ _WINDOW = 200  # rows; short beside any change of configuration, long enough to 
 _WINDOWS = 80  # per axis; more would sharpen the median below 1 %, which nothing needs
 _BANDS = (0.25, 0.4, 0.6)  # parts of half the row rate taken to be motion; the rest is noise
 _OWN = 0x5EED  # seed of noise that is added to see whether it comes out; nobody else draws from it
+_PHASES = 12  # kinds of rows, where ticks lie between rows
 _REACH_S = 0.010  # a torque answers its command within delay and current loop, well inside this
 
 
@@ -64,8 +66,23 @@ def noise_levels(recording: Recording) -> NoiseLevels:
             velocity[i] = _velocity_noise(measured_velocity[:, i], valid, command, i, recording.period)
         if measured_torque is not None:
             asked = None if command is None else command[:, i : i + 1]
-            torque[i] = white_noise(measured_torque[:, i], valid, asked, recording.period)
+            phase = None if asked is None else _phase(recording)
+            torque[i] = white_noise(measured_torque[:, i], valid, asked, recording.period, phase=phase)
     return NoiseLevels(resolution, position, velocity, torque)
+
+
+def _phase(recording: Recording) -> np.ndarray | None:
+    """Where each row (N,) lies between two ticks of the loop, as a number; None where all rows are at ticks.
+
+    Where ticks lie between rows, a row's torque answers now this command and now the one before.
+    """
+    tick = recording.controller.period_s
+    if tick is None:
+        return None
+    rows_a_tick = Fraction(tick / recording.period).limit_denominator(_PHASES)
+    if rows_a_tick.denominator == 1 or not 1 < rows_a_tick.numerator <= _PHASES:
+        return None
+    return np.arange(len(recording)) * rows_a_tick.denominator % rows_a_tick.numerator
 
 
 def _velocity_noise(
@@ -107,6 +124,7 @@ def white_noise(
     period: float = 1.0,
     *,
     integrated: bool = False,
+    phase: np.ndarray | None = None,
 ) -> float:
     """Standard deviation of the white noise on one signal.
 
@@ -116,6 +134,7 @@ def white_noise(
         command: what the signal follows with some delay and lag, shape (N, m), or None.
         period: row period [s].
         integrated: the signal follows the command's integral, and never the same row's.
+        phase: number (N,) of each row; rows of another number follow the command in another way.
 
     Returns:
         The standard deviation, in the signal's unit; NaN where there are too few rows.
@@ -125,7 +144,8 @@ def white_noise(
         lags = 0  # nothing to follow, or the same column twice
     else:
         lags = int(np.clip(np.ceil(_REACH_S / period), 4, 80)) + 1
-    columns = lags * (1 if command is None else command.shape[1])
+    kinds = 1 if phase is None else int(phase.max()) + 1
+    columns = lags * kinds * (1 if command is None else command.shape[1])
     width = min(max(_WINDOW, 6 * columns), len(signal) - lags)
     if width < max(16, 3 * columns):
         return float("nan")
@@ -141,6 +161,9 @@ def white_noise(
         taken = rows[:, :, None] - np.arange(lags) - (1 if integrated else 0)
         followed = command[taken].reshape(*rows.shape, -1)  # (windows, width, lags * m)
         followed = np.cumsum(followed, axis=1) if integrated else followed
+        if phase is not None:
+            of_kind = (phase[rows][:, :, None] == np.arange(kinds)).astype(float)
+            followed = np.einsum("wri,wrk->wrik", followed, of_kind).reshape(*rows.shape, -1)
     return min(_outside(signal[rows], followed, round(width * band)) for band in _BANDS)
 
 

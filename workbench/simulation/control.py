@@ -59,13 +59,14 @@ class ControlLaw(NamedTuple):
     """A loop as numbers; arrays (n,) unless said otherwise.
 
     Attributes:
-        is_tick: (K + 1,), whether the controller samples at a substep.
+        is_tick: (K + 1,), whether the controller samples at a substep; `number` (K + 1,), how often before.
         stride: substeps in a row.
         kp, kd, output, limit: torque = output * clip(kp * error + kd * rate error, limit).
         read, sense, drive: (n, n), actuator to recording coordinates, these to the controller's, and the
             controller's torque to actuator torque.
-        reference, rate, constant: (N, n); the last is added to the torque, actuator coordinates.
-        per_row: whether `constant` follows the rows rather than the ticks.
+        reference, rate: (T, n), at each of T ticks.
+        constant: at each tick too, or at each row (N, n); added to the torque, actuator coordinates.
+        per_row: whether it follows the rows rather than the ticks.
         noise: (2, N, n) of the readings of position and rate, or (2, 0, n).
         resolution: encoder step, 0 for none.
         differentiates, period: whether the rate is taken from positions at successive ticks [s].
@@ -73,6 +74,7 @@ class ControlLaw(NamedTuple):
     """
 
     is_tick: np.ndarray
+    number: np.ndarray
     stride: int
     kp: np.ndarray
     kd: np.ndarray
@@ -117,8 +119,10 @@ def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> Contr
     period = e.controller.period_s or e.recording.period
     start = e.start @ plant.model.transmission.T
     constant = e.feedforward if e.replayed is None else e.replayed
+    per_row = e.replayed is not None or not e.recording.timing.feedforward_held
     return ControlLaw(
         is_tick=is_tick,
+        number=np.cumsum(is_tick) - is_tick,
         stride=e.stride,
         kp=kp,
         kd=kd,
@@ -127,10 +131,10 @@ def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> Contr
         read=_plain(read),
         sense=_plain((back if c.coordinates == "joint" else eye) @ e.to_actuator),
         drive=_plain(back.T if c.coordinates == "joint" else eye),
-        reference=_plain(e.reference),
-        rate=_plain(e.reference_rate),
-        constant=_plain(constant),
-        per_row=e.replayed is not None or not e.recording.timing.feedforward_held,
+        reference=_plain(e.at_ticks(e.reference)),
+        rate=_plain(e.at_ticks(e.reference_rate)),
+        constant=_plain(constant if per_row else e.at_ticks(constant)),
+        per_row=per_row,
         noise=disturbed,
         resolution=resolution,
         differentiates=differentiates(e),
@@ -143,7 +147,7 @@ def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> Contr
 @njit(cache=True)
 def tick(c: ControlLaw, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
     """Sample at substep `k`: new feedback from what sensors say, actuator coordinates, (n,) each."""
-    row, n = k // c.stride, len(c.kp)
+    row, now, n = k // c.stride, c.number[k], len(c.kp)
     y, v = np.zeros(n), np.zeros(n)
     for i in range(n):
         for j in range(n):
@@ -157,13 +161,13 @@ def tick(c: ControlLaw, k: int, position: np.ndarray, velocity: np.ndarray) -> N
         if c.differentiates:
             v[i] = (y[i] - c.last_read[i]) / c.period
         c.last_read[i] = y[i]
-        c.feedback[i] = 0.0 if c.per_row else c.constant[row, i]
+        c.feedback[i] = 0.0 if c.per_row else c.constant[now, i]
     for i in range(n):
         z, rate = 0.0, 0.0
         for j in range(n):
             z += c.sense[i, j] * y[j]
             rate += c.sense[i, j] * v[j]
-        raw = c.kp[i] * (c.reference[row, i] - z) + c.kd[i] * (c.rate[row, i] - rate)
+        raw = c.kp[i] * (c.reference[now, i] - z) + c.kd[i] * (c.rate[now, i] - rate)
         law = c.output[i] * min(max(raw, -c.limit[i]), c.limit[i])
         for j in range(n):
             c.feedback[j] += c.drive[j, i] * law

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from workbench.core import Controller, InputError, Recording
 from workbench.models import Model
+from workbench.recordings.resample import looks_held
 
 #: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
 LONGEST_STEP = 0.001
@@ -52,6 +54,13 @@ class Experiment:
     def substeps(self) -> int:
         """Number of substeps K from the first row to the last."""
         return (len(self.recording) - 1) * self.stride
+
+    def at_ticks(self, rows: np.ndarray) -> np.ndarray:
+        """A signal (N, n) as read at the T ticks (T, n): smooth ones go on between rows, held ones stay."""
+        whole, rest = np.divmod(self.ticks, self.stride)
+        if not rest.any() or looks_held(rows) or len(rows) < 4:
+            return rows[whole]
+        return CubicSpline(np.arange(len(rows)), rows)(self.ticks / self.stride)
 
     def delay(self, total: float, model: Model) -> float:
         """What of the chain's `total` delay [s] still lies between the replayed torque and the mechanism."""
