@@ -16,6 +16,7 @@ from .plots import band, crosshair, figure, line, set_range, span_of, zooming
 _BINS = 900  # stretches that a curve is thinned to: about one a pixel
 _SIGNALS = (("position", "position"), ("torque_measured", "torque"))
 _LOOKS = ("measured", "before", "after")
+_HEIGHTS, _BELOW = (190, 125), 46  # of a curve and of its residual, and what the time takes below [pixels]
 
 
 class Curves:
@@ -37,10 +38,10 @@ class Curves:
             for residual in (False, True):
                 self._add(name, residual)
         crosshair(self.figures)
-        self.figures[-1].xaxis.axis_label = "time [s]"
+        self._number_time(self.figures[-1])
 
     def _add(self, name: str, residual: bool) -> None:
-        plot = figure(height=125 if residual else 190, x_range=self.time, y_range=Range1d(start=-1, end=1))
+        plot = figure(height=_HEIGHTS[residual], x_range=self.time, y_range=Range1d(start=-1, end=1))
         source = ColumnDataSource({"t": [], **{look: [] for look in _LOOKS}})
         if residual:
             noise = ColumnDataSource({"t": [], "low": [], "high": []})
@@ -53,10 +54,7 @@ class Curves:
         # numbers of the same width keep diagrams above each other aligned
         plot.yaxis.ticker.desired_num_ticks = 4 if residual else 5
         plot.xaxis.major_label_text_font_size = "12px"
-        last = residual and name == _SIGNALS[-1][0]
-        plot.xaxis.visible = last
-        if last:
-            plot.height += 46
+        plot.xaxis.axis_label = "time [s]"
         self.figures.append(plot)
         self._sources.append(source)
 
@@ -76,7 +74,7 @@ class Curves:
             before, after: runs of the model as given, and with the changes; None where there is none.
             noise: where the noise is known.
         """
-        unit = recording.units[axis]
+        unit, lowest = recording.units[axis], self.figures[1]
         for k, (name, label) in enumerate(_SIGNALS):
             top, bottom = self.figures[2 * k], self.figures[2 * k + 1]
             measured = recording.get(name)
@@ -100,6 +98,14 @@ class Curves:
             levels = () if noise is None else (noise.position_noise, noise.torque_noise)
             floor = float(levels[k][axis]) if levels else float("nan")
             self._fill(2 * k + 1, recording, left, f"residual [{small}]", factor, floor)
+            lowest = bottom
+        self._number_time(lowest)
+
+    def _number_time(self, lowest: Any) -> None:
+        """Write the time below the lowest diagram only."""
+        for k, plot in enumerate(self.figures):
+            plot.xaxis.visible = plot is lowest
+            plot.height = _HEIGHTS[k % 2] + (_BELOW if plot is lowest else 0)
 
     def _fill(
         self,

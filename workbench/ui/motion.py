@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -13,10 +14,22 @@ from workbench.models import Model
 
 from .skeleton import Skeleton, facing
 
+#: Runs that were drawn last: a measured motion stays while the model's moves.
+_LAST: deque[tuple[Recording, Path, tuple[np.ndarray, np.ndarray]]] = deque(maxlen=6)
+
 
 @lru_cache(maxsize=4)
 def _skeleton(serial: Path) -> Skeleton:
     return Skeleton.of(serial)
+
+
+def _along(model: Model, run: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """The segments along a run; of the last few, remembered."""
+    for known, serial, found in _LAST:
+        if known is run and serial == model.serial:
+            return found
+    _LAST.append((run, model.serial, _skeleton(model.serial).along(model, run)))
+    return _LAST[-1][2]
 
 
 def moving_picture(
@@ -29,12 +42,12 @@ def moving_picture(
         ``scene``: number of segments, tip, azimuth [rad], then radii, then zeros.
     """
     skeleton = _skeleton(model.serial)
-    times, measured = skeleton.along(model, recording)
+    times, measured = _along(model, recording)
     columns: dict[str, np.ndarray] = {"t": times}
     for name, run in {"measured": recording, **runs}.items():
         if run is None:
             continue
-        segments = measured if name == "measured" else skeleton.along(model, run)[1]
+        segments = _along(model, run)[1]
         flat = segments.reshape(len(times), -1, 6).astype(np.float32)
         for s in range(flat.shape[1]):
             for c in range(6):

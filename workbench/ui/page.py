@@ -161,8 +161,10 @@ class Page:
 
     def _draw(self) -> None:
         self._draw_curves()
-        self._draw_map()
-        self._draw_motion()
+        now = self.live.now
+        if now is not None and now.entries is not None:  # not while a slider moves
+            self._draw_map()
+            self._draw_motion()
 
     def _runs(self) -> tuple[Runs | None, Runs | None]:
         """The model's as given, and with changes; None where there is none."""

@@ -55,7 +55,8 @@ class Shelf:
             for path in found[kind]:
                 if path not in into.values():
                     into[path.relative_to(folder.resolve()).as_posix()] = path
-        for path in sorted(models_folder().glob("*.toml")):
+        # the reference leg first: it is what the virtual rig is
+        for path in sorted(models_folder().glob("*.toml"), key=lambda p: (p.stem != "leg", p.stem)):
             if path.resolve() not in models.values():
                 models.setdefault(path.stem, path.resolve())
         typed = {path: name for files in (models, named) for name, path in files.items()}

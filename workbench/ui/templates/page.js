@@ -207,6 +207,7 @@
       const update = () => {
         scene = read(motion.data);
         byId("key-after").hidden = !scene?.runs.after;
+        document.body.dataset.empty = scene ? "no" : "yes";
         if (!scene) return;
         if (facing !== scene.azimuth) { facing = scene.azimuth; view.azimuth = facing + 0.35; }
         byId("moment").max = scene.t.at(-1);
