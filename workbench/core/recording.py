@@ -10,6 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from .shown import Shown
+
 FloatArray = np.ndarray
 
 #: Signals with one column per axis and the unit kind of each.
@@ -80,7 +82,7 @@ class Timing:
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(Shown):
     """One experiment, SI units, uniform clock, N rows and n axes.
 
     Attributes:

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from .recording import Recording
+from .shown import Shown
 
 FORMAT = 1
 
@@ -75,7 +76,7 @@ class InverseDynamics:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Comparison(Shown):
     """A model held against recordings.
 
     Attributes:
@@ -153,7 +154,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Diagnosis:
+class Diagnosis(Shown):
     """Which physical effect is missing, how sure, what else it could be, what to measure next.
 
     Attributes:

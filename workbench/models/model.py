@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import Controller, EffectKey, Estimate, Mechanism
+from workbench.core.shown import Shown
 
 #: Structural effects that each S3N variant already contains (paper, Sec. III).
 VARIANTS: Mapping[str, tuple[str, ...]] = {
@@ -65,7 +66,7 @@ class AppliedEffect:
 
 
 @dataclass(frozen=True)
-class Model:
+class Model(Shown):
     """A machine as we believe it to be.
 
     Attributes:
@@ -86,6 +87,8 @@ class Model:
             below, an axis creeps. Bearings and gears do so, and no log tells 0 from a very small one.
         source: file it was read from.
     """
+
+    _shown_by = "workbench.models.notebook"
 
     name: str
     serial: Path

@@ -134,7 +134,7 @@ def reach(applied: AppliedEffect, name: str) -> tuple[float, float]:
     parameter = next(p for p in effect_named(applied.key.effect).parameters if p.name == name)
     estimate = applied.parameters[name]
     away = abs(estimate.value - parameter.neutral)
-    away = max(away, 5.0 * estimate.std if np.isfinite(estimate.std) else 0.0)
+    away = away or (5.0 * estimate.std if np.isfinite(estimate.std) else 0.0)
     away = away or 0.1 * max(abs(parameter.neutral), 0.1)
     wide = 2.0 * away
     low = max(parameter.lower, parameter.neutral - (wide if parameter.lower < parameter.neutral else 0.0))

@@ -11,8 +11,7 @@ import numpy as np
 
 from workbench.core import Recording
 from workbench.models import Model
-
-from .skeleton import Skeleton, facing
+from workbench.models.skeleton import Skeleton, facing
 
 #: Runs that were drawn last: a measured motion stays while the model's moves.
 _LAST: deque[tuple[Recording, Path, tuple[np.ndarray, np.ndarray]]] = deque(maxlen=6)

@@ -9,7 +9,9 @@ import mujoco
 import numpy as np
 
 from workbench.core import Recording
-from workbench.models import Model, load_mjcf
+
+from .model import Model
+from .read import load_mjcf
 
 _FEWEST, _MOST = 64, 1800  # pictures; between them a page interpolates
 _RATE_HZ = 60.0

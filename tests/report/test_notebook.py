@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+from matplotlib.figure import Figure
+
+from workbench import load_model
+
+from .browser import NASTY, Page
+
+
+def test_results_say_their_verdict_and_numbers(comparison, diagnosis) -> None:
+    words = Page(comparison._repr_html_()).text
+    assert "The model does not explain the data" in words and "chirp_hip" in words and "mrad" in words
+    words = Page(diagnosis._repr_html_()).text
+    assert "0.254 ± 0.003 N m" in words and "97 %" in words and "Coulomb friction at the knee joint" in words
+    words = Page(comparison.recordings[0].recording._repr_html_()).text
+    assert "12.0 s at 500 Hz" in words and "torque measured" in words
+
+
+def test_strangers_strings_stay_strings(comparison) -> None:
+    recording = replace(comparison.recordings[0].recording, name=NASTY, axes=(NASTY, "knee"))
+    model = replace(load_model("leg"), name=NASTY)
+    for value in (
+        recording,
+        replace(comparison, recordings=(replace(comparison.recordings[0], recording=recording),)),
+        model,
+    ):
+        assert "script" not in {tag for tag, _ in Page(value._repr_html_()).tags}
+        assert "img" not in {tag for tag, _ in Page(value._repr_html_()).tags}
+    assert isinstance(recording.plot(), Figure)
+
+
+def test_each_has_a_picture(comparison, diagnosis) -> None:
+    figure = comparison.plot()
+    assert figure.axes[0].get_ylabel() == "position [rad]"
+    assert comparison.plot(axis="hip", recording=1).axes
+    assert diagnosis.plot().axes[0].get_xscale() == "log"
+    assert len(comparison.recordings[0].recording.plot().axes) == 4
+
+
+def test_a_model_shows_its_drives_effects_and_links() -> None:
+    model = load_model("leg")
+    words = Page(model._repr_html_()).text
+    assert "linkage_inertia" in words and "M11 = 0.00967" in words and "hip" in words
+    lines = model.plot().axes[0].lines
+    assert len(lines) == 2, "thigh and shank"

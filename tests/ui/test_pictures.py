@@ -1,0 +1,34 @@
+"""What the diagrams draw is what is there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.report import build
+from workbench.ui.curves import thinned
+from workbench.ui.residual_map import residual_map
+
+
+def test_thinning_keeps_peaks_and_gaps() -> None:
+    rng = np.random.default_rng(0)
+    values = rng.normal(size=60_000)
+    values[31_234] = 50.0
+    values[10_000:12_000] = np.nan
+    times, thin = thinned(values, 0.001, 500)
+    assert len(thin) < 2000 and np.nanmax(thin) == 50.0
+    assert abs(times[np.nanargmax(thin)] - 31.734) < 0.1
+    inside = (times > 10.6) & (times < 12.4)
+    assert inside.any() and np.isnan(thin[inside]).all() and np.isfinite(thin[times < 10.4]).all()
+
+
+def test_the_map_shows_friction_where_the_knee_moves_and_noise_elsewhere() -> None:
+    entries = build.comparison(0.0).recordings
+    found = residual_map(entries, ("hip", "knee"), "speed", 0)
+    assert found.rows == (("hip", "position"), ("hip", "torque"), ("knee", "position"), ("knee", "torque"))
+    hip, knee = found.ratio[1], found.ratio[3]
+    assert np.nanmax(np.abs(hip - 1.0)) < 0.5
+    expected = np.hypot(1.0, 0.25 / build.NOISE["torque_measured"])
+    assert np.nanmedian(knee) == pytest.approx(expected, rel=0.1)
+    whole = residual_map(entries, ("hip", "knee"), "time", 1)
+    assert whole.edges[0, 0] < 0.1 and whole.edges[0, -1] > 11.9
