@@ -38,8 +38,7 @@ INK, BEFORE, AFTER, FLOOR = (COLOURS[name][0] for name in ("ink", "before", "aft
 _QUIET, _RULE = COLOURS["quiet"][0], COLOURS["rule"][0]
 _STYLE: dict[str, dict[str, Any]] = {name: LINES[name].drawn() for name in ("measured", "before", "after")}
 _STYLE["measured"]["solid_capstyle"] = "butt"
-#: How every figure is set.
-RC: Any = {
+_RC: Any = {
     "font.size": 9,
     "axes.titlesize": 9.5,
     "axes.titlelocation": "left",
@@ -93,7 +92,7 @@ def overlay_figure(
     shown = [
         (n, label, u) for (n, label), u in zip(SIGNALS, units(comparison, axis), strict=True) if has(entry, n)
     ]
-    with mpl.rc_context(RC):
+    with mpl.rc_context(_RC):
         figure, axes = _grid(2 * len(shown), 1, (7.2, 1.0 + 2.5 * len(shown)), heights=[2, 1.2] * len(shown))
         for row, (name, label, unit) in enumerate(shown):
             top, bottom = axes[2 * row, 0], axes[2 * row + 1, 0]
@@ -128,7 +127,7 @@ def overlay_figure(
 def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | None = None) -> Figure:
     """Residual against speed and against position: median of each bin, with its quartiles as a band."""
     quantities: tuple[tuple[Literal["speed", "position"], str], ...] = (("speed", "/s"), ("position", ""))
-    with mpl.rc_context(RC):
+    with mpl.rc_context(_RC):
         shown = _compared(comparison, axis)
         figure, axes = _grid(len(shown), 2, (7.2, 0.7 + 2.2 * len(shown)), sharey="row")
         for row, (name, label, unit) in enumerate(shown):
@@ -152,7 +151,7 @@ def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | No
 
 def spectrum_figure(comparison: Comparison, axis: str, *, after: Comparison | None = None) -> Figure:
     """Spectrum of the residual beside the noise floor's, taken to be white."""
-    with mpl.rc_context(RC):
+    with mpl.rc_context(_RC):
         shown = _compared(comparison, axis)
         figure, axes = _grid(1, len(shown), (7.2, 2.9))
         for a, (name, label, unit) in zip(axes[0], shown, strict=True):
@@ -174,7 +173,7 @@ def ladder_figure(result: Improvement | Diagnosis | Comparison) -> Figure:
     steps = rungs(result)
     floor = result.noise_error
     scale = log_axis([floor, *(r.error for r in steps), *(r.holdout for r in steps)])
-    with mpl.rc_context(RC):
+    with mpl.rc_context(_RC):
         figure, axes = _grid(1, 1, (7.2, 1.4 + 0.42 * len(steps)))
         a = axes[0, 0]
         rows = np.arange(len(steps))
@@ -214,7 +213,7 @@ def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:
     """The figure as PNG or SVG, the same bytes whenever it is drawn."""
     buffer = io.BytesIO()
     metadata = {"Date": None} if kind == "svg" else {"Software": None}
-    with mpl.rc_context(RC):
+    with mpl.rc_context(_RC):
         figure.savefig(buffer, format=kind, dpi=dpi, facecolor="white", metadata=metadata)
     return buffer.getvalue()
 

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 from functools import singledispatch
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -15,7 +14,7 @@ from workbench.core import Comparison, Diagnosis, Recording
 from workbench.core.palette import LINES
 
 from . import wording as w
-from .figures import RC, ladder_figure, overlay_figure
+from .figures import house_style, ladder_figure, overlay_figure
 from .numbers import interval, number, percent, plain, quantity, torque_unit
 from .pack import worst_view
 from .residuals import min_max, worst_window
@@ -107,7 +106,7 @@ def _(value: Diagnosis) -> Figure:
 def _(value: Recording) -> Figure:
     """Position and torque of every axis against time."""
     names = [(n, label) for n, label in _TRACES if value.get(n) is not None]
-    with mpl.rc_context(RC):
+    with house_style():
         figure = Figure(figsize=(7.2, 1.7 * len(names) * len(value.axes) + 0.4), layout="constrained")
         axes = figure.subplots(len(names) * len(value.axes), 1, sharex=True, squeeze=False)[:, 0]
         places = iter(axes)
