@@ -1,14 +1,16 @@
 """CAN: what drives understand, exactly; the bus, its load, and a model of it."""
 
-from .config import CanConfig, Drive, MotorTable, load_config, make_drive, range_problems
+from .config import load_config
 from .damiao import Damiao
 from .dbc import dbc
 from .frame import Frame, FrameError, frame_bits, worst_bits
 from .load import MOST, BusLoad, bus_load
 from .messages import Fault, Feedback, Parameter, Ranges, Read, Setpoint
 from .mit import Mit
+from .problems import range_problems
 from .robstride import Robstride
 from .span import Span
+from .tables import CanConfig, Drive, MotorTable, make_drive
 from .wire import Node, Wire
 
 __all__ = [

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .config import CanConfig, make_drive
 from .frame import worst_bits
 from .imu import IMUS
+from .tables import CanConfig, make_drive
 
 MOST = 0.7  # of a bus; the rest is for errors, parameters and frames that come late
 

@@ -13,9 +13,9 @@ from pathlib import Path
 
 from workbench.core import InputError
 
-from .config import CanConfig
 from .frame import Frame
 from .packets import SIZE, pack, unpack
+from .tables import CanConfig
 from .wire import Node, Wire
 
 _LONGEST = 0.05  # s without looking whether to stop

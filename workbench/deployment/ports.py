@@ -8,8 +8,8 @@ import time
 import can
 
 from workbench.can import CanConfig, Frame
-from workbench.can.config import BusTable
 from workbench.can.plugin import WorkbenchBus
+from workbench.can.tables import BusTable
 from workbench.core import InputError
 
 from .network import Arrival

@@ -1,0 +1,135 @@
+"""What a configuration cannot mean though each of its values is fine: names, identifiers, ranges, loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .damiao import REGISTERS_ID
+from .frame import FrameError
+from .imu import IMUS
+from .tables import CanConfig, MotorTable, make_drive
+
+
+def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
+    """Key, problem and remedy of everything that is wrong."""
+    names = [bus.name for bus in c.bus]
+    for name in sorted({n for n in names if names.count(n) > 1}):
+        yield "bus.name", f"bus '{name}' stands twice", "give each bus its own name"
+    for axis in sorted({a for a in c.axes if c.axes.count(a) > 1}):
+        yield "motor.axis", f"axis '{axis}' stands twice", "give each motor its own axis"
+    for motor in c.motor:
+        yield from _motor_problems(motor, c)
+    for bus in names:
+        yield from _id_problems(c.on(bus))
+    yield from _imu_problems(c)
+    n = len(c.motor)
+    for key, values in (("loop.kp", c.loop.kp), ("loop.kd", c.loop.kd)):
+        if len(values) not in (1, n):
+            yield key, f"has {len(values)} values for {n} axes", "give one, or one an axis"
+    real = [bus.name for bus in c.bus if bus.interface != "workbench"]
+    if c.bench.time_scale != 1.0 and real:
+        remedy = 'remove it, or give every bus interface = "workbench"'
+        yield "bench.time_scale", f"the drives on '{real[0]}' keep real time", remedy
+    taken: list[str] = []
+    for mechanism in c.mechanism:
+        for axis in mechanism.axes:
+            if axis not in c.axes or axis in taken:
+                what = "is in two mechanisms" if axis in taken else "has no motor"
+                yield "mechanism.axes", f"axis '{axis}' {what}", f"axes: {', '.join(c.axes)}"
+            taken.append(axis)
+        for key, values in (("joints", mechanism.joints), ("limits", mechanism.limits)):
+            if values and len(values) != len(mechanism.axes):
+                problem = f"has {len(values)} entries for {len(mechanism.axes)} axes"
+                yield f"mechanism.{key}", problem, "give one an axis"
+
+
+def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str, str]]:
+    key, names, r, limits = f"motor '{motor.axis}'", [b.name for b in c.bus], motor.ranges, motor.limits
+    if motor.bus not in names:
+        yield f"{key}.bus", f"no bus is called '{motor.bus}'", f"buses: {', '.join(names)}"
+    if motor.reads_ranges and motor.protocol != "damiao":
+        remedy = "give position, velocity, torque, and who says so"
+        yield f"{key}.ranges.source", f"{motor.protocol} drives do not tell their ranges", remedy
+    for name in ("position", "velocity", "torque"):
+        if getattr(r, name) is None and not motor.reads_ranges:
+            yield f"{key}.ranges.{name}", "is missing", 'give it and its source, or source = "drive"'
+    if motor.protocol == "mit" and not motor.watchdog_source:
+        remedy = "set it with the vendor's tool and say where from: watchdog_source"
+        yield f"{key}.watchdog_source", "an mit drive's watchdog cannot be read back", remedy
+    if motor.watchdog_s < 3 * c.loop.period_s:
+        problem = f"{1e3 * motor.watchdog_s:g} ms is less than three periods of {1e3 * c.loop.period_s:g} ms"
+        yield f"{key}.watchdog_s", problem, "a lost frame would stop the drive: 10 to 25 ms"
+    low, high = limits.position
+    if low >= high:
+        yield f"{key}.limits.position", f"{low:g} is not below {high:g}", "give lowest, highest"
+    try:
+        make_drive(motor)
+    except FrameError as error:
+        yield key, str(error), "correct the identifiers"
+    yield from range_problems(motor, (r.position, r.velocity, r.torque), c)
+
+
+def range_problems(
+    motor: MotorTable, ranges: tuple[float | None, float | None, float | None], c: CanConfig
+) -> Iterator[tuple[str, str, str]]:
+    """Limits and gains of a motor that its ranges (None: not known yet) cannot carry."""
+    key, limits = f"motor '{motor.axis}'", motor.limits
+    position, velocity, torque = ranges
+    far = max(abs(x - motor.offset) for x in limits.position)
+    for name, wanted, room in (
+        ("position", far, position), ("velocity", limits.velocity, velocity),
+        ("torque", limits.torque, torque),
+    ):  # fmt: skip
+        if room is not None and wanted > room:
+            problem = f"{wanted:g} is beyond the range of {room:g} of its frames"
+            yield f"{key}.limits.{name}", problem, "lower the limit, or correct the ranges"
+    kp, kd = (values[c.axes.index(motor.axis)] if len(values) > c.axes.index(motor.axis) else 0.0
+              for values in c.gains())  # fmt: skip
+    own = (("kp", kp, motor.ranges.kp), ("kd", kd, motor.ranges.kd)) if c.loop.pd == "drive" else ()
+    for name, wanted, room in (*own, ("damping", c.loop.damping, motor.ranges.kd)):
+        if wanted > room:
+            yield f"loop.{name}", f"{wanted:g} is beyond the {room:g} of '{motor.axis}'", "lower it"
+
+
+def _id_problems(motors: list[MotorTable]) -> Iterator[tuple[str, str, str]]:
+    """Identifiers on one bus that two drives, or a drive and the host, would both use."""
+    standard = [m for m in motors if m.protocol != "robstride"]
+    commands: dict[int, str] = {REGISTERS_ID: "the registers"} if standard else {}
+    for motor in standard:
+        if motor.id in commands:
+            problem = f"id {motor.id:#x} is used by {commands[motor.id]} too"
+            yield f"motor '{motor.axis}'.id", problem, "give each drive of a bus its own"
+        commands[motor.id] = f"'{motor.axis}'"
+    for motor in standard:
+        if motor.reply_id in commands:
+            problem = f"{motor.reply_id:#x} is also where {commands[motor.reply_id]} is commanded"
+            yield f"motor '{motor.axis}'.reply_id", problem, "no drive's answer may look like a command"
+        mixed = {m.protocol for m in standard if m.reply_id == motor.reply_id}
+        if len(mixed) > 1:
+            problem = f"drives of {' and '.join(sorted(mixed))} answer on {motor.reply_id:#x}"
+            yield f"motor '{motor.axis}'.reply_id", problem, "give each protocol its own"
+    others = [m.id for m in motors if m.protocol == "robstride"]
+    for id in sorted({i for i in others if others.count(i) > 1}):
+        yield "motor.id", f"id {id:#x} is used twice", "give each drive of a bus its own"
+
+
+def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
+    if c.imu is None:
+        return
+    names = [bus.name for bus in c.bus]
+    if c.imu.bus not in names:
+        yield "imu.bus", f"no bus is called '{c.imu.bus}'", f"buses: {', '.join(names)}"
+    if c.imu.protocol not in IMUS:
+        yield "imu.protocol", f"no unit is called '{c.imu.protocol}'", f"known: {', '.join(IMUS)}"
+        return
+    try:
+        ids = IMUS[c.imu.protocol](c.imu.id).ids
+    except FrameError as error:
+        yield "imu.id", str(error), "correct the identifier"
+        return
+    taken = {REGISTERS_ID: "the registers"}
+    for motor in c.on(c.imu.bus):
+        taken |= {motor.id: f"'{motor.axis}'", motor.reply_id: f"'{motor.axis}'"}
+    for id in ids:
+        if id in taken:
+            yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose two that are free"
