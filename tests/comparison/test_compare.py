@@ -11,6 +11,7 @@ import pytest
 from tests.data_helpers import data_folder
 from tests.simulation.make import LEG_LOOP, having, leg_experiment
 from workbench.comparison import Simulated, compare, evaluate, simulate_with_noise
+from workbench.comparison.compare import consistent
 from workbench.core import Controller, EffectKey, InputError, Recording
 from workbench.effects import load_model
 from workbench.models import Model
@@ -288,3 +289,10 @@ def test_rows_that_miss_ticks_of_the_loop_are_no_error(every: int) -> None:
     thinned = [degrade(log, every=every) for log in measured(LEG, asked, range(2))]
     result, whole = compare(LEG, thinned), compare(LEG, measured(LEG, asked, range(2)))
     assert result.consistent and result.error == pytest.approx(whole.error, rel=0.1)
+
+
+def test_a_loop_that_noise_blows_up_explains_nothing() -> None:
+    """A floor far above the signal itself would excuse any error."""
+    draws = np.full((5, 2, 1), 1e4)
+    assert not consistent(np.full((2, 1), 1e3), draws, 30.0, np.array([90.0, 100.0, 110.0, 95.0, 105.0]))
+    assert consistent(np.full((2, 1), 1e-3), draws * 1e-7, 0.03, np.array([0.03, 0.031, 0.029, 0.03, 0.03]))

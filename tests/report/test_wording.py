@@ -91,3 +91,8 @@ def test_places_of_one_effect_share_a_phrase() -> None:
         "command delay on all axes",
         "torque saturation at the knee joint",
     ]
+
+
+def test_a_loop_that_noise_blows_up_is_no_verdict_on_the_data(comparison) -> None:
+    lost = replace(comparison, error=304.0, noise_error=345.0, consistent=False)
+    assert "cannot run these loops" in sentence(lost) and "order of the axes" in sentence(lost)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.core import Comparison, InputError, Recording, RecordingError
+from workbench.core import HOPELESS, Comparison, InputError, Recording, RecordingError
 from workbench.effects import axis_units
 from workbench.models import Model
 from workbench.simulation import check_axes, scored_torque
@@ -140,6 +140,8 @@ def consistent(
             the noisiest signal, would hide.
     """
     spread = 3.0 * floors.std(ddof=1)
+    if floors.mean() > HOPELESS:  # a loop that noise blows up would excuse any error
+        return False
     if not np.isfinite(error) or error > _MARGIN_TOTAL * floors.mean() + spread:
         return False
     floor = np.where(draws_ms.mean(axis=0) > 0, draws_ms.mean(axis=0), np.nan)

@@ -5,6 +5,7 @@ from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Timing
 from .results import (
     FORMAT,
+    HOPELESS,
     Comparison,
     Diagnosis,
     EffectKey,
@@ -22,6 +23,7 @@ from .verification import Check, Verification
 __all__ = [
     "AXIS_SIGNALS",
     "FORMAT",
+    "HOPELESS",
     "Check",
     "Comparison",
     "Controller",

@@ -62,6 +62,10 @@ class Share:
     share: float
 
 
+#: Noise error above which a model's loop is taken to be unstable: a perfect model's is at most about 1.
+HOPELESS = 1.5
+
+
 @dataclass(frozen=True)
 class InverseDynamics:
     """Torque the model needs for the measured motion, against the torque measured.

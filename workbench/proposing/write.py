@@ -109,11 +109,11 @@ def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], li
         return table, [Assumption("controller", "pd", 1.0, "you said so")], at_rest
     law = find_law(recording, answers.transmission)
     if law is None:
-        because = (
-            "no logged command follows its reference"
-            if recording.get("position_reference") is not None
-            else ("no reference is logged")
-        )
+        because = "no logged command follows its reference"
+        if "velocity" in recording.derived:
+            because = "the loop's speed is not logged; give --kp and --kd"
+        if recording.get("position_reference") is None:
+            because = "no reference is logged"
         return {}, [Assumption("controller", "unknown", 0.98, because)], at_rest
     table = {
         "kind": "pd",

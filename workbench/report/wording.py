@@ -5,7 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from workbench.core import Comparison, Diagnosis, EffectKey, Estimate, Finding, Improvement, Share, Step
+from workbench.core import (
+    HOPELESS,
+    Comparison,
+    Diagnosis,
+    EffectKey,
+    Estimate,
+    Finding,
+    Improvement,
+    Share,
+    Step,
+)
 
 from .numbers import interval, number, percent, plain, short
 
@@ -106,6 +116,11 @@ def comparison_sentence(result: Comparison) -> str:
         return "The model explains the data to the noise."
     times = times_noise(result.error, result.noise_error)
     tail = f", {times} the noise floor of {number(result.noise_error)}" if times else ""
+    if result.noise_error > HOPELESS:
+        return (
+            "The model cannot run these loops: noise alone throws it further off than all that was measured. "
+            "Check the order of the axes, units, signs and gains."
+        )
     if result.error <= 1.06 * result.noise_error:
         worst = _worst_signal(result)
         return f"The model does not explain the data: {worst}, though the error as a whole is at the floor."
