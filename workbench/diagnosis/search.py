@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.compare import consistent
-from workbench.core import EffectKey, Recording
+from workbench.core import HOPELESS, EffectKey, Recording, SimulationError
 from workbench.effects import contains, effect_named
 from workbench.models import Model
 
@@ -81,6 +81,11 @@ def search(
     data, simulated = gather(model, training, held_out, seed)
     data = data.heard(data.mean_squares(simulated.clean))
     start = starting_fit(model, data, simulated.clean)
+    if data.score(data.floor) > HOPELESS:
+        raise SimulationError(
+            f"model '{model.name}' cannot run these loops: noise alone throws it further off than all that "
+            "was measured; check the order of the axes, units, signs and gains"
+        )
     first = data
     before = is_consistent(data, start.mean_squares)
     current, stages, screened, done = start, [], (), before
