@@ -61,7 +61,14 @@ config = load_config(sys.argv[1])
 host = Host(config, PortNetwork(config), Swing(2), joints_of(config))
 host.verify()
 host.operator.arm = True
-host.run(60.0, lambda h, k: print("run", flush=True) if h.state.phase == "run" and k % 10 == 0 else None)
+
+def each(h, k):
+    if h.state.phase == "damp":  # the machine held something up: asked for anew
+        h.operator.arm = not h.operator.arm
+    if h.state.phase == "run" and k % 10 == 0:
+        print("run", flush=True)
+
+host.run(60.0, each)
 """
 
 
