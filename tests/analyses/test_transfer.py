@@ -4,6 +4,7 @@ from pathlib import Path
 
 import chirp_response
 import circular_locomotion
+import closed_loop
 import numpy as np
 import pitch_in_place
 import pytest
@@ -39,6 +40,13 @@ def test_circular_locomotion(tmp_path: Path) -> None:
     results = circular_locomotion.main(["--quick", "--out", str(tmp_path)])["clean"]
     for gap in results.values():
         assert 0.2 < gap.phase[0] < 15.0 and gap.local.shape == (1, 18)
+
+
+def test_the_whole_way_round(tmp_path: Path) -> None:
+    kin_only, full, found = closed_loop.main(["--quick", "--out", str(tmp_path)])
+    assert found.found == ("linkage_gravity",) and not found.faults
+    assert kin_only.gap[0] > full.gap[0] > found.gap[0]
+    assert found.gap[0] < 1.5 * found.noise[0]
 
 
 def test_the_circle_s_metrics_are_those_of_the_equations() -> None:
