@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from transfer_looks import LOOKS
 from transfer_plants import SETS
 from transfer_policies import METHODS, Job, Rollout, Simulators, build_all, rollout
@@ -46,12 +47,14 @@ class Gap:
         forward, yaw: RMSE over the lap (T,) [m/s, rad/s].
         whole: E_RMSE (T,) [%].
         local: gap by phase (T, 72) [%]; its mean is E_phi.
+        again: E_phi of the hardware against its own first trial (T - 1,) [%]: what noise and ground leave.
     """
 
     forward: np.ndarray
     yaw: np.ndarray
     whole: np.ndarray
     local: np.ndarray
+    again: np.ndarray
 
     @property
     def phase(self) -> np.ndarray:
@@ -115,22 +118,31 @@ def evaluate_set(
 
 
 def gap(hardware: Sequence[Rollout], simulation: Rollout) -> Gap:
-    """The paper's metrics of each trial."""
+    """The paper's metrics of each trial, and of each trial but the first against the first."""
     forward, yaw, local = [], [], []
-    bins = np.minimum((STEP_S * np.arange(len(simulation.yaw)) / _LAP_S * _BINS).astype(int), _BINS - 1)
     for run in hardware:
-        if run.fell_s is not None or simulation.fell_s is not None:
-            forward.append(np.nan)
-            yaw.append(np.nan)
-            local.append(np.full(bins[-1] + 1, np.nan))
-            continue
-        ahead, turn = np.abs(simulation.forward - run.forward), np.abs(simulation.yaw - run.yaw)
+        ahead, turn = apart(run, simulation)
         forward.append(float(np.sqrt(np.mean(ahead**2))))
         yaw.append(float(np.sqrt(np.mean(turn**2))))
-        both = 50.0 * (ahead / abs(CIRCLE[0]) + turn / abs(CIRCLE[2]))
-        local.append(np.bincount(bins, both) / np.bincount(bins))
+        local.append(by_phase(ahead, turn))
     whole = 50.0 * (np.array(forward) / abs(CIRCLE[0]) + np.array(yaw) / abs(CIRCLE[2]))
-    return Gap(np.array(forward), np.array(yaw), whole, np.array(local))
+    again = [float(by_phase(*apart(run, hardware[0])).mean()) for run in hardware[1:]]
+    return Gap(np.array(forward), np.array(yaw), whole, np.array(local), np.array(again))
+
+
+def apart(one: Rollout, other: Rollout) -> tuple[np.ndarray, np.ndarray]:
+    """How far forward velocity and yaw rate are apart, row by row (N,) each; NaN where one of them fell."""
+    if one.fell_s is not None or other.fell_s is not None:
+        nothing = np.full(max(len(one.yaw), len(other.yaw)), np.nan)
+        return nothing, nothing
+    return np.abs(one.forward - other.forward), np.abs(one.yaw - other.yaw)
+
+
+def by_phase(ahead: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """The gap by phase of the lap (72,) [%], fewer of a part of one (Eq. 31)."""
+    bins = np.minimum((STEP_S * np.arange(len(turn)) / _LAP_S * _BINS).astype(int), _BINS - 1)
+    both = 50.0 * (ahead / abs(CIRCLE[0]) + turn / abs(CIRCLE[2]))
+    return np.bincount(bins, both) / np.bincount(bins)
 
 
 def table(folder: Path, which: str, results: dict[str, Gap], built: Simulators) -> str:
@@ -139,9 +151,11 @@ def table(folder: Path, which: str, results: dict[str, Gap], built: Simulators) 
     for name, g in results.items():
         paper = PAPER.get(name, ("",) * 4)
         mine = spread(g.forward, 3), spread(g.yaw, 3), spread(g.whole, 2), spread(g.phase, 2)
-        rows.append((name, *(cell for pair in zip(mine, paper, strict=True) for cell in pair)))
+        cells = [cell for pair in zip(mine, paper, strict=True) for cell in pair]
+        rows.append((name, *cells, spread(g.again, 2)))
     columns = (
         "method", "e_vx [m/s]", "paper", "e_wz [rad/s]", "paper", "E_RMSE [%]", "paper", "E_phi [%]", "paper",
+        "hardware again [%]",
     )  # fmt: skip
     trials = len(next(iter(results.values())).forward)
     title = f"Circular locomotion, {which}: {trials} trials, mean ± sample standard deviation"
@@ -173,6 +187,7 @@ def polar(which: str, results: dict[str, Gap]) -> Figure:
             a.set_xticks(np.radians([0, 90, 180, 270]))
             a.tick_params(labelsize=7, pad=-1)
             a.set_rlabel_position(135)
+            a.yaxis.set_major_locator(MaxNLocator(3))
             a.set_title(f"{name}\n$E_\\phi$ = {spread(g.phase, 1)} %", loc="center")
         figure.suptitle(
             f"Gap between simulation and hardware over the lap, % of the command; {which}", fontsize=9.5

@@ -15,7 +15,11 @@ EFFECTS = (
     HiddenEffect("backlash", "knee", parameters={"gap": 0.002, "stiffness": 400.0}),
     HiddenEffect("torque_constant_error", "hip", parameters={"gain": 0.94}),
 )
-SETS = {"clean": (), "hidden effects": EFFECTS}
+SETS = {
+    "clean": (),
+    "hidden effects": EFFECTS,
+    "no play": tuple(e for e in EFFECTS if e.effect != "backlash"),
+}
 
 
 @dataclass(frozen=True)

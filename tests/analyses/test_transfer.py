@@ -54,11 +54,11 @@ def test_the_circle_s_metrics_are_those_of_the_equations() -> None:
     still = np.zeros_like(t)
     simulation = Rollout(still + 0.8, still + 0.8, still, still, None)
     hardware = Rollout(still + 0.72, 0.8 + 0.16 * np.sign(np.sin(40.0 * t)), still, still, None)
-    gap = circular_locomotion.gap([hardware], simulation)
-    assert gap.local.shape == (1, 72)
+    gap = circular_locomotion.gap([hardware, hardware], simulation)
+    assert gap.local.shape == (2, 72) and gap.again.tolist() == [0.0]
     assert gap.phase[0] == pytest.approx(15.0, rel=5e-3)  # half of 10 % and 20 %
     assert gap.whole[0] == pytest.approx(15.0, rel=5e-3) and gap.forward[0] == pytest.approx(0.08)
-    fallen = Rollout(still[:9], still[:9], still[:9], still[:9], 0.5)
+    fallen = Rollout(still, still, still, still, 0.5)
     assert np.isnan(circular_locomotion.gap([fallen, hardware], simulation).phase[0])
 
 
