@@ -153,7 +153,8 @@ def deploy_round(
         faults += [fault] if fault else []
     own = {e.key for e in first.effects}
     added = tuple(str(e.key) for e in model.effects if e.key not in own)
-    return Round(name, added, *np.array(gaps).T, tuple(faults))
+    gap, noise, position, torque = np.array(gaps).T
+    return Round(name, added, gap, noise, position, torque, tuple(faults))
 
 
 def figure(rounds: Sequence[Round]) -> Figure:

@@ -6,6 +6,7 @@ import hashlib
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -62,9 +63,11 @@ class Told:
         self.time: list[float] = []
         self.reference: list[np.ndarray] = []
 
-    def target(self, now: float, phase: str, *seen: object) -> Target | None:
+    def target(
+        self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: Any
+    ) -> Target | None:
         """What the controller says."""
-        asked = self._controller.target(now, phase, *seen)  # type: ignore[arg-type]
+        asked = self._controller.target(now, phase, position, velocity, base)
         if phase == "run" and asked is not None:
             self.time.append(now)
             self.reference.append(np.array(asked.reference))
