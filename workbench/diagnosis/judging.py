@@ -25,6 +25,9 @@ _LATER_TOLERANCE = 0.02
 # while in a model that lacks something else many effects of one kind take a little of it each.
 LATER_SHARE = 0.25
 TIE = 0.03  # relative difference of judged error below which two explanations are one
+_UNSEEN = 0.02  # relative change of the held-out error
+_OVERSHADOWED = 1.5  # squared error over the noise's in training, over the same on held-out recordings
+_SHOWN = 0.02  # share of its excess by which a recording's squared error changes if it shows an effect at all
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
 _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
@@ -55,6 +58,25 @@ def rejudged(old: Fit, data: Data) -> Fit:
         )
         judged = trained
     return replace(old, trained=trained, judged=judged, agreeing=folds)
+
+
+def overshadowed(current: Fit, data: Data) -> bool:
+    """Whether training shows so much more of what is lacking that held-out motion cannot judge it."""
+    if not data.held_out_judges:
+        return False
+    trained, held_out = (
+        data.objective(data.pool(current.mean_squares, part)) / data.objective(data.pool(data.floor, part))
+        for part in (False, True)
+    )
+    return trained > _OVERSHADOWED * held_out
+
+
+def unseen_on_held_out(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether an effect explains much of the training and nothing of held-out motion."""
+    before, after = (data.score(f.mean_squares, True) for f in (current, found))
+    floor = data.objective(data.pool(data.floor))
+    removed = current.trained - found.trained
+    return abs(after - before) < _UNSEEN * before and removed > LATER_SHARE * (current.trained - floor)
 
 
 def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
@@ -98,7 +120,10 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
 
 def helps(found: Fit, current: Fit, excess: float) -> bool:
     """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
-    agree = np.mean(found.agreeing < current.agreeing)
+    # a recording that does not show the effect says neither yes nor no
+    shown = np.abs(current.agreeing - found.agreeing) > _SHOWN * np.mean(current.agreeing)
+    better = found.agreeing < current.agreeing
+    agree = np.mean(better[shown]) if shown.any() else np.mean(better)
     return bool(current.judged - found.judged > HELPS * excess and agree > 0.5)
 
 

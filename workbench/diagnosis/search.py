@@ -30,7 +30,9 @@ from .judging import (
     helps_later,
     lowers_error,
     margin,
+    overshadowed,
     rejudged,
+    unseen_on_held_out,
 )
 from .refining import polished, prune, settle, with_candidate
 from .screen import Candidate, screen
@@ -98,10 +100,18 @@ def search(
         candidates, _ = screen(scene, data, current.simulated, current.hypothesis.free)
         screened = screened or tuple(candidates)
         stage = _next(scene, candidates, current, data, progress, later=bool(stages))
+        if stage is None and overshadowed(current, data):
+            # held-out motion may never reach what is lacking, a limit for one
+            progress("judging by the recordings that show most")
+            deaf = data.unheard()
+            candidates, _ = screen(scene, deaf, current.simulated, current.hypothesis.free)
+            stage = _next(scene, candidates, rejudged(current, deaf), deaf, progress, later=bool(stages))
+            if stage is not None and not unseen_on_held_out(stage.fit, current, data):
+                stage = None
         if stage is None:
             break
         costless = any(a.key == stage.added for a in stage.fit.hypothesis.stated)
-        if stages and not costless and not helps_later(stage.fit, current, start, data):
+        if stages and not costless and not helps_later(stage.fit, current, start, stage.data):
             break
         wanders = any(effect_named(a.key.effect).wanders for a in stage.fit.hypothesis.free)
         progress(f"found {stage.added}; simulating the noise")
