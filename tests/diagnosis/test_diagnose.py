@@ -157,3 +157,17 @@ def test_a_held_out_recording_that_shows_nothing_does_not_judge() -> None:
     assert found.findings[0].key == EffectKey("torque_saturation", "hip")
     assert found.findings[0].parameters["limit"].value == pytest.approx(2.0, rel=0.01)
     assert "folds" in found.findings[0].evidence[1]
+
+
+def test_a_limit_that_held_out_motion_never_reaches_is_found_beside_what_it_shows() -> None:
+    hidden = (
+        HiddenEffect("torque_saturation", "knee", parameters={"limit": 4.2}),
+        HiddenEffect("encoder_offset", "hip", parameters={"angle": 0.06}),
+    )
+    training, held_out = recordings(*hidden)
+    found = diagnose(load_model("leg"), training, held_out)
+    keys = {f.key: {f.key, *f.indistinguishable_from} for f in found.findings}
+    assert EffectKey("encoder_offset", "hip") in keys
+    limits = [k for k in keys if k.effect in ("torque_saturation", "speed_torque_limit")]
+    assert limits and EffectKey("torque_saturation", "knee") in keys[limits[0]]
+    assert len(keys) == 2
