@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 import tomli_w
 
+from workbench.effects import load_model
 from workbench.recordings import save_recording
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, validation
 
@@ -121,3 +122,17 @@ def test_help_of_every_command_has_an_example() -> None:
     for command in commands:
         assert command in listing
         assert "Example: workbench" in run(command, "--help").stdout
+
+
+def test_add_takes_over_what_a_diagnosis_settled_of_the_model(tmp_path: Path) -> None:
+    finding = {"effect": "coulomb_friction", "axis": "knee", "location": "actuator"}
+    finding["parameters"] = {"torque": {"value": 0.25, "std": 0.001, "unit": "N*m"}}
+    diagnosis = {"findings": [finding], "settled": {"sliding_speed": 0.02, "full_braking": 1.0}}
+    (tmp_path / "d.json").write_text(json.dumps(diagnosis))
+    new = tmp_path / "new.toml"
+    assert run("add", "leg", "--from", tmp_path / "d.json", "-o", new).returncode == 0
+    model = load_model(new)
+    assert model.sliding_speed == 0.02 and not model.actuators.full_braking, "no speed limit was added"
+    (tmp_path / "d.json").write_text(json.dumps({**diagnosis, "settled": {"sliding_speed": "fast"}}))
+    refused = run("add", "leg", "--from", tmp_path / "d.json", "-o", new, "--force")
+    assert refused.returncode == 2 and "settled" in refused.stderr

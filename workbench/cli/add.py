@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as json_format
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -60,13 +61,37 @@ def add(
         if not base.parameters and not values and wanted.effect in ("linkage_inertia", "linkage_gravity"):
             base = structural_effect(wanted.effect, loaded.linkage)
         found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
-    new = loaded
+    new = settled(loaded, diagnosis, found) if diagnosis else loaded
     for applied in found:
         new = new.with_effect(check_effect(new, applied))
     new = replace(new, name=Path(output).stem)
     write_model(new, output, force=force)
     if not quiet:
         typer.echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
+
+
+def settled(model: Any, path: str, found: Sequence[Any]) -> Any:
+    """The model with those of its own properties that a diagnosis settled for the findings that are added.
+
+    Raises:
+        InputError: the JSON says something else there than a diagnosis does.
+    """
+    from workbench.effects import effect_named
+
+    try:
+        own = json_format.loads(Path(path).read_text()).get("settled", {})
+        speed, braking = own.get("sliding_speed"), own.get("full_braking")
+        if speed is not None and any(effect_named(f.key.effect).dry for f in found):
+            if not 0.0 < float(speed) < float("inf"):
+                raise ValueError
+            model = replace(model, sliding_speed=float(speed))
+        if braking is not None and any(f.key.effect == "speed_torque_limit" for f in found):
+            model = replace(model, actuators=replace(model.actuators, full_braking=bool(braking)))
+    except (ValueError, TypeError, AttributeError) as error:
+        raise InputError(
+            "'settled' is not what a diagnosis says", file=path, remedy="make it with 'diagnose --json'"
+        ) from error
+    return model
 
 
 def parse_place(text: str) -> EffectKey:

@@ -172,6 +172,8 @@ class Diagnosis(Shown):
         not_excited: effects that this data could not have shown.
         ranking: every candidate tried: (key, share of the excess that it removes), best first.
         before, after: the comparisons behind the verdict.
+        settled: properties of the model that the findings were fitted with and that the model as given has
+            not: ``sliding_speed`` [rad/s], ``full_braking`` (0 or 1).
         evidence: what the unexplained rest goes with, one line each.
     """
 
@@ -188,6 +190,7 @@ class Diagnosis(Shown):
     before: Comparison | None = None
     after: Comparison | None = None
     evidence: tuple[str, ...] = ()
+    settled: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -139,7 +139,18 @@ def _diagnosis(found: Search) -> Diagnosis:
         evidence=_of_rest(verdict, found, after),
         before=before,
         after=after,
+        settled=_settled(found) if named else {},
     )
+
+
+def _settled(found: Search) -> dict[str, float]:
+    """What was found of the model's own properties on the way to the findings."""
+    given, end = found.model, found.final.hypothesis.model
+    pairs = {
+        "sliding_speed": (given.sliding_speed, end.sliding_speed),
+        "full_braking": (given.actuators.full_braking, end.actuators.full_braking),
+    }
+    return {name: float(new) for name, (old, new) in pairs.items() if new != old}
 
 
 def _of_rest(verdict: Verdict, found: Search, after: Comparison) -> tuple[str, ...]:

@@ -68,6 +68,7 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
                 "where": _where(result.where),
                 "evidence": list(result.evidence),
             },
+            "settled": dict(result.settled),
             "next_experiment": result.next_experiment,
             "not_excited": _keys(result.not_excited),
             "model": result.model,
