@@ -166,8 +166,6 @@ def test_a_limit_that_held_out_motion_never_reaches_is_found_beside_what_it_show
     )
     training, held_out = recordings(*hidden)
     found = diagnose(load_model("leg"), training, held_out)
-    keys = {f.key: {f.key, *f.indistinguishable_from} for f in found.findings}
-    assert EffectKey("encoder_offset", "hip") in keys
-    limits = [k for k in keys if k.effect in ("torque_saturation", "speed_torque_limit")]
-    assert limits and EffectKey("torque_saturation", "knee") in keys[limits[0]]
-    assert len(keys) == 2
+    keys = {f.key for f in found.findings}
+    # a limit that falls with speed fits better as long as the offset is missing
+    assert keys == {EffectKey("torque_saturation", "knee"), EffectKey("encoder_offset", "hip")}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -37,6 +37,7 @@ from .judging import (
 from .refining import polished, prune, settle, with_candidate
 from .screen import Candidate, screen
 from .sensitivity import Scene
+from .simpler import Progress, simpler
 from .stage import Search, Stage
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
@@ -46,8 +47,6 @@ _ALL_OF_IT = 1.04  # judged error over the noise's, below which nothing more is 
 _WORTH = 3.0  # times what the best rigid explanation leaves: more is not worth a simulation
 _CLOSE = 1.5  # times what the best leaves: where how friction sets in may decide
 _SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
-
-Progress = Callable[[str], None]
 
 
 def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = True) -> bool:
@@ -122,6 +121,13 @@ def search(
         data, done = fresh, is_consistent(fresh, current.mean_squares)
         if wanders:
             break
+    for stage in tuple(stages[:-1]):
+        simple = simpler(stage, current, data, progress)
+        if simple is not None:
+            data, runs = _refloor(simple.fit, data, seed)
+            stages.append(replace(simple, data=data, runs=runs))
+            current = rejudged(simple.fit, data)
+            done = is_consistent(data, current.mean_squares)
     # a signal that is a little off after all that could be found is no sign of one more effect
     done = done or (len(stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
     return Search(
