@@ -68,9 +68,9 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
                 "where": _where(result.where),
                 "evidence": list(result.evidence),
             },
-            "settled": dict(result.settled),
             "next_experiment": result.next_experiment,
             "not_excited": _keys(result.not_excited),
+            "settled": dict(result.settled),
             "model": result.model,
             "ranking": [{**_key(key), "share": share} for key, share in result.ranking],
         }
