@@ -138,7 +138,6 @@ def mistakes(lines: Sequence[Line]) -> str:
     """Every answer that was not good, by what went wrong; a case's name reproduces it."""
     several = ("pair", "triple")
     sections: list[tuple[str, Callable[[Line], bool]]] = [
-        ("Failed to run", lambda x: "failed" in x),
         ("Wrong names", lambda x: x["outcome"] == "wrong" and x["kind"] in ("single", *several)),
         ("False extras beside the truth", lambda x: x["outcome"] == "extra"),
         ("Outsiders that were named", lambda x: x["kind"] == "outsider" and x["outcome"] == "wrong"),
@@ -153,9 +152,10 @@ def mistakes(lines: Sequence[Line]) -> str:
             lambda x: x["kind"] in several and x["outcome"] not in ("wrong", "extra") and not x["good"],
         ),
     ]
+    ran, failed = ([x for x in lines if ("failed" in x) is yes] for yes in (False, True))
+    groups = [("Failed to run", failed), *((title, list(filter(test, ran))) for title, test in sections)]
     out = []
-    for title, test in sections:
-        own = [line for line in lines if test(line) and (title == "Failed to run" or "failed" not in line)]
+    for title, own in groups:
         if own:
             out += [f"### {title}: {len(own)}", "\n".join(_mistake(line) for line in own)]
     return "\n\n".join(out) or "None."

@@ -8,6 +8,7 @@ from exam import scoring
 from exam.answers import Answer, Named
 from exam.cases import KINDS, ODD, all_cases
 from exam.outsiders import OUTSIDE
+from exam.table import mistakes
 
 from workbench.core import EffectKey
 from workbench.rigs import DRAWN_EFFECTS, OUTSIDERS
@@ -159,3 +160,9 @@ def test_wilson_covers_as_often_as_it_says() -> None:
         hits = [scoring.wilson(int(k), 60) for k in generator.binomial(60, share, 4000)]
         assert np.mean([low <= share <= high for low, high in hits]) == pytest.approx(0.95, abs=0.03)
     assert scoring.wilson(0, 0) == (0.0, 1.0) and scoring.wilson(20, 20)[1] == 1.0
+
+
+def test_a_case_that_failed_to_run_is_listed_as_such() -> None:
+    failed = {"case": "s0-pair-1", "kind": "pair", "truth": [], "failed": "diagnosis: ValueError: no"}
+    said = mistakes([failed])
+    assert said.splitlines()[0] == "### Failed to run: 1" and "ValueError" in said
