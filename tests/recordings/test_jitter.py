@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from workbench.core import InputError
@@ -70,6 +70,7 @@ def test_a_late_stamp_is_no_gap_and_a_missing_row_is_one(tmp_path: Path) -> None
 
 
 @settings(max_examples=25, deadline=None)
+@example(phase=0.001, size=0.0, loop=0.002)
 @given(phase=st.floats(0.0, 2.9e-3), size=st.floats(0.0, 0.3), loop=st.sampled_from([0.002, 0.003, 0.005]))
 def test_any_loop_is_found_between_rows(phase: float, size: float, loop: float) -> None:
     generator = np.random.default_rng(4)

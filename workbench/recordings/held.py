@@ -31,21 +31,24 @@ def ticks(times: np.ndarray, values: np.ndarray, period: float | None) -> tuple[
     if period < 1.5 * row:
         return None
     beside = row * min(_BESIDE, 0.25 * (period / row - 1.0))
-    before, after = times[change] - beside, times[change + 1] + beside
+    before, after = times[change], times[change + 1]
 
-    def told(phase: float) -> float:
-        """Share of the changes that have a tick beside them."""
-        return float(np.mean(np.floor((after - phase) / period) > np.floor((before - phase) / period)))
+    def told(phase: float, slack: float) -> float:
+        """Share of the changes that have a tick between their rows, or so much beside them."""
+        last, first = (after + slack - phase) / period, (before - slack - phase) / period
+        return float(np.mean(np.floor(last + 1e-9) > np.floor(first + 1e-9)))
 
-    # the contract's loop ticks at the first row; another one may tick at any time
     phases = np.arange(0.0, period, row / 10)
-    share = np.array([told(phase) for phase in phases])
-    if share.max() < _MOST:
+    share = np.array([told(phase, beside) for phase in phases])
+    # where several will do, the one that needs no slack
+    fit = share + np.array([told(phase, 0.0) for phase in phases])
+    if share[np.argmax(fit)] < _MOST:
         return None
-    if share[0] >= share.max() - _NO_LESS:
+    # the contract's loop ticks at the first row; another one may tick at any time
+    if fit[0] >= fit.max() - _NO_LESS:
         return 0.0, period
     # the middle of the phases that will do, which may lie across the end of the period
-    fits = np.exp(2j * np.pi * phases[share >= share.max() - _NO_LESS] / period).mean()
+    fits = np.exp(2j * np.pi * phases[fit >= fit.max() - _NO_LESS] / period).mean()
     return float(np.angle(fits) / (2 * np.pi) * period), period
 
 
@@ -55,9 +58,13 @@ def held_by(times: np.ndarray, values: np.ndarray, phase: float, period: float, 
     Rows beside a tick may be older or newer than they say, or a mixture that a logger interpolated.
     """
     amid = phase + period * (np.floor((at - phase) / period + 1e-6) + 0.5)
-    after = np.clip(np.searchsorted(times, amid), 1, len(times) - 1)
-    nearest = after - (amid - times[after - 1] < times[after] - amid)
-    return values[nearest]
+    return values[nearest_row(times, amid)]
+
+
+def nearest_row(times: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The row (M,) nearest to each time (M,); of two as near, the later."""
+    after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
+    return after - (at - times[after - 1] < times[after] - at)
 
 
 def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> float | None:

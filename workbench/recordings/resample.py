@@ -7,7 +7,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import PchipInterpolator
 
 from .clock import Clock
-from .held import held_by, nearest_between_steps, step_phase, ticks
+from .held import held_by, nearest_between_steps, nearest_row, step_phase, ticks
 
 #: What is computed rather than measured, and so may be a staircase by design.
 _HELD = ("torque_command", "torque_feedforward", "position_reference", "velocity_reference")
@@ -70,7 +70,7 @@ def _resample(
             return held_by(times, values, *loop, at)
         before = np.clip(np.searchsorted(times, at + 1e-9 * at[-1], side="right") - 1, 0, None)
         return values[before]
-    nearest = _nearest(times, at)
+    nearest = nearest_row(times, at)
     off = at - times[nearest]
     near = np.abs(off) < _NEAR * at[1]
     # monotone between rows: no overshoot across a gap or at an encoder's steps
@@ -83,11 +83,6 @@ def _resample(
             return np.where(near[:, None], values[nearest_between_steps(times, phase, loop_s, at)], between)
     # interpolation averages two rows and hides some of their noise; a row moved along its slope keeps its own
     return np.where(near[:, None], values[nearest] + _slope(times, values)[nearest] * off[:, None], between)
-
-
-def _nearest(times: np.ndarray, at: np.ndarray) -> np.ndarray:
-    after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
-    return after - (at - times[after - 1] < times[after] - at)
 
 
 def _slope(times: np.ndarray, values: np.ndarray) -> np.ndarray:
