@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -128,6 +128,10 @@ def recording(config: CanConfig, log: Iterable[Logged], played: Played) -> Recor
         raise InputError(
             f"the log has {last - first_row} rows of what was played", remedy="was it cut short?"
         )
+    length = (last - first_row) * gap
+    excitation, wanted = played.excitation, played.excitation.period_s
+    if wanted is not None and length < wanted * (1 - 1e-6):  # broken off: nothing in it repeats
+        excitation = replace(excitation, period_s=None)
     return Recording(
         name=played.name,
         axes=config.axes,
@@ -136,7 +140,7 @@ def recording(config: CanConfig, log: Iterable[Logged], played: Played) -> Recor
         signals={name: values[first_row:last] for name, values in signals.items()},
         units=("rad",) * n,
         controller=_controller(config),
-        excitation=played.excitation,
+        excitation=excitation,
         timing=Timing(initial_at_rest=False),
         rig=config.name,
         valid=valid[first_row:last],

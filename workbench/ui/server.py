@@ -14,6 +14,7 @@ import panel as pn
 from bokeh.server.server import Server
 from bokeh.util.warnings import BokehUserWarning
 from panel.io.server import get_server
+from tornado.websocket import WebSocketClosedError
 
 from workbench.core import InputError
 from workbench.core.palette import COLOURS, LINES
@@ -101,9 +102,15 @@ def _page() -> str:
 
 def _hush() -> None:
     """Keep from the terminal what is no one's business: tabs that close, and strangers turned away."""
+    logging.getLogger("asyncio").addFilter(_worth_saying)
     for name, level in (("bokeh.server.views.ws", logging.CRITICAL), ("tornado.access", logging.ERROR)):
         logging.getLogger(name).setLevel(level)
     warnings.filterwarnings("ignore", "reference already known", BokehUserWarning)
+
+
+def _worth_saying(record: logging.LogRecord) -> bool:
+    """Not that a tab closed while something was being sent to it, which nobody awaits."""
+    return not (record.exc_info and isinstance(record.exc_info[1], WebSocketClosedError))
 
 
 def _free(port: int) -> int:
