@@ -24,8 +24,8 @@ $(STAMP): requirements.lock pyproject.toml
 
 training: $(TRAINING)
 
-$(TRAINING): $(STAMP) requirements-training.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock -r requirements-training.lock
+$(TRAINING): $(STAMP) requirements-training.lock requirements-ray.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock -r requirements-training.lock -r requirements-ray.lock
 	@touch $@
 
 demo: setup

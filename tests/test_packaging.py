@@ -23,8 +23,9 @@ DISTRIBUTIONS = {
 }
 EXTRA = PROJECT["optional-dependencies"]["training"]
 PAGES = PROJECT["optional-dependencies"]["ui"]
+CLUSTER = PROJECT["optional-dependencies"]["ray"]
 #: What some commands use where it is there.
-OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES]
+OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES, *CLUSTER]
 
 
 def third_party(folder: str) -> set[str]:
@@ -64,11 +65,12 @@ def test_tests_and_benchmarks_need_no_more_than_the_dev_extra() -> None:
 
 
 def test_the_lock_pins_every_requirement_and_names_no_host() -> None:
-    text = "".join((ROOT / f"requirements{part}.lock").read_text() for part in ("", "-training"))
+    text = "".join((ROOT / f"requirements{part}.lock").read_text() for part in ("", "-training", "-ray"))
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", line) for line in lines), "exact versions only"
     build = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
-    declared = names([*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA, *build])
+    asked = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA, *CLUSTER, *build]
+    declared = names(asked)
     assert declared <= names(lines)
     assert len(names(lines)) == len(lines), "a package is pinned twice"
 

@@ -116,7 +116,7 @@ def test_inspect_sees_swapped_columns(data: Path, tmp_path: Path) -> None:
 def test_help_of_every_command_has_an_example() -> None:
     commands = (
         "compare", "diagnose", "improve", "add", "inspect", "record", "demo", "check", "normalize", "import",
-        "can", "deploy",
+        "can", "deploy", "fleet",
     )  # fmt: skip
     listing = run("--help").stdout
     for command in commands:

@@ -39,6 +39,7 @@ def main() -> None:
         evaluate,
         excite,
         export,
+        fleet,
         frf,
         identify,
         import_,

@@ -1,7 +1,7 @@
 """Runs a model the way a recording was made, one or thousands at once."""
 
 from .control import SensorNoise
-from .cores import on_all_cores
+from .cores import on_all_cores, use_cores
 from .designs import as_recording, held_posture, joint_limits, limits_of, predictor, whole_period
 from .experiment import Experiment, check_axes, prepare, scored_torque
 from .inverse import required_torque, rigid_torque
@@ -43,5 +43,6 @@ __all__ = [
     "slopes",
     "smooth_track",
     "true_motion",
+    "use_cores",
     "whole_period",
 ]

@@ -1,0 +1,88 @@
+"""``workbench fleet``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .app import app
+from .common import (
+    ForceOption,
+    HtmlOption,
+    JsonOption,
+    QuietOption,
+    SeedOption,
+    check_outputs,
+    deliver_sheet,
+    progress,
+)
+
+
+@app.command()
+def fleet(
+    recordings: Annotated[
+        list[str],
+        typer.Argument(metavar="REC...", help="Recordings, patterns of them, or folders, of any robots."),
+    ],
+    model: Annotated[
+        list[str],
+        typer.Option(
+            "--model",
+            metavar="[RIG=]MODEL",
+            help="Model of all robots, or of those whose rig fits a pattern; a folder has one RIG.toml each.",
+        ),
+    ],
+    output: Annotated[
+        str,
+        typer.Option("--output", "-o", metavar="FOLDER", help="Results and improved models, one a robot."),
+    ],
+    holdout: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--holdout",
+            metavar="PATTERN",
+            help="Recordings that judge, by name; else one in four of each robot with three or more.",
+        ),
+    ] = None,
+    jobs: Annotated[
+        int, typer.Option("--jobs", "-j", metavar="N", help="Robots side by side; -1 for all cores.")
+    ] = -1,
+    ray: Annotated[
+        str | None,
+        typer.Option("--ray", metavar="ADDRESS", help="Run on this Ray cluster; 'auto' for the one around."),
+    ] = None,
+    json: JsonOption = None,
+    html: HtmlOption = None,
+    seed: SeedOption = 0,
+    force: ForceOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Diagnose many robots from many logs, each with its own, and say where they differ.
+
+    Each result is kept in FOLDER as soon as it is there; the same command goes on where it was stopped. Exit
+    code 1 where a robot could not be diagnosed.
+
+    Example: workbench fleet logs --model leg -o found --html fleet.html
+
+    Example: workbench fleet 'logs/**/*.toml' --model 'leg-*=leg' --model 'arm-*=arms' -o found --jobs 8
+    """
+    from workbench import report
+    from workbench.fleet import find_robots, fleet_dict, fleet_sheet, fleet_table, run_fleet, summarise
+
+    check_outputs(json, html, force=force)
+    robots = find_robots(recordings, model, holdout)
+    with progress(quiet) as tell:
+        tell(f"diagnosing {len(robots)} robots")
+        told = run_fleet(robots, output, seed=seed, jobs=jobs, ray=ray, force=force, progress=tell)
+    found = summarise(told)
+    if not quiet and json != "-":
+        report.print_table(fleet_table(found))
+    if json:
+        report.write_json(fleet_dict(found), json, force=force)
+    if html:
+        inputs = [str(file) for robot in robots for file in robot.files if Path(file).is_file()]
+        deliver_sheet(fleet_sheet(found), html, inputs=inputs, seeds={"noise": seed}, force=force)
+    if found.failed:
+        raise typer.Exit(1)

@@ -1,0 +1,23 @@
+"""Many logs of many robots: one diagnosis a robot, side by side, and what robots have in common."""
+
+from .page import fleet_sheet
+from .result import Fleet, Peculiar, Shared, fleet_dict, summarise
+from .robots import Robot, find_robots
+from .run import run_fleet
+from .spread import Spread, spread
+from .table import fleet_table
+
+__all__ = [
+    "Fleet",
+    "Peculiar",
+    "Robot",
+    "Shared",
+    "Spread",
+    "find_robots",
+    "fleet_dict",
+    "fleet_sheet",
+    "fleet_table",
+    "run_fleet",
+    "spread",
+    "summarise",
+]

@@ -1,0 +1,79 @@
+"""Results of robots on disk, each as soon as it is there: a run that was stopped goes on from them."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from hashlib import file_digest, sha256
+from pathlib import Path
+from typing import Any
+
+from workbench.core import FORMAT, InputError
+from workbench.core.files import write_whole
+from workbench.models import read_model
+from workbench.report.json import dumps
+
+from .robots import Robot
+
+
+def fingerprint(robot: Robot, seed: int) -> str:
+    """Hash of all that a robot's result depends on: model, recordings with their tables, roles and seed.
+
+    Raises:
+        InputError: the model cannot be read.
+    """
+    model = read_model(robot.model)
+    named = [x for x in (model.source, model.serial) if x is not None]
+    parts: list[Any] = [FORMAT, robot.name, seed, *(_digest(Path(x)) for x in named)]
+    for role, files in (("training", robot.training), ("held out", robot.held_out)):
+        for file in files:
+            parts += [role, file.stem, _digest(file), *(_digest(table) for table in _tables(file))]
+    return sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def result_file(folder: Path, name: str) -> Path:
+    """Where a robot's result is kept; its improved model lies beside it, ending in ``.toml``."""
+    plain = re.sub(r"[^\w.-]+", "_", name)
+    # names that differ in what a file's name cannot hold must not share a file
+    tail = "" if plain == name else "-" + sha256(name.encode()).hexdigest()[:6]
+    return folder / f"{plain}{tail}.json"
+
+
+def stored(folder: Path, name: str) -> dict[str, Any] | None:
+    """A robot's result as it was kept; None where there is none.
+
+    Raises:
+        InputError: the file is something else.
+    """
+    file = result_file(folder, name)
+    if not file.exists():
+        return None
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+        if content["rig"] == name and "inputs" in content:
+            return content
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    raise InputError(f"is no result of robot '{name}'", file=file, remedy="choose another folder")
+
+
+def keep(folder: Path, content: dict[str, Any]) -> None:
+    """Write a robot's result, in place of an earlier one."""
+    write_whole(result_file(folder, content["rig"]), dumps(content), force=True)
+
+
+def _digest(file: Path) -> str | None:
+    if not file.is_file():
+        return None
+    with file.open("rb") as stream:
+        return file_digest(stream, "sha256").hexdigest()
+
+
+def _tables(file: Path) -> list[Path]:
+    """The table that a recording names, and what a log of a bus is read by."""
+    table = tomllib.loads(file.read_bytes().decode("utf-8-sig")).get("table")
+    if not isinstance(table, str):
+        return []
+    path = file.parent / table
+    return [path, *sorted(path.parent.glob("*.dbc"))] if path.suffix != ".csv" else [path]

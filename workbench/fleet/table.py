@@ -1,0 +1,58 @@
+"""A fleet's result for the terminal: robots, effects, and where robots differ."""
+
+from __future__ import annotations
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from workbench.core import Estimate
+from workbench.report.layout import table, text, verdict
+from workbench.report.numbers import interval, number
+from workbench.report.wording import capital, effect_phrase, parameter_name
+
+from . import wording as w
+from .result import Fleet
+
+
+def fleet_table(fleet: Fleet) -> Group:
+    """Verdict, a row a robot, a row an effect, and who stands out."""
+    robots = table("robot", "verdict", ("x noise", "right"), ("after", "right"), "held-out", "what was found")
+    robots.columns[0].overflow = robots.columns[5].overflow = "fold"
+    for r in fleet.robots:
+        before, after, judged = w.errors(r)
+        lines = "\n".join(w.findings(r))
+        robots.add_row(text(r["rig"]), w.verdict_words(r), before, after, judged, text(lines))
+    parts: list[RenderableType] = [verdict(w.sentence(fleet), _fine(fleet)), robots]
+    if fleet.effects:
+        effects = table("effect", "robots", "parameter", ("all", "right"), ("scatter", "right"))
+        for e in fleet.effects:
+            rows = [
+                (
+                    parameter_name(n),
+                    interval(Estimate(s.mean, s.std, _unit(e.parameters[n]))),
+                    number(s.ratio),
+                )
+                for n, s in e.spreads.items()
+            ] or [("", "", "")]
+            for k, row in enumerate(rows):
+                head = (capital(effect_phrase(e.key)), w.seen(e)) if k == 0 else ("", "")
+                effects.add_row(*(text(x) for x in head), *row)
+        parts += [Text(), effects]
+    parts += [text(line) for e in fleet.effects for line in w.differences(e)]
+    parts += [
+        text(f"Note: {r['rig']}: left out: {entry['problem']}")
+        for r in fleet.robots
+        for entry in r["left_out"]
+    ]
+    if any(e.spreads for e in fleet.effects):
+        parts.append(Text("± is half a 95 % interval; scatter of robots is in units of what these allow."))
+    return Group(*parts)
+
+
+def _fine(fleet: Fleet) -> bool:
+    return all(r["verdict"] == "consistent" for r in fleet.robots)
+
+
+def _unit(estimates: object) -> str:
+    assert isinstance(estimates, dict)
+    return next((e.unit for e in estimates.values()), "")
