@@ -12,9 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from workbench.core import InputError
 from workbench.core.files import write_whole
+
+from .archive import read_parts
+from .manifest import ManifestTable
 
 FORMAT = 1
 MANIFEST, POLICY, MACHINE = "bundle.json", "policy.onnx", "machine.xml"
@@ -129,26 +133,21 @@ def read_bundle(path: str | Path) -> PolicyBundle:
     """Read a bundle and hold every part against its hash.
 
     Raises:
-        InputError: not a bundle, of another format, or a part that was changed.
+        InputError: not a bundle, of another format, a part that was changed, or a manifest that is not whole.
     """
     file = Path(path)
+    parts = read_parts(file)
     try:
-        with zipfile.ZipFile(file) as archive:
-            parts = {name: archive.read(name) for name in archive.namelist()}
         manifest = json.loads(parts.pop(MANIFEST))
-    except FileNotFoundError as error:
-        raise InputError("no such bundle", file=file, remedy="name a .zip of `workbench export`") from error
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+    except (KeyError, ValueError, RecursionError) as error:
         raise InputError(
             "not a policy bundle", file=file, remedy="make it with `workbench export`"
         ) from error
-    if manifest.get("format") != FORMAT:
-        raise InputError(
-            f"the bundle has format {manifest.get('format')}",
-            file=file,
-            remedy=f"this version reads {FORMAT}",
-        )
+    if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
+        found = manifest.get("format") if isinstance(manifest, dict) else None
+        raise InputError(f"the bundle has format {found}", file=file, remedy=f"this version reads {FORMAT}")
     wanted = manifest.get("sha256", {})
+    wanted = wanted if isinstance(wanted, dict) else {}
     for name in sorted({*wanted, *parts, POLICY, MACHINE}):
         found = hashlib.sha256(parts[name]).hexdigest() if name in parts else None
         if found is None or found != wanted.get(name):
@@ -156,33 +155,38 @@ def read_bundle(path: str | Path) -> PolicyBundle:
                 f"'{name}' is missing or was changed", file=file, remedy="export the policy again"
             )
     try:
-        return _bundle(manifest, parts, file)
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{MANIFEST} lacks {error}", file=file, remedy="export the policy again") from error
+        table = ManifestTable.model_validate(manifest)
+        machine = parts[MACHINE].decode()
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        problem = f"{MANIFEST} lacks '{key}'" if first["type"] == "missing" else f"{MANIFEST}: {first['msg']}"
+        raise InputError(problem, file=file, column=key, remedy="export the policy again") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{MACHINE} is no text", file=file, remedy="export the policy again") from error
+    return _bundle(table, manifest, parts, machine, file)
 
 
-def _bundle(manifest: dict[str, Any], parts: dict[str, bytes], file: Path) -> PolicyBundle:
-    c = manifest["control"]
+def _bundle(
+    table: ManifestTable, manifest: dict[str, Any], parts: dict[str, bytes], machine: str, file: Path
+) -> PolicyBundle:
+    c = table.control
     arrays = ("transmission", "posture", "kp", "kd", "torque_limit", "joint_limits")
     control = Control(
-        joints=tuple(c["joints"]),
-        action_scale=float(c["action_scale"]),
-        control_period_s=float(c["control_period_s"]),
-        policy_period_s=float(c["policy_period_s"]),
-        delay_steps=int(c["delay_steps"]),
-        **{name: np.array(c[name], float) for name in arrays},
-    )
-    entries = tuple(
-        ObservationEntry(o["name"], int(o["start"]), int(o["size"]), float(o["scale"]), o["about"])
-        for o in manifest["observations"]
+        joints=tuple(c.joints),
+        action_scale=c.action_scale,
+        control_period_s=c.control_period_s,
+        policy_period_s=c.policy_period_s,
+        delay_steps=c.delay_steps,
+        **{name: np.array(getattr(c, name), float) for name in arrays},
     )
     return PolicyBundle(
-        task=manifest["task"],
-        variant=manifest["variant"],
-        observations=entries,
+        task=table.task,
+        variant=table.variant,
+        observations=tuple(ObservationEntry(**entry.model_dump()) for entry in table.observations),
         control=control,
         policy=parts[POLICY],
-        machine=parts[MACHINE].decode(),
+        machine=machine,
         files={name: data for name, data in parts.items() if name not in (POLICY, MACHINE)},
         manifest=manifest,
         source=file,

@@ -7,6 +7,7 @@ import numpy as np
 from workbench.core import InputError
 
 from .bundle import PolicyBundle
+from .network import check_network
 
 
 class Policy:
@@ -16,23 +17,38 @@ class Policy:
         bundle: where it comes from.
 
     Raises:
-        InputError: ONNX Runtime is not installed, or the network has other sizes than the bundle says.
+        InputError: ONNX Runtime is not installed, the network is more than a policy needs (see
+            `check_network`), or it has other sizes than the bundle says.
     """
 
     def __init__(self, bundle: PolicyBundle) -> None:
         try:
+            import onnx  # noqa: F401
             import onnxruntime
         except ImportError as error:
             raise InputError(
                 "policies need ONNX Runtime", remedy="install the extra: pip install 'workbench[training]'"
             ) from error
+        check_network(bundle.policy, bundle.source)
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
-        self._session = onnxruntime.InferenceSession(bundle.policy, options, ["CPUExecutionProvider"])
+        options.log_severity_level = 4  # what is wrong becomes an error
+        try:
+            self._session = onnxruntime.InferenceSession(bundle.policy, options, ["CPUExecutionProvider"])
+        except Exception as error:  # ONNX Runtime's errors have no common root but this
+            raise InputError(f"ONNX Runtime cannot load the network: {error}", file=bundle.source) from error
         self.size = sum(entry.size for entry in bundle.observations)
-        sizes = self._session.get_inputs()[0].shape[-1], self._session.get_outputs()[0].shape[-1]
-        if sizes != (self.size, len(bundle.control.joints)):
-            raise InputError(f"the network has {sizes[0]} inputs and {sizes[1]} outputs", file=bundle.source)
+        inputs, outputs = self._session.get_inputs(), self._session.get_outputs()
+        if len(inputs) != 1 or len(outputs) != 1:
+            problem = f"the network has {len(inputs)} inputs and {len(outputs)} outputs, not one each"
+            raise InputError(problem, file=bundle.source)
+        shapes = inputs[0].shape, outputs[0].shape
+        sizes = tuple(shape[-1] if len(shape) == 2 else None for shape in shapes)
+        if sizes != (self.size, len(bundle.control.joints)) or inputs[0].type != "tensor(float)":
+            raise InputError(
+                f"the network takes {inputs[0].type} of {sizes[0]} numbers and gives {sizes[1]}",
+                file=bundle.source, remedy="export the policy again",
+            )  # fmt: skip
         self._name = self._session.get_inputs()[0].name
 
     def __call__(self, observation: np.ndarray) -> np.ndarray:

@@ -11,7 +11,10 @@ from workbench.core import InputError
 
 from .frame import Frame
 
-_LINE = re.compile(r"^\((\d+\.\d+)\) (\S+) ([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#([0-9A-Fa-f]{0,16})(?: [RT])?$")
+_LINE = re.compile(
+    r"^\((\d{1,12}\.\d{1,12})\) (\S+) ([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#((?:[0-9A-Fa-f]{2}){0,8})(?: [RT])?$",
+    re.ASCII,
+)
 
 
 class Logged(NamedTuple):

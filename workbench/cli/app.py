@@ -59,5 +59,8 @@ def main() -> None:
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         sys.exit(130)
+    except MemoryError:
+        print("error: not enough memory; give shorter recordings or fewer of them", file=sys.stderr)
+        sys.exit(2)
     except BrokenPipeError:
         sys.exit(0)

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from .text import plain
+
+_LONGEST = 1200  # characters; a name in a file may be of any length
+
 
 class WorkbenchError(Exception):
-    """Root of all errors raised on purpose; its text is one clear line."""
+    """Root of all errors raised on purpose; its text is one clear line, whatever stands in a file."""
 
     exit_code = 2
+
+    def __init__(self, text: str = "") -> None:
+        line = plain(" ".join(text.split()))
+        cut = f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
+        super().__init__(line if len(line) <= _LONGEST else cut)
 
 
 class InputError(WorkbenchError):
@@ -38,7 +47,7 @@ class InputError(WorkbenchError):
         where += [f"row {row}"] if row is not None else []
         text = f"{', '.join(where)}: {problem}" if where else problem
         text = f"{text}; {remedy}" if remedy else text
-        super().__init__(" ".join(text.split()))
+        super().__init__(text)
 
 
 class SimulationError(WorkbenchError):

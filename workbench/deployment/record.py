@@ -129,7 +129,10 @@ def from_log(config: CanConfig, design: Design, experiment: int, log: Path) -> R
     except (OSError, ValueError) as error:
         raise InputError("nothing was played in this log", file=log, remedy="record it again") from error
     player = Player(design, experiment, config.loop.period_s)
-    return recording(config, read_candump(log), _played(design, experiment, player, begun))
+    try:
+        return recording(config, read_candump(log), _played(design, experiment, player, begun))
+    except InputError as error:
+        raise InputError(error.problem, file=log, row=error.row, remedy=error.remedy) from error
 
 
 def keep(result: Recording, folder: Path, log: Path, force: bool) -> Path:

@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.core import SimulationError
 from workbench.models import AppliedEffect, Model, Placement, axis_tendon, joint_kinds
+from workbench.models.engine import warned
 
 from .catalogue import effect_named
 from .chain import Build, TorqueChain
@@ -73,11 +74,17 @@ def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = (
     for term in made.chain.hysteresis:
         # what the spring does the simulation says step by step
         made.spec.tendon(term.spring).springyield = 0.0
+    effects = ", ".join(str(e.key) for e in model.effects) or "no effects"
     try:
-        compiled = made.spec.compile()
-    except ValueError as error:
-        effects = ", ".join(str(e.key) for e in model.effects) or "no effects"
+        with warned() as said:
+            compiled = made.spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
         raise SimulationError(f"model '{model.name}' with {effects} cannot be compiled: {error}") from error
+    if singular := [line for line in said if "singular" in line]:
+        raise SimulationError(
+            f"model '{model.name}' with {effects} has a freedom without inertia: {singular[0]}; "
+            "give its link a mass, or its drive an inertia"
+        )
     substeps = count_substeps(compiled, made.chain)
     compiled.opt.timestep = timestep / substeps
     for term in made.chain.hysteresis:

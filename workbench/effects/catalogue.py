@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from workbench.core import EffectKey, InputError
 from workbench.models import Model
 
@@ -77,15 +79,15 @@ EFFECTS: tuple[Effect, ...] = (
 _BY_NAME = {effect.name: effect for effect in EFFECTS}
 
 
-def effect_named(name: str) -> Effect:
-    """The effect of this name.
+def effect_named(name: str, file: Path | None = None) -> Effect:
+    """The effect of this name; `file` is where it was named, for the error.
 
     Raises:
         InputError: there is none; lists the catalogue.
     """
     if name not in _BY_NAME:
         raise InputError(
-            f"no effect is called '{name}'", remedy=f"choose one of {', '.join(sorted(_BY_NAME))}"
+            f"no effect is called '{name}'", file=file, remedy=f"choose one of {', '.join(sorted(_BY_NAME))}"
         )
     return _BY_NAME[name]
 

@@ -33,7 +33,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
     Raises:
         InputError: wrong place, unknown or missing parameter, value outside its physical bounds.
     """
-    effect, key = effect_named(applied.key.effect), applied.key
+    effect, key = effect_named(applied.key.effect, model.source), applied.key
 
     def refuse(problem: str, remedy: str = "") -> InputError:
         return InputError(problem, file=model.source, remedy=remedy)

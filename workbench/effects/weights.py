@@ -82,7 +82,12 @@ def add_gravity(spec: mujoco.MjSpec, model: Model, g1: float, g2: float) -> None
 def _links(spec: mujoco.MjSpec, model: Model) -> tuple[mujoco.MjsBody, mujoco.MjsBody, np.ndarray, float]:
     thigh, shank = (spec.joint(name).parent for name in model.joints[:2])
     vector = np.asarray(shank.pos, float)
-    length = float(np.linalg.norm(vector))
+    with np.errstate(over="ignore"):
+        length = float(np.linalg.norm(vector))
+    if not 0.0 < length < np.inf:
+        raise SimulationError(
+            f"the link of joint '{model.joints[0]}' is {length:g} m long: no place for a linkage"
+        )
     return thigh, shank, vector / length, length
 
 

@@ -6,13 +6,13 @@ import gzip
 import io
 import tomllib
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pacsv
 import tomli_w
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import InputError
 from workbench.core.files import check_free, write_whole
@@ -21,6 +21,10 @@ from workbench.recordings.tables import read_table
 from .excitation import Design, Trial
 
 _SHORT = {"torque_feedforward": "ff", "position_reference": "qref"}
+
+
+_Positive = Annotated[FiniteFloat, Field(gt=0.0)]
+_Count = Annotated[int, Field(ge=0, lt=2**31)]
 
 
 class _Table(BaseModel):
@@ -41,14 +45,14 @@ class _DesignTable(_Table):
     kind: Literal["multisine", "chirp"]
     axes: list[str]
     driven: Literal["torque_feedforward", "position_reference"]
-    rate_hz: float
-    period_s: float
-    periods: int
-    transient_periods: int
+    rate_hz: _Positive
+    period_s: _Positive
+    periods: _Count
+    transient_periods: _Count
     grid: Literal["full", "odd", "odd_random"]
-    lines: list[int]
-    hold: list[float] = []
-    fade_s: float = 0.0
+    lines: list[_Count]
+    hold: list[FiniteFloat] = []
+    fade_s: Annotated[FiniteFloat, Field(ge=0.0)] = 0.0
     trials: list[_TrialTable]
 
 
@@ -114,7 +118,12 @@ def load_design(path: str | Path) -> Design:
     rows = round(d.period_s * d.rate_hz)
     signals = []
     for trial in d.trials:
-        table = path.with_name(trial.table)
+        if Path(trial.table).name != trial.table:
+            raise InputError(
+                f"'{trial.table}' is no file name", file=path, column="trials.table",
+                remedy="put the table beside the design",
+            )  # fmt: skip
+        table = path.parent / trial.table
         columns = [f"{_SHORT[d.driven]}_{axis}" for axis in d.axes]
         data = read_table(table, ["t", *columns])
         played = np.column_stack([data[column] for column in columns])
@@ -128,13 +137,20 @@ def load_design(path: str | Path) -> Design:
         # the last period: the first may be faded in
         offset = np.array(d.hold) if d.hold and d.driven == "position_reference" else 0.0
         signals.append(played[-rows:] - offset)
+    try:
+        return _design(d, np.stack(signals))
+    except InputError as error:
+        raise InputError(error.problem, file=path, column=error.column, remedy=error.remedy) from error
+
+
+def _design(d: _DesignTable, experiments: np.ndarray) -> Design:
     return Design(
         name=d.design,
         kind=d.kind,
         axes=tuple(d.axes),
         driven=d.driven,
         rate_hz=d.rate_hz,
-        experiments=np.stack(signals),
+        experiments=experiments,
         lines=np.array(d.lines, int),
         trials=tuple(Trial(t.name, t.mode, t.realisation) for t in d.trials),
         grid=d.grid,

@@ -19,6 +19,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex
 
 from workbench.core import InputError
+from workbench.core.xml import parse_xml
 
 GRAVITY = 9.81  # m/s^2
 
@@ -110,9 +111,11 @@ def _ball_loop(node: ElementTree.Element, file: Path) -> BallLoop:
 def _xml(file: Path) -> ElementTree.Element:
     """The file's XML, tags without prefix: Drake reads ``drake:`` whether it is declared or not."""
     try:
-        return ElementTree.fromstring(re.sub(rb"<(/?)[\w.-]+:", rb"<\1", Path(file).read_bytes()))
-    except (ElementTree.ParseError, OSError) as error:
-        raise InputError(f"not an XML file: {error}", file=file, remedy="give an SDF or URDF file") from error
+        raw = Path(file).read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=file, remedy="check the path") from error
+    remedy = "give an SDF or URDF file"
+    return parse_xml(raw, file, prefixes=False, problem="not an XML file", remedy=remedy)
 
 
 def _attribute(node: ElementTree.Element) -> str:
@@ -123,10 +126,11 @@ def _read(file: Path, plant: Any) -> Any:
     """Fills the plant from the file; returns the model instance."""
     if not Path(file).is_file():
         raise InputError("the file does not exist", file=file, remedy="give the path of an SDF or URDF file")
+    _refuse_others(_xml(file), Path(file))
     try:
         with quiet() as warnings:
             models = Parser(plant).AddModels(Path(file))
-    except RuntimeError as error:
+    except (RuntimeError, ValueError) as error:
         raise InputError(
             f"Drake cannot read it: {error}", file=file, remedy="correct what it names"
         ) from error
@@ -134,6 +138,14 @@ def _read(file: Path, plant: Any) -> Any:
     if len(models) != 1:
         raise InputError(f"it holds {len(models)} models", file=file, remedy="give a file with one model")
     return models[0]
+
+
+def _refuse_others(root: ElementTree.Element, file: Path) -> None:
+    """Raises InputError where the file is of another kind, or draws in other files."""
+    if root.tag not in ("sdf", "robot"):
+        raise InputError(f"it is a <{root.tag}>", file=file, remedy="give an SDF or URDF file")
+    if next(root.iter("include"), None) is not None:
+        raise InputError("it includes other files", file=file, column="include", remedy="write them in place")
 
 
 def _rootless(plant: Any, model: Any) -> bool:
@@ -146,7 +158,7 @@ def _finalize(plant: Any, file: Path) -> None:
     try:
         with quiet():
             plant.Finalize()
-    except RuntimeError as error:
+    except (RuntimeError, ValueError) as error:
         looped = "loop" in str(error)
         problem = "its joints form a loop" if looped else f"Drake cannot build it: {error}"
         remedy = (

@@ -1,9 +1,12 @@
 """Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
 
+from .engine import silence
 from .model import VARIANTS, Actuators, AppliedEffect, Linkage, Model
 from .paths import find_model
 from .read import load_mjcf, read_model, structural_effect, write_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds
+
+silence()
 
 __all__ = [
     "VARIANTS",

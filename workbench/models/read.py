@@ -17,6 +17,8 @@ from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanis
 from workbench.core.files import write_whole
 from workbench.core.paths import models_folder
 
+from .engine import warned
+from .mjcf import check_mjcf
 from .model import VARIANTS, Actuators, AppliedEffect, Linkage, Model
 from .paths import find_model
 from .schema import EffectTable, ModelTable, ParameterTable
@@ -54,8 +56,10 @@ def load_mjcf(path: Path) -> mujoco.MjSpec:
     """Parse an MJCF file.
 
     Raises:
-        InputError: MuJoCo cannot read it; its own reason is kept.
+        InputError: MuJoCo cannot read it; its own reason is kept. Or it has plugins, or names files that do
+            not lie beside or below it.
     """
+    check_mjcf(path)
     try:
         return mujoco.MjSpec.from_file(str(path))
     except (ValueError, mujoco.FatalError) as error:
@@ -89,8 +93,9 @@ def _hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
     if not names:
         raise InputError("the MJCF has no joints", file=file, remedy="give a tree with hinge or slide joints")
     try:
-        spec.compile()
-    except ValueError as error:
+        with warned():  # what is lacking may stand in the model file, as a drive's inertia does
+            spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
         raise InputError(
             f"MuJoCo cannot compile this MJCF: {error}", file=file, remedy="correct what it names"
         ) from error

@@ -226,6 +226,12 @@ class _Draft:
         # per row to per unit of time
         factor = float(np.median([abs(r.factor) for r in good])) * step if good else None
         told = weigh(by_time, by_position, by_velocity, factor)
+        for kind in ("time", "position"):
+            if kind not in told:  # no unit makes such numbers likely
+                raise InputError(
+                    f"the unit of {kind} cannot be told from such numbers", file=self.table.file,
+                    remedy=f"say it: --unit {kind}=UNIT",
+                )  # fmt: skip
         if factor and "velocity" in told and told["position"].unit != "counts":
             expected = scale(told["position"].unit, "position") / (
                 scale(told["time"].unit, "time") * scale(told["velocity"].unit, "velocity")

@@ -134,6 +134,7 @@ def by_step(step: float, start: float, rows: int) -> dict[str, float]:
 
 
 def _falls(x: float, edge: float, power: float) -> float:
+    x = min(x, 1e6 * edge)  # beyond, it is nothing, and its power may be no number
     return 1.0 / (1.0 + (x / edge) ** (2 * power))
 
 

@@ -11,16 +11,20 @@ from workbench.core import InputError
 
 from .description import Description
 
+_LARGEST = 1e12  # SI; nothing that moves has more of anything, and the square of it is still a number
 _MEASURED = ("position", "velocity", "torque_measured")
 
 
 def check_finite(d: Description, signals: Mapping[str, np.ndarray], measured: np.ndarray, path: Path) -> None:
-    """Raises InputError at the first cell of a measured row that is not a finite number."""
+    """Raises InputError at the first cell of a measured row that is no number a sensor can have given."""
     for signal, values in signals.items():
-        bad = measured[:, None] & ~np.isfinite(values)
+        bad = measured[:, None] & ~(np.abs(values) < _LARGEST)
         if bad.any():
             row, column = np.argwhere(bad)[0]
-            found = "empty or NaN" if np.isnan(values[row, column]) else "infinite"
+            value = values[row, column]
+            found = (
+                "empty or NaN" if np.isnan(value) else "infinite" if np.isinf(value) else f"{value:g} in SI"
+            )
             raise InputError(
                 f"{signal} is {found}",
                 file=path,

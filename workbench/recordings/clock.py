@@ -12,6 +12,7 @@ from workbench.core import InputError
 _MISSING = 1.5  # an increment longer than this many periods hides a row,
 _USUAL = 1.3  # and longer than this many of those that are long but usual where a clock is not even
 _SURELY = 2.5  # a stamp later than this hides rows, whatever those after it say [periods]
+_MOST_HIDDEN = 20  # a log of which one row in so many is there says nothing; and a clock has to fit in memory
 _STRAIGHT = 1e-3  # rows this close to a uniform clock, in periods, are on it
 
 
@@ -79,6 +80,15 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
             row=int(kept[bad + 1]) + 1,
             remedy="cut the recording there, or add a `valid` column to have the gap filled and masked",
         )
+    if t[-1] - t[0] > _MOST_HIDDEN * len(t) * period:
+        bad = int(np.argmax(step))
+        raise InputError(
+            f"{t[-1] - t[0]:.4g} s hold {len(t)} rows of {period:.4g} s: time jumps by {step[bad]:.4g} s",
+            file=path,
+            column=column,
+            row=int(kept[bad + 1]) + 1,
+            remedy="cut the recording there",
+        )
     hidden = np.ones(len(step)) if valid is None else np.maximum(1, np.round(step / period))
     row = np.concatenate([[0], np.cumsum(hidden)]).astype(int)
     straight = np.polynomial.Polynomial.fit(row, t, 1)
@@ -117,10 +127,11 @@ def _gaps(t: np.ndarray, period: float, wide: np.ndarray) -> np.ndarray:
 
 
 def _check_forward(step: np.ndarray, kept: np.ndarray, column: str, path: Path) -> None:
-    if (step > 0).all():
+    least = 1e-9 * max(0.0, float(np.median(step)))  # less is lost in the rounding of the times themselves
+    if (step > least).all():
         return
-    bad = int(np.argmax(step <= 0))
-    what = "repeats" if step[bad] == 0 else f"goes back by {-step[bad]:.4g} s"
+    bad = int(np.argmax(step <= least))
+    what = "repeats" if step[bad] >= 0 else f"goes back by {-step[bad]:.4g} s"
     remedy = "sort the rows by time, and leave out what was logged twice"
     raise InputError(f"time {what}", file=path, column=column, row=int(kept[bad + 1]) + 1, remedy=remedy)
 

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-import unicodedata
 from collections.abc import Iterable
 
 from workbench.core import Estimate
+from workbench.core.text import plain
 
 #: Half a 95 % interval, in standard deviations.
 Z95 = 1.959964
 
 _MISSING = "–"
-
-
-def plain(text: object) -> str:
-    """A stranger's string as one printable line: control and direction characters become a box."""
-    return "".join("\ufffd" if unicodedata.category(c) in ("Cc", "Cf", "Cs") else c for c in str(text))
 
 
 def unit_text(unit: str) -> str:

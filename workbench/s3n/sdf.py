@@ -10,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from workbench.core import InputError
+from workbench.core.xml import parse_xml
 
 _WORLD = ("world", "__model__", "")
 _KINDS = ("revolute", "continuous", "prismatic", "universal", "fixed")
@@ -110,8 +111,8 @@ def read_sdf(file: Path) -> SdfTree:
         InputError: not an SDF file, or something in it that a tree of hinges and slides has not.
     """
     try:
-        root = ElementTree.parse(file).getroot()
-    except (OSError, ElementTree.ParseError) as error:
+        root = parse_xml(file.read_bytes(), file, problem="not an SDF file")
+    except OSError as error:
         raise InputError(f"not an SDF file: {error}", file=file, remedy="give an SDF file") from error
     model = root.find(".//model")
     if root.tag != "sdf" or model is None:

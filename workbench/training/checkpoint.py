@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -28,11 +29,16 @@ def load(path: Path, device: str) -> dict[str, Any]:
         InputError: there is none, or it is not one of ours.
     """
     try:
-        return torch.load(path, map_location=device, weights_only=True)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of what is damaged torch warns before it raises
+            content = torch.load(path, map_location=device, weights_only=True)
     except FileNotFoundError as error:
         raise InputError("no checkpoint here", file=path, remedy="name the folder of a run") from error
     except Exception as error:  # whatever a file can do to a reader
         raise InputError("not a checkpoint", file=path, remedy="name the folder of a run") from error
+    if not isinstance(content, dict):
+        raise InputError("not a checkpoint", file=path, remedy="name the folder of a run")
+    return content
 
 
 def _tensors(value: Any) -> Any:

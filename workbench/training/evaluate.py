@@ -11,8 +11,11 @@ import mujoco
 import numpy as np
 
 from workbench.bundle import Policy, PolicyBundle
+from workbench.bundle.bundle import MACHINE
 from workbench.core import Controller, Excitation, InputError, Recording
+from workbench.core.paths import models_folder
 from workbench.models import Model, read_model
+from workbench.models.mjcf import check_mjcf_text
 from workbench.rigs import HiddenEffect, Sensors
 from workbench.s3n import with_variant
 
@@ -21,6 +24,7 @@ from .draws import Draws
 from .environment import LOWEST, STEEPEST
 from .machine import POLICY_STEPS, STEP_S, Machine, make_machine
 from .plants import ClosedChainPlant, Plant, State, TrainedPlant, begin, body_frame
+from .settings import files_of
 from .situation import Constants, Situation
 from .tasks import CIRCLE, TASKS, Task, reach_reference
 
@@ -66,14 +70,26 @@ def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
         target = folder / name
         if not target.resolve().is_relative_to(folder.resolve()):
             raise InputError(f"'{name}' leads out of the bundle", file=bundle.source)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(data)
-    own = bundle.control
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(data)
+        except OSError as error:  # a part in a part, or a name longer than the system allows
+            raise InputError(f"'{name}' cannot be unpacked", file=bundle.source) from error
+    own, model = bundle.control, read_model(folder / "model" / "model.toml")
+    for file in files_of(model):
+        roots = folder.resolve(), models_folder().resolve()
+        if not any(file.resolve().is_relative_to(root) for root in roots):
+            raise InputError(f"its model names '{file}'", file=bundle.source, remedy="export it again")
+    check_mjcf_text(bundle.machine, bundle.source)
+    try:
+        compiled = mujoco.MjModel.from_xml_string(bundle.machine)
+    except (ValueError, mujoco.FatalError) as error:
+        raise InputError(f"MuJoCo cannot read {MACHINE}: {error}", file=bundle.source) from error
     return replace(
-        make_machine(task.machine, with_variant(read_model(folder / "model" / "model.toml"), bundle.variant)),
+        make_machine(task.machine, with_variant(model, bundle.variant)),
         # the world that the policy was trained in, whatever this version would make of the model
         xml=bundle.machine,
-        mujoco=mujoco.MjModel.from_xml_string(bundle.machine),
+        mujoco=compiled,
         transmission=own.transmission,
         posture=own.posture,
         kp=own.kp,

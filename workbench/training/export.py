@@ -16,6 +16,9 @@ from .learn import CHECKPOINT, CONFIG, MJCF, MODEL
 _EPS = 1e-2  # rsl_rl's EmpiricalNormalization adds it to the deviation
 _SAME = 1e-6  # ONNX against torch, relative to an action of 1 and above
 _OPSET = 17
+#: Entries of a run's configuration that go with its policy.
+_OF_POLICY = "task", "variant", "observations", "control", "model", "record"
+_OF_TRAINING = "settings", "rewards", "versions", "processes"
 
 
 def export(run: str | Path, path: str | Path, *, force: bool = False) -> Path:
@@ -31,25 +34,35 @@ def export(run: str | Path, path: str | Path, *, force: bool = False) -> Path:
     try:
         config = json.loads((folder / CONFIG).read_text(encoding="utf-8"))
         machine = (folder / MJCF).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError("no run here", file=folder, remedy="name a folder of `workbench train`") from error
+    if not isinstance(config, dict):
+        raise InputError("no run here", file=folder / CONFIG, remedy="name a folder of `workbench train`")
     checkpoint = load(folder / CHECKPOINT, "cpu")
-    actor = {k: v.numpy() for k, v in checkpoint["learner"]["actor_state_dict"].items()}
-    policy = to_onnx(actor)
-    difference = compare_with_torch(policy, actor)
+    try:
+        actor = {k: v.numpy() for k, v in checkpoint["learner"]["actor_state_dict"].items()}
+        iterations, seconds = int(checkpoint["iteration"]), float(checkpoint["seconds"])
+        policy = to_onnx(actor)
+        difference = compare_with_torch(policy, actor)
+    except Exception as error:  # weights of no network: numpy, torch and ONNX each say so in their own way
+        raise InputError(
+            f"the checkpoint holds no policy: {error}", file=folder / CHECKPOINT, remedy="train again"
+        ) from error
+    if missing := [key for key in (*_OF_POLICY, *_OF_TRAINING) if key not in config]:
+        raise InputError("is missing", file=folder / CONFIG, column=missing[0], remedy="train again")
     if not difference <= _SAME:
         raise SimulationError(f"the exported network differs from the trained one by {difference:.1e}")
     manifest = {
-        **{key: config[key] for key in ("task", "variant", "observations", "control", "model", "record")},
+        **{key: config[key] for key in _OF_POLICY},
         "normalisation": {
             "mean": actor["obs_normalizer._mean"].ravel().tolist(),
             "std": (actor["obs_normalizer._std"].ravel() + _EPS).tolist(),
             "about": "inside the network: (observation - mean) / std",
         },
         "training": {
-            **{key: config[key] for key in ("settings", "rewards", "versions", "processes")},
-            "iterations": int(checkpoint["iteration"]),
-            "seconds": float(checkpoint["seconds"]),
+            **{key: config[key] for key in _OF_TRAINING},
+            "iterations": iterations,
+            "seconds": seconds,
             "onnx_against_torch": difference,
         },
     }

@@ -9,7 +9,9 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from workbench.comparison import compare
 from workbench.core import InputError, Recording
@@ -20,6 +22,33 @@ from workbench.verification import verify
 from .settings import files_of, sha256, versions
 
 FORMAT = 1
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="ignore", strict=True)
+
+
+class _Check(_Table):
+    name: str
+    passed: bool
+
+
+class _Compared(_Table):
+    name: str
+
+
+class _Record(_Table):
+    """What is read of a record; the rest is there for people."""
+
+    format: Literal[1]
+    variant: str
+    files: dict[str, str]
+    checks: list[_Check]
+    passed: bool
+    recordings: list[_Compared]
+    error: float
+    noise_error: float
+    consistent: bool
 
 
 def record_path(model: Model) -> Path:
@@ -80,14 +109,16 @@ def read_record(path: Path) -> dict[str, Any] | None:
     """
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
+        _Record.model_validate(record)
     except FileNotFoundError:
         return None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
+        key = None
+        if isinstance(error, ValidationError):
+            key = ".".join(map(str, error.errors()[0]["loc"]))
         raise InputError(
-            "not a verification record", file=path, remedy="make it with `workbench approve`"
+            "not a verification record", file=path, column=key, remedy="make it with `workbench approve`"
         ) from error
-    if not isinstance(record, dict) or record.get("format") != FORMAT or "files" not in record:
-        raise InputError("not a verification record", file=path, remedy="make it with `workbench approve`")
     return record
 
 

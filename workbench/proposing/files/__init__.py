@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
-from workbench.core import InputError
+import numpy as np
 
-from ..bounds import bounded
+from workbench.core import InputError
+from workbench.core.bounds import bounded
+
 from ..table import Table
 from .arrays import read_matlab_file, read_numpy_file, read_parquet_file
 from .can_log import read_can_log
@@ -26,6 +29,7 @@ READERS = {
     ".mf4": read_can_log,
 }
 
+_LARGEST = 1e30
 _ARCHIVES = (".zip", ".tar", ".tgz", ".tar.gz", ".7z", ".rar", ".bz2", ".xz", ".zst")
 _PICKLES = (".pkl", ".pickle", ".joblib", ".pt", ".pth")
 
@@ -43,9 +47,18 @@ def open_table(path: Path, *, episode: int = 0) -> Table:
     if not path.exists():
         raise InputError("there is no such file", file=path, remedy="check the path")
     with bounded(path):
-        if path.is_dir():
-            return _folder(path, episode)
-        return _reader(path)(path)
+        return _measurable(_folder(path, episode) if path.is_dir() else _reader(path)(path))
+
+
+def _measurable(table: Table) -> Table:
+    """The same with cells empty that no instrument has written, and of which no square is a number."""
+    columns, notes = dict(table.columns), list(table.notes)
+    for name, values in table.columns.items():
+        wild = np.abs(values) > _LARGEST
+        if wild.any():
+            columns[name] = np.where(wild, np.nan, values)
+            notes.append(f"'{name}' has {wild.sum()} cells that are no measurement and are taken for empty.")
+    return replace(table, columns=columns, notes=tuple(notes)) if len(notes) > len(table.notes) else table
 
 
 def _reader(path: Path):

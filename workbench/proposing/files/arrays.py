@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -14,8 +13,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from workbench.core import InputError
+from workbench.core.bounds import MOST_BYTES, check_cells, too_large
+from workbench.recordings.tables.matlab_structure import check_matlab
 
-from ..bounds import MOST_BYTES, check_cells, too_large
 from ..table import Table
 
 _WHOLE = "check that the file is whole"
@@ -29,9 +29,11 @@ def read_parquet_file(path: Path) -> Table:
             check_cells(file.metadata.num_rows * file.metadata.num_columns, path)
             _check_unpacked(file.metadata, path)
             table = file.read()
-    except (pa.ArrowInvalid, pa.ArrowNotImplementedError, OSError) as error:
+    except (pa.ArrowException, OSError, ValueError) as error:
         raise InputError("is not a readable Parquet file", file=path, remedy=_WHOLE) from error
     columns, plain = parquet_columns(table, path)
+    if not columns:
+        raise InputError("holds no numbers", file=path, remedy="name another file")
     return Table(path, columns, plain=plain)
 
 
@@ -75,7 +77,7 @@ def read_matlab_file(path: Path) -> Table:
     """Arrays of a MATLAB file up to version 7, by the names that the recording reader takes."""
     from scipy.io import loadmat
 
-    _check_matlab(path)
+    check_matlab(path)
     try:
         data = loadmat(path, struct_as_record=False, chars_as_strings=False)
     except NotImplementedError as error:
@@ -119,48 +121,12 @@ def _stacked(path: Path, arrays: dict[str, np.ndarray], plain: bool) -> Table:
             continue
         for i in range(array.shape[1]):
             columns[f"{name}[{i}]" if array.shape[1] > 1 else name] = np.array(array[:, i], dtype=float)
+    if not columns:
+        raise InputError("holds no numbers", file=path, remedy="name another file")
     check_cells(length * len(columns), path)
     left = [name for name, array in tall.items() if len(array) != length]
     notes = tuple(f"'{name}' has another length than the rest and is left out." for name in left)
     return Table(path, columns, plain=plain, notes=notes)
-
-
-def _check_matlab(path: Path) -> None:
-    """Raises InputError where the arrays would not fit in memory once unpacked, by their own headers."""
-    from scipy.io import whosmat
-
-    with path.open("rb") as file:
-        head = file.read(128)
-        if head[:6] == b"MATLAB" and head[124:128] in (b"\x00\x01IM", b"\x01\x00MI"):
-            order = "<" if head[126:128] == b"IM" else ">"
-            total = 0
-            while len(tag := file.read(8)) == 8:
-                kind, size = struct.unpack(f"{order}II", tag)
-                body = file.read(min(size, MOST_BYTES + 1))
-                total += _unpacked(body, path) if kind == 15 else len(body)
-                if total > MOST_BYTES or size > MOST_BYTES:
-                    raise too_large(path)
-    try:
-        shapes = [shape for _, shape, _ in whosmat(path)]
-    except Exception:  # said where the file is read
-        return
-    for shape in shapes:
-        check_cells(int(np.prod([float(n) for n in shape])) if shape else 0, path)
-
-
-def _unpacked(body: bytes, path: Path) -> int:
-    """Length of a packed block, found without keeping it."""
-    unpack, total = zlib.decompressobj(), 0
-    try:
-        part = unpack.decompress(body, 2**20)
-        while part:
-            total += len(part)
-            if total > MOST_BYTES:
-                raise too_large(path)
-            part = unpack.decompress(unpack.unconsumed_tail, 2**20)
-    except zlib.error as error:
-        raise InputError("is not a readable MATLAB file", file=path, remedy=_WHOLE) from error
-    return total
 
 
 def read_numpy_file(path: Path) -> Table:

@@ -11,8 +11,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from workbench.core import InputError
+from workbench.core.bounds import MOST_BYTES, check_cells, inside, too_large
 
-from ..bounds import MOST_BYTES, check_cells, inside, too_large
 from ..table import Table
 from .arrays import parquet_columns
 
@@ -49,7 +49,7 @@ def read_lerobot(folder: Path, episode: int = 0) -> Table:
                     raise InputError("has no episode_index", file=file, remedy="is it a LeRobot data set?")
                 check_cells(opened.metadata.num_rows * len(wanted), file)
                 table = opened.read(columns=wanted)
-        except (pa.ArrowInvalid, OSError) as error:
+        except (pa.ArrowException, OSError, ValueError) as error:
             raise InputError(
                 "is not a readable Parquet file", file=file, remedy="download it again"
             ) from error

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import redirect_stderr
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from workbench.core import InputError
+from workbench.core.bounds import MOST_BYTES, MOST_CELLS, inside, too_large
 
-from ..bounds import MOST_BYTES, MOST_CELLS, inside, too_large
 from ..merge import merged
 from ..table import Series, Table
 
@@ -121,7 +123,6 @@ def _get(value: Any, key: str) -> Any:
 
 def _mcap_messages(path: Path) -> Messages:
     try:
-        from mcap.exceptions import McapError
         from mcap.reader import NonSeekingReader
         from mcap_ros2.decoder import DecoderFactory
     except ImportError as error:
@@ -134,17 +135,22 @@ def _mcap_messages(path: Path) -> Messages:
             for schema, channel, message in reader.iter_messages():
                 if channel.id not in decoders:
                     json_text = channel.message_encoding == "json"
-                    found = json.loads if json_text else factory.decoder_for(channel.message_encoding, schema)
+                    with redirect_stderr(io.StringIO()):  # it prints what it then raises
+                        found = (
+                            json.loads if json_text else factory.decoder_for(channel.message_encoding, schema)
+                        )
                     decoders[channel.id] = found
                 if decode := decoders[channel.id]:
                     yield channel.topic, message.log_time, decode(message.data)
-    except (McapError, OSError, EOFError, ValueError, KeyError, IndexError, RuntimeError) as error:
+    except MemoryError:
+        raise
+    except Exception as error:  # readers, unpackers and decoders have no common root of their errors
         raise InputError(f"is no readable MCAP file: {error}", file=path, remedy="record it again") from error
 
 
 def _sqlite_messages(folder: Path) -> Messages:
     try:
-        from rosbags.rosbag2 import Reader, ReaderError
+        from rosbags.rosbag2 import Reader
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise InputError("ROS 2 bags need the package rosbags", file=folder, remedy=_NEEDS) from error
@@ -166,7 +172,5 @@ def _sqlite_messages(folder: Path) -> Messages:
                 yield connection.topic, stamp, store.deserialize_cdr(raw, connection.msgtype)
     except MemoryError:
         raise
-    except (ReaderError, OSError, ValueError, KeyError, AssertionError) as error:
-        raise InputError(f"is no readable bag: {error}", file=folder, remedy="record it again") from error
     except Exception as error:  # the database's own errors have no common root with the reader's
         raise InputError(f"is no readable bag: {error}", file=folder, remedy="record it again") from error

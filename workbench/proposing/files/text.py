@@ -14,8 +14,8 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from workbench.core import InputError
+from workbench.core.bounds import check_cells, read_bounded
 
-from ..bounds import check_cells, read_bounded
 from ..table import Table
 
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")

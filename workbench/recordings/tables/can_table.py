@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import gc
+import logging
+import sys
+import traceback
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +21,7 @@ from .missing import missing_column
 if TYPE_CHECKING:
     import can
 
+_LARGEST, _LATEST = 1e300, 1e12
 _TIME, _VALID = ("t", "time"), "valid"
 
 
@@ -91,11 +97,13 @@ def _decode(message: can.Message, database: Any, signals: dict[str, Any], series
         if read is None:
             try:
                 read = name.decode(bytes(message.data), decode_choices=False)
-            except (cantools.database.DecodeError, ValueError):
+            except (cantools.database.DecodeError, ValueError, OverflowError):
                 return
         if read is not None and signal in read:
-            series[column][0].append(message.timestamp)
-            series[column][1].append(float(read[signal]))
+            value = read[signal]
+            if abs(value) < _LARGEST:  # a DBC may claim any scale
+                series[column][0].append(message.timestamp)
+                series[column][1].append(float(value))
 
 
 def _find(column: str, database: Any, path: Path) -> tuple[str | None, Any, str]:
@@ -126,9 +134,13 @@ def _database(path: Path) -> Any:
         remedy = f"put {own.name} beside it ('workbench can dbc' writes one)"
         raise InputError("a log needs a DBC to be understood", file=path, remedy=remedy)
     file = own if own.is_file() else others[0]
+    # that two messages share a name or an identifier is said where one of them is asked for
+    logging.getLogger("cantools").setLevel(logging.CRITICAL)
     try:
         return cantools.database.load_file(file, strict=False)
-    except (cantools.Error, OSError, ValueError) as error:
+    except MemoryError:
+        raise
+    except Exception as error:  # its parser raises whatever it met
         raise InputError(f"is no DBC: {error}", file=file, remedy="export it again") from error
 
 
@@ -137,12 +149,31 @@ def _messages(path: Path) -> Iterator[can.Message]:
     import can  # takes seconds to load, and most tables are no logs
 
     try:
-        with can.LogReader(path) as reader:
+        with _hushed(), can.LogReader(path) as reader:
             for message in reader:
+                if not abs(message.timestamp) < _LATEST:
+                    raise ValueError(f"a frame's time is {message.timestamp:g} s")
                 if not (message.is_error_frame or message.is_remote_frame):
                     yield message
     except NotImplementedError as error:
         remedy = "convert it to .blf or .asc, or install asammdf"
         raise InputError("MF4 logs need asammdf", file=path, remedy=remedy) from error
-    except (OSError, ValueError, EOFError, IndexError) as error:
+    except MemoryError:
+        raise
+    except Exception as error:  # the readers of BLF, ASC and MF4 raise whatever their parsers met
         raise InputError(f"is no readable log: {error}", file=path, remedy="export it again") from error
+
+
+@contextmanager
+def _hushed() -> Iterator[None]:
+    """asammdf tells the terminal what it cannot read, and then how its half-read files are thrown away."""
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)
+    before, sys.unraisablehook = sys.unraisablehook, lambda found: None
+    try:
+        yield
+    except Exception as error:
+        traceback.clear_frames(error.__traceback__)
+        gc.collect()
+        raise
+    finally:
+        sys.unraisablehook = before

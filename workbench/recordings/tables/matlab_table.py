@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import loadmat
+from scipy.io import loadmat, whosmat
 
 from workbench.core import InputError
 
+from .matlab_structure import check_matlab
 from .missing import missing_column
 
 _COLUMN = re.compile(r"(?P<path>[^\[\]]+?)\s*(?:\[(?P<index>\d+)\])?")
@@ -20,8 +21,10 @@ _COLUMN = re.compile(r"(?P<path>[^\[\]]+?)\s*(?:\[(?P<index>\d+)\])?")
 def read_matlab(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     """Read the named columns; see `read_table`. Of a 2-D array the longer side is time."""
     roots = {column: column.split(".")[0].split("[")[0].strip() for column in columns}
+    check_matlab(path)
     try:
         data = loadmat(path, variable_names=list(roots.values()), struct_as_record=False)
+        known = [str(name) for name, _, _ in whosmat(path)] if set(roots.values()) - set(data) else []
     except NotImplementedError as error:
         remedy = "save it again in MATLAB with save(..., '-v7')"
         raise InputError("MATLAB 7.3 files are not read", file=path, remedy=remedy) from error
@@ -30,7 +33,6 @@ def read_matlab(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
         raise InputError("is not a readable MATLAB file", file=path, remedy=remedy) from error
     for column, root in roots.items():
         if root not in data:
-            known = [name for name in loadmat(path) if not str(name).startswith("_")]
             raise missing_column(column, known, path)
     return {column: _extract(data, column, path) for column in columns}
 

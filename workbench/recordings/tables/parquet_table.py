@@ -23,7 +23,7 @@ def read_parquet(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
                 if column not in names:
                     raise missing_column(column, names, path)
             table = file.read(columns=list(columns))
-    except (pa.ArrowInvalid, OSError) as error:
+    except (pa.ArrowException, OSError, ValueError) as error:
         remedy = "check that the file is whole"
         raise InputError("is not a readable parquet file", file=path, remedy=remedy) from error
     return {column: _floats(table[column], path, column) for column in columns}

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
 
-from workbench.core import InputError
+from .errors import InputError
 
 MOST_BYTES = 512 * 2**20  # of a table once it is unpacked
 MOST_CELLS = 64 * 2**20  # as floats the same
@@ -85,9 +85,15 @@ def inside(folder: Path, path: Path) -> Path:
     Raises:
         InputError: it leads out of the folder.
     """
-    real = path.resolve()
+    remedy = "put the file itself there, not a link"
+    try:
+        real = path.resolve(strict=True)
+    except (OSError, RuntimeError) as error:  # a link that leads to itself
+        raise InputError(
+            "leads nowhere", file=path, remedy="put the file itself there, not a link"
+        ) from error
     if not real.is_relative_to(folder.resolve()):
-        raise InputError("leads out of its folder", file=path, remedy="put the file itself there, not a link")
+        raise InputError("leads out of its folder", file=path, remedy=remedy)
     return real
 
 

@@ -1,0 +1,28 @@
+"""MuJoCo as it is used here: it says nothing by itself, and leaves no file in anybody's folder."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import mujoco
+
+
+def silence() -> None:
+    """No ``MUJOCO_LOG.TXT``, nothing on the terminal: a run that diverges is seen to where it was started."""
+    config = mujoco.MjLogConfig.get()
+    config.logto_file = config.logto_console = False
+    config.set()
+
+
+@contextmanager
+def warned() -> Iterator[list[str]]:
+    """What MuJoCo warns of while it compiles, as a list rather than on the terminal."""
+    said: list[str] = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            yield said
+        finally:
+            said += [str(each.message) for each in caught]

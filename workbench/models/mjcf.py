@@ -1,0 +1,73 @@
+"""What an MJCF may do: describe a body. It has no plugin, and names no file but those beside or below it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+from workbench.core import InputError
+from workbench.core.xml import check_inside, parse_xml
+
+_FOLDERS = "meshdir", "texturedir", "assetdir"
+_MOST = 100  # files that include each other
+_LARGEST = 256 * 2**20  # bytes of an asset
+
+
+def check_mjcf(file: Path) -> None:
+    """Look through an MJCF file and all that it includes, before MuJoCo does what it says.
+
+    Raises:
+        InputError: it is no XML, has a plugin, or names a file outside of its folder, or one that includes
+            itself.
+    """
+    folder, seen, left = file.parent, set[Path](), [file]
+    roots: list[tuple[Path, ElementTree.Element]] = []
+    while left:
+        each = left.pop()
+        if each in seen or len(seen) > _MOST:
+            raise InputError("is included by itself", file=each, remedy="include each file once")
+        seen.add(each)
+        try:
+            raw = each.read_bytes()
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise InputError(f"cannot be read ({reason})", file=each, remedy="check the path") from error
+        roots.append((each, parse_xml(raw, each, problem="MuJoCo cannot read this MJCF")))
+        for node in roots[-1][1].iter("include"):
+            left.append(check_inside(node.get("file", ""), folder, each, "include"))
+    folders = [folder]
+    for each, root in roots:
+        for node in root.iter():
+            _refuse_plugin(node, each)
+            folders += [check_inside(node.get(k, ""), folder, each, k) for k in _FOLDERS if node.get(k)]
+    for each, root in roots:
+        for node in root.iter():
+            for key, name in node.attrib.items():
+                if key.startswith("file") and node.tag != "include":
+                    _check_asset(name, key, folders, each)
+
+
+def check_mjcf_text(text: str, file: Path | None) -> None:
+    """The same of MJCF that lies in no folder, and so can name no file.
+
+    Raises:
+        InputError: it is no XML, has a plugin, or names a file.
+    """
+    for node in parse_xml(text.encode(), file).iter():
+        _refuse_plugin(node, file)
+        for key, name in node.attrib.items():
+            if key.startswith("file") or node.tag == "include":
+                check_inside(name, None, file, key)
+
+
+def _refuse_plugin(node: ElementTree.Element, file: Path | None) -> None:
+    if node.tag in ("extension", "plugin") or "plugin" in node.attrib:
+        raise InputError("it has a plugin", file=file, column=node.tag, remedy="describe bodies alone")
+
+
+def _check_asset(name: str, key: str, folders: list[Path], file: Path) -> None:
+    for base in folders:
+        check_inside(name, base, file, key)
+        if (base / name).is_file() and (base / name).stat().st_size > _LARGEST:
+            problem = f"'{name}' is larger than {_LARGEST >> 20} MiB"
+            raise InputError(problem, file=file, column=key, remedy="simplify the mesh")
