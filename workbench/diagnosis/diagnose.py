@@ -114,7 +114,7 @@ def _diagnosis(found: Search) -> Diagnosis:
     verdict: Verdict = "unexplained"
     if found.consistent_before:
         verdict = "consistent"
-    elif found.stages and (found.consistent_after or found.explained >= EXPLAINED):
+    elif found.stages and (found.consistent_after or max(found.explained, found.mostly) >= EXPLAINED):
         verdict = "missing_effect"
     named = verdict == "missing_effect"
     before = _comparison(found.model, found.start_runs, found)

@@ -24,12 +24,16 @@ _LATER_TOLERANCE = 0.02
 # Of what is left it must remove this share: a cause that is there explains most of what the next one leaves,
 # while in a model that lacks something else many effects of one kind take a little of it each.
 LATER_SHARE = 0.25
+_PLAIN = 2.0  # squared error over the noise's from which a rest is plain to see, however small in the whole
+_LITTLE = 0.15  # share of such a rest that an effect may leave which explains it
 TIE = 0.03  # relative difference of judged error below which two explanations are one
 _UNSEEN = 0.02  # relative change of the held-out error
 _OVERSHADOWED = 1.5  # squared error over the noise's in training, over the same on held-out recordings
 _SHOWN = 0.02  # share of its excess by which a recording's squared error changes if it shows an effect at all
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
+_NEAR_FLOOR = 2.0  # the same, below which an explanation is not passed over for a basic one ...
+_FAR_WORSE = 4.0  # ... that leaves this many times as much
 _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
 
 
@@ -95,8 +99,29 @@ def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
     return min(shares)
 
 
+def mostly_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
+    """As `explained`, but the median over recordings, by their length: runs that part may end elsewhere.
+
+    Near a gap's resonance two motions can live side by side; on which one a recording lands, no model says.
+    """
+    worst = 1.0
+    for part in (slice(0, data.training), slice(data.training, None))[: 1 + data.held_out_judges]:
+        weight = data.weight**2
+        floor, rest = data.floor[part], np.maximum(data.floor, at_end.floor)[part]
+        before = np.sum(np.maximum(start.mean_squares[part] - floor, 0.0) * weight, axis=(1, 2))
+        after = np.sum(np.maximum(end.mean_squares[part] - 1.03 * rest, 0.0) * weight, axis=(1, 2))
+        shares = 1.0 - after / np.maximum(before, 1e-12)
+        rows = np.array([int(np.sum(r.valid)) for r in data.recordings[part]])
+        order = np.argsort(shares)
+        middle = np.searchsorted(np.cumsum(rows[order]), 0.5 * rows.sum())
+        worst = min(worst, float(np.clip(shares[order][middle], 0.0, 1.0)))
+    return worst
+
+
 def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
     """Whether even a perfect further effect could not lower the whole error by enough."""
+    if current.trained > _PLAIN * _floor(data) and current.judged > _PLAIN * floor_of_judging(data):
+        return False
     if data.score(data.floor) > (1.0 - _LATER) * data.score(current.mean_squares):
         return True
     plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
@@ -105,7 +130,12 @@ def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
 
 
 def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
-    """Whether an effect after the first lowers the whole error, not only what the first left of its own."""
+    """Whether an effect after the first lowers the whole error, not only what the first left of its own.
+
+    Or whether it explains nearly all of a rest that is small in the whole and yet plain to see.
+    """
+    if _explains_the_rest(found, current, data):
+        return True
     plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
     for held_out in {False, data.held_out_judges}:
         before = plain.objective(plain.pool(current.mean_squares, held_out))
@@ -116,6 +146,21 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
         if before - after < LATER_SHARE * (before - floor):
             return False
     return True
+
+
+def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
+    pairs = (
+        (current.trained, found.trained, _floor(data)),
+        (current.judged, found.judged, floor_of_judging(data)),
+    )
+    return all(
+        before > _PLAIN * floor and after - floor < _LITTLE * (before - floor) for before, after, floor in pairs
+    )
+
+
+def _floor(data: Data) -> float:
+    """Fitted error that a perfect model would have."""
+    return data.objective(data.pool(data.floor))
 
 
 def helps(found: Fit, current: Fit, excess: float) -> bool:
@@ -167,6 +212,7 @@ def choose(
         if effect_named(c.key.effect).basic
         and cost(c) <= cost(top)
         and before - f.judged > _BASIC * (before - most)
+        and not (most < _NEAR_FLOOR * floor and f.judged > _FAR_WORSE * most)
     ]
     pool = known or reached or basic or helpful
     best = min(f.judged for _, f in pool)

@@ -30,10 +30,12 @@ from .judging import (
     helps_later,
     lowers_error,
     margin,
+    mostly_explained,
     overshadowed,
     rejudged,
     unseen_on_held_out,
 )
+from .parting import parting
 from .refining import polished, prune, settle, with_candidate
 from .screen import Candidate, screen
 from .sensitivity import Scene
@@ -112,14 +114,13 @@ def search(
         costless = any(a.key == stage.added for a in stage.fit.hypothesis.stated)
         if stages and not costless and not helps_later(stage.fit, current, start, stage.data):
             break
-        wanders = any(effect_named(a.key.effect).wanders for a in stage.fit.hypothesis.free)
         progress(f"found {stage.added}; simulating the noise")
         fresh, runs = _refloor(stage.fit, data, seed)
         stages.append(replace(stage, data=fresh, runs=runs))
         current = rejudged(stage.fit, fresh)
         # what is left of runs that part by themselves says nothing of a further effect
         data, done = fresh, is_consistent(fresh, current.mean_squares)
-        if wanders:
+        if _wanders(current):
             break
     for stage in tuple(stages[:-1]):
         simple = simpler(stage, current, data, progress)
@@ -140,6 +141,7 @@ def search(
         before,
         done,
         explained(first, start, current, data),
+        mostly_explained(first, start, current, data) if _wanders(current) else 0.0,
     )
 
 
@@ -172,9 +174,15 @@ def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fi
     )
 
 
+def _wanders(found: Fit) -> bool:
+    return any(effect_named(a.key.effect).wanders for a in found.hypothesis.free)
+
+
 def _refloor(found: Fit, data: Data, seed: int) -> tuple[Data, Simulated]:
     simulated = data.replay.with_noise(found.hypothesis.model, seed)
     fresh = floor_of(data.replay, data.training, simulated)
+    if _wanders(found):
+        fresh = replace(fresh, floor=np.maximum(fresh.floor, parting(found, data)))
     return fresh.reweighed(found.mean_squares).heard(found.mean_squares), simulated
 
 

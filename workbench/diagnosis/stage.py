@@ -48,7 +48,11 @@ class Stage:
 
 @dataclass(frozen=True)
 class Search:
-    """The whole way: data and fit at the start, stages, first screening, whether noise explains the end."""
+    """The whole way: data and fit at the start, stages, first screening, whether noise explains the end.
+
+    `explained` is the share of the excess that is gone; `mostly` the same of the recording in the middle,
+    where the final model's runs part by themselves (else 0).
+    """
 
     model: Model
     start: Fit
@@ -59,6 +63,7 @@ class Search:
     consistent_before: bool
     consistent_after: bool
     explained: float
+    mostly: float = 0.0
 
     @property
     def final(self) -> Fit:
