@@ -21,13 +21,11 @@ from workbench.core import (
 from workbench.models import Model
 
 from .evidence import Clues, finding_lines
+from .judging import EXPLAINED
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, search
 from .stage import Search, Stage
 
-#: Share of the squared error above the noise that findings must explain before they are named. True
-#: causes explain nearly all of it; the nearest wrong one seldom half.
-EXPLAINED = 0.95
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
 _SUREST = 0.98
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
-from workbench.models import Model
+from workbench.models import Model, Placement
 
 from .data import Data
 from .hypothesis import Fit
@@ -24,6 +24,9 @@ _LATER_TOLERANCE = 0.02
 # Of what is left it must remove this share: a cause that is there explains most of what the next one leaves,
 # while in a model that lacks something else many effects of one kind take a little of it each.
 LATER_SHARE = 0.25
+#: Share of the squared error above the noise that findings must explain before they are named. True causes
+#: explain nearly all of it; the nearest wrong one seldom half.
+EXPLAINED = 0.95
 _PLAIN = 2.0  # squared error over the noise's from which a rest is plain to see, however small in the whole
 _LITTLE = 0.15  # share of such a rest that an effect may leave which explains it
 TIE = 0.03  # relative difference of judged error below which two explanations are one
@@ -134,7 +137,7 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
 
     Or whether it explains nearly all of a rest that is small in the whole and yet plain to see.
     """
-    if _explains_the_rest(found, current, data):
+    if explains_the_rest(found, current, data):
         return True
     plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
     for held_out in {False, data.held_out_judges}:
@@ -148,14 +151,21 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     return True
 
 
-def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
+def explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether hardly anything is left of a rest that is plain to see, fitted and judged."""
     pairs = (
         (current.trained, found.trained, _floor(data)),
         (current.judged, found.judged, floor_of_judging(data)),
     )
     return all(
-        before > _PLAIN * floor and after - floor < _LITTLE * (before - floor) for before, after, floor in pairs
+        before > _PLAIN * floor and after - floor < _LITTLE * (before - floor)
+        for before, after, floor in pairs
     )
+
+
+def nearly_at_floor(found: Fit, data: Data) -> bool:
+    """Whether hardly more than the noise is left, fitted and judged."""
+    return found.trained < _NEAR_FLOOR * _floor(data) and found.judged < _NEAR_FLOOR * floor_of_judging(data)
 
 
 def _floor(data: Data) -> float:
@@ -176,6 +186,15 @@ def lowers_error(found: Fit, current: Fit, data: Data) -> bool:
     """Whether the reported error falls, on what was fitted and on what was not."""
     parts = {False, data.held_out_judges}
     return all(data.score(found.mean_squares, p) < data.score(current.mean_squares, p) for p in parts)
+
+
+def witnessed(scene: Scene, found: Fit) -> bool:
+    """Whether the recorded motions show each effect whole enough to be named."""
+    model = found.hypothesis.model
+    return all(
+        effect_named(a.key.effect).witnessed(scene.motions, Placement.of(model, a.key), a.values)
+        for a in found.hypothesis.free
+    )
 
 
 def cancels(scene: Scene, found: Fit) -> bool:
@@ -238,4 +257,9 @@ def margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]])
         for c, f in fits
         if c is not chosen and not contains(c.key, chosen.key) and not contains(chosen.key, c.key)
     ]
+    return margin_over(found, others)
+
+
+def margin_over(found: Fit, others: Sequence[float]) -> float:
+    """The least of the others' judged errors over a fit's."""
     return min(others, default=float("inf")) / max(found.judged, 1e-12)

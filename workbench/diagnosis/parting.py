@@ -27,7 +27,9 @@ def parting(found: Fit, data: Data) -> np.ndarray:
     runs = [found.simulated, *data.replay.run([h.model for h in _around(found.hypothesis)])]
     apart = []
     for one, other in combinations(runs, 2):
-        rows = [data.residual(i, a) - data.residual(i, b) for i, (a, b) in enumerate(zip(one, other, strict=True))]
+        rows = [
+            data.residual(i, a) - data.residual(i, b) for i, (a, b) in enumerate(zip(one, other, strict=True))
+        ]
         square = np.stack([np.mean(r**2, axis=0) for r in rows])
         if np.isfinite(square).all():
             apart.append(square)

@@ -19,6 +19,7 @@ from .sensitivity import Scene, combine
 from .uncertainty import moved_apart, widened
 
 _SLIDING = (0.0005, 0.003, 0.01, 0.03)  # rad/s
+_ROUNDS = 5  # of a last fit, at most
 _TELLING = 0.6  # share of the rest by which the sliding speed is chosen
 
 
@@ -73,12 +74,22 @@ def settle(found: Fit, data: Data, floor: float) -> Fit:
 
 
 def polished(found: Fit, data: Data) -> Fit:
-    """The same effects with their parameters to the last digit that noise leaves."""
+    """The same effects with their parameters to the last digit that noise leaves.
+
+    A later effect must not win by what a fit that stopped halfway had still to gain.
+    """
     free = found.hypothesis.free
     if not free or any(effect_named(a.key.effect).wanders for a in free):
         return found
-    better = fit([found.hypothesis], data, iterations=4, enough=PRECISE)[0]
-    return found if better is None or better.trained > found.trained else widened(better, [found], share=0.0)
+    for _ in range(_ROUNDS):
+        better = fit([found.hypothesis], data, iterations=4, enough=PRECISE)[0]
+        if better is None or better.trained > found.trained:
+            return found
+        still_falling = better.trained < (1.0 - TIE) * found.trained
+        found = widened(better, [found], share=0.0)
+        if not still_falling:
+            break
+    return found
 
 
 def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, tuple[EffectKey, ...]]:

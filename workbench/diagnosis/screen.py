@@ -40,7 +40,7 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class _Entry:
+class Entry:
     """An effect of one shape: where its columns stand in a block, and what one unit does."""
 
     key: EffectKey
@@ -69,10 +69,10 @@ def screen(
     best: dict[EffectKey, Candidate] = {}
     without: float | None = None
     for columns, entries in _blocks(scene, len(following), {applied.key for applied in free}):
-        pieces, held_out = _equations(scene, known, columns, data, simulated)
+        pieces, held_out = equations(scene, known, columns, data, simulated)
         if without is None:
             anywhere = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
-            without = _judge(pieces, held_out, kept, None, anywhere)[0]
+            without = judge(pieces, held_out, kept, (), anywhere)[0]
         for entry in entries:
             candidate = _candidate(scene, entry, kept, pieces, held_out)
             before = best.get(entry.key)
@@ -81,10 +81,12 @@ def screen(
     return sorted(best.values(), key=lambda c: c.judged), without or 0.0
 
 
-def _blocks(scene: Scene, first: int, taken: set[EffectKey]) -> Iterator[tuple[list[Column], list[_Entry]]]:
-    """All effects in all places and shapes, in blocks of `_BLOCK` columns that are numbered from `first`."""
+def _blocks(
+    scene: Scene, first: int, taken: set[EffectKey], size: int = _BLOCK
+) -> Iterator[tuple[list[Column], list[Entry]]]:
+    """All effects in all places and shapes, in blocks of `size` columns that are numbered from `first`."""
     columns: list[Column] = []
-    entries: list[_Entry] = []
+    entries: list[Entry] = []
     for key in places(scene.model):
         if key in taken:
             continue
@@ -94,30 +96,44 @@ def _blocks(scene: Scene, first: int, taken: set[EffectKey]) -> Iterator[tuple[l
         for shape in effect.shapes(scene.motions, scene.model, place):
             linear, fixed = scene.columns(key, shape)
             own = [*linear, *([fixed] if fixed else [])]
-            if columns and len(columns) + len(own) > _BLOCK:
+            if columns and len(columns) + len(own) > size:
                 yield columns, entries
                 columns, entries = [], []
             start = first + len(columns)
             columns += own
             where = start + len(linear) if fixed is not None else None
             numbers = list(range(start, start + len(linear)))
-            entries.append(_Entry(key, shape, numbers, where, _strength(scene, own)))
+            entries.append(Entry(key, shape, numbers, where, _strength(scene, own)))
     yield columns, entries
 
 
 def _candidate(
-    scene: Scene, entry: _Entry, kept: list[int], pieces: list[Normal], held_out: Normal | None
+    scene: Scene, entry: Entry, kept: list[int], pieces: list[Normal], held_out: Normal | None
 ) -> Candidate:
-    effect = effect_named(entry.key.effect)
-    place = Placement.of(scene.model, entry.key)
-    lower, upper = (b[: len(entry.linear)] for b in effect.bounds(scene.model, place))
+    lower, upper = limits_of(scene, entry)
     open_low, open_high = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
     bounds = np.concatenate([open_low, lower]), np.concatenate([open_high, upper])
-    judged, solution = _judge(pieces, held_out, [*kept, *entry.linear], entry.fixed, bounds)
+    fixed = () if entry.fixed is None else (entry.fixed,)
+    judged, solution = judge(pieces, held_out, [*kept, *entry.linear], fixed, bounds)
     return Candidate(entry.key, solution[len(kept) :], entry.shape, judged, _detectable(pieces, entry, kept))
 
 
-def _equations(
+def limits_of(scene: Scene, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
+    """Physical bounds of an entry's coefficients."""
+    bounds = effect_named(entry.key.effect).bounds(scene.model, Placement.of(scene.model, entry.key))
+    return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]
+
+
+def entries_of(scene: Scene) -> tuple[list[Column], list[Entry]]:
+    """All effects in all places and shapes, with their columns."""
+    columns: list[Column] = []
+    entries: list[Entry] = []
+    for more, found in _blocks(scene, 0, set(), size=10**9):
+        columns, entries = more, found
+    return columns, entries
+
+
+def equations(
     scene: Scene,
     known: list[np.ndarray],
     columns: list[Column],
@@ -128,8 +144,9 @@ def _equations(
 
     `known`: responses of the unknowns that stand before `columns`, per recording.
     """
-    fresh = respond([scene], [columns], data)[0]
-    responses = [np.concatenate(pair, axis=-1) for pair in zip(known, fresh, strict=True)]
+    parts = [respond([scene], [columns[k : k + _BLOCK]], data)[0] for k in range(0, len(columns), _BLOCK)]
+    fresh = [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)]
+    responses = [np.concatenate(pair, axis=-1) for pair in zip(known, fresh, strict=True)] if known else fresh
     residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
     pieces = [normal(responses[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
     held_out: Normal | None = None
@@ -139,14 +156,21 @@ def _equations(
     return pieces, held_out
 
 
-def _judge(
+def judge(
     pieces: list[Normal],
     held_out: Normal | None,
     index: list[int],
-    fixed: int | None,
+    fixed: Sequence[int],
     bounds: tuple[np.ndarray, np.ndarray],
 ) -> tuple[float, np.ndarray]:
-    """Mean square left on held-out data (or across folds), and the solution on all training data."""
+    """Mean square left on held-out data (or across folds), and the solution on all training data.
+
+    Args:
+        pieces, held_out: see `equations`.
+        index: unknowns.
+        fixed: columns without a coefficient, which come off the residual first.
+        bounds: of the unknowns.
+    """
     parts = [_shifted(p, index, fixed) for p in pieces]
     whole = total(parts)
     solution = solve(whole, *bounds)
@@ -160,13 +184,12 @@ def _judge(
     return left / whole.samples, solution
 
 
-def _shifted(piece: Normal, index: list[int], fixed: int | None) -> Normal:
-    """Only some unknowns, with a fixed column taken off the residual first."""
-    if fixed is None:
-        return piece.pick(index)
-    right = piece.right - piece.gram[:, fixed]
-    square = piece.square - 2.0 * piece.right[fixed] + piece.gram[fixed, fixed]
-    return Normal(piece.gram, right, float(square), piece.samples).pick(index)
+def _shifted(piece: Normal, index: list[int], fixed: Sequence[int]) -> Normal:
+    for k in fixed:
+        right = piece.right - piece.gram[:, k]
+        square = piece.square - 2.0 * piece.right[k] + piece.gram[k, k]
+        piece = Normal(piece.gram, right, float(square), piece.samples)
+    return piece.pick(index)
 
 
 def _strength(scene: Scene, columns: list[Column]) -> float:
@@ -191,7 +214,7 @@ def _strength(scene: Scene, columns: list[Column]) -> float:
     return max(shares, default=0.0)
 
 
-def _detectable(pieces: list[Normal], entry: _Entry, kept: list[int]) -> float:
+def _detectable(pieces: list[Normal], entry: Entry, kept: list[int]) -> float:
     """Size in noise deviations of a share of 2 % of the torque, beside parameters that follow."""
     own = entry.linear or ([entry.fixed] if entry.fixed is not None else [])
     if not own or entry.strength == 0.0:

@@ -182,6 +182,13 @@ class Effect:
         """Smallest changes (k + nonlinear,) of the unknowns that simulations show, if `by_runs`."""
         return np.full(len(self.parameters), 1e-9)
 
+    def witnessed(
+        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
+    ) -> bool:
+        """Whether motions go far enough to tell it, with these values, from any other smooth curve."""
+        del motions, place, values
+        return True
+
     def blur(
         self, values: Mapping[str, float], position_noise: float, torque_noise: float
     ) -> dict[str, float]:

@@ -14,6 +14,7 @@ from .chain import Build, TorqueTerm
 from .law import law
 from .motion import Motion
 
+_LEAST = 0.75  # periods within the motion: less is a bend, which any spring may have
 _TRIED = 6  # orders that go on to the linearised loop
 _FINEST = 400  # of these, multiples of a quarter of a ripple over the whole arc
 
@@ -46,7 +47,7 @@ class Cogging(Effect):
         lacking = np.concatenate([((m.required(model) - m.torque) * m.gain)[:, place.index] for m in motions])
         lacking = lacking - lacking.mean()
         arc = float(np.ptp(position)) + 1e-9
-        orders = 0.5 * np.pi / arc * np.arange(2, _FINEST)
+        orders = 0.5 * np.pi / arc * np.arange(round(4 * _LEAST), _FINEST)
         orders = orders[orders >= 1.0] if motions[0].axis_units[place.index] == "rad" else orders
         # the sums of a histogram are those of the rows, as long as its bins are finer than a ripple
         edges = np.linspace(position.min(), position.max() + 1e-12, 8 * _FINEST + 1)
@@ -70,6 +71,15 @@ class Cogging(Effect):
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
         """Any phase."""
         return np.full(2, -np.inf), np.full(2, np.inf)
+
+    def witnessed(
+        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
+    ) -> bool:
+        """Over most of a period."""
+        assert place is not None
+        rows = [m.along(place)[0] for m in motions]
+        arc = max(float(r.max()) for r in rows) - min(float(r.min()) for r in rows)
+        return values["order"] * arc >= 2.0 * np.pi * _LEAST
 
     def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
         """Less than what brings ripples out of step within a radian."""
