@@ -14,6 +14,7 @@ from workbench.comparison import compare
 from workbench.core import Recording, SimulationError
 from workbench.diagnosis import diagnose
 from workbench.effects import load_model
+from workbench.models import Model
 
 from . import scoring
 from .answers import Answer, Named, answer_of, error_of, errors_of, key_of, with_answer, with_truth
@@ -80,6 +81,7 @@ def mark(
     line["before"] = error_of(model, judging) if data.held_out else float(before.error)
     truth = with_truth(model, case.hidden)
     line["floor"], line["floor_noise"] = errors_of(truth, judging) if known else (None, None)
+    line["asked"] = _asked_for(case, model, data.training)
     line |= marked(case, answer_of(diagnosis), line)
     line["error_stated"], line["noise_stated"] = float(diagnosis.error), float(diagnosis.noise_error)
     line["unexplained_fraction"] = float(diagnosis.unexplained_fraction)
@@ -111,12 +113,26 @@ def _asked(
     return spent | marked(case, Answer(answer.verdict, answer.named, after), line)
 
 
+def _asked_for(case: Case, model: Model, training: Sequence[Recording]) -> list[str]:
+    """What has to be named: of several hidden effects those without which the true model fails visibly."""
+    if case.kind not in ("pair", "triple"):
+        return [str(key_of(h)) for h in case.hidden]
+    asked = []
+    for h in case.hidden:
+        rest = with_truth(model, [other for other in case.hidden if other is not h])
+        error, noise = errors_of(rest, training)
+        if error is None or noise is None or error >= VISIBLE * noise:
+            asked.append(str(key_of(h)))
+    return asked
+
+
 def marked(case: Case, answer: Answer, line: Mapping[str, Any]) -> dict[str, Any]:
     """Outcome and numbers of one answer; `line` has the errors before and of the true model."""
     known = case.kind != "outsider"
     truth = [key_of(h) for h in case.hidden] if known else []
+    asked = [key for key in truth if str(key) in line["asked"]]
     match = scoring.matches(truth, answer, line["floor"])
-    result, found = scoring.outcome(truth, answer, match), [each.how for each in match]
+    result, found = scoring.outcome(truth, answer, match, asked), [each.how for each in match]
     after = answer.error_after if answer.named else line["before"]
     return {
         "verdict": answer.verdict,

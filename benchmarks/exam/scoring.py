@@ -121,11 +121,16 @@ def as_good(error: float | None, floor: float | None) -> bool:
     return error is not None and floor is not None and error <= AS_GOOD * floor
 
 
-def outcome(truth: Collection[EffectKey], answer: Answer, found: Sequence[Match]) -> str:
-    """One of `OUTCOMES`; `found` as `matches` gives it."""
+def outcome(
+    truth: Collection[EffectKey],
+    answer: Answer,
+    found: Sequence[Match],
+    asked: Collection[EffectKey] | None = None,
+) -> str:
+    """One of `OUTCOMES`; `found` as `matches` gives it, `asked` what has to be named (all, if not said)."""
     if answer.verdict != "missing_effect":
         return answer.verdict
-    missing = {canonical(key) for key in truth} - {match.of for match in found}
+    missing = {canonical(key) for key in (truth if asked is None else asked)} - {m.of for m in found}
     if any(match.how == "false" for match in found):
         return "wrong" if missing or not truth else "extra"
     if missing:
@@ -136,8 +141,8 @@ def outcome(truth: Collection[EffectKey], answer: Answer, found: Sequence[Match]
 def good(kind: str, result: str, visible: bool) -> bool:
     """Whether an outcome is what an honest and able judge would have said.
 
-    Of several hidden effects all have to be named. What is not visible may be called consistent. Nothing may
-    be named where nothing of the catalogue is hidden.
+    Of several hidden effects all that are visible beside the others have to be named. What is not visible may
+    be called consistent. Nothing may be named where nothing of the catalogue is hidden.
     """
     if kind == "clean":
         return result == "consistent"

@@ -137,7 +137,7 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
 
     Or whether it explains nearly all of a rest that is small in the whole and yet plain to see.
     """
-    if explains_the_rest(found, current, data):
+    if _explains_the_rest(found, current, data):
         return True
     plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
     for held_out in {False, data.held_out_judges}:
@@ -151,15 +151,18 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     return True
 
 
-def explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether hardly anything is left of a rest that is plain to see, fitted and judged."""
+def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
+    return explains_most(found, current, data, _LITTLE)
+
+
+def explains_most(found: Fit, current: Fit, data: Data, left: float = 0.25) -> bool:
+    """Whether no more than a share is `left` of a rest that is plain to see, fitted and judged."""
     pairs = (
         (current.trained, found.trained, _floor(data)),
         (current.judged, found.judged, floor_of_judging(data)),
     )
     return all(
-        before > _PLAIN * floor and after - floor < _LITTLE * (before - floor)
-        for before, after, floor in pairs
+        before > _PLAIN * floor and after - floor < left * (before - floor) for before, after, floor in pairs
     )
 
 

@@ -14,7 +14,7 @@ from workbench.effects import contains, effect_named
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
-from .judging import TIE, cancels, explains_the_rest, margin_over, nearly_at_floor, witnessed
+from .judging import TIE, cancels, explains_most, margin_over, witnessed
 from .normal import Normal, total
 from .refining import polished, with_candidate
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of
@@ -40,10 +40,10 @@ class _Fitted:
 def two_at_once(
     scene: Scene, data: Data, start: Fit, progress: Callable[[str], None]
 ) -> tuple[Stage, Stage] | None:
-    """The pair that explains nearly all, each of the two needed; None where there is none.
+    """The pair that explains most, each of the two needed; None where there is none that explains much.
 
     Every pair in every place and shape is solved on one linearisation of the loop; the best are simulated
-    and fitted. There are thousands, so what is accepted must come close to the noise, fitted and held out.
+    and fitted. There are thousands, so that more than the usual should be asked of what they lead to.
 
     Args:
         scene: the model that lacks something.
@@ -67,11 +67,11 @@ def two_at_once(
     for found in sorted(fits, key=lambda f: f.fit.judged):
         best = replace(found, fit=polished(found.fit, data))
         sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
-        if not sound or not nearly_at_floor(best.fit, data):
+        if not sound or not explains_most(best.fit, start, data):
             continue
         free = best.fit.hypothesis.free
         singles = fit([replace(best.fit.hypothesis, free=(a,)) for a in free], data)
-        if all(s is not None and explains_the_rest(best.fit, s, data) for s in singles):
+        if all(s is not None and explains_most(best.fit, s, data) for s in singles):
             return _stages(best, [s for s in singles if s is not None], fits, data, start)
     return None
 

@@ -21,6 +21,7 @@ from .judging import (
     explained,
     helps_later,
     mostly_explained,
+    nearly_at_floor,
     overshadowed,
     rejudged,
     unseen_on_held_out,
@@ -95,10 +96,12 @@ def search(
         way = _onwards(way, scene, screened, start, limit, seed, progress)
         if not _holds(way, first, start) and limit > 1:
             pair = two_at_once(scene, data, start, progress)
-            other = way if pair is None else _taken(pair, start, data, seed)
-            if pair is not None and len(pair) < limit:
-                other = _onwards(other, scene, screened, start, limit, seed, progress)
-            way = other if _holds(other, first, start) else way
+            if pair is not None:
+                other = _taken(pair, start, data, seed)
+                if not nearly_at_floor(other.current, other.data):
+                    other = _onwards(other, scene, screened, start, limit, seed, progress)
+                sure = other.done or nearly_at_floor(other.current, other.data)
+                way = other if sure and _holds(other, first, start) else way
     way = _simplified(way, seed, progress)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
