@@ -76,22 +76,15 @@ def settled(model: Any, path: str, found: Sequence[Any]) -> Any:
     Raises:
         InputError: the JSON says something else there than a diagnosis does.
     """
-    from workbench.effects import effect_named
+    from workbench.effects import with_settled
 
     try:
         own = json_format.loads(Path(path).read_text()).get("settled", {})
-        speed, braking = own.get("sliding_speed"), own.get("full_braking")
-        if speed is not None and any(effect_named(f.key.effect).dry for f in found):
-            if not 0.0 < float(speed) < float("inf"):
-                raise ValueError
-            model = replace(model, sliding_speed=float(speed))
-        if braking is not None and any(f.key.effect == "speed_torque_limit" for f in found):
-            model = replace(model, actuators=replace(model.actuators, full_braking=bool(braking)))
+        return with_settled(model, own, [f.key for f in found])
     except (ValueError, TypeError, AttributeError) as error:
         raise InputError(
             "'settled' is not what a diagnosis says", file=path, remedy="make it with 'diagnose --json'"
         ) from error
-    return model
 
 
 def parse_place(text: str) -> EffectKey:

@@ -10,6 +10,7 @@ from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
 from .motion import Line, Motion, held, torque_bounds
 from .presliding_hysteresis import wound
+from .settled import with_settled
 from .stiffness import tendon_row
 
 __all__ = [
@@ -46,5 +47,6 @@ __all__ = [
     "smooth_sign",
     "tendon_row",
     "torque_bounds",
+    "with_settled",
     "wound",
 ]

@@ -22,7 +22,7 @@ from workbench.core import (
     SimulationError,
 )
 from workbench.core.files import check_free
-from workbench.effects import check_effect, effect_named
+from workbench.effects import check_effect, with_settled
 from workbench.models import AppliedEffect, Model, write_model
 from workbench.report.numbers import plain
 
@@ -66,7 +66,7 @@ class Bench:
         folder: where models and reports are saved.
         seed: of the noise simulations.
         chosen, history: None until something is chosen.
-        diagnosis: of the model as it was when it was asked for, and `explained`, that with all findings.
+        diagnosis: of the model as it was when it was asked for.
     """
 
     shelf: Shelf
@@ -75,7 +75,6 @@ class Bench:
     chosen: Chosen | None = None
     history: History | None = None
     diagnosis: Diagnosis | None = None
-    explained: Model | None = None
 
     def read(self, model: str, recordings: Sequence[str], held_out: str | None = None) -> Chosen:
         """Read what was chosen, without choosing it yet; slow where files are large.
@@ -103,7 +102,7 @@ class Bench:
         self.chosen = chosen
         if not same or self.history is None:
             self.history = History(chosen.model)
-        self.diagnosis = self.explained = None
+        self.diagnosis = None
 
     @property
     def model(self) -> Model:
@@ -126,14 +125,14 @@ class Bench:
         self._history.change(f"adding {applied.key}", self.model.with_effect(checked))
 
     def add_finding(self, finding: Finding) -> None:
-        """Add what a diagnosis found, and the way in which its friction sets in.
+        """Add what the diagnosis found, and what it settled of the model for it.
 
         Raises:
             InputError: it does not belong in this model any more.
         """
         model, applied = self.model, AppliedEffect(finding.key, finding.parameters)
-        if self.explained is not None and effect_named(finding.key.effect).dry:
-            model = replace(model, sliding_speed=self.explained.sliding_speed)
+        if self.diagnosis is not None:
+            model = with_settled(model, self.diagnosis.settled, [finding.key])
         self.take(f"adding {finding.key}", model.with_effect(check_effect(model, applied)))
 
     def take(self, what: str, model: Model) -> None:

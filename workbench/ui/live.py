@@ -12,8 +12,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
-from workbench.core import Comparison, EffectKey, Improvement, Recording, RecordingError, WorkbenchError
-from workbench.diagnosis import fit_effect, improve
+from workbench.core import Comparison, Diagnosis, EffectKey, Recording, RecordingError, WorkbenchError
+from workbench.diagnosis import diagnose, fit_effect
 from workbench.models import AppliedEffect, Model
 
 from .bench import Bench, Chosen
@@ -235,12 +235,11 @@ class Live:
             return
         model = self.bench.model
 
-        def done(result: tuple[Improvement, Model]) -> None:
-            self.bench.diagnosis, self.bench.explained = result[0].diagnosis, result[1]
+        def done(result: Diagnosis) -> None:
+            self.bench.diagnosis = result
             self.tell("diagnosis")
 
-        # the same search as `diagnose`, which does not say how the contact of what it found sets in
-        self._work("starting", improve, (model, *chosen.split()), done)
+        self._work("starting", diagnose, (model, *chosen.split()), done)
 
     def fit(self, key: EffectKey) -> None:
         """Fit an effect to the recordings and add it."""
