@@ -124,7 +124,7 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
         return []
     pieces, held_out = equations(scene, [], columns, data, start.simulated)
     pairs = [(a, b) for a, b in combinations(entries, 2) if _may_stand_together(a.key, b.key)]
-    left = _unbounded(total(pieces), pairs)
+    left = left_by(total(pieces), pairs)
     best: dict[tuple[EffectKey, EffectKey], tuple[float, Pair]] = {}
     for k in np.argsort(left)[:_SOLVED]:
         one, other = pairs[k]
@@ -151,8 +151,13 @@ def _may_stand_together(one: EffectKey, other: EffectKey) -> bool:
     return not (effect_named(one.effect).dry and effect_named(other.effect).dry and one.axis == other.axis)
 
 
-def _unbounded(whole: Normal, pairs: Sequence[tuple[Entry, Entry]]) -> np.ndarray:
-    """Squared residual that each pair leaves without bounds, (P,), all solved side by side."""
+def left_by(whole: Normal, pairs: Sequence[tuple[Entry, Entry]]) -> np.ndarray:
+    """Squared residual that each pair leaves without bounds, (P,), all solved side by side.
+
+    Args:
+        whole: normal equations of all columns.
+        pairs: entries, by the numbers of their columns.
+    """
     most = max(len(a.linear) + len(b.linear) for a, b in pairs)
     index, there = np.zeros((len(pairs), most), int), np.zeros((len(pairs), most), bool)
     shift = np.zeros((len(pairs), len(whole.right)), np.int8)
