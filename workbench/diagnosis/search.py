@@ -67,8 +67,9 @@ def search(
 ) -> Search:
     """Add effects one at a time until noise explains the rest or nothing helps.
 
-    Where that leaves the data unexplained, two are looked for at once: the best first step of a pair may be
-    neither of them.
+    Where that leaves the data unexplained there are other ways to begin, of which more is asked in the end:
+    by what the training recordings show, where held-out motion shows little; and with two effects at once,
+    since the best first step of a pair may be neither of them.
 
     Args:
         model: where to start.
@@ -95,13 +96,15 @@ def search(
     if not before:
         way = _onwards(way, scene, screened, start, limit, seed, progress)
         if not _holds(way, first, start) and limit > 1:
-            pair = two_at_once(scene, data, start, progress)
-            if pair is not None:
-                other = _taken(pair, start, data, seed)
-                if not nearly_at_floor(other.current, other.data):
+            for begin in (_by_training, two_at_once):
+                stages = begin(scene, data, start, progress)
+                other = _taken(stages, start, data, seed) if stages else way
+                if stages and not nearly_at_floor(other.current, other.data):
                     other = _onwards(other, scene, screened, start, limit, seed, progress)
                 sure = other.done or nearly_at_floor(other.current, other.data)
-                way = other if sure and _holds(other, first, start) else way
+                if stages and sure and _holds(other, first, start):
+                    way = other
+                    break
     way = _simplified(way, seed, progress)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
@@ -160,6 +163,17 @@ def _onwards(
         if _wanders(current):
             break
     return _Way(current, data, tuple(stages), done)
+
+
+def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tuple[Stage, ...]:
+    """A first effect as the training recordings judge it, where they show much more than held-out motion."""
+    if not overshadowed(start, data):
+        return ()
+    progress("beginning with what the training recordings show")
+    deaf = data.unheard()
+    candidates, _ = screen(scene, deaf, start.simulated, ())
+    stage = next_stage(scene, candidates, rejudged(start, deaf), deaf, progress)
+    return () if stage is None else (stage,)
 
 
 def _holds(way: _Way, first: Data, start: Fit) -> bool:
