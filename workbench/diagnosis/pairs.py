@@ -14,7 +14,7 @@ from workbench.effects import contains, effect_named
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
-from .judging import TIE, cancels, explains_most, margin_over, witnessed
+from .judging import TIE, cancels, explains_most, floor_of_judging, margin_over, witnessed
 from .normal import Normal, total
 from .refining import polished, with_candidate
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of
@@ -23,7 +23,8 @@ from .stage import Stage
 
 _MOST_VALUES = 3e8  # that responses of all effects to all rows may have; larger data are searched one by one
 _SOLVED = 300  # pairs that are solved with bounds, and judged
-_SIMULATED = 8
+_SIMULATED = 6
+_PROMISING = 0.4  # share of the excess that a pair may leave by the linearised loop, to be simulated
 _RIDGE = 1e-9
 
 Pair = tuple[Candidate, Candidate]
@@ -142,7 +143,9 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
             Candidate(e.key, x, e.shape, judged, 0.0) for e, x in zip((one, other), parts, strict=True)
         )
         best[one.key, other.key] = judged, (first, second)
-    return [pair for _, pair in sorted(best.values(), key=lambda jp: jp[0])]
+    floor = floor_of_judging(data)
+    most = floor + _PROMISING * max(start.judged - floor, 0.0)
+    return [pair for judged, pair in sorted(best.values(), key=lambda jp: jp[0]) if judged < most]
 
 
 def _may_stand_together(one: EffectKey, other: EffectKey) -> bool:
