@@ -15,6 +15,7 @@ from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recor
 from workbench.core.files import check_free
 
 if TYPE_CHECKING:
+    from workbench.recordings import Excerpts, Log
     from workbench.report import Sheet
 
 ModelArgument = Annotated[
@@ -34,6 +35,9 @@ JsonOption = Annotated[
 HtmlOption = Annotated[
     str | None, typer.Option("--html", metavar="FILE", help="Write the result as a self-contained page.")
 ]
+WholeOption = Annotated[
+    bool, typer.Option("--whole", help="Fit every row of long logs, whatever memory that takes.")
+]
 ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite outputs that exist.")]
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the noise simulations.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
@@ -47,23 +51,40 @@ def read_recordings(paths: Sequence[str]) -> list[Recording]:
     """
     from workbench.recordings import load_recordings
 
+    _each_once(paths)
+    return load_recordings(list(paths))
+
+
+def _each_once(paths: Sequence[str]) -> None:
     resolved = [Path(p).resolve() for p in paths]
     twice = [p for p, r in zip(paths, resolved, strict=True) if resolved.count(r) > 1]
     if twice:
         raise InputError("the recording is given twice", file=twice[0], remedy="name each recording once")
-    return load_recordings(list(paths))
 
 
-def read_pair(
-    training: Sequence[str], held_out: Sequence[str] | None
-) -> tuple[list[Recording], list[Recording]]:
-    """Recordings to fit and to judge by.
+def open_sources(paths: Sequence[str], *, whole: bool = False) -> list[Recording | Log]:
+    """Recordings, and logs in place of those that are too long to be held (none if `whole`); each file once.
+
+    Raises:
+        InputError: one of them is bad, or stands twice.
+    """
+    from workbench.recordings import open_recordings
+
+    _each_once(paths)
+    return open_recordings(list(paths), whole=whole)
+
+
+def open_pair(training: Sequence[str], held_out: Sequence[str] | None, *, whole: bool) -> Excerpts:
+    """Recordings to fit and to judge by, windows in place of long logs unless they are wanted `whole`.
 
     Raises:
         InputError: one of them is bad, or is given for both.
     """
-    both = read_recordings([*training, *(held_out or [])])
-    return both[: len(training)], both[len(training) :]
+    from workbench.recordings import excerpts
+
+    both = open_sources([*training, *(held_out or [])], whole=whole)
+    count = len(both) - len(held_out or [])
+    return excerpts(both[:count], both[count:])
 
 
 def check_outputs(*paths: str | None, force: bool) -> None:

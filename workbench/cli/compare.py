@@ -17,8 +17,8 @@ from .common import (
     SeedOption,
     check_outputs,
     deliver,
+    open_sources,
     progress,
-    read_recordings,
 )
 
 
@@ -40,14 +40,14 @@ def compare(
 
     Example: workbench compare leg recordings/chirp_hip.toml --html report.html
     """
-    from workbench.comparison import compare as run
+    from workbench.comparison import compare_logs
     from workbench.effects import load_model
 
     check_outputs(json, html, force=force)
-    loaded, data = load_model(model), read_recordings(recordings)
+    loaded, data = load_model(model), open_sources(recordings)
     with progress(quiet) as tell:
         tell("simulating the recordings, with and without noise")
-        result = run(loaded, data, seed=seed)
+        result = compare_logs(loaded, data, seed=seed, progress=tell)
     deliver(
         result,
         json=json,

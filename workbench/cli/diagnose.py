@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .app import app
 from .common import (
     ForceOption,
@@ -12,10 +14,11 @@ from .common import (
     QuietOption,
     RecordingsArgument,
     SeedOption,
+    WholeOption,
     check_outputs,
     deliver,
+    open_pair,
     progress,
-    read_pair,
     staged,
 )
 
@@ -27,6 +30,7 @@ def diagnose(
     holdout: HoldoutOption = None,
     json: JsonOption = None,
     html: HtmlOption = None,
+    whole: WholeOption = False,
     seed: SeedOption = 0,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -40,8 +44,9 @@ def diagnose(
 
     check_outputs(json, html, force=force)
     loaded = load_model(model)
-    training, held_out = read_pair(recordings, holdout)
+    data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
-        result = run(loaded, training, held_out, seed=seed, progress=staged(tell))
+        result = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
+    result = replace(result, used=data.share, notes=data.notes)
     inputs = [model, *recordings, *(holdout or [])]
     deliver(result, json=json, html=html, force=force, quiet=quiet, inputs=inputs, seeds={"noise": seed})

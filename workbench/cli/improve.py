@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 import typer
@@ -16,10 +17,11 @@ from .common import (
     QuietOption,
     RecordingsArgument,
     SeedOption,
+    WholeOption,
     check_outputs,
     deliver,
+    open_pair,
     progress,
-    read_pair,
     staged,
 )
 
@@ -32,6 +34,7 @@ def improve(
     holdout: HoldoutOption = None,
     json: JsonOption = None,
     html: HtmlOption = None,
+    whole: WholeOption = False,
     seed: SeedOption = 0,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -46,10 +49,11 @@ def improve(
 
     check_outputs(output, json, html, force=force)
     loaded = load_model(model)
-    training, held_out = read_pair(recordings, holdout)
+    data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
-        result, better = run(loaded, training, held_out, seed=seed, progress=staged(tell))
+        result, better = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
     write_model(better, output, force=force)
+    result = replace(result, used=data.share, notes=data.notes)
     inputs = [model, *recordings, *(holdout or [])]
     deliver(result, json=json, html=html, force=force, quiet=quiet, inputs=inputs, seeds={"noise": seed})
     if not quiet and json != "-":

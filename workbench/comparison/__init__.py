@@ -1,6 +1,7 @@
 """How far a model is from measurements, and where."""
 
 from .compare import check_recordings, compare, evaluate, simulate_with_noise
+from .long import compare_logs
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, Simulated, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
@@ -13,6 +14,7 @@ __all__ = [
     "Simulated",
     "check_recordings",
     "compare",
+    "compare_logs",
     "evaluate",
     "needs_inverse",
     "normalised",

@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.core import HOPELESS, Comparison, InputError, Recording, RecordingError
+from workbench.core import (
+    HOPELESS,
+    Comparison,
+    InputError,
+    InverseDynamics,
+    Recording,
+    RecordingError,
+    Share,
+)
 from workbench.effects import axis_units
 from workbench.models import Model
 from workbench.simulation import check_axes, scored_torque
@@ -83,32 +92,73 @@ def compare(
 def evaluate(model: Model, simulated: Simulated) -> Comparison:
     """Score runs that were made already."""
     recordings = simulated.recordings
-    scale = Scale.of(recordings)
-    counts = [int(np.sum(r.valid)) for r in recordings]
-    error_sums = [squares(r, s) for r, s in zip(recordings, simulated.clean, strict=True)]
-    noise_sums = [
-        [squares(n, c, scored_signals(r)) for n, c, r in zip(draw, simulated.clean, recordings, strict=True)]
-        for draw in simulated.noisy
-    ]
+    parts = [Sums.of(simulated, i) for i in range(len(recordings))]
+
+    def where(entries: Sequence[RecordingError]) -> tuple[Share, ...]:
+        return (*line_shares(entries), *locate(entries, simulated.noisy, axis_units(model)))
+
+    inverse = inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels)
+    return concluded(model, parts, Scale.of(recordings), where, inverse, notes_of(recordings))
+
+
+@dataclass(frozen=True)
+class Sums:
+    """What is left of one recording, summed over its valid rows.
+
+    Attributes:
+        recording, simulated: what is shown of it.
+        error: sums of squares (2, n) of measured minus simulated.
+        noise: the same of each noise draw, (draws, 2, n).
+        count: rows.
+        covers: as of `RecordingError`.
+    """
+
+    recording: Recording
+    simulated: Recording
+    error: np.ndarray
+    noise: np.ndarray
+    count: int
+    covers: float | None = None
+
+    @staticmethod
+    def of(simulated: Simulated, index: int) -> Sums:
+        """Of one recording of those that were run."""
+        r, clean = simulated.recordings[index], simulated.clean[index]
+        names = scored_signals(r)
+        noise = np.stack([squares(draw[index], clean, names) for draw in simulated.noisy])
+        return Sums(r, clean, squares(r, clean), noise, int(np.sum(r.valid)))
+
+
+def concluded(
+    model: Model,
+    parts: Sequence[Sums],
+    scale: Scale,
+    where: Callable[[Sequence[RecordingError]], tuple[Share, ...]],
+    inverse: InverseDynamics | None,
+    notes: tuple[str, ...],
+) -> Comparison:
+    """The comparison that sums say; `where` is asked where noise does not explain the error."""
+    counts = [p.count for p in parts]
     entries = []
-    for i, r in enumerate(recordings):
-        error_ms = error_sums[i] / counts[i]
-        noise_ms = np.mean([draw[i] for draw in noise_sums], axis=0) / counts[i]
+    for p in parts:
+        error_ms = p.error / p.count
+        noise_ms = np.mean(p.noise, axis=0) / p.count
         noise_ms = np.where(np.isfinite(error_ms), noise_ms, np.nan)
         entries.append(
             RecordingError(
-                recording=r,
-                simulated=simulated.clean[i],
+                recording=p.recording,
+                simulated=p.simulated,
                 position_rmse=np.sqrt(error_ms[0]),
                 torque_rmse=np.sqrt(error_ms[1]),
                 position_noise=np.sqrt(noise_ms[0]),
                 torque_noise=np.sqrt(noise_ms[1]),
                 error=normalised(error_ms, scale),
                 noise_error=normalised(noise_ms, scale),
+                covers=p.covers,
             )
         )
-    error_ms = pooled(error_sums, counts)
-    draws_ms = np.stack([pooled(draw, counts) for draw in noise_sums])
+    error_ms = pooled([p.error for p in parts], counts)
+    draws_ms = np.stack([pooled([p.noise[k] for p in parts], counts) for k in range(len(parts[0].noise))])
     floors = np.array([normalised(ms, scale) for ms in draws_ms])
     error, floor, spread = normalised(error_ms, scale), float(floors.mean()), float(floors.std(ddof=1))
     fine = consistent(error_ms, draws_ms, error, floors)
@@ -120,9 +170,9 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
         noise_error=floor,
         noise_error_std=spread,
         consistent=fine,
-        where=() if fine else (*line_shares(entries), *locate(entries, simulated.noisy, axis_units(model))),
-        inverse_dynamics=inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels),
-        notes=_notes(recordings),
+        where=() if fine else where(entries),
+        inverse_dynamics=inverse,
+        notes=notes,
     )
 
 
@@ -153,7 +203,8 @@ def consistent(
     return not by_signal or bool(np.all(~(np.sqrt(error_ms / floor) > limit)))
 
 
-def _notes(recordings: Sequence[Recording]) -> tuple[str, ...]:
+def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """What a reader of a result on these recordings should know."""
     notes = []
     for r in recordings:
         notes += [f"{r.name}: {note}" for note in r.notes]

@@ -29,13 +29,22 @@ def inverse_dynamics(
     if not used or not model.size:
         return None
     plant = compile_plant(model)
-    top = np.zeros(model.size)
-    bottom = np.zeros(model.size)
-    for recording, simulated in used:
-        measured, needed, valid = torque_pair(plant, recording, simulated, levels)
-        top += np.sum((measured - needed)[valid] ** 2, axis=0)
-        bottom += np.sum(measured[valid] ** 2, axis=0)
-    name = f"zero-phase Butterworth, order {_ORDER}, {cutoff_hz(used[0][0]):g} Hz, on both torques"
+    sums = np.sum([torque_sums(plant, r, p, levels) for r, p in used], axis=0)
+    return inverse_of(sums, used[0][0])
+
+
+def torque_sums(
+    plant: Plant, recording: Recording, simulated: Recording | None, levels: NoiseLevels
+) -> np.ndarray:
+    """Sums of squares over rows that count, (2, n): measured minus needed torque, and the measured one."""
+    measured, needed, valid = torque_pair(plant, recording, simulated, levels)
+    return np.stack([np.sum(x[valid] ** 2, axis=0) for x in (measured - needed, measured)])
+
+
+def inverse_of(sums: np.ndarray, recording: Recording) -> InverseDynamics:
+    """The relative error of `torque_sums` (2, n), of recordings like this one."""
+    top, bottom = sums
+    name = f"zero-phase Butterworth, order {_ORDER}, {cutoff_hz(recording):g} Hz, on both torques"
     with np.errstate(invalid="ignore", divide="ignore"):
         axes = np.sqrt(top / bottom)
     return InverseDynamics(float(np.sqrt(top.sum() / bottom.sum())), axes, name)

@@ -60,6 +60,10 @@ class Replay(Protocol):
         """The sensors."""
         ...
 
+    def like(self, model: Model, recordings: Sequence[Recording]) -> Replay:
+        """The same sensors and the same kind of replay for other recordings."""
+        ...
+
     def only(self, chosen: Sequence[int]) -> Replay:
         """The same for some of the recordings."""
         ...
@@ -97,10 +101,7 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     """
     noise = noise or NoiseModel.of(recordings)
     if not any(needs_inverse(model, r) for r in recordings):
-        known = tuple(
-            replace(r, controller=model.controller) if r.controller.kind == "unknown" else r
-            for r in map(settled, recordings)
-        )
+        known = _closed(model, recordings)
         return ClosedLoop(known, noise.with_unlogged_rate([prepare(r, model) for r in known]))
     blind = next((r for r in recordings if scored_torque(r) is None), None)
     if blind is not None:
@@ -108,8 +109,18 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
             "neither the loop nor a torque is known", file=blind.source, column="controller",
             remedy="describe the controller, or name the column of the torque",
         )  # fmt: skip
-    followed = tuple(replace(r, controller=replace(r.controller, kind="unknown")) for r in recordings)
-    return MeasuredMotion(followed, noise, model)
+    return MeasuredMotion(_followed(recordings), noise, model)
+
+
+def _closed(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    return tuple(
+        replace(r, controller=model.controller) if r.controller.kind == "unknown" else r
+        for r in map(settled, recordings)
+    )
+
+
+def _followed(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    return tuple(replace(r, controller=replace(r.controller, kind="unknown")) for r in recordings)
 
 
 def needs_inverse(model: Model, recording: Recording) -> bool:
@@ -124,6 +135,10 @@ class ClosedLoop:
 
     recordings: tuple[Recording, ...]
     noise: NoiseModel
+
+    def like(self, model: Model, recordings: Sequence[Recording]) -> ClosedLoop:
+        """The same for other recordings."""
+        return ClosedLoop(_closed(model, recordings), self.noise)
 
     def only(self, chosen: Sequence[int]) -> ClosedLoop:
         """The same for some of the recordings."""
@@ -176,10 +191,12 @@ class MeasuredMotion:
     differentiating errs, and axes while they stand still, where dry friction takes any value, do not count.
     """
 
-    def __init__(self, recordings: tuple[Recording, ...], noise: NoiseModel, model: Model) -> None:
+    def __init__(
+        self, recordings: tuple[Recording, ...], noise: NoiseModel, model: Model, corner: float | None = None
+    ) -> None:
         self.recordings, self.noise, self._transmission = recordings, noise, model.transmission
         plant = compile_plant(model)
-        self._corner = min(corner_hz(r, plant, noise.levels) for r in recordings)
+        self._corner = corner or min(corner_hz(r, plant, noise.levels) for r in recordings)
         first = [self._reading(r) for r in recordings]
         smooth = [self._reading(quiet(r)) for r in first]
         again = self._seen(smooth, [noise.draw(k) for k in range(len(smooth))])
@@ -189,6 +206,10 @@ class MeasuredMotion:
             [replace(r, counts=c) for r, c in zip(each, counts, strict=True)] for each in (first, smooth)
         )
         self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
+
+    def like(self, model: Model, recordings: Sequence[Recording]) -> MeasuredMotion:
+        """The same, with the same filter, for other recordings of the same kind."""
+        return MeasuredMotion(_followed(recordings), self.noise, model, self._corner)
 
     def only(self, chosen: Sequence[int]) -> MeasuredMotion:
         """The same for some of the recordings."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.signal import welch
@@ -33,23 +33,33 @@ def locate(
         keep: number of shares to return, largest first.
     """
     axes = errors[0].recording.axes
-    edges = _bands(max(1.0 / e.recording.period for e in errors))
+    edges = bands(max(1.0 / e.recording.period for e in errors))
     tables: dict[tuple[str, str, str], tuple[np.ndarray, np.ndarray]] = {}
     for kind, signal in enumerate(("position", "torque")):
         for i, axis in enumerate(axes):
             draws = [[draw[k] for draw in noisy] for k in range(len(errors))]
-            parts = [_Series.of(e, made, kind, i) for e, made in zip(errors, draws, strict=True)]
+            parts = [Series.of(e, made, kind, i) for e, made in zip(errors, draws, strict=True)]
             parts = [p for p in parts if p is not None]
             if not parts:
                 continue
             above = np.concatenate([p.above for p in parts])
             for quantity in ("speed", "position", "time"):
                 values = np.concatenate([getattr(p, quantity) for p in parts])
-                tables[axis, signal, quantity] = _bins(values, above)
+                tables[axis, signal, quantity] = bins(values, above)
             tables[axis, signal, "frequency"] = (
                 edges,
                 sum((p.spectrum(edges) for p in parts), np.zeros(_BINS)),
             )
+    return shares_of(tables, axes, units, keep)
+
+
+def shares_of(
+    tables: Mapping[tuple[str, str, str], tuple[np.ndarray, np.ndarray]],
+    axes: Sequence[str],
+    units: Sequence[str],
+    keep: int = 8,
+) -> tuple[Share, ...]:
+    """The largest shares in tables of edges and the excess between, by axis, signal and quantity."""
     shares = []
     for chosen in ("speed", "position", "time", "frequency"):
         one = {key: table for key, table in tables.items() if key[2] == chosen}
@@ -64,7 +74,7 @@ def locate(
     return tuple(shares[:keep])
 
 
-class _Series:
+class Series:
     """One axis and signal of one recording: squared residual above the noise, row by row.
 
     `residual` (N,) and `wobbles` (draws, N) are in units of the noise's root mean square; `speed`,
@@ -81,7 +91,7 @@ class _Series:
         self.above = residual**2 - np.mean(wobbles**2, axis=0)
 
     @staticmethod
-    def of(e: RecordingError, noisy: Sequence[Recording], kind: int, axis: int) -> _Series | None:
+    def of(e: RecordingError, noisy: Sequence[Recording], kind: int, axis: int) -> Series | None:
         """None where the signal was not measured or has no noise to be held against."""
         names = scored_signals(e.recording)
         if kind >= len(names):
@@ -92,7 +102,7 @@ class _Series:
         valid, name = e.recording.valid, names[kind]
         clean = e.simulated.signals[name][valid, axis]
         wobbles = np.stack([n.signals[name][valid, axis] - clean for n in noisy])
-        return _Series(e, (e.recording.signals[name][valid, axis] - clean) / noise, wobbles / noise, axis)
+        return Series(e, (e.recording.signals[name][valid, axis] - clean) / noise, wobbles / noise, axis)
 
     def spectrum(self, edges: np.ndarray) -> np.ndarray:
         """Squared residual above the noise in each frequency band, (bands,)."""
@@ -105,12 +115,12 @@ class _Series:
         return np.bincount(index, weights=density * (f[1] - f[0]) * len(values), minlength=_BINS)
 
 
-def _bands(rate: float) -> np.ndarray:
+def bands(rate: float) -> np.ndarray:
     """Edges of the frequency bands [Hz], from zero to half the row rate."""
     return np.concatenate([[0.0], np.geomspace(rate / 2000.0, rate / 2.0, _BINS)])
 
 
-def _bins(values: np.ndarray, excess: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def bins(values: np.ndarray, excess: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Edges between intervals that hold equally many rows, and the excess in each."""
     edges = np.unique(np.quantile(values, np.linspace(0, 1, _BINS + 1)))
     if len(edges) < 2:

@@ -30,6 +30,8 @@ class RecordingError:
         position_noise, torque_noise: what a perfect model would leave, by simulating the noise.
         error, noise_error: the same two as the normalised score of `Comparison.error`, this
             recording alone.
+        covers: duration of a long log [s], of which `recording` and `simulated` hold the worst stretch while
+            the numbers are of all of it; None where they hold all.
     """
 
     recording: Recording
@@ -40,6 +42,7 @@ class RecordingError:
     torque_noise: np.ndarray
     error: float
     noise_error: float
+    covers: float | None = None
 
     def residual(self, signal: str) -> np.ndarray:
         """Measured minus simulated of ``"position"`` or ``"torque_measured"``, shape (N, n)."""
@@ -175,6 +178,8 @@ class Diagnosis(Shown):
         settled: properties of the model that the findings were fitted with and that the model as given has
             not: ``sliding_speed`` [rad/s], ``full_braking`` (0 or 1).
         evidence: what the unexplained rest goes with, one line each.
+        used: share of the recordings' rows that were looked at; less than 1 where logs are long.
+        notes: what stands for them, one line each.
     """
 
     model: str
@@ -191,6 +196,8 @@ class Diagnosis(Shown):
     after: Comparison | None = None
     evidence: tuple[str, ...] = ()
     settled: Mapping[str, float] = field(default_factory=dict)
+    used: float = 1.0
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -209,7 +216,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Improvement:
-    """The whole way from a model to one that explains the data."""
+    """The whole way from a model to one that explains the data; `used` and `notes` as of its diagnosis."""
 
     model: str
     steps: tuple[Step, ...]
@@ -222,3 +229,5 @@ class Improvement:
     before: Comparison | None = None
     after: Comparison | None = None
     diagnosis: Diagnosis | None = None
+    used: float = 1.0
+    notes: tuple[str, ...] = ()

@@ -152,6 +152,8 @@ def _robot(r: Mapping[str, Any]) -> dict[str, Any]:
         "next_experiment": told.get("next_experiment"),
         "not_excited": told.get("not_excited", []),
         "improved": r["improved"],
+        "used": way.get("used"),
+        "notes": way.get("notes", []),
     }
 
 

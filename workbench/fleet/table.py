@@ -44,6 +44,7 @@ def fleet_table(fleet: Fleet) -> Group:
         for r in fleet.robots
         for entry in r["left_out"]
     ]
+    parts += [text(f"Note: {note}") for r in fleet.diagnosed for note in r["improvement"]["notes"]]
     if any(e.spreads for e in fleet.effects):
         parts.append(Text("± is half a 95 % interval; scatter of robots is in units of what these allow."))
     return Group(*parts)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from workbench.core import FORMAT, InputError, Recording, WorkbenchError
 from workbench.diagnosis import improve
 from workbench.effects import load_model
 from workbench.models import write_model
-from workbench.recordings import load_recording
+from workbench.recordings import Log, excerpts, open_recording
 from workbench.report.json import diagnosis_dict, improvement_dict
 from workbench.simulation import use_cores
 
@@ -49,13 +50,16 @@ def _diagnose(robot: Robot, folder: Path, seed: int, inputs: str) -> None:
     held_out = _readable(robot.held_out, left_out)
     if not training:
         raise InputError(f"no recording can be used: {left_out[0]['problem']}")
-    found, better = improve(model, training, held_out, seed=seed)
+    data = excerpts(training, held_out)
+    found, better = improve(model, data.training, data.held_out, seed=seed)
     assert found.diagnosis is not None
+    said = {"used": data.share, "notes": data.notes}
+    diagnosis, found = replace(found.diagnosis, **said), replace(found, **said)
     file, improved = result_file(folder, robot.name), None
     if found.steps:
         improved = file.with_suffix(".toml")
         write_model(better, improved, force=True)
-    told = diagnosis_dict(found.diagnosis)
+    told = diagnosis_dict(diagnosis)
     content: dict[str, Any] = {
         "format": FORMAT,
         "rig": robot.name,
@@ -73,12 +77,15 @@ def _diagnose(robot: Robot, folder: Path, seed: int, inputs: str) -> None:
     keep(folder, content)
 
 
-def _readable(files: tuple[Path, ...], left_out: list[dict[str, str]]) -> list[Recording]:
+def _readable(files: tuple[Path, ...], left_out: list[dict[str, str]]) -> list[Recording | Log]:
     """Recordings that can be read; what is wrong with the others is put down."""
     good = []
     for file in files:
         try:
-            good.append(load_recording(file))
+            source = open_recording(file)
+            if isinstance(source, Log):
+                _ = source.clock  # what is wrong with it comes out while it can still be left out
+            good.append(source)
         except InputError as error:
             left_out.append({"recording": file.stem, "problem": str(error)})
     return good

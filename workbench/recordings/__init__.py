@@ -1,14 +1,25 @@
 """Reads, checks and writes what was measured: one TOML file and one table per recording."""
 
+from .log import HELD, Log, Stretch, check_moves, open_recording, open_recordings
 from .noise import NoiseLevels, noise_levels, white_noise
 from .read import load_recording, load_recordings
+from .windows import AT_ONCE, Excerpts, excerpts
 from .write import save_recording
 
 __all__ = [
+    "AT_ONCE",
+    "HELD",
+    "Excerpts",
+    "Log",
     "NoiseLevels",
+    "Stretch",
+    "check_moves",
+    "excerpts",
     "load_recording",
     "load_recordings",
     "noise_levels",
+    "open_recording",
+    "open_recordings",
     "save_recording",
     "white_noise",
 ]

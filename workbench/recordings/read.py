@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -33,16 +34,55 @@ def load_recording(path: str | Path) -> Recording:
     Raises:
         InputError: anything wrong with either file; the text names file, column, row and remedy.
     """
-    path = Path(path)
-    d = read_description(path)
-    units = axis_units(d, path)
-    controller = _controller(d, path)
-    table = path.parent / d.table
-    wanted = [c.column for columns in d.columns.values() for c in columns]
-    data = read_table(table, wanted)
+    described = describe(Path(path))
+    return assemble(described, read_table(described.table, described.columns))
 
+
+@dataclass(frozen=True)
+class Described:
+    """What a recording's TOML file says, checked: its contents, SI units of its axes, its loop."""
+
+    contents: Description
+    path: Path
+    units: tuple[str, ...]
+    controller: Controller
+
+    @property
+    def table(self) -> Path:
+        """The table's file."""
+        return self.path.parent / self.contents.table
+
+    @property
+    def columns(self) -> list[str]:
+        """The table's columns that are named."""
+        return [c.column for columns in self.contents.columns.values() for c in columns]
+
+
+def describe(path: Path) -> Described:
+    """Read and check a recording's TOML file.
+
+    Raises:
+        InputError: as `load_recording`, of this file.
+    """
+    d = read_description(path)
+    return Described(d, path, axis_units(d, path), _controller(d, path))
+
+
+def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = False) -> Recording:
+    """A recording of a table's columns.
+
+    Args:
+        described: what they are.
+        data: every named column, (N,), in the table's own units.
+        part: whether it is a piece of a longer table, in which an axis may rest.
+
+    Raises:
+        InputError: as `load_recording`, of the table.
+    """
+    d, path, table = described.contents, described.path, described.table
+    units, controller = described.units, described.controller
     column = d.columns["time"][0].column
-    measured = _measured(d, data, table)
+    measured = measured_rows(d, data, table)
     clock = read_clock(seconds(d, data, path), measured, column, table)
     good = np.ones(len(data[column]), bool) if measured is None else measured
     signals, extra = axis_signals(d, data, path), extra_signals(d, data, path)
@@ -53,8 +93,9 @@ def load_recording(path: str | Path) -> Recording:
     loop_s = controller.period_s
     signals = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in signals.items()}
     extra = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in extra.items()}
-    check_excitation(d, clock.time, column, table)
-    check_alive(d, signals, table)
+    if not part:
+        check_excitation(d, clock.time, column, table)
+        check_alive(d, signals, table)
 
     valid = measured_on_clock(good, clock)
     notes = _clock_notes(clock, valid)
@@ -91,6 +132,15 @@ def load_recordings(paths: str | Path | Iterable[str | Path]) -> list[Recording]
     Raises:
         InputError: as `load_recording`, or a pattern that finds nothing.
     """
+    return [load_recording(file) for file in recording_files(paths)]
+
+
+def recording_files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
+    """The files that `load_recordings` would read, each once.
+
+    Raises:
+        InputError: a pattern that finds nothing.
+    """
     paths = [paths] if isinstance(paths, str | Path) else list(paths)
     files: list[Path] = []
     for path in map(str, paths):
@@ -100,7 +150,7 @@ def load_recordings(paths: str | Path | Iterable[str | Path]) -> list[Recording]
         if not found:
             raise InputError("no file matches this pattern", file=path, remedy="check the path")
         files += map(Path, found)
-    return [load_recording(file) for file in dict.fromkeys(files)]
+    return list(dict.fromkeys(files))
 
 
 def _controller(d: Description, path: Path) -> Controller:
@@ -137,7 +187,7 @@ def _per_axis(c: ControllerTable, key: str, d: Description, path: Path) -> tuple
     return tuple(values)
 
 
-def _measured(d: Description, data: dict[str, np.ndarray], table: Path) -> np.ndarray | None:
+def measured_rows(d: Description, data: dict[str, np.ndarray], table: Path) -> np.ndarray | None:
     """Rows that were measured, shape (N,) bool; None where the table does not say."""
     if "valid" not in d.columns:
         return None

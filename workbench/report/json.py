@@ -73,6 +73,8 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "settled": dict(result.settled),
             "model": result.model,
             "ranking": [{**_key(key), "share": share} for key, share in result.ranking],
+            "used": result.used,
+            "notes": list(result.notes),
         }
     )
 
@@ -95,6 +97,8 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
         "noise_error": result.noise_error,
         "verdict": result.verdict,
         "model": result.model,
+        "used": result.used,
+        "notes": list(result.notes),
     }
     if truth is not None:
         out["truth"] = [

@@ -45,11 +45,16 @@ def sections(
         "rest": [plain(line) for line in diagnosis.evidence] if diagnosis else [],
         "scores": scores(before, after),
         "inverse": _inverse(before, after),
-        "notes": [plain(n) for n in (before.notes if before else ())],
+        "notes": [plain(n) for n in dict.fromkeys((*_of_data(result), *(before.notes if before else ())))],
         "truth": truth_rows(result, truth)
         if truth is not None and not isinstance(result, Comparison)
         else None,
     }
+
+
+def _of_data(result: Result) -> tuple[str, ...]:
+    """What was looked at of long logs."""
+    return () if isinstance(result, Comparison) else result.notes
 
 
 def sentence(result: Result) -> str:
@@ -125,7 +130,7 @@ def _key_numbers(result: Result) -> list[tuple[str, str, str]]:
 
 
 def _duration(result: Comparison) -> str:
-    total = sum(r.recording.duration for r in result.recordings)
+    total = sum(r.covers or r.recording.duration for r in result.recordings)
     return f"{number(total)} s of data"
 
 

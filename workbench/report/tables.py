@@ -94,6 +94,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
         parts += [Text(), Text.assemble(("Measure next: ", "bold"), plain(result.next_experiment))]
     if result.not_excited:
         parts += [Text(), Text.assemble(("Not excited: ", "bold"), _grouped(result.not_excited))]
+    parts += [_text(f"Note: {note}") for note in result.notes]
     return Group(*parts)
 
 
@@ -124,7 +125,10 @@ def improvement_table(result: Improvement) -> Group:
         _bar(result.noise_error, steps[0].error),
     )
     return Group(
-        _verdict(sentence(result), result.verdict == "consistent"), table, Text("± is half a 95 % interval.")
+        _verdict(sentence(result), result.verdict == "consistent"),
+        table,
+        Text("± is half a 95 % interval."),
+        *(_text(f"Note: {note}") for note in result.notes),
     )
 
 

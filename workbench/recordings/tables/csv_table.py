@@ -21,17 +21,35 @@ _EMPTY = ("", "nan", "null", "na", "n/a", "none", "#n/a")
 
 def read_csv(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     """Read the named columns; see `read_table`. Byte order mark, CRLF and padded names are fine."""
+    width, separator, places = separated_columns(path, columns)
+    try:
+        table = _parse(path, width, separator, places, pa.float64())
+    except (pa.ArrowInvalid, OSError, EOFError, zlib.error):
+        return _parse_by_cell(path, width, separator, places)
+    return {column: _floats(table[place]) for column, place in places.items()}
+
+
+def separated_columns(path: Path, columns: Sequence[str]) -> tuple[int, str, dict[str, str]]:
+    """How many columns a file has, what separates them, and the places of those that are wanted.
+
+    Raises:
+        InputError: no readable header, or a column is missing.
+    """
     names, separator = _header(path)
     for column in columns:
         if column not in names:
             raise missing_column(column, names, path)
     # columns are told apart by place: other columns may share a name without harm
-    places = {column: f"c{names.index(column)}" for column in columns}
-    try:
-        table = _parse(path, len(names), separator, places, pa.float64())
-    except (pa.ArrowInvalid, OSError, EOFError, zlib.error):
-        return _parse_by_cell(path, len(names), separator, places)
-    return {column: _floats(table[place]) for column, place in places.items()}
+    return len(names), separator, {column: f"c{names.index(column)}" for column in columns}
+
+
+def read_cells(texts: Sequence[str], path: Path, column: str, first: int = 1) -> np.ndarray:
+    """Numbers (K,) of a column's cells, of which the first stands in row `first`.
+
+    Raises:
+        InputError: a cell is no number.
+    """
+    return np.array([_cell(text, path, column, k) for k, text in enumerate(texts, first)], float)
 
 
 def _header(path: Path) -> tuple[list[str], str]:
@@ -74,10 +92,7 @@ def _parse_by_cell(path: Path, width: int, separator: str, places: dict[str, str
     except (pa.ArrowInvalid, OSError, EOFError, zlib.error) as error:
         remedy = f"give every row {width} cells, and check that the file is whole"
         raise InputError(f"cannot be read: {error}", file=path, remedy=remedy) from error
-    return {
-        column: np.array([_cell(text, path, column, k) for k, text in enumerate(table[place].to_pylist(), 1)])
-        for column, place in places.items()
-    }
+    return {column: read_cells(table[place].to_pylist(), path, column) for column, place in places.items()}
 
 
 def _cell(text: str, path: Path, column: str, row: int) -> float:

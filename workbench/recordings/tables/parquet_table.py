@@ -26,12 +26,17 @@ def read_parquet(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     except (pa.ArrowException, OSError, ValueError) as error:
         remedy = "check that the file is whole"
         raise InputError("is not a readable parquet file", file=path, remedy=remedy) from error
-    return {column: _floats(table[column], path, column) for column in columns}
+    return {column: as_floats(table[column], path, column) for column in columns}
 
 
-def _floats(array: pa.ChunkedArray, path: Path, column: str) -> np.ndarray:
+def as_floats(array: pa.ChunkedArray | pa.Array, path: Path, column: str) -> np.ndarray:
+    """Numbers of a column; null is NaN.
+
+    Raises:
+        InputError: it holds something else.
+    """
     numeric = (pa.types.is_integer, pa.types.is_floating, pa.types.is_boolean, pa.types.is_decimal)
     if not any(is_kind(array.type) for is_kind in numeric):
         remedy = "store numbers (a time stamp as seconds)"
         raise InputError(f"holds {array.type}, not numbers", file=path, column=column, remedy=remedy)
-    return np.array(array.to_numpy(), dtype=float)
+    return np.array(array.to_numpy(zero_copy_only=False), dtype=float)
