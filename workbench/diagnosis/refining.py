@@ -13,12 +13,13 @@ from workbench.models import AppliedEffect, structural_effect
 from .data import Data
 from .fit import PRECISE, fit, values_of
 from .hypothesis import Fit, Hypothesis, applied_effect
-from .judging import TIE
+from .judging import TIE, floor_of_judging
 from .screen import Candidate
 from .sensitivity import Scene, combine
 from .uncertainty import moved_apart, widened
 
 _SLIDING = (0.0005, 0.003, 0.01, 0.03)  # rad/s
+_IN_NOISE = 1.05  # judged error over the noise's
 _ROUNDS = 5  # of a last fit, at most
 _TELLING = 0.6  # share of the rest by which the sliding speed is chosen
 
@@ -93,7 +94,11 @@ def polished(found: Fit, data: Data) -> Fit:
 
 
 def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, tuple[EffectKey, ...]]:
-    """Drop effects that the new one made needless, as long as judging does not suffer."""
+    """Drop effects that the new one made needless, as long as judging does not suffer.
+
+    Where all is noise already it may, if what was fitted does not.
+    """
+    slack, noise = 1.0 + 0.3 * TIE, _IN_NOISE * floor_of_judging(data)
     dropped: tuple[EffectKey, ...] = ()
     while True:
         rest = [a for a in found.hypothesis.free if a.key != added]
@@ -105,7 +110,12 @@ def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, 
         ]
         fits = fit(trials, data, iterations=3)
         options = [(f.judged, a.key, f) for a, f in zip(rest, fits, strict=True) if f is not None]
-        options = [o for o in options if o[0] <= found.judged * (1.0 + 0.3 * TIE) and o[0] < current.judged]
+        options = [
+            (judged, key, f)
+            for judged, key, f in options
+            if judged < current.judged
+            and (judged <= found.judged * slack or (judged < noise and f.trained <= found.trained * slack))
+        ]
         if not options:
             return found, dropped
         _, key, found = min(options, key=lambda o: o[0])
