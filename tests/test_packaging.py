@@ -17,6 +17,7 @@ DISTRIBUTIONS = {
     "mujoco_warp": "mujoco-warp",
     "pinocchio": "pin",
     "pydrake": "drake",
+    "google": "protobuf",
     "rsl_rl": "rsl-rl-lib",
     "tomli_w": "tomli-w",
     "warp": "warp-lang",

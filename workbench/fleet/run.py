@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -131,12 +132,12 @@ def _workers(ray: str | None) -> AbstractContextManager[Any]:
 def _cluster(address: str) -> AbstractContextManager[Any]:
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     try:
-        import ray as cluster  # pyright: ignore[reportMissingImports]
-        from ray.util.joblib import register_ray  # pyright: ignore[reportMissingImports]
+        import ray as cluster
+        from ray.util.joblib import register_ray
     except ImportError as error:
         raise InputError("a cluster needs Ray", remedy="pip install 'workbench[ray]'") from error
     try:
-        cluster.init(address, log_to_driver=False, logging_level="error", ignore_reinit_error=True)
+        cluster.init(address, log_to_driver=False, logging_level=logging.ERROR, ignore_reinit_error=True)
     except (ConnectionError, RuntimeError, ValueError) as error:
         remedy = "start one with 'ray start --head', or give its address"
         raise InputError(f"no Ray cluster answers at '{address}'", remedy=remedy) from error
