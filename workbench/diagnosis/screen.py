@@ -17,6 +17,7 @@ from .sensitivity import Column, Scene, respond
 from .solve import solve
 
 _BLOCK = 64  # columns that march together; only those of one effect are held against each other
+_HELD = 7_700_000  # numbers of a column times columns, of more than a block of which long data get fewer
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,8 @@ def screen(
     kept, known = list(range(len(following))), respond([scene], [following], data)[0]
     best: dict[EffectKey, Candidate] = {}
     without: float | None = None
-    for columns, entries in _blocks(scene, len(following), {applied.key for applied in free}):
+    size = int(np.clip(_HELD // sum(m.position.size for m in scene.motions), 1, _BLOCK))
+    for columns, entries in _blocks(scene, len(following), {applied.key for applied in free}, size):
         pieces, held_out = equations(scene, known, columns, data, simulated)
         if without is None:
             anywhere = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
@@ -82,7 +84,7 @@ def screen(
 
 
 def _blocks(
-    scene: Scene, first: int, taken: set[EffectKey], size: int = _BLOCK
+    scene: Scene, first: int, taken: set[EffectKey], size: int
 ) -> Iterator[tuple[list[Column], list[Entry]]]:
     """All effects in all places and shapes, in blocks of `size` columns that are numbered from `first`."""
     columns: list[Column] = []
@@ -128,7 +130,7 @@ def entries_of(scene: Scene) -> tuple[list[Column], list[Entry]]:
     """All effects in all places and shapes, with their columns."""
     columns: list[Column] = []
     entries: list[Entry] = []
-    for more, found in _blocks(scene, 0, set(), size=10**9):
+    for more, found in _blocks(scene, 0, set(), 10**9):
         columns, entries = more, found
     return columns, entries
 

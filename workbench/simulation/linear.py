@@ -19,7 +19,7 @@ from workbench.effects import Plant, torque_bounds
 from .control import true_controller
 from .experiment import Experiment, scored_torque
 from .native import inverse_slopes
-from .trajectory import Track, interpolate
+from .trajectory import Track
 from .unlogged_rate import differentiates
 
 _EVERY_S = 0.004  # posture and speed change little within this time
@@ -30,8 +30,9 @@ class Loop:
     """One run linearised: plant matrices at rows, sampled feedback, delay; v joints and n axes.
 
     Attributes:
-        transition: (N, 2v, 2v), state (position and rate of MuJoCo's joints) over one substep.
-        entry: (N, 2v, n), torque in actuator coordinates, held over a substep.
+        rows: (R,) rows at which the matrices are given; between them they change along straight lines.
+        transition: (R, 2v, 2v), state (position and rate of MuJoCo's joints) over one substep.
+        entry: (R, 2v, n), torque in actuator coordinates, held over a substep.
         drives: (n, v), joints to drives.
         start: (v, n), joints that move with a drive when everything is rigid.
         feedback: (n, 2n), reading of position and rate of the drives to the torque command at a tick.
@@ -47,6 +48,7 @@ class Loop:
         at_command: whether the torque that is compared is the command, before delay and tap.
     """
 
+    rows: np.ndarray
     transition: np.ndarray
     entry: np.ndarray
     drives: np.ndarray
@@ -84,8 +86,9 @@ def linearise(plant: Plant, experiment: Experiment, track: Track, gain: np.ndarr
     push[:, v:] = solve @ plant.drives.T
     transition, entry = _over_a_step(drift, push, e.step, plant.substeps)
     return Loop(
-        transition=interpolate(rows, transition, total),
-        entry=interpolate(rows, entry, total),
+        rows=rows,
+        transition=transition,
+        entry=entry,
         drives=plant.drives,
         start=plant.lift @ np.linalg.inv(j),
         feedback=_feedback(true_controller(e.controller, chain), j),

@@ -51,7 +51,7 @@ def propagate(
 
 def _propagate(loop: Loop, disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:
     around = _around(loop, disturbance)
-    rows, (n, _) = len(loop.transition), loop.drives.shape
+    rows, (n, _) = len(loop.gain), loop.drives.shape
     count = len(disturbance.torque)
     position, tap = np.zeros((2, rows, n, count))
     _march(around, _reading(loop, disturbance), np.zeros_like(around.state), position, tap)
@@ -65,7 +65,7 @@ class _Around(NamedTuple):
     """A loop and what enters it: N rows, K substeps, n axes, v joints, C columns.
 
     Attributes:
-        transition, entry: (N, 2v, 2v) and (N, 2v, n), over a substep.
+        at: (R,) rows at which plant matrices are given; `transition`, `entry`: there, over a substep.
         torque: (N, n, C) on the mechanism; `commanded` (N, n, E) on the command of the columns `asking` (E,).
         gain, open: (N, n), behind the tap; False where the drive saturates.
         is_tick, stride, feedback, differentiates, period: as of `ControlLaw` and `Loop`.
@@ -74,6 +74,7 @@ class _Around(NamedTuple):
         state: (2v, C) at the start.
     """
 
+    at: np.ndarray
     transition: np.ndarray
     entry: np.ndarray
     torque: np.ndarray
@@ -119,8 +120,9 @@ def _around(loop: Loop, disturbance: Disturbance) -> _Around:
     whole = int(np.floor(delay + 1e-9))
     is_tick = np.zeros(e.substeps + 1, np.bool_)
     is_tick[e.ticks] = True
-    asking, commanded = _some(disturbance.commands, len(loop.transition), n)
+    asking, commanded = _some(disturbance.commands, len(loop.gain), n)
     return _Around(
+        at=loop.rows,
         transition=np.ascontiguousarray(loop.transition),
         entry=np.ascontiguousarray(loop.entry),
         torque=np.ascontiguousarray(np.moveaxis(disturbance.torque, 0, -1)),
@@ -154,7 +156,7 @@ def _reading(loop: Loop, disturbance: Disturbance) -> _Reading:
     lag, late = loop.sensor_lag, loop.sensor_delay / h
     whole = int(np.floor(late + 1e-9))
     flat = {c: np.concatenate([*values], axis=1) for c, values in disturbance.readings.items()}
-    columns, own = _some(flat, len(loop.transition), 2 * n)
+    columns, own = _some(flat, len(loop.gain), 2 * n)
     return _Reading(
         map=np.kron(np.eye(2), loop.scale[:, None] * loop.drives),
         follow=1.0 - np.where(lag > 0, np.exp(-h / np.where(lag > 0, lag, 1.0)), 0.0),
@@ -186,6 +188,14 @@ def _times(matrix: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
                     out[i, c] += factor * values[j, c]
 
 
+@njit(cache=True)
+def _between(first: np.ndarray, second: np.ndarray, part: float, out: np.ndarray) -> None:
+    """Fill `out` (a, b) with what lies between two matrices: the first at `part` 0, the second at 1."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = first[i, j] * (1.0 - part) + second[i, j] * part
+
+
 @njit(cache=True, nogil=True)
 def _march(a: _Around, r: _Reading, fresh: np.ndarray, position: np.ndarray, tap: np.ndarray) -> None:
     """Fill the reading of the drives' position and the torque compared, (N, n, C) each."""
@@ -195,8 +205,15 @@ def _march(a: _Around, r: _Reading, fresh: np.ndarray, position: np.ndarray, tap
     command, asked, current = np.zeros((n, count)), np.zeros((n, count)), np.zeros((n, count))
     read, slow = np.zeros((n, count)), np.zeros((n, count))
     seen, drive = np.zeros((2 * n, count)), np.zeros((n, count))
+    transition, entry, left = a.transition[0].copy(), a.entry[0].copy(), 0
     for k in range(last + 1):
         row, is_row = k // a.stride, k % a.stride == 0
+        if is_row and len(a.at) > 1:
+            if row >= a.at[left + 1] and left + 2 < len(a.at):
+                left += 1
+            part = (row - a.at[left]) / (a.at[left + 1] - a.at[left])
+            _between(a.transition[left], a.transition[left + 1], part, transition)
+            _between(a.entry[left], a.entry[left + 1], part, entry)
         if a.is_tick[k] or is_row or r.remembers:
             _look(r, state, k, row, seen, slow, seen_before)
             if is_row:
@@ -229,8 +246,8 @@ def _march(a: _Around, r: _Reading, fresh: np.ndarray, position: np.ndarray, tap
                     tap[row, i, c] = asked[i, c] if a.at_command else at
                 drive[i, c] = gain * mean + a.torque[row, i, c]
         fresh[:] = 0.0
-        _times(a.transition[row], state, fresh)
-        _times(a.entry[row], drive, fresh)
+        _times(transition, state, fresh)
+        _times(entry, drive, fresh)
         state[:] = fresh
 
 
