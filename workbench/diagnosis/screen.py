@@ -17,7 +17,7 @@ from .sensitivity import Column, Scene, respond
 from .solve import solve
 
 _BLOCK = 64  # columns that march together; only those of one effect are held against each other
-_HELD = 7_700_000  # numbers of a column times columns, of more than a block of which long data get fewer
+_HELD = 4_000_000  # numbers of a column times columns, of more than a block of which long data get fewer
 
 
 @dataclass(frozen=True)
