@@ -114,7 +114,7 @@ def _wrong(code: Any, out: str, err: str, new: set[str]) -> str:
 
 def _here(words: list[str]) -> tuple[Any, str, str]:
     """The command line in this process."""
-    from workbench.cli.app import main
+    from workbench.cli import main
 
     out, err = io.StringIO(), io.StringIO()
     code: Any = 0

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from workbench.core import InputError
+from workbench.core.files import write_whole
 
 from .frame import Frame
 
@@ -60,9 +62,12 @@ def archive(log: str | Path, blf: str | Path) -> int:
     import can  # takes seconds to load, and only an archive needs it
 
     count, channels = 0, {}
-    with can.BLFWriter(str(blf)) as writer:
-        for stamp, bus, frame in read_candump(log):
-            channel = channels.setdefault(bus, len(channels))
-            writer(can.Message(stamp, frame.id, frame.extended, data=frame.data, channel=channel))
-            count += 1
+    with TemporaryDirectory() as folder:
+        part = Path(folder) / "log.blf"
+        with can.BLFWriter(str(part)) as writer:
+            for stamp, bus, frame in read_candump(log):
+                channel = channels.setdefault(bus, len(channels))
+                writer(can.Message(stamp, frame.id, frame.extended, data=frame.data, channel=channel))
+                count += 1
+        write_whole(blf, part.read_bytes(), force=True)
     return count

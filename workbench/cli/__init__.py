@@ -1,5 +1,32 @@
 """Arguments in, calls out; no logic."""
 
-from .app import main
+from __future__ import annotations
+
+import signal
+import sys
+
+
+def main() -> None:
+    """Run the command line; an interrupt ends it quietly, even while it is still loading."""
+    # until something may be written, an interrupt simply ends the process, without a traceback of imports
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from .app import run
+
+    signal.signal(signal.SIGINT, before)
+    try:
+        run()
+    except KeyboardInterrupt:
+        _interrupted()
+    except RuntimeError as error:
+        # what interrupts the making of a class, as in an import, comes wrapped in such an error
+        if not isinstance(error.__cause__, KeyboardInterrupt):
+            raise
+        _interrupted()
+
+
+def _interrupted() -> None:
+    print("interrupted", file=sys.stderr)
+    sys.exit(130)
+
 
 __all__ = ["main"]

@@ -20,7 +20,7 @@ app = typer.Typer(
 )
 
 
-def main() -> None:
+def run() -> None:
     """Run the command line; a `WorkbenchError` ends in one line and its exit code."""
     # many small factorisations: the threads of a linear algebra library only get in each other's way
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -56,9 +56,6 @@ def main() -> None:
     except WorkbenchError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(error.exit_code)
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        sys.exit(130)
     except MemoryError:
         print("error: not enough memory; give shorter recordings or fewer of them", file=sys.stderr)
         sys.exit(2)

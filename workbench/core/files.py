@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import os
+import shutil
+import signal
 import tempfile
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from .errors import InputError
 
 
 def write_whole(path: str | Path, data: str | bytes, *, force: bool = False) -> Path:
-    """Write `data` to `path` by way of a temporary file in the same folder and a rename.
+    """Write `data` to `path` by way of a hidden folder beside it and a rename.
 
-    The folder is made if need be; text is written as UTF-8.
+    The folder of `path` is made if need be; text is written as UTF-8.
 
     Returns:
         The path written.
@@ -20,28 +26,69 @@ def write_whole(path: str | Path, data: str | bytes, *, force: bool = False) -> 
     Raises:
         InputError: the file exists and `force` is not set, or the folder cannot be written.
     """
-    target = Path(path)
-    check_free(target, force=force)
-    raw = data.encode() if isinstance(data, str) else data
+    return write_all({Path(path): data}, force=force)[0]
+
+
+def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list[Path]:
+    """Write files that belong together, all of them or none; they lie in one folder.
+
+    Whatever goes wrong before the last byte is on the disk leaves what was there before. An interrupt waits
+    until all are in their places. A process that is killed leaves at most one hidden folder behind, named
+    after the first file and ending in ``.part``; the next run takes no notice of it.
+
+    Returns:
+        The paths written.
+
+    Raises:
+        InputError: one exists and `force` is not set, or the folder cannot be written.
+    """
+    targets = list(files)
+    for target in targets:
+        check_free(target, force=force)
+    folder = targets[0].parent
+    with _uninterrupted():
+        stage: Path | None = None
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            stage = Path(tempfile.mkdtemp(dir=folder, prefix=f".{targets[0].name[:100]}.", suffix=".part"))
+            staged = [_written(stage / str(i), data) for i, data in enumerate(files.values())]
+            for part, target in zip(staged, targets, strict=True):
+                os.replace(part, target)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise InputError(f"cannot write: {reason}", file=targets[0]) from error
+        finally:
+            if stage is not None:
+                shutil.rmtree(stage, ignore_errors=True)
+    return targets
+
+
+def _written(path: Path, data: str | bytes) -> Path:
+    """A file with this content, on the disk when this returns."""
+    with path.open("wb") as stream:
+        stream.write(data.encode() if isinstance(data, str) else data)
+        stream.flush()
+        os.fsync(stream.fileno())
+    return path
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """An interrupt in here is raised at its end; only the main thread gets any."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before, came = signal.getsignal(signal.SIGINT), list[tuple[int, Any]]()
+    if not callable(before):
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda number, frame: came.append((number, frame)))
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    except OSError as error:
-        raise InputError(f"cannot write: {error.strerror}", file=target) from error
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(raw)
-            stream.flush()
-            os.fsync(stream.fileno())
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(name, 0o666 & ~mask)
-        os.replace(name, target)
-    except OSError as error:
-        raise InputError(f"cannot write: {error.strerror}", file=target) from error
+        yield
     finally:
-        Path(name).unlink(missing_ok=True)
-    return target
+        signal.signal(signal.SIGINT, before)
+        if came:
+            before(*came[0])
 
 
 def check_free(path: str | Path, *, force: bool) -> None:

@@ -18,6 +18,8 @@ from .flexible import rotor_name
 from .friction_constraint import set_friction_constraints
 from .stiffness import count_substeps, tendon_row
 
+_LEAST = 1e-12  # kg m^2 or kg: a grain of dust at a hair's breadth
+
 
 @dataclass(frozen=True)
 class Plant:
@@ -85,6 +87,7 @@ def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = (
             f"model '{model.name}' with {effects} has a freedom without inertia: {singular[0]}; "
             "give its link a mass, or its drive an inertia"
         )
+    _refuse_without_inertia(compiled, model)
     substeps = count_substeps(compiled, made.chain)
     compiled.opt.timestep = timestep / substeps
     for term in made.chain.hysteresis:
@@ -92,6 +95,20 @@ def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = (
     set_friction_constraints(compiled, made.chain, model, joint_kinds(model))
     drives = np.stack([tendon_row(compiled, axis_tendon(i)) for i in range(model.size)])
     return Plant(model, compiled, made.chain, drives, _lift(compiled, model), substeps)
+
+
+def _refuse_without_inertia(m: mujoco.MjModel, model: Model) -> None:
+    """Raises SimulationError where a joint moves next to nothing, so that any torque flings it away."""
+    data, mass = mujoco.MjData(m), np.zeros((m.nv, m.nv))
+    mujoco.mj_forward(m, data)
+    mujoco.mj_fullM(m, data, mass)
+    inertia = np.diag(mass)
+    if m.nv and not inertia.min() > _LEAST:
+        joint = m.joint(int(m.dof_jntid[int(np.argmin(inertia))])).name
+        raise SimulationError(
+            f"model '{model.name}': joint '{joint}' moves an inertia of {inertia.min():.2g}; "
+            "give its link a mass, or its drive an inertia"
+        )
 
 
 def _lift(m: mujoco.MjModel, model: Model) -> np.ndarray:

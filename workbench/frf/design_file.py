@@ -15,7 +15,7 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import InputError
-from workbench.core.files import check_free, write_whole
+from workbench.core.files import check_free, write_all
 from workbench.recordings.tables import read_table
 
 from .excitation import Design, Trial
@@ -96,15 +96,8 @@ def save_design(design: Design, path: str | Path, *, force: bool = False) -> lis
         "fade_s": float(design.fade_s),
         "trials": trials,
     }
-    try:
-        for e, table in enumerate(tables):
-            write_whole(table, _csv(design, e), force=force)
-        write_whole(path, tomli_w.dumps(content), force=force)
-    except BaseException:
-        for table in tables:
-            table.unlink(missing_ok=True)  # tables that no TOML names are only in the way
-        raise
-    return [*tables, path]
+    played = {table: _csv(design, e) for e, table in enumerate(tables)}
+    return write_all({**played, path: tomli_w.dumps(content)}, force=force)
 
 
 def load_design(path: str | Path) -> Design:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from workbench.core import InputError, Mechanism
-from workbench.core.files import check_free, write_whole
+from workbench.core.files import check_free, write_all
 from workbench.mechanism import ClosedChain, constant_transmission
-from workbench.models import Actuators, Model, write_model
+from workbench.models import Actuators, Model, model_text
 
 from .linkage import parallelogram_linkage
 from .serial_tree import serial_mjcf
@@ -85,7 +86,7 @@ def import_model(
         )
     chain = ClosedChain(mechanism)
     transmission = constant_transmission(chain)
-    write_whole(tree, serial_mjcf(mechanism, target.stem), force=force)
+    mjcf = serial_mjcf(mechanism, target.stem)
     model = Model(
         name=target.stem,
         serial=tree.resolve(),
@@ -97,8 +98,10 @@ def import_model(
         posture_dependent=not transmission.constant,
         payload_site=mechanism.foot,
     )
-    linkage = parallelogram_linkage(chain, model)
+    with TemporaryDirectory() as folder:
+        (Path(folder) / tree.name).write_text(mjcf)
+        linkage = parallelogram_linkage(chain, replace(model, serial=Path(folder) / tree.name))
     if linkage is not None:
         model = replace(model, linkage=linkage)
-    write_model(model, target, force=force)
+    write_all({tree: mjcf, target: model_text(model, target)}, force=force)
     return model

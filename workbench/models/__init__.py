@@ -3,7 +3,7 @@
 from .engine import silence
 from .model import VARIANTS, Actuators, AppliedEffect, Linkage, Model
 from .paths import find_model
-from .read import load_mjcf, read_model, structural_effect, write_model
+from .read import load_mjcf, model_text, read_model, structural_effect, write_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds
 
 silence()
@@ -20,6 +20,7 @@ __all__ = [
     "find_model",
     "joint_kinds",
     "load_mjcf",
+    "model_text",
     "read_model",
     "structural_effect",
     "write_model",

@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
 from workbench.core.files import write_whole
 from workbench.core.paths import models_folder
+from workbench.core.text import plain
 
 from .engine import warned
 from .mjcf import check_mjcf
@@ -256,10 +257,14 @@ def write_model(model: Model, path: str | Path, *, force: bool = False) -> None:
     Raises:
         InputError: the file exists and `force` is not set, or cannot be written.
     """
-    target = Path(path)
-    text = tomli_w.dumps(model_table(model, target.resolve().parent))
-    header = f"# {model.name}: written by workbench.\n"
-    write_whole(target, header + _arrays_on_one_line(text), force=force)
+    write_whole(path, model_text(model, path), force=force)
+
+
+def model_text(model: Model, path: str | Path) -> str:
+    """The text of a model file that is to lie at `path`."""
+    text = tomli_w.dumps(model_table(model, Path(path).resolve().parent))
+    name = " ".join(plain(model.name).split())  # a comment ends with its line
+    return f"# {name}: written by workbench.\n" + _arrays_on_one_line(text)
 
 
 def _arrays_on_one_line(text: str) -> str:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, NonNegativeFloat, PositiveFloat
+from pydantic import BaseModel, ConfigDict, Field
 
 from .model import VARIANTS
 
-_Quantity = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-_Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+_MOST = 1e12  # SI; no machine has more of anything, and the square of it is still a number
+_Number = Annotated[float, Field(ge=-_MOST, le=_MOST)]
+_Quantity = Annotated[float, Field(ge=0.0, le=_MOST)]
+_Positive = Annotated[float, Field(gt=0.0, le=_MOST)]
+_Limit = Annotated[float, Field(gt=0.0)]  # infinite: none
 
 
 class _Table(BaseModel):
@@ -20,7 +23,7 @@ class TransmissionTable(_Table):
     """``[transmission]``: q_p = matrix @ q_s over these MJCF joints."""
 
     joints: list[str]
-    matrix: list[list[FiniteFloat]] | None = None
+    matrix: list[list[_Number]] | None = None
     posture_dependent: bool = False
 
 
@@ -32,8 +35,8 @@ class ClosedChainTable(_Table):
     joints: list[str] = ["hip", "knee"]
     loops: list[tuple[str, str]] = []  # none named: those that the file itself declares
     foot: str | None = None
-    start: dict[str, FiniteFloat] = Field(default_factory=dict)
-    limits: list[tuple[FiniteFloat, FiniteFloat]] = []
+    start: dict[str, _Number] = Field(default_factory=dict)
+    limits: list[tuple[_Number, _Number]] = []
 
 
 class ActuatorTable(_Table):
@@ -41,7 +44,7 @@ class ActuatorTable(_Table):
 
     inertia: list[_Quantity] | _Quantity = 0.0
     damping: list[_Quantity] | _Quantity = 0.0
-    torque_limit: list[PositiveFloat] | PositiveFloat = float("inf")
+    torque_limit: list[_Limit] | _Limit = float("inf")
     delay_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     full_braking: bool = False
 
@@ -51,22 +54,22 @@ class ControllerTable(_Table):
 
     kind: Literal["none", "pd", "cascade_pv", "unknown"]
     coordinates: Literal["joint", "actuator"] = "actuator"
-    kp: list[FiniteFloat] | FiniteFloat = []
-    kd: list[FiniteFloat] | FiniteFloat = []
-    kv: list[FiniteFloat] | FiniteFloat = []
-    gain: list[FiniteFloat] | FiniteFloat = []
-    limit: list[PositiveFloat] | PositiveFloat = []
+    kp: list[_Number] | _Number = []
+    kd: list[_Number] | _Number = []
+    kv: list[_Number] | _Number = []
+    gain: list[_Number] | _Number = []
+    limit: list[_Limit] | _Limit = []
     period_s: _Positive | None = None
 
 
 class LinkageTable(_Table):
     """``[linkage]``: increments of the parallelogram over the serial tree."""
 
-    M11: FiniteFloat = 0.0
-    M12: FiniteFloat = 0.0
-    M22: FiniteFloat = 0.0
-    g1: FiniteFloat = 0.0
-    g2: FiniteFloat = 0.0
+    M11: _Number = 0.0
+    M12: _Number = 0.0
+    M22: _Number = 0.0
+    g1: _Number = 0.0
+    g2: _Number = 0.0
     identified: bool = False
 
 
@@ -79,8 +82,8 @@ class PayloadTable(_Table):
 class ParameterTable(_Table):
     """One parameter of an effect: ``{value = 0.25, std = 0.003, unit = "N*m"}``."""
 
-    value: FiniteFloat
-    std: NonNegativeFloat = 0.0
+    value: _Number
+    std: Annotated[float, Field(ge=0.0)] = 0.0
     unit: str = ""
 
 
@@ -96,7 +99,7 @@ class EffectTable(_Table):
     effect: str
     axis: str | None = None
     location: Literal["actuator", "joint"] = "actuator"
-    parameters: dict[str, ParameterTable | FiniteFloat] = Field(default_factory=dict)
+    parameters: dict[str, ParameterTable | _Number] = Field(default_factory=dict)
 
 
 class ModelTable(_Table):

@@ -17,7 +17,7 @@ import pyarrow.csv as pacsv
 import tomli_w
 
 from workbench.core import InputError, Recording
-from workbench.core.files import check_free, write_whole
+from workbench.core.files import write_all
 from workbench.recordings import load_recording
 
 from .law import find_law
@@ -72,24 +72,16 @@ def write(proposal: Proposal, table: Table, output: Path, *, force: bool = False
     """
     if output.suffix != ".toml":
         raise InputError("does not end in .toml", file=output, remedy="e.g. -o run.toml")
-    written = []
     target = output.with_name(f"{output.stem}.table.csv.gz")
-    if proposal.data is not None and target.resolve() == table.file.resolve():
-        raise InputError("would overwrite the source", file=target, remedy="give another name with -o")
-    check_free(output, force=force)
-    if proposal.data is not None:
-        packed = gzip.compress(_csv(proposal.data), compresslevel=6, mtime=0)
-        written.append(write_whole(target, packed, force=force))
-        source = target.name
-    else:
+    if proposal.data is None:
         source = os.path.relpath(table.file.resolve(), output.resolve().parent)
-    try:
-        written.insert(0, write_whole(output, _toml(proposal.description, source, output.stem), force=force))
-    except BaseException:
-        for file in written:
-            file.unlink(missing_ok=True)  # a table that no TOML names is only in the way
-        raise
-    return written
+        return write_all({output: _toml(proposal.description, source, output.stem)}, force=force)
+    if target.resolve() == table.file.resolve():
+        raise InputError("would overwrite the source", file=target, remedy="give another name with -o")
+    packed = gzip.compress(_csv(proposal.data), compresslevel=6, mtime=0)
+    return write_all(
+        {output: _toml(proposal.description, target.name, output.stem), target: packed}, force=force
+    )
 
 
 def toml_text(proposal: Proposal, table: str) -> str:

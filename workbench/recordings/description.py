@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, FiniteFloat, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import AXIS_SIGNALS, InputError
 from workbench.core.units import KINDS
@@ -36,7 +36,8 @@ def _column(value: Any) -> Any:
 
 AnyColumn = Annotated[Column, BeforeValidator(_column)]
 Columns = Annotated[list[AnyColumn], BeforeValidator(_listed)]
-Numbers = Annotated[list[FiniteFloat], BeforeValidator(_listed)]
+Number = Annotated[float, Field(ge=-1e12, le=1e12)]  # no gain or period is larger, and its square is a number
+Numbers = Annotated[list[Number], BeforeValidator(_listed)]
 UnitNames = Annotated[list[str], BeforeValidator(_listed)]
 
 
@@ -50,7 +51,7 @@ class ControllerTable(_Table):
     kv: Numbers | None = None
     gain: Numbers | None = None
     limit: Numbers | None = None
-    period_s: FiniteFloat | None = None
+    period_s: Number | None = None
 
 
 class ExcitationTable(_Table):
@@ -58,9 +59,9 @@ class ExcitationTable(_Table):
 
     kind: Literal["chirp", "multisine", "reference", "policy", "hold", "random"] = "reference"
     mode: Literal["sum", "difference", "single"] | None = None
-    period_s: FiniteFloat | None = None
-    f_min_hz: FiniteFloat | None = None
-    f_max_hz: FiniteFloat | None = None
+    period_s: Number | None = None
+    f_min_hz: Number | None = None
+    f_max_hz: Number | None = None
     lines: Literal["full", "odd", "odd_random"] | None = None
 
 

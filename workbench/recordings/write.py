@@ -14,7 +14,7 @@ import pyarrow.csv as pacsv
 import tomli_w
 
 from workbench.core import AXIS_SIGNALS, InputError, Recording
-from workbench.core.files import check_free, write_whole
+from workbench.core.files import check_free, write_all
 
 #: Column prefix of each signal.
 _SHORT = {
@@ -62,12 +62,7 @@ def save_recording(
     text = tomli_w.dumps(_description(recording, table_path.name, columns)).encode()
     # mtime 0: the same recording gives the same bytes
     content = gzip.compress(table, compresslevel=6, mtime=0) if compress else table
-    write_whole(table_path, content, force=force)
-    try:
-        write_whole(toml_path, text, force=force)
-    except BaseException:
-        table_path.unlink(missing_ok=True)  # a table that no TOML names is only in the way
-        raise
+    write_all({table_path: content, toml_path: text}, force=force)
 
 
 def _table(recording: Recording) -> tuple[dict[str, Any], bytes]:

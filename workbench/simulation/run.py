@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from workbench.core import Recording, SimulationError
+from workbench.core import Recording
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 
@@ -17,6 +18,7 @@ from .drives import drives_of
 from .experiment import Experiment, prepare
 from .sense import logged, sensors_of
 from .trajectory import TRUE_MOTION
+from .unstable import raise_where_unstable
 from .world import march, world_of
 
 
@@ -59,8 +61,14 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
     out = [r for r in results if r is not None]
     if strict:
         for run, e, recording in zip(runs, experiments, out, strict=True):
-            _raise_where_unstable(run, e, recording)
+            raise_where_unstable(run.model, run.recording, e.controller, recording, partial(_again, run=run))
     return out
+
+
+def _again(model: Model, run: Run) -> Recording:
+    """Another model, run the same way."""
+    experiment = prepare(run.recording, model)
+    return _run(replace(run, model=model), experiment, compile_plant(model, experiment.step))
 
 
 def _run(run: Run, e: Experiment, plant: Plant) -> Recording:
@@ -98,15 +106,3 @@ def _run(run: Run, e: Experiment, plant: Plant) -> Recording:
         name=run.recording.name,
         source=None,
     )
-
-
-def _raise_where_unstable(run: Run, e: Experiment, made: Recording) -> None:
-    """Name a run whose state is not finite."""
-    bad = ~np.isfinite(made.position).all(axis=1)
-    if bad.any():
-        effects = ", ".join(str(effect.key) for effect in run.model.effects) or "no effects"
-        raise SimulationError(
-            f"model '{run.model.name}' ({effects}) becomes unstable on recording "
-            f"'{run.recording.name}' at {np.argmax(bad) * e.recording.period:.3f} s; "
-            "check its parameters, the controller gains and the delay"
-        )

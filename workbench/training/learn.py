@@ -220,7 +220,7 @@ def _open_folder(folder: Path, config: dict[str, Any], machine: Machine, resume:
                     f"the run began with {key} = {old.get(key)}", file=file, column=key,
                     remedy="resume with the same",
                 )  # fmt: skip
-    elif file.exists():
+    elif (folder / CHECKPOINT).exists():  # a run that ended before its first one begins anew
         raise InputError("the folder holds a run", file=folder, remedy="choose another, or add --resume")
     write_whole(file, json.dumps(config, indent=1) + "\n", force=True)
     write_whole(folder / MJCF, machine.xml, force=True)

@@ -1,0 +1,115 @@
+"""Full disks, interrupts and kills: what was there stays whole, and nothing half-written is left."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from workbench.core import InputError
+from workbench.core.files import write_all, write_whole
+
+
+def pair(folder: Path) -> dict[Path, str]:
+    """Two files as they were before."""
+    old = {folder / "run.toml": "old description", folder / "run.csv": "old table"}
+    write_all(dict(old))
+    return old
+
+
+def kept(old: dict[Path, str], folder: Path) -> None:
+    assert {p: p.read_text() for p in folder.iterdir()} == old
+
+
+@pytest.mark.parametrize("at", [1, 2])
+def test_a_full_disk_leaves_what_was_there(at: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old, calls = pair(tmp_path), list[int]()
+
+    def full(handle: int) -> None:
+        calls.append(handle)
+        if len(calls) == at:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(InputError, match=r"run\.toml: cannot write: No space left on device"):
+        write_all(dict.fromkeys(old, "new"), force=True)
+    kept(old, tmp_path)
+
+
+def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
+    old = pair(tmp_path)
+    script = f"""
+        import resource, signal
+        from pathlib import Path
+        from workbench.core import InputError
+        from workbench.core.files import write_all
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+        try:
+            folder = Path({str(tmp_path)!r})
+            write_all({{folder / n: "x" * 10_000 for n in ("run.toml", "run.csv")}}, force=True)
+        except InputError as error:
+            print(error)
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True)
+    assert "cannot write: File too large" in done.stdout, done.stderr
+    kept(old, tmp_path)
+
+
+def test_one_that_exists_keeps_the_others_from_being_written(tmp_path: Path) -> None:
+    (tmp_path / "b").write_text("old")
+    with pytest.raises(InputError, match="exists"):
+        write_all({tmp_path / "a": "new", tmp_path / "b": "new"})
+    assert [p.name for p in tmp_path.iterdir()] == ["b"]
+
+
+def test_an_interrupt_waits_until_all_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    old = pair(tmp_path)
+    monkeypatch.setattr(os, "fsync", lambda handle: os.kill(os.getpid(), signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        write_all(dict.fromkeys(old, "new"), force=True)
+    kept(dict.fromkeys(old, "new"), tmp_path)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_killed_process_leaves_one_named_folder_and_the_next_run_is_not_disturbed(tmp_path: Path) -> None:
+    old = pair(tmp_path)
+    script = f"""
+        import os, signal
+        from pathlib import Path
+        from workbench.core.files import write_all
+        os.fsync = lambda handle: os.kill(os.getpid(), signal.SIGKILL)
+        write_all({{Path({str(tmp_path)!r}) / n: "new" for n in ("run.toml", "run.csv")}}, force=True)
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True)
+    assert done.returncode == -signal.SIGKILL
+    (left,) = [p for p in tmp_path.iterdir() if p not in old]
+    assert left.name.startswith(".run.toml.") and left.name.endswith(".part")
+    assert {p: p.read_text() for p in old} == old
+    write_all(dict.fromkeys(old, "new"), force=True)
+    assert (tmp_path / "run.csv").read_text() == "new"
+
+
+def test_modes_are_those_of_any_new_file(tmp_path: Path) -> None:
+    (tmp_path / "plain").write_text("x")
+    write_whole(tmp_path / "made", "x")
+    assert (tmp_path / "made").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_an_interrupt_ends_a_command_with_130(tmp_path: Path) -> None:
+    script = """
+        import os, signal, typer
+        typer.Typer.__call__ = lambda self: os.kill(os.getpid(), signal.SIGINT)
+        from workbench.cli import main
+        main()
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(script)], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr, list(tmp_path.iterdir())) == (130, "interrupted\n", [])

@@ -1,0 +1,79 @@
+"""Why a run became unstable: the effect without which it does not, or the loop that it runs in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import Controller, Recording, SimulationError
+from workbench.models import AppliedEffect, Model
+
+
+def raise_where_unstable(
+    model: Model,
+    recording: Recording,
+    controller: Controller,
+    made: Recording,
+    again: Callable[[Model], Recording],
+) -> None:
+    """Name a run whose state is not finite, when, and because of what.
+
+    Args:
+        model, recording: what was run.
+        controller: the loop that it ran in.
+        made: the simulation.
+        again: runs another model the same way.
+
+    Raises:
+        SimulationError: the simulation is unstable.
+    """
+    lost = _lost(made)
+    if lost is None:
+        return
+    blamed = [effect for effect in model.effects if _stable(again, model, effect)]
+    if len(blamed) == 1:
+        why = f"{_stated(blamed[0])} makes it so: without that effect it is stable"
+    elif blamed:
+        why = f"it is stable without any of {', '.join(map(_stated, blamed))}"
+    else:
+        why = f"no single effect makes it so; {_loop(controller)}: check gains, delay and inertias"
+    axis, speed = _fastest(made, lost)
+    raise SimulationError(
+        f"model '{model.name}' becomes unstable on recording '{recording.name}' at t = "
+        f"{lost * recording.period:.3f} s ({axis} last at {speed:.3g} {made.units[0]}/s); {why}"
+    )
+
+
+def _lost(made: Recording) -> int | None:
+    """The first row that is not finite."""
+    bad = ~np.isfinite(made.position).all(axis=1)
+    return int(np.argmax(bad)) if bad.any() else None
+
+
+def _stable(again: Callable[[Model], Recording], model: Model, effect: AppliedEffect) -> bool:
+    rest = tuple(each for each in model.effects if each is not effect)
+    try:
+        return _lost(again(replace(model, effects=rest))) is None
+    except SimulationError:  # without it there is nothing to run
+        return False
+
+
+def _fastest(made: Recording, lost: int) -> tuple[str, float]:
+    last = np.abs(np.nan_to_num(made.velocity[max(lost - 1, 0)]))
+    return made.axes[int(last.argmax())], float(last.max())
+
+
+def _stated(effect: AppliedEffect) -> str:
+    values = ", ".join(f"{n} = {e.value:g} {e.unit}".strip() for n, e in effect.parameters.items())
+    return f"{effect.key} ({values})" if values else str(effect.key)
+
+
+def _loop(controller: Controller) -> str:
+    gains = [
+        f"{name} {', '.join(f'{x:g}' for x in getattr(controller, name))}"
+        for name in ("kp", "kd", "kv", "gain")
+        if getattr(controller, name)
+    ]
+    return f"its loop has {'; '.join(gains)}" if gains else "it runs in no loop"
