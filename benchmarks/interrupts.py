@@ -2,9 +2,9 @@
 
     python benchmarks/interrupts.py --count 50 --seed 0
 
-Each command runs in a folder that has its outputs already. After an interrupt (SIGINT) the exit code has to be
-130 (or 0 where it was done); after a kill (SIGKILL) at most one hidden ``.part`` folder may be left. Every other
-file has to be what it was before, or what the whole run makes of it, and training has to go on.
+Each command runs in a folder that has its outputs already. After an interrupt (SIGINT) the exit code has to
+be 130 (or 0 where it was done); after a kill (SIGKILL) at most one hidden ``.part`` folder may be left. Every
+other file has to be what it was before, or what the whole run makes of it, and training has to go on.
 """
 
 from __future__ import annotations

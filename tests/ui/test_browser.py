@@ -145,3 +145,16 @@ def test_strangers_are_not_let_in(server: tuple[str, Path]) -> None:
     connection.request("GET", "/ws", headers=asked)
     assert connection.getresponse().status == 403
     connection.close()
+
+
+@pytest.mark.parametrize("host", ["elsewhere.invalid", "127.0.0.1", "127.0.0.1.elsewhere.invalid:{port}", ""])
+@pytest.mark.parametrize("path", ["/", "/ws", "/autoload.js", "/static/js/bokeh.min.js"])
+def test_names_that_strangers_point_here_are_not_answered(
+    server: tuple[str, Path], host: str, path: str
+) -> None:
+    own = server[0].removeprefix("http://").rstrip("/")
+    connection = HTTPConnection(own, timeout=20)
+    connection.request("GET", path, headers={"Host": host.format(port=own.rpartition(":")[2])})
+    answer = connection.getresponse()
+    assert answer.status in (400, 403) and b"token" not in answer.read()
+    connection.close()

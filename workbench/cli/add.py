@@ -13,7 +13,7 @@ import typer
 from workbench.core import EffectKey, Estimate, InputError
 
 from .app import app
-from .common import ForceOption, ModelArgument, QuietOption, check_outputs
+from .common import ForceOption, ModelArgument, QuietOption, check_outputs, echo
 
 
 @app.command()
@@ -67,7 +67,7 @@ def add(
     new = replace(new, name=Path(output).stem)
     write_model(new, output, force=force)
     if not quiet:
-        typer.echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
+        echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
 
 
 def settled(model: Any, path: str, found: Sequence[Any]) -> Any:

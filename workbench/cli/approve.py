@@ -15,6 +15,7 @@ from .common import (
     RecordingsArgument,
     SeedOption,
     check_outputs,
+    echo,
     progress,
     read_recordings,
 )
@@ -50,9 +51,9 @@ def approve(
     write_record(record, path, force=force)
     against = objections(record, loaded, loaded.variant)
     if not quiet:
-        typer.echo(f"{summary(record)}.")
+        echo(f"{summary(record)}.")
         for line in against:
-            typer.echo(f"Not approved: {line}.")
-        typer.echo(f"Wrote {path}.")
+            echo(f"Not approved: {line}.")
+        echo(f"Wrote {path}.")
     if against:
         raise typer.Exit(1)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs
+from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo
 from .hidden import HideOption, SetOption, hidden_effects
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def load(config: ConfigArgument, json: JsonOption = None, quiet: QuietOption = F
         print_table(_table(loads))
     full = [each.bus for each in loads if not each.fits]
     if full:
-        typer.echo(f"Too full: {', '.join(full)}; use more buses or a longer period.", err=True)
+        echo(f"Too full: {', '.join(full)}; use more buses or a longer period.", err=True)
         raise typer.Exit(1)
 
 
@@ -99,7 +99,7 @@ def bus(config: ConfigArgument) -> None:
 
     stop, loaded = _until_told(), load_config(config)
     with realtime():
-        serve(loaded, stop, lambda: typer.echo("ready"))
+        serve(loaded, stop, lambda: echo("ready"))
 
 
 @can.command()
@@ -123,10 +123,10 @@ def motors(
     loaded = load_config(config)
     bank = MotorBank(loaded, hidden_effects(hide, set_), seed=seed, row=1e-3 * row_ms)
     with realtime():
-        run_motors(loaded, bank, stop, lambda: typer.echo("ready"))
+        run_motors(loaded, bank, stop, lambda: echo("ready"))
     longest = max(motor.longest for motor in bank.motors.values())
     driving = [motor.axis for motor in bank.motors.values() if motor.enabled]
-    typer.echo(f"longest without a command: {1e3 * longest:.2f} ms; driving: {', '.join(driving) or 'none'}")
+    echo(f"longest without a command: {1e3 * longest:.2f} ms; driving: {', '.join(driving) or 'none'}")
 
 
 @can.command()
@@ -142,7 +142,7 @@ def virtual(
     stop = _until_told()
     words = [*(["--hide", hide] if hide else []), *(w for each in set_ or [] for w in ("--set", each))]
     with virtual_hardware(config, ["--seed", str(seed), *words]) as running:
-        typer.echo("ready")
+        echo("ready")
         while running() and not stop():
             time.sleep(0.05)
 
@@ -171,9 +171,9 @@ def log(
             alone.append(time.monotonic())
         return stop() or bool(alone and time.monotonic() > alone[0] + _AFTERWARDS)
 
-    count = log_buses(load_config(config), path, over, lambda: typer.echo("ready"))
+    count = log_buses(load_config(config), path, over, lambda: echo("ready"))
     with contextlib.suppress(OSError):  # whoever started this is gone, and with it its end of the pipe
-        typer.echo(f"Logged {count} frames.")
+        echo(f"Logged {count} frames.")
 
 
 def _until_told() -> Callable[[], bool]:

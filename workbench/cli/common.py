@@ -13,6 +13,7 @@ import typer
 
 from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording
 from workbench.core.files import check_free
+from workbench.core.text import plain
 
 if TYPE_CHECKING:
     from workbench.recordings import Excerpts, Log
@@ -41,6 +42,11 @@ WholeOption = Annotated[
 ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite outputs that exist.")]
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the noise simulations.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+
+
+def echo(text: str, *, err: bool = False) -> None:
+    """Print lines; what strangers named is text and nothing else."""
+    typer.echo("\n".join(map(plain, text.split("\n"))), err=err)
 
 
 def read_recordings(paths: Sequence[str]) -> list[Recording]:

@@ -11,7 +11,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import JsonOption, QuietOption, SeedOption, check_outputs
+from .common import JsonOption, QuietOption, SeedOption, check_outputs, echo
 
 
 @app.command()
@@ -56,11 +56,11 @@ def deploy(
         write_json({"format": 1, **result}, json, force=True)
     if not quiet and json != "-":
         trip = result["round_trip_ms"]
-        typer.echo(
+        echo(
             f"{result['ticks']} ticks, {100 * result['missed_share']:.2g} % missed; round trip "
             f"{trip['p50']:.3g} ms (half of them), {trip['p99']:.3g} ms (99 %)."
         )
-        typer.echo(f"Ended by a fault: {result['fault']}." if result["fault"] else "No fault.")
+        echo(f"Ended by a fault: {result['fault']}." if result["fault"] else "No fault.")
     if result["stopped"]:
         raise typer.Exit(130)
     if result["fault"]:

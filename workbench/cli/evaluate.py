@@ -10,7 +10,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, progress
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, progress
 
 
 @app.command()
@@ -53,13 +53,13 @@ def evaluate(
     if json:
         report.write_json(content, json, force=force)
     if not quiet and json != "-":
-        typer.echo(f"{loaded.task}, trained in {loaded.variant}:")
+        echo(f"{loaded.task}, trained in {loaded.variant}:")
         for score in content["hardware"]["scores"] or content["simulation"]["scores"]:
             values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
-            typer.echo(f"  {score:32s} {'  '.join(values)}")
-        typer.echo(f"Wrote 2 recordings to {folder}.")
+            echo(f"  {score:32s} {'  '.join(values)}")
+        echo(f"Wrote 2 recordings to {folder}.")
     fell = content["hardware"]["fell_s"]
     if fell is not None:
         if not quiet:
-            typer.echo(f"It fell on the hardware after {fell:.2f} s.")
+            echo(f"It fell on the hardware after {fell:.2f} s.")
         raise typer.Exit(1)

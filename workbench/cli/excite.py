@@ -12,7 +12,7 @@ from workbench.core import InputError
 
 from .add import parse_values
 from .app import app
-from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, progress
+from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, echo, progress
 
 if TYPE_CHECKING:
     from workbench.frf import Scaled
@@ -134,18 +134,18 @@ def excite(
         return
     d = scaled.design
     seconds = d.rows / d.rate_hz
-    typer.echo(
+    echo(
         f"Wrote {output}: {len(d.trials)} experiment(s) of {seconds:.4g} s, {len(d.lines)} lines from "
         f"{d.frequency[0]:.4g} to {d.frequency[-1]:.4g} Hz, crest factor up to {d.crest_factors.max():.3g}."
     )
     if length != period:
-        typer.echo(f"The period is {length:.9g} s: a whole number of rows and of the controller's ticks.")
+        echo(f"The period is {length:.9g} s: a whole number of rows and of the controller's ticks.")
     if scaled.binding is None:
-        typer.echo("The model states no limits: nothing was scaled.")
+        echo("The model states no limits: nothing was scaled.")
     else:
         kept = f"Scaled to {scaled.factor:.3g} of" if scaled.factor < 1 else "Left at"
         share = 100 * scaled.usage[scaled.binding]
-        typer.echo(
+        echo(
             f"{kept} the amplitude asked for: tightest is the {scaled.binding}, of whose room {share:.3g} % "
             "is used."
         )

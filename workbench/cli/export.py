@@ -9,7 +9,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, QuietOption
+from .common import ForceOption, QuietOption, echo
 
 
 @app.command()
@@ -33,4 +33,4 @@ def export(
         ) from error
     path = write(run, output, force=force)
     if not quiet:
-        typer.echo(f"Wrote {path}.")
+        echo(f"Wrote {path}.")

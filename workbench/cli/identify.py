@@ -19,6 +19,7 @@ from .common import (
     RecordingsArgument,
     check_outputs,
     deliver_sheet,
+    echo,
     read_recordings,
 )
 
@@ -74,7 +75,7 @@ def actuator(
     if not quiet and json != "-":
         report.print_table(actuator_table(found))
         if output:
-            typer.echo(f"Wrote {output}: {model} with these drives.")
+            echo(f"Wrote {output}: {model} with these drives.")
 
 
 @identify.command()
@@ -137,4 +138,4 @@ def leg(
     if not quiet and json != "-":
         report.print_table(leg_table(found, built))
         if output:
-            typer.echo(f"Wrote {output}: {model} as S3N-Full.")
+            echo(f"Wrote {output}: {model} as S3N-Full.")

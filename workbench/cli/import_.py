@@ -10,7 +10,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo
 from .import_table import import_table, read_answers
 
 
@@ -142,7 +142,7 @@ def import_(
         return
     contents = contents_of(path)
     if not drive:
-        typer.echo(str(contents))
+        echo(str(contents))
         return
     if not output:
         raise InputError("no output file", remedy="say where the new model goes: -o MODEL.toml")
@@ -175,17 +175,15 @@ def import_(
     if quiet:
         return
     kind = "changes with the posture" if made.posture_dependent else "is constant"
-    typer.echo(
-        f"Wrote {output} and {made.serial.name}: the transmission {kind}: {made.transmission.tolist()}."
-    )
+    echo(f"Wrote {output} and {made.serial.name}: the transmission {kind}: {made.transmission.tolist()}.")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k != "identified"}
-        typer.echo(
+        echo(
             "A parallelogram; over the serial tree its linkage has "
             + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
             + "."
         )
-    typer.echo(f"Next: workbench check {output}")
+    echo(f"Next: workbench check {output}")
 
 
 def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:

@@ -12,6 +12,8 @@ import typer
 
 from workbench.core import InputError
 
+from .common import echo
+
 if TYPE_CHECKING:
     from workbench.inspection import Inspection
     from workbench.proposing import Answers, Proposal, Question
@@ -60,8 +62,8 @@ def import_table(
         from .import_tables import proposal_tables
 
         report.print_table(proposal_tables(proposal, recording, found))
-        typer.echo(f"Wrote {' and '.join(str(f) for f in written)}.")
-        typer.echo(f"Next: workbench compare MODEL {target}")
+        echo(f"Wrote {' and '.join(str(f) for f in written)}.")
+        echo(f"Next: workbench compare MODEL {target}")
 
 
 def default_output(path: Path) -> Path:
@@ -94,9 +96,9 @@ def _answer(questions: tuple[Question, ...], answers: Answers, path: Path, yes: 
 
 
 def _ask(question: Question, answers: Answers) -> Answers:
-    typer.echo(question.text)
+    echo(question.text)
     for number, choice in enumerate(question.choices, 1):
-        typer.echo(f"  {number}  {choice}")
+        echo(f"  {number}  {choice}")
     while True:
         text = str(typer.prompt("Answer", default=question.best or None)).strip()
         if text.isdigit() and 1 <= int(text) <= len(question.choices):
@@ -104,7 +106,7 @@ def _ask(question: Question, answers: Answers) -> Answers:
         try:
             return answers.with_answer(question.key, text)
         except ValueError:
-            typer.echo(f"'{text}' is not an answer to that.")
+            echo(f"'{text}' is not an answer to that.")
 
 
 def read_answers(

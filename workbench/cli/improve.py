@@ -20,6 +20,7 @@ from .common import (
     WholeOption,
     check_outputs,
     deliver,
+    echo,
     open_pair,
     progress,
     staged,
@@ -57,4 +58,4 @@ def improve(
     inputs = [model, *recordings, *(holdout or [])]
     deliver(result, json=json, html=html, force=force, quiet=quiet, inputs=inputs, seeds={"noise": seed})
     if not quiet and json != "-":
-        typer.echo(f"Wrote {output}.")
+        echo(f"Wrote {output}.")

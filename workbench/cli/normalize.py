@@ -9,7 +9,7 @@ import typer
 from workbench.core import InputError, WorkbenchError
 
 from .app import app
-from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, progress
+from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, echo, progress
 
 
 @app.command()
@@ -83,4 +83,4 @@ def normalize(
         report.write_json(content, json, force=force)
     if not quiet and json != "-":
         report.print_table(normalize_table(tree, base, unknown))
-        typer.echo(f"Wrote {output}.")
+        echo(f"Wrote {output}.")

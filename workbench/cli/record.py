@@ -12,7 +12,7 @@ from workbench.core import InputError
 from workbench.core.files import check_free
 
 from .app import app
-from .common import ForceOption, QuietOption
+from .common import ForceOption, QuietOption, echo
 from .hidden import HideOption, SetOption, hidden_effects
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def record(
             VirtualLeg(hidden, seed=seed).record_to(output, _of_the_leg(experiments, seed), force=force)
         )
     if not quiet:
-        typer.echo(f"Wrote {count} recordings to {output}.")
+        echo(f"Wrote {count} recordings to {output}.")
 
 
 def _of_the_leg(names: Sequence[str] | None, seed: int) -> list[Experiment]:

@@ -11,7 +11,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, QuietOption, duration, progress
+from .common import ForceOption, QuietOption, duration, echo, progress
 
 
 @app.command()
@@ -83,7 +83,7 @@ def train(
     known = read_record(file)
     against = objections(known, loaded, variant)
     if known is not None and not quiet:
-        typer.echo(f"{file.name}: {summary(known)}.")
+        echo(f"{file.name}: {summary(known)}.")
     if against and not unverified:
         raise InputError(
             "; ".join(against),
@@ -92,7 +92,7 @@ def train(
         )
     machine = make_machine(wanted.machine, loaded, variant)
     if machine.left_out and not quiet:
-        typer.echo(f"Not in the simulation: {', '.join(machine.left_out)}.")
+        echo(f"Not in the simulation: {', '.join(machine.left_out)}.")
     settings = Settings(
         worlds=envs,
         iterations=iterations or wanted.iterations,
@@ -126,4 +126,4 @@ def train(
         return
     bundle = export(folder, folder / "bundle.zip", force=force or resume)
     if not quiet:
-        typer.echo(f"Trained {settings.iterations} iterations; wrote {bundle}.")
+        echo(f"Trained {settings.iterations} iterations; wrote {bundle}.")

@@ -11,7 +11,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import SeedOption
+from .common import SeedOption, echo
 
 
 @app.command()
@@ -54,7 +54,7 @@ def ui(
     from workbench.ui.server import serve
 
     def ready(address: str) -> None:
-        typer.echo(f"The workbench is at {address}  (Ctrl-C ends it)")
+        echo(f"The workbench is at {address}  (Ctrl-C ends it)")
         if browser:
             typer.launch(address)
 

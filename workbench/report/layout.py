@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 from rich import box
-from rich.console import Console, RenderableType
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
@@ -12,7 +16,22 @@ from .numbers import plain
 
 def print_table(renderable: RenderableType, console: Console | None = None) -> None:
     """Print to standard output; plain text where that is no terminal or NO_COLOR is set."""
-    (console or Console(highlight=False)).print(renderable, soft_wrap=False)
+    (console or Screen(highlight=False)).print(renderable, soft_wrap=False)
+
+
+class Screen(Console):
+    """A console on which whatever a stranger named is text: no markup, no control characters."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(markup=False, emoji=False, **options)
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterator[Segment]:
+        """The segments of what is printed, made printable."""
+        for segment in super().render(renderable, options):
+            if segment.control or segment.text.isprintable():
+                yield segment
+            else:
+                yield Segment("\n".join(map(plain, segment.text.split("\n"))), segment.style)
 
 
 def table(*columns: str | tuple[str, str]) -> Table:

@@ -34,15 +34,15 @@ def raise_where_unstable(
         return
     blamed = [effect for effect in model.effects if _stable(again, model, effect)]
     if len(blamed) == 1:
-        why = f"{_stated(blamed[0])} makes it so: without that effect it is stable"
+        why = f"check {_stated(blamed[0])}: without that effect it is stable"
     elif blamed:
-        why = f"it is stable without any of {', '.join(map(_stated, blamed))}"
+        why = f"check {', '.join(map(_stated, blamed))}: it is stable without any one of them"
     else:
-        why = f"no single effect makes it so; {_loop(controller)}: check gains, delay and inertias"
+        why = f"check gains, delay and inertias: no single effect makes it so, and {_loop(controller)}"
     axis, speed = _fastest(made, lost)
     raise SimulationError(
         f"model '{model.name}' becomes unstable on recording '{recording.name}' at t = "
-        f"{lost * recording.period:.3f} s ({axis} last at {speed:.3g} {made.units[0]}/s); {why}"
+        f"{lost * recording.period:.3f} s; {why} ({axis} was last at {speed:.3g} {made.units[0]}/s)"
     )
 
 

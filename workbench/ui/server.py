@@ -14,6 +14,8 @@ import panel as pn
 from bokeh.server.server import Server
 from bokeh.util.warnings import BokehUserWarning
 from panel.io.server import get_server
+from tornado.httputil import HTTPServerRequest
+from tornado.web import Application, ErrorHandler
 from tornado.websocket import WebSocketClosedError
 
 from workbench.core import InputError
@@ -59,6 +61,7 @@ def serve(bench: Bench, port: int, ready: Callable[[str], None]) -> None:
     chosen = bench.chosen
     if chosen is not None:
         loop.add_callback(lambda: live.take(chosen))
+    _only_by_own_name(server._tornado, {f"{_HOST}:{port}", f"localhost:{port}"})
     server.start()
     ready(f"http://{_HOST}:{port}/")
     try:
@@ -66,6 +69,18 @@ def serve(bench: Bench, port: int, ready: Callable[[str], None]) -> None:
     finally:
         live.close()
         server.stop()
+
+
+def _only_by_own_name(application: Application, hosts: set[str]) -> None:
+    """Answer no request that was sent to another name: a stranger's page may have its own name point here."""
+    find = application.find_handler
+
+    def find_handler(request: HTTPServerRequest, **options: Any) -> Any:
+        if request.host in hosts:
+            return find(request, **options)
+        return application.get_handler_delegate(request, ErrorHandler, {"status_code": 403})
+
+    application.find_handler = find_handler
 
 
 def _document(live: Live) -> Any:
