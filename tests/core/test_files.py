@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -69,6 +70,15 @@ def test_one_that_exists_keeps_the_others_from_being_written(tmp_path: Path) -> 
     assert [p.name for p in tmp_path.iterdir()] == ["b"]
 
 
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """A process that was started in the background ignores interrupts, and so would the test."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_waits_until_all_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     old = pair(tmp_path)
     monkeypatch.setattr(os, "fsync", lambda handle: os.kill(os.getpid(), signal.SIGINT))
@@ -105,6 +115,7 @@ def test_modes_are_those_of_any_new_file(tmp_path: Path) -> None:
 def test_an_interrupt_ends_a_command_with_130(tmp_path: Path) -> None:
     script = """
         import os, signal, typer
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         typer.Typer.__call__ = lambda self: os.kill(os.getpid(), signal.SIGINT)
         from workbench.cli import main
         main()

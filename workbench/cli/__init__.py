@@ -9,7 +9,9 @@ import sys
 def main() -> None:
     """Run the command line; an interrupt ends it quietly, even while it is still loading."""
     # until something may be written, an interrupt simply ends the process, without a traceback of imports
-    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    before = signal.getsignal(signal.SIGINT)
+    if before is not signal.SIG_IGN:  # as in the background
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     from .app import run
 
     signal.signal(signal.SIGINT, before)
