@@ -290,12 +290,13 @@ def run(folder: Path) -> None:
     """The folder of a training run, its bundle, and a verification record, without having trained."""
     import torch
 
+    from workbench.core.provenance import digest
     from workbench.effects import load_model
     from workbench.training.checkpoint import save
     from workbench.training.export import export
     from workbench.training.learn import CHECKPOINT, CONFIG, MJCF, MODEL, _copy_model
     from workbench.training.machine import make_machine
-    from workbench.training.settings import Settings, files_of, resolved, sha256
+    from workbench.training.settings import Settings, resolved
     from workbench.training.tasks import TASKS
 
     leg = load_model("leg")
@@ -315,7 +316,7 @@ def run(folder: Path) -> None:
     save(own / CHECKPOINT, {"iteration": 2, "seconds": 1.0, "learner": {"actor_state_dict": state}})
     export(own, folder / "reach.zip")
     record = {
-        "format": 1, "model": "leg", "variant": "exact", "files": {f.name: sha256(f) for f in files_of(leg)},
+        "format": 1, "model": "leg", "variant": "exact", "files": {f.name: digest(f) for f in leg.files},
         "checks": [{"name": "mass matrix", "passed": True}], "passed": True,
         "recordings": [{"name": "run", "error": 0.1, "noise_error": 0.1, "sha256": None}],
         "error": 0.1, "noise_error": 0.1, "consistent": True, "versions": {},

@@ -15,7 +15,9 @@ from .common import (
     QuietOption,
     check_outputs,
     deliver_sheet,
+    files_of,
     progress,
+    write_result,
 )
 
 
@@ -55,9 +57,10 @@ def check(
     if not quiet and json != "-":
         report.print_table(report.verification_table(result))
     if json:
-        report.write_json(report.verification_dict(result), json, force=force)
+        content, seeds = report.verification_dict(result), {"postures": seed}
+        write_result(content, json, files=files_of(loaded), seeds=seeds, force=force)
     if html:
         sheet = report.verification_sheet(result)
-        deliver_sheet(sheet, html, inputs=[model], seeds={"postures": seed}, force=force)
+        deliver_sheet(sheet, html, files=files_of(loaded), seeds={"postures": seed}, force=force)
     if not result.passed:
         raise typer.Exit(1)

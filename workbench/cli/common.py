@@ -16,6 +16,7 @@ from workbench.core.files import check_free
 from workbench.core.text import plain
 
 if TYPE_CHECKING:
+    from workbench.models import Model
     from workbench.recordings import Excerpts, Log
     from workbench.report import Sheet
 
@@ -163,7 +164,7 @@ def deliver(
     html: str | None,
     force: bool,
     quiet: bool,
-    inputs: Sequence[str],
+    files: Sequence[Path],
     seeds: Mapping[str, int],
     truth: Sequence[Mapping[str, Any]] | None = None,
 ) -> None:
@@ -181,21 +182,53 @@ def deliver(
         if truth is not None and isinstance(result, Improvement):
             report.print_table(report.truth_table(result, truth))
     if json:
-        report.write_json(content, json, force=force)
+        write_result(content, json, files=files, seeds=seeds, force=force)
     if html:
-        report.write_page(result, html, **_made_by(inputs, seeds), truth=truth, force=force)
+        report.write_page(result, html, **_made_by(files, seeds), truth=truth, force=force)
+
+
+def write_result(
+    content: Mapping[str, Any],
+    json: str,
+    *,
+    files: Sequence[Path],
+    seeds: Mapping[str, int] | None = None,
+    force: bool,
+) -> None:
+    """Write JSON with what it was made of; a truth that is revealed still comes last."""
+    from workbench import report
+    from workbench.core.provenance import provenance
+
+    made = {"provenance": provenance(files, seeds)}
+    last = {"truth": content["truth"]} if "truth" in content else {}
+    before = {key: value for key, value in content.items() if key not in last}
+    report.write_json({**before, **made, **last}, json, force=force)
 
 
 def deliver_sheet(
-    sheet: Sheet, html: str, *, inputs: Sequence[str], seeds: Mapping[str, int] | None = None, force: bool
+    sheet: Sheet,
+    html: str,
+    *,
+    files: Sequence[Path],
+    seeds: Mapping[str, int] | None = None,
+    force: bool,
 ) -> None:
     """Write a page made of parts."""
     from workbench import report
 
-    report.write_sheet(sheet, html, **_made_by(inputs, seeds or {}), force=force)
+    report.write_sheet(sheet, html, **_made_by(files, seeds or {}), force=force)
 
 
-def _made_by(inputs: Sequence[str], seeds: Mapping[str, int]) -> dict[str, Any]:
+def _made_by(files: Sequence[Path], seeds: Mapping[str, int]) -> dict[str, Any]:
     """How a page says that it can be made again."""
-    files = [Path(p) for p in inputs if Path(p).is_file()]
-    return {"command": " ".join(["workbench", *sys.argv[1:]]), "seeds": seeds, "inputs": files}
+    command = " ".join(["workbench", *sys.argv[1:]])
+    return {"command": command, "seeds": seeds, "inputs": files}
+
+
+def files_of(model: Model | None, recordings: Sequence[Recording | Log] = ()) -> list[Path]:
+    """All files that model and recordings were read from, each once."""
+    from workbench.recordings import source_files
+
+    read = [] if model is None else model.files
+    read = [*read, *(f for r in recordings if r.source for f in source_files(r.source))]
+    return list(dict.fromkeys(read))

@@ -17,6 +17,7 @@ from .common import (
     SeedOption,
     check_outputs,
     deliver,
+    files_of,
     open_sources,
     progress,
 )
@@ -54,7 +55,7 @@ def compare(
         html=html,
         force=force,
         quiet=quiet,
-        inputs=[model, *recordings],
+        files=files_of(loaded, data),
         seeds={"noise": seed},
     )
     if fail_above is not None and not result.error <= fail_above:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, progress, staged
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, files_of, progress, staged
 
 
 @app.command()
@@ -53,12 +53,11 @@ def demo(
     )
     names = [str(f) for f in files]
     held_out = [n for n in names if Path(n).stem == "validation"]
-    training = [n for n in names if n not in held_out]
+    training = load_recordings([n for n in names if n not in held_out])
+    judging = load_recordings(held_out)
     model = load_model("leg")
     with progress(quiet) as tell:
-        result, better = improve(
-            model, load_recordings(training), load_recordings(held_out), seed=seed, progress=staged(tell)
-        )
+        result, better = improve(model, training, judging, seed=seed, progress=staged(tell))
     write_model(replace(better, name="leg_improved"), folder / "improved.toml", force=force)
     truth = [
         {"effect": h.effect, "axis": h.axis, "location": h.location, "parameters": dict(h.parameters)}
@@ -71,7 +70,7 @@ def demo(
         html=page,
         force=force,
         quiet=quiet,
-        inputs=names,
+        files=files_of(model, [*training, *judging]),
         seeds={"demo": seed},
         truth=truth,
     )

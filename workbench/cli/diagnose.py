@@ -17,6 +17,7 @@ from .common import (
     WholeOption,
     check_outputs,
     deliver,
+    files_of,
     open_pair,
     progress,
     staged,
@@ -48,5 +49,12 @@ def diagnose(
     with progress(quiet) as tell:
         result = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
     result = replace(result, used=data.share, notes=data.notes)
-    inputs = [model, *recordings, *(holdout or [])]
-    deliver(result, json=json, html=html, force=force, quiet=quiet, inputs=inputs, seeds={"noise": seed})
+    deliver(
+        result,
+        json=json,
+        html=html,
+        force=force,
+        quiet=quiet,
+        files=files_of(loaded, [*data.training, *data.held_out]),
+        seeds={"noise": seed},
+    )

@@ -10,7 +10,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, progress
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, progress, write_result
 
 
 @app.command()
@@ -31,7 +31,6 @@ def evaluate(
 
     Example: workbench evaluate reach.zip -o evaluated
     """
-    from workbench import report
     from workbench.bundle import read_bundle
     from workbench.recordings import save_recording
     from workbench.training.evaluate import evaluate as run
@@ -51,7 +50,7 @@ def evaluate(
             save_recording(result.recording, file, force=force)
             content[name] = {"scores": result.scores, "fell_s": result.fell_s, "recording": str(file)}
     if json:
-        report.write_json(content, json, force=force)
+        write_result(content, json, files=[Path(bundle)], seeds={"run": seed}, force=force)
     if not quiet and json != "-":
         echo(f"{loaded.task}, trained in {loaded.variant}:")
         for score in content["hardware"]["scores"] or content["simulation"]["scores"]:

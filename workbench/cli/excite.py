@@ -12,7 +12,17 @@ from workbench.core import InputError
 
 from .add import parse_values
 from .app import app
-from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, echo, progress
+from .common import (
+    ForceOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    check_outputs,
+    echo,
+    files_of,
+    progress,
+    write_result,
+)
 
 if TYPE_CHECKING:
     from workbench.frf import Scaled
@@ -76,7 +86,7 @@ def excite(
 
     Example: workbench excite leg -o leg_multisine.toml --amplitude 0.9 --amplitude 0.54 --speed-limit 40
     """
-    from workbench import frf, report
+    from workbench import frf
     from workbench.effects import load_model
     from workbench.simulation import held_posture, limits_of, predictor, whole_period
 
@@ -129,7 +139,9 @@ def excite(
         scaled = frf.scale_to_limits(design, predictor(loaded, limits), limits)
     files = frf.save_design(scaled.design, output, force=force)
     if json:
-        report.write_json(_summary(scaled, files), json, force=force)
+        write_result(
+            _summary(scaled, files), json, files=files_of(loaded), seeds={"phases": seed}, force=force
+        )
     if quiet or json == "-":
         return
     d = scaled.design

@@ -17,6 +17,7 @@ from .common import (
     check_outputs,
     deliver_sheet,
     progress,
+    write_result,
 )
 
 
@@ -77,12 +78,12 @@ def fleet(
         tell(f"diagnosing {len(robots)} robots")
         told = run_fleet(robots, output, seed=seed, jobs=jobs, ray=ray, force=force, progress=tell)
     found = summarise(told)
+    files = [Path(file) for robot in robots for file in robot.files if Path(file).is_file()]
     if not quiet and json != "-":
         report.print_table(fleet_table(found))
     if json:
-        report.write_json(fleet_dict(found), json, force=force)
+        write_result(fleet_dict(found), json, files=files, seeds={"noise": seed}, force=force)
     if html:
-        inputs = [str(file) for robot in robots for file in robot.files if Path(file).is_file()]
-        deliver_sheet(fleet_sheet(found), html, inputs=inputs, seeds={"noise": seed}, force=force)
+        deliver_sheet(fleet_sheet(found), html, files=files, seeds={"noise": seed}, force=force)
     if found.failed:
         raise typer.Exit(1)

@@ -17,8 +17,10 @@ from .common import (
     RecordingsArgument,
     check_outputs,
     deliver_sheet,
+    files_of,
     progress,
     read_recordings,
+    write_result,
 )
 
 
@@ -53,9 +55,9 @@ def frf(
         found = compare_frf(loaded, data)
     if json:
         content: dict[str, Any] = frf_dict(loaded, found)
-        report.write_json(content, json, force=force)
+        write_result(content, json, files=files_of(loaded, data), force=force)
     if html:
-        deliver_sheet(frf_sheet(loaded.name, found), html, inputs=[model, *recordings], force=force)
+        deliver_sheet(frf_sheet(loaded.name, found), html, files=files_of(loaded, data), force=force)
     if figure:
         for place, path in zip(found, _numbered(Path(figure), len(found)), strict=True):
             report.save_figure(frf_figure(place), path, force=force)

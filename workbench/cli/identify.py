@@ -20,7 +20,9 @@ from .common import (
     check_outputs,
     deliver_sheet,
     echo,
+    files_of,
     read_recordings,
+    write_result,
 )
 
 identify = typer.Typer(
@@ -63,13 +65,14 @@ def actuator(
 
     check_outputs(output or None, json, html, figure, force=force)
     base = read_model(model) if output else None
-    found = identify_actuator(read_recordings(recordings))
+    data = read_recordings(recordings)
+    found = identify_actuator(data)
     if base is not None:
         write_model(replace(with_actuator(base, found), name=Path(output).stem), output, force=force)
     if json:
-        report.write_json(actuator_dict(found), json, force=force)
+        write_result(actuator_dict(found), json, files=files_of(base, data), force=force)
     if html:
-        deliver_sheet(actuator_sheet(found), html, inputs=[model, *recordings], force=force)
+        deliver_sheet(actuator_sheet(found), html, files=files_of(base, data), force=force)
     if figure:
         report.save_figure(fit_figure(found.fit), Path(figure), force=force)
     if not quiet and json != "-":
@@ -116,23 +119,24 @@ def leg(
 
     check_outputs(output or None, json, html, figure, force=force)
     base = read_model(model)
-    if actuator:
-        base = with_actuator(base, identify_actuator(read_recordings(actuator)))
+    alone = read_recordings(actuator) if actuator else []
+    if alone:
+        base = with_actuator(base, identify_actuator(alone))
     data = read_recordings(recordings)
     if data[0].axes != base.axes:
         raise InputError(
             f"axes are {', '.join(data[0].axes)}, and those of model '{base.name}' {', '.join(base.axes)}",
             file=data[0].source, column="axes", remedy="name the model that the recordings are of: --model",
         )  # fmt: skip
+    files = files_of(base, [*data, *alone])
     found = identify_leg(data, base.transmission)
     built = with_leg(base, found)
     if output:
         write_model(replace(built, name=Path(output).stem), output, force=force)
     if json:
-        report.write_json(leg_dict(found, built), json, force=force)
+        write_result(leg_dict(found, built), json, files=files, force=force)
     if html:
-        inputs = [model, *recordings, *(actuator or [])]
-        deliver_sheet(leg_sheet(found, built), html, inputs=inputs, force=force)
+        deliver_sheet(leg_sheet(found, built), html, files=files, force=force)
     if figure:
         report.save_figure(fit_figure(found.fit), Path(figure), force=force)
     if not quiet and json != "-":

@@ -21,6 +21,7 @@ from .common import (
     check_outputs,
     deliver,
     echo,
+    files_of,
     open_pair,
     progress,
     staged,
@@ -55,7 +56,14 @@ def improve(
         result, better = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
     write_model(better, output, force=force)
     result = replace(result, used=data.share, notes=data.notes)
-    inputs = [model, *recordings, *(holdout or [])]
-    deliver(result, json=json, html=html, force=force, quiet=quiet, inputs=inputs, seeds={"noise": seed})
+    deliver(
+        result,
+        json=json,
+        html=html,
+        force=force,
+        quiet=quiet,
+        files=files_of(loaded, [*data.training, *data.held_out]),
+        seeds={"noise": seed},
+    )
     if not quiet and json != "-":
         echo(f"Wrote {output}.")

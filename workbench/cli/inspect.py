@@ -5,7 +5,16 @@ from __future__ import annotations
 import typer
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, RecordingsArgument, check_outputs, read_recordings
+from .common import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    RecordingsArgument,
+    check_outputs,
+    files_of,
+    read_recordings,
+    write_result,
+)
 
 
 @app.command()
@@ -28,9 +37,10 @@ def inspect(
     from .inspect_table import inspection_table
 
     check_outputs(json, force=force)
-    result = run(read_recordings(recordings))
+    data = read_recordings(recordings)
+    result = run(data)
     if json:
-        report.write_json(inspection_dict(result), json, force=force)
+        write_result(inspection_dict(result), json, files=files_of(None, data), force=force)
     if not quiet and json != "-":
         report.print_table(inspection_table(result))
     if not result.sound:

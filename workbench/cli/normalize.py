@@ -9,7 +9,17 @@ import typer
 from workbench.core import InputError, WorkbenchError
 
 from .app import app
-from .common import ForceOption, JsonOption, ModelArgument, QuietOption, check_outputs, echo, progress
+from .common import (
+    ForceOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    check_outputs,
+    echo,
+    files_of,
+    progress,
+    write_result,
+)
 
 
 @app.command()
@@ -80,7 +90,7 @@ def normalize(
         }
         if isinstance(tree, FittedTree):
             content["fitted"] = {**vars(tree.error), "offsets": tree.offsets.tolist()}
-        report.write_json(content, json, force=force)
+        write_result(content, json, files=files_of(loaded), force=force)
     if not quiet and json != "-":
         report.print_table(normalize_table(tree, base, unknown))
         echo(f"Wrote {output}.")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import tomllib
 from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 from workbench.core import FORMAT, InputError
 from workbench.core.files import write_whole
 from workbench.models import read_model
+from workbench.recordings import source_files
 from workbench.report.json import dumps
 
 from .robots import Robot
@@ -28,7 +28,7 @@ def fingerprint(robot: Robot, seed: int) -> str:
     parts: list[Any] = [FORMAT, robot.name, seed, *(_digest(Path(x)) for x in named)]
     for role, files in (("training", robot.training), ("held out", robot.held_out)):
         for file in files:
-            parts += [role, file.stem, _digest(file), *(_digest(table) for table in _tables(file))]
+            parts += [role, file.stem, *(_digest(each) for each in source_files(file))]
     return sha256(json.dumps(parts).encode()).hexdigest()
 
 
@@ -68,12 +68,3 @@ def _digest(file: Path) -> str | None:
         return None
     with file.open("rb") as stream:
         return file_digest(stream, "sha256").hexdigest()
-
-
-def _tables(file: Path) -> list[Path]:
-    """The table that a recording names, and what a log of a bus is read by."""
-    table = tomllib.loads(file.read_bytes().decode("utf-8-sig")).get("table")
-    if not isinstance(table, str):
-        return []
-    path = file.parent / table
-    return [path, *sorted(path.parent.glob("*.dbc"))] if path.suffix != ".csv" else [path]

@@ -107,6 +107,12 @@ class Model(Shown):
     source: Path | None = None
 
     @property
+    def files(self) -> list[Path]:
+        """What the model was read from: its own file, the serial tree, the closed chain."""
+        chain = self.closed_chain.file if self.closed_chain else None
+        return [path for path in (self.source, self.serial, chain) if path is not None]
+
+    @property
     def size(self) -> int:
         """Number of axes n."""
         return len(self.axes)

@@ -1,5 +1,6 @@
 """Reads, checks and writes what was measured: one TOML file and one table per recording."""
 
+from .files import source_files
 from .log import HELD, Log, Stretch, check_moves, open_recording, open_recordings
 from .noise import NoiseLevels, noise_levels, white_noise
 from .read import load_recording, load_recordings
@@ -21,5 +22,6 @@ __all__ = [
     "open_recording",
     "open_recordings",
     "save_recording",
+    "source_files",
     "white_noise",
 ]

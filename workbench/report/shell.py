@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import base64
 import gzip
-import hashlib
-import platform
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib import metadata, resources
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import jinja2
 
-from workbench.core import InputError
 from workbench.core.palette import COLOURS
+from workbench.core.provenance import PACKAGES, digest, versions
 
 from .numbers import plain, unbroken
-
-_PACKAGES = ("workbench", "numpy", "scipy", "drake", "mujoco", "pin", "plotly")
 
 
 def reproduce(command: str, seeds: Mapping[str, int] | None, inputs: Sequence[str | Path]) -> dict[str, Any]:
@@ -31,8 +27,8 @@ def reproduce(command: str, seeds: Mapping[str, int] | None, inputs: Sequence[st
     return {
         "command": plain(command),
         "seeds": [(plain(k), v) for k, v in (seeds or {}).items()],
-        "versions": _versions(),
-        "inputs": [(plain(p), _sha256(Path(p))) for p in inputs],
+        "versions": list(versions([*PACKAGES, "plotly"]).items()),
+        "inputs": [(plain(p), digest(p)) for p in inputs],
     }
 
 
@@ -66,21 +62,3 @@ def template(name: str) -> jinja2.Template:
 
 def _read(name: str) -> str:
     return resources.files("workbench.report").joinpath("templates", name).read_text(encoding="utf-8")
-
-
-def _versions() -> list[tuple[str, str]]:
-    out = [("python", platform.python_version())]
-    for name in _PACKAGES:
-        try:
-            out.append((name, metadata.version(name)))
-        except metadata.PackageNotFoundError:
-            continue
-    return out
-
-
-def _sha256(path: Path) -> str:
-    try:
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as error:
-        raise InputError(f"cannot read: {error.strerror or error}", file=path) from error

@@ -24,7 +24,6 @@ from .draws import Draws
 from .environment import LOWEST, STEEPEST
 from .machine import POLICY_STEPS, STEP_S, Machine, make_machine
 from .plants import ClosedChainPlant, Plant, State, TrainedPlant, begin, body_frame
-from .settings import files_of
 from .situation import Constants, Situation
 from .tasks import CIRCLE, TASKS, Task, reach_reference
 
@@ -76,7 +75,7 @@ def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
         except OSError as error:  # a part in a part, or a name longer than the system allows
             raise InputError(f"'{name}' cannot be unpacked", file=bundle.source) from error
     own, model = bundle.control, read_model(folder / "model" / "model.toml")
-    for file in files_of(model):
+    for file in model.files:
         roots = folder.resolve(), models_folder().resolve()
         if not any(file.resolve().is_relative_to(root) for root in roots):
             raise InputError(f"its model names '{file}'", file=bundle.source, remedy="export it again")

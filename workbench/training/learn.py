@@ -25,7 +25,7 @@ from .environment import Environment
 from .machine import Machine
 from .ppo import Side, make_ppo
 from .randomisation import world_fields
-from .settings import Settings, files_of, resolved
+from .settings import Settings, resolved
 from .tasks import Task
 from .worlds import BatchWorlds, Worlds
 
@@ -230,7 +230,7 @@ def _open_folder(folder: Path, config: dict[str, Any], machine: Machine, resume:
 def _copy_model(model: Model, folder: Path) -> None:
     """The leg's model as a file, with the files that it names."""
     folder.mkdir(exist_ok=True)
-    copied = {path: shutil.copyfile(path, folder / path.name) for path in files_of(model)[1:]}
+    copied = {path: shutil.copyfile(path, folder / path.name) for path in model.files[1:]}
     chain = model.closed_chain
     own = replace(
         model,

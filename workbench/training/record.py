@@ -16,10 +16,11 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from workbench.comparison import compare
 from workbench.core import InputError, Recording
 from workbench.core.files import write_whole
+from workbench.core.provenance import digest
 from workbench.models import Model
 from workbench.verification import verify
 
-from .settings import files_of, sha256, versions
+from .settings import library_versions
 
 FORMAT = 1
 
@@ -79,20 +80,20 @@ def make_record(
         "format": FORMAT,
         "model": model.name,
         "variant": model.variant,
-        "files": {path.name: sha256(path) for path in files_of(model)},
+        "files": {path.name: digest(path) for path in model.files},
         "checks": [{"name": c.name, "passed": c.passed} for c in checked.checks],
         "passed": checked.passed,
         "recordings": [
             {
                 "name": r.recording.name, "error": r.error, "noise_error": r.noise_error,
-                "sha256": sha256(r.recording.source) if r.recording.source else None,
+                "sha256": digest(r.recording.source) if r.recording.source else None,
             }
             for r in compared.recordings
         ],
         "error": compared.error,
         "noise_error": compared.noise_error,
         "consistent": compared.consistent,
-        "versions": versions(),
+        "versions": library_versions(),
     }  # fmt: skip
 
 
@@ -127,7 +128,7 @@ def objections(record: dict[str, Any] | None, model: Model, variant: str) -> lis
     if record is None:
         return ["the model has no verification record"]
     found = []
-    now = {path.name: sha256(path) for path in files_of(model)}
+    now = {path.name: digest(path) for path in model.files}
     stale = sorted(name for name in {*now, *record["files"]} if now.get(name) != record["files"].get(name))
     if stale:
         found.append(f"the record is stale: {', '.join(stale)} changed since")

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import importlib.metadata
-import platform
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any
 
-from workbench.models import Model
+from workbench.core.provenance import digest, versions
 
 from .machine import POLICY_STEPS, STEP_S, Machine
 from .randomisation import LEG_RANDOMISATION, Randomisation
@@ -87,9 +83,9 @@ def resolved(task: Task, machine: Machine, settings: Settings, extra: Mapping[st
             "effects": [str(e.key) for e in machine.model.effects],
             "left_out": list(machine.left_out),
             "mjcf_sha256": machine.digest,
-            "files": {path.name: sha256(path) for path in files_of(machine.model)},
+            "files": {path.name: digest(path) for path in machine.model.files},
         },
-        "versions": versions(),
+        "versions": library_versions(),
         **extra,
     }
 
@@ -128,23 +124,6 @@ def control_table(task: Task, machine: Machine) -> dict[str, Any]:
     }
 
 
-def files_of(model: Model) -> list[Path]:
-    """The files that a model was read from: its own, the serial tree, the closed chain."""
-    chain = model.closed_chain.file if model.closed_chain else None
-    return [path for path in (model.source, model.serial, chain) if path is not None]
-
-
-def sha256(path: Path) -> str:
-    """SHA-256 of a file, hexadecimal."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def versions() -> dict[str, str]:
-    """Of Python and of all packages that a result depends on and that are installed."""
-    found = {"python": platform.python_version(), "platform": sys.platform}
-    for name in _PACKAGES:
-        try:
-            found[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            continue
-    return found
+def library_versions() -> dict[str, str]:
+    """Of Python, the platform, and all packages that a result depends on and that are installed."""
+    return {"platform": sys.platform, **versions(_PACKAGES)}

@@ -124,16 +124,20 @@ def _find(column: str, database: Any, path: Path) -> tuple[str | None, Any, str]
     return channel or None, found[0], signal
 
 
+def dbc_of(path: Path) -> Path | None:
+    """The DBC that a log is read by: of its own name, or else the only one beside it."""
+    own, others = path.with_suffix(".dbc"), sorted(path.parent.glob("*.dbc"))
+    return own if own.is_file() else others[0] if len(others) == 1 else None
+
+
 def _database(path: Path) -> Any:
     import cantools
     import cantools.database
 
-    own = path.with_suffix(".dbc")
-    others = sorted(path.parent.glob("*.dbc"))
-    if not own.is_file() and len(others) != 1:
-        remedy = f"put {own.name} beside it ('workbench can dbc' writes one)"
+    file = dbc_of(path)
+    if file is None:
+        remedy = f"put {path.with_suffix('.dbc').name} beside it ('workbench can dbc' writes one)"
         raise InputError("a log needs a DBC to be understood", file=path, remedy=remedy)
-    file = own if own.is_file() else others[0]
     # that two messages share a name or an identifier is said where one of them is asked for
     logging.getLogger("cantools").setLevel(logging.CRITICAL)
     try:

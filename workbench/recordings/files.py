@@ -1,0 +1,22 @@
+"""The files that a recording is read from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .description import read_description
+from .tables import READERS
+from .tables.can_table import dbc_of, read_can
+
+
+def source_files(path: str | Path) -> list[Path]:
+    """A recording's TOML file, the table that it names, and the DBC where that is a log of a bus.
+
+    Raises:
+        InputError: the TOML file cannot be read.
+    """
+    file = Path(path)
+    table = file.parent / read_description(file).table
+    log = READERS.get(table.suffix.lower()) is read_can
+    dbc = dbc_of(table) if log else None
+    return [file, table, *([dbc] if dbc else [])]
