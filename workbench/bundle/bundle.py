@@ -16,6 +16,7 @@ from pydantic import ValidationError
 
 from workbench.core import InputError
 from workbench.core.files import write_whole
+from workbench.core.formats import check_format
 
 from .archive import read_parts
 from .manifest import ManifestTable
@@ -143,6 +144,7 @@ def read_bundle(path: str | Path) -> PolicyBundle:
         raise InputError(
             "not a policy bundle", file=file, remedy="make it with `workbench export`"
         ) from error
+    check_format(manifest, FORMAT, file)
     if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
         found = manifest.get("format") if isinstance(manifest, dict) else None
         raise InputError(f"the bundle has format {found}", file=file, remedy=f"this version reads {FORMAT}")

@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from workbench.core import InputError
+from workbench.core.formats import check_format
 
 from .problems import problems
 from .tables import (
@@ -41,6 +42,7 @@ def load_config(path: str | Path) -> CanConfig:
         raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"is not valid TOML: {error}", file=path, remedy="correct that line") from error
+    check_format(table, 1, path)
     try:
         config = CanConfig.model_validate(table).model_copy(update={"source": path})
     except ValidationError as error:

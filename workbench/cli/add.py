@@ -10,7 +10,8 @@ from typing import Annotated, Any
 
 import typer
 
-from workbench.core import EffectKey, Estimate, InputError
+from workbench.core import FORMAT, EffectKey, Estimate, InputError
+from workbench.core.formats import check_format
 
 from .app import app
 from .common import ForceOption, ModelArgument, QuietOption, check_outputs, echo
@@ -124,6 +125,7 @@ def read_findings(path: str) -> list[Any]:
 
     try:
         content = json_format.loads(Path(path).read_text())
+        check_format(content, FORMAT, path)
         rows = content["findings"]
         found = [
             AppliedEffect(

@@ -10,6 +10,7 @@ from typing import Any
 
 from workbench.core import FORMAT, InputError
 from workbench.core.files import write_whole
+from workbench.core.formats import check_format
 from workbench.models import read_model
 from workbench.recordings import source_files
 from workbench.report.json import dumps
@@ -51,6 +52,7 @@ def stored(folder: Path, name: str) -> dict[str, Any] | None:
         return None
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
+        check_format(content, FORMAT, file)
         if content["rig"] == name and "inputs" in content:
             return content
     except (OSError, ValueError, KeyError, TypeError):

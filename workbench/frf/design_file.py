@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import InputError
 from workbench.core.files import check_free, write_all
+from workbench.core.formats import check_format
 from workbench.recordings.tables import read_table
 
 from .excitation import Design, Trial
@@ -156,7 +157,9 @@ def _design(d: _DesignTable, experiments: np.ndarray) -> Design:
 
 def _read(path: Path) -> _DesignTable:
     try:
-        table = _DesignTable.model_validate(tomllib.loads(path.read_bytes().decode("utf-8-sig")))
+        content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+        check_format(content, 1, path)
+        table = _DesignTable.model_validate(content)
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
 from workbench.core.files import write_whole
+from workbench.core.formats import check_format
 from workbench.core.paths import models_folder
 from workbench.core.text import plain
 
@@ -44,6 +45,7 @@ def read_model(path: str | Path) -> Model:
         raw = tomllib.loads(file.read_text(encoding="utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"not a TOML file: {error}", file=file, remedy="correct the syntax") from error
+    check_format(raw, 1, file)
     try:
         table = ModelTable.model_validate(raw)
     except ValidationError as error:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import AXIS_SIGNALS, InputError
+from workbench.core.formats import check_format
 from workbench.core.units import KINDS
 
 
@@ -117,7 +118,9 @@ def read_description(path: Path) -> Description:
         remedy = "give the recording's TOML file, not its table"
         raise InputError("is not a text file", file=path, remedy=remedy) from error
     try:
-        description = Description.model_validate(tomllib.loads(text))
+        content = tomllib.loads(text)
+        check_format(content, 1, path)
+        description = Description.model_validate(content)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"is not valid TOML: {error}", file=path, remedy="correct that line") from error
     except ValidationError as error:

@@ -16,6 +16,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from workbench.comparison import compare
 from workbench.core import InputError, Recording
 from workbench.core.files import write_whole
+from workbench.core.formats import check_format
 from workbench.core.provenance import digest
 from workbench.models import Model
 from workbench.verification import verify
@@ -110,6 +111,7 @@ def read_record(path: Path) -> dict[str, Any] | None:
     """
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
+        check_format(record, FORMAT, path)
         _Record.model_validate(record)
     except FileNotFoundError:
         return None
