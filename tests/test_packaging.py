@@ -89,3 +89,10 @@ def test_bundles_tasks_and_commands_need_no_torch() -> None:
         "import workbench.cli.train, workbench.cli.evaluate\n"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_citation_names_the_version() -> None:
+    text = (ROOT / "CITATION.cff").read_text()
+    [version] = re.findall(r"^version: (.+)$", text, re.M)
+    [changelog] = re.findall(r"^## ([\d.]+)$", (ROOT / "CHANGELOG.md").read_text(), re.M)[:1]
+    assert version == PROJECT["version"] == changelog
