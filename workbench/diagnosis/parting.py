@@ -37,11 +37,11 @@ def parting(found: Fit, data: Data) -> np.ndarray:
 
 
 def _around(hypothesis: Hypothesis) -> list[Hypothesis]:
-    """Each parameter of each effect one deviation up and down."""
+    """Each parameter of each effect at either end of its interval."""
     out = []
     for k, applied in enumerate(hypothesis.free):
         for name, estimate in applied.parameters.items():
-            for way in (-1.0, 1.0):
+            for way in (-1.96, 1.96):
                 values = {**applied.values, name: estimate.value + way * estimate.std}
                 other = applied_effect(hypothesis.base, applied, values)
                 out.append(replace(hypothesis, free=(*hypothesis.free[:k], other, *hypothesis.free[k + 1 :])))
