@@ -121,10 +121,10 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
     columns, entries = entries_of(scene)
     entries = [e for e in entries if effect_named(e.key.effect).free(scene.model) > 0]
     rows = sum(r.position.size for r in data.recordings)
-    if 2.0 * rows * len(columns) > _MOST_VALUES:
+    pairs = [(a, b) for a, b in combinations(entries, 2) if _may_stand_together(a.key, b.key)]
+    if not pairs or 2.0 * rows * len(columns) > _MOST_VALUES:
         return []
     pieces, held_out = equations(scene, [], columns, data, start.simulated)
-    pairs = [(a, b) for a, b in combinations(entries, 2) if _may_stand_together(a.key, b.key)]
     left = left_by(total(pieces), pairs)
     best: dict[tuple[EffectKey, EffectKey], tuple[float, Pair]] = {}
     for k in np.argsort(left)[:_SOLVED]:
@@ -149,6 +149,7 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
 
 
 def _may_stand_together(one: EffectKey, other: EffectKey) -> bool:
+    """Not two forms of one cause, and not two dry frictions of one axis, which share its stiction."""
     if one == other or contains(one, other) or contains(other, one):
         return False
     return not (effect_named(one.effect).dry and effect_named(other.effect).dry and one.axis == other.axis)
