@@ -32,6 +32,7 @@ from fuzzing.kinds import KINDS
 from joblib import Parallel, delayed
 
 _CHUNK = 1500
+_LOADING = 600.0  # s in which a process has loaded its libraries, on a machine that is busy
 _ROOM = 3 * 2**30  # bytes of address space above what the libraries take
 
 
@@ -81,7 +82,7 @@ def supervise(name: str, seed: int, first: int, count: int) -> Tally:
         )
         assert process.stdout and process.stderr
         begun, done = None, False
-        while select.select([process.stdout], [], [], 60.0 if begun is None else 3 * SECONDS)[0]:
+        while select.select([process.stdout], [], [], _LOADING if begun is None else 3 * SECONDS)[0]:
             line = process.stdout.readline()
             if not line:
                 break
@@ -103,6 +104,8 @@ def supervise(name: str, seed: int, first: int, count: int) -> Tally:
             tally.endings["failed"] += 1
             tally.failures.append((first, f"ended the process with {code}: {rest[-300:]}"))
             first += 1
+    e = tally.endings
+    print(f"{name}: {e.total()} cases, {e['failed']} failed", file=sys.stderr, flush=True)
     return tally
 
 
