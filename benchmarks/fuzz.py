@@ -6,8 +6,9 @@
 
 Of every case is asked that it is accepted and what was read is valid and finite, or that it is refused by an
 error of one printable line that names the file; that nothing was written; that nothing else was said on the
-terminal; that it took less than 10 s and 3 GiB. Cases are read in processes of their own: one that crashes or
-hangs is a failure, and the rest goes on. A case can be made again: --kinds KIND --first NUMBER --count 1.
+terminal; that it took less than 10 s of CPU time and 3 GiB. Cases are read in processes of their own: one
+that crashes or hangs is a failure, and the rest goes on. A case can be made again: --kinds KIND --first NUMBER
+--count 1.
 """
 
 from __future__ import annotations
@@ -82,7 +83,7 @@ def supervise(name: str, seed: int, first: int, count: int) -> Tally:
         )
         assert process.stdout and process.stderr
         begun, done = None, False
-        while select.select([process.stdout], [], [], _LOADING if begun is None else 3 * SECONDS)[0]:
+        while select.select([process.stdout], [], [], _LOADING if begun is None else 12 * SECONDS)[0]:
             line = process.stdout.readline()
             if not line:
                 break

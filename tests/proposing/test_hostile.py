@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
 import io
 import json
@@ -18,7 +19,7 @@ from scipy.io import savemat
 
 from tests.proposing.test_formats import lerobot
 from workbench.core import InputError
-from workbench.proposing import open_table
+from workbench.proposing import open_table, propose
 
 resource = pytest.importorskip("resource")
 
@@ -161,3 +162,20 @@ def test_json_that_nests_without_end(tmp_path: Path) -> None:
     folder = lerobot(tmp_path / "set")
     (folder / "meta" / "info.json").write_text("[" * 100_000)
     refused(folder, "JSON")
+
+
+@pytest.mark.parametrize("header", [b"{'descr': (", b"{'descr': 1}", b"[]", b"{[]: 1}"])
+def test_a_numpy_header_that_is_no_header(header: bytes, tmp_path: Path) -> None:
+    text = header.ljust(117) + b"\n"
+    (tmp_path / "run.npy").write_bytes(
+        b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text + bytes(800)
+    )
+    refused(tmp_path / "run.npy", "not a readable NumPy")
+
+
+def test_a_clock_that_stands_still(tmp_path: Path, recwarn: pytest.WarningsRecorder) -> None:
+    rows = "\n".join(f"0.5\t{0.1 * k}\t{0.2 * k}" for k in range(60))
+    (tmp_path / "run.tsv").write_text(f"t\tq_hip\tq_knee\n{rows}\n")
+    with contextlib.suppress(InputError):
+        propose(open_table(tmp_path / "run.tsv"))
+    assert not recwarn.list

@@ -106,7 +106,8 @@ def _without_repeats(t: np.ndarray, notes: list[str]) -> tuple[np.ndarray, np.nd
     if repeats.mean() > _SOME:
         line = np.polynomial.Polynomial.fit(every, t, 1)
         even = line(every)
-        quantum = float(np.median(np.diff(np.unique(t))))
+        distinct = np.unique(t)
+        quantum = float(np.median(np.diff(distinct))) if len(distinct) > 1 else 0.0
         if np.abs(even - t).max() < 2.5 * quantum:
             notes.append("Time stamps are coarser than the rows; an even clock is drawn through them.")
             return even, every

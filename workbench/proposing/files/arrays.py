@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -18,6 +19,8 @@ from workbench.recordings.tables.matlab_structure import check_matlab
 
 from ..table import Table
 
+#: What the reader of a header raises, which evaluates it as a literal.
+_HEADERS = SyntaxError, tokenize.TokenError, TypeError, KeyError
 _WHOLE = "check that the file is whole"
 _DEEP = 6  # structs within structs
 
@@ -144,7 +147,7 @@ def read_numpy_file(path: Path) -> Table:
                     if entry.filename.endswith(".npy"):
                         with archive.open(entry) as file:
                             arrays |= dict(_fields(entry.filename[:-4], _array(file, path)))
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError) as error:
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, *_HEADERS) as error:
         if isinstance(error, InputError):
             raise
         raise InputError("is not a readable NumPy file", file=path, remedy=_WHOLE) from error
