@@ -7,8 +7,8 @@
 Of every case is asked that it is accepted and what was read is valid and finite, or that it is refused by an
 error of one printable line that names the file; that nothing was written; that nothing else was said on the
 terminal; that it took less than 10 s of CPU time and 3 GiB. Cases are read in processes of their own: one
-that crashes or hangs is a failure, and the rest goes on. A case can be made again: --kinds KIND --first NUMBER
---count 1.
+that crashes or hangs is a failure, and the rest goes on. A case can be made again:
+--kinds KIND --first NUMBER --count 1.
 """
 
 from __future__ import annotations
