@@ -16,13 +16,15 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
+from workbench.comparison import replay_of
 from workbench.comparison.inverse import torque_pair
 from workbench.core import Controller, EffectKey, Estimate, Recording
 from workbench.effects import EFFECTS, check_effect, compile_plant, load_model
 from workbench.models import AppliedEffect, Model
 from workbench.recordings import NoiseLevels
 from workbench.report.figures import AFTER, INK
-from workbench.simulation import Run, simulate
+from workbench.rigs import PERFECT, HiddenEffect, Plate, VirtualLeg, plate_experiments
+from workbench.simulation import GROUND_TORQUE, Run, simulate
 
 matplotlib.use("agg")
 from matplotlib import pyplot
@@ -66,6 +68,8 @@ VALUES: dict[str, dict[str, float]] = {
     "backlash": {"gap": 0.03, "stiffness": 200.0},
     "base_compliance": {"stiffness": 4000.0, "damping": 20.0, "mass": 10.0},
     "link_length_error": {"length": 0.03},
+    "contact_compliance": {"stiffness": 3e4, "damping": 100.0},
+    "ground_friction": {"coefficient": 0.35},
 }
 #: Models without what the shipped leg has already.
 WITHOUT = {
@@ -82,6 +86,8 @@ MOTION = (
 )
 #: Drawn as the torque that was asked for less the one that came.
 DRIVE = ("command_delay", "torque_saturation", "speed_torque_limit", "current_loop_lag")
+#: Drawn as the ground's force, less that of the nominal ground from the same states.
+ON_A_PLATE = ("contact_compliance", "ground_friction")
 #: A longer link without a load at its end changes nothing on a fixed base.
 WITHOUT_PICTURE = ("link_length_error",)
 
@@ -97,7 +103,11 @@ def main() -> None:
 def draw(name: str, on_axis: bool) -> None:
     """One effect's picture."""
     nominal = load_model(WITHOUT.get(name, "leg"))
-    if name == "linkage_coriolis":
+    if name in ON_A_PLATE:
+        run, lacking = on_a_plate(name)
+        rows = np.flatnonzero(run.valid)
+        lacking = lacking[rows, 1]
+    elif name == "linkage_coriolis":
         run = simulate([Run(nominal, experiment(nominal))])[0]
         rows, lacking = np.arange(len(run)), velocity_torque(nominal, run)
     else:
@@ -115,7 +125,7 @@ def draw(name: str, on_axis: bool) -> None:
             rows, lacking = missing_torque(nominal, run)
     t, q, v = run.time[rows], run.position[rows, 1], run.velocity[rows, 1]
     figure, axes = pyplot.subplots(1, 3, figsize=(6.4, 1.55), sharey=True, constrained_layout=True)
-    window = (t > 2.4) & (t < 3.4)
+    window = (t > 0.5) & (t < 1.5) if name in ON_A_PLATE else (t > 2.4) & (t < 3.4)
     for ax, x, y, label in zip(
         axes,
         (v, q, t[window]),
@@ -135,6 +145,18 @@ def draw(name: str, on_axis: bool) -> None:
     axes[0].set_ylabel(label, fontsize=8)
     figure.savefig(FOLDER / f"{name}.png", dpi=110, metadata={"Software": None})
     pyplot.close(figure)
+
+
+def on_a_plate(name: str) -> tuple[Recording, np.ndarray]:
+    """The leg that slides on its plate, and what the ground's force has more there by the model (N, n)."""
+    applied = HiddenEffect(name, parameters=VALUES[name])
+    slide = next(e for e in plate_experiments() if e.name == "slide")
+    recording = VirtualLeg([applied], sensors=PERFECT, plate=Plate(noise=0.0)).run([slide])[0]
+    nominal = load_model("leg_on_plate")
+    replay = replay_of(nominal, [recording])
+    (run,) = replay.run([nominal])[0]
+    measured = replay.recordings[0]
+    return measured, measured.signals[GROUND_TORQUE] - run.signals[GROUND_TORQUE]
 
 
 def velocity_torque(model: Model, run: Recording) -> np.ndarray:

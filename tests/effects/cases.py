@@ -7,10 +7,13 @@ from functools import cache
 
 import numpy as np
 
-from tests.simulation.make import having, leg_experiment, simulated, slide_experiment
+from tests.simulation.make import having, leg_experiment, slide_experiment
+from workbench.comparison import Replay, replay_of
 from workbench.core import EffectKey, Recording
 from workbench.effects import Effect, Motion, effect_named, load_model, places
 from workbench.models import Model, Placement
+from workbench.rigs import PERFECT, Plate, VirtualLeg, plate_experiments
+from workbench.simulation import Run, simulate
 
 #: One set of parameters an effect, for a rotary axis.
 VALUES: dict[str, dict[str, float]] = {
@@ -50,6 +53,8 @@ VALUES: dict[str, dict[str, float]] = {
     "backlash": {"gap": 0.02, "stiffness": 200.0},
     "base_compliance": {"stiffness": 20000.0, "damping": 40.0, "mass": 10.0},
     "link_length_error": {"length": 0.02},
+    "contact_compliance": {"stiffness": 2e4, "damping": 100.0},
+    "ground_friction": {"coefficient": 0.35},
 }
 #: The same for a slide of 95 kg.
 ON_THE_SLIDE = {
@@ -89,6 +94,8 @@ PARTS = {
     "torque_constant_error": ({"gain": 1.3},),
 }
 MODELS = ("leg_kin_only", "leg", "emps")
+#: For contacts alone; all else is as on the leg without a plate.
+ON_A_PLATE = "leg_on_plate"
 
 
 @dataclass(frozen=True)
@@ -128,7 +135,8 @@ def cases() -> list[Case]:
             parts = () if fixed else PARTS.get(key.effect, ())
             for given in (values[key.effect], *parts):
                 out.append(Case(name, key, tuple(given.items())))
-    return out
+    contacts = [key for key in places(load_model(ON_A_PLATE)) if effect_named(key.effect).of_ground]
+    return [*out, *(Case(ON_A_PLATE, key, tuple(VALUES[key.effect].items())) for key in contacts)]
 
 
 CASES = cases()
@@ -136,18 +144,33 @@ CASES = cases()
 
 @cache
 def experiment(name: str) -> Recording:
+    if name == ON_A_PLATE:
+        slide = next(e for e in plate_experiments(duration=0.8) if e.name == "slide")
+        return VirtualLeg(plate=Plate(noise=0.0), sensors=PERFECT).run([slide])[0]
     model = load_model(name)
     return slide_experiment(model, 0.9) if name == "emps" else leg_experiment(0.9)
 
 
 @cache
+def _replay(name: str) -> Replay:
+    return replay_of(load_model(name), [experiment(name)])
+
+
+def runs(name: str, models: list[Model]) -> list[Recording]:
+    """Models in the experiment of the shipped one: in its loop, or in windows on its ground."""
+    if name == ON_A_PLATE:
+        return [own[0] for own in _replay(name).run(models)]
+    return simulate([Run(model, experiment(name)) for model in models])
+
+
+@cache
 def reference(name: str) -> Recording:
-    return simulated(load_model(name), experiment(name))
+    return runs(name, [load_model(name)])[0]
 
 
 @cache
 def with_effect(case: Case) -> Recording:
-    return simulated(case.added, experiment(case.model))
+    return runs(case.model, [case.added])[0]
 
 
 def equation(case: Case, motion: Motion) -> np.ndarray:

@@ -9,15 +9,16 @@ import numpy as np
 import pytest
 
 from tests.simulation.make import having, leg_experiment, simulated
+from workbench.comparison import replay_of, scored_signals
 from workbench.core import EffectKey, Estimate, Recording
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis
 from workbench.effects import effect_named, load_model
 from workbench.models import AppliedEffect, Model
-from workbench.rigs import PERFECT, Experiment, HiddenEffect, VirtualLeg
+from workbench.rigs import PERFECT, Experiment, HiddenEffect, Plate, VirtualLeg, plate_experiments
 
-LEG = load_model("leg")
+LEG, ON_PLATE = load_model("leg"), load_model("leg_on_plate")
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,18 @@ class Hidden:
 
     def recorded(self, asked: list[Recording], *, noisy: bool, hidden: bool = True) -> list[Recording]:
         there = (HiddenEffect(self.effect, self.axis, self.key.location, self.values),) if hidden else ()
-        leg = VirtualLeg(there, seed=3, sensors=None if noisy else PERFECT)
+        plate = (Plate() if noisy else Plate(noise=0.0)) if self.model is ON_PLATE else None
+        leg = VirtualLeg(there, seed=3, sensors=None if noisy else PERFECT, plate=plate)
+        if plate:
+            return leg.run(plate_experiments(duration=1.0)[-2:][: len(asked)])
         return leg.run([Experiment.replay(r) for r in asked])
+
+    def run(self, model: Model, measured: Recording) -> tuple[Recording, Recording]:
+        """What was measured and what a model makes of it, with the signals that are scored."""
+        if self.model is ON_PLATE:
+            replay = replay_of(model, [measured])
+            return replay.recordings[0], replay.run([model])[0][0]
+        return measured, simulated(model, measured)
 
     def __str__(self) -> str:
         return str(self.key)
@@ -78,6 +89,9 @@ HIDDEN = [
     # what hangs at the thigh's end a tree with a linkage does not know to the gram
     Hidden("link_length_error", "hip", {"length": 0.03}, alike=0.1, near=0.15),
     Hidden("controller_gain_error", "knee", {"kp_scale": 0.8, "kd_scale": 1.2}),
+    # states from a few rows about each start are not quite those of a motion that bends
+    Hidden("contact_compliance", None, {"stiffness": 2e4, "damping": 100.0}, alike=0.02, model=ON_PLATE),
+    Hidden("ground_friction", None, {"coefficient": 0.35}, alike=0.05, model=ON_PLATE),
 ]
 each = pytest.mark.parametrize("hidden", HIDDEN, ids=str)
 
@@ -86,10 +100,11 @@ each = pytest.mark.parametrize("hidden", HIDDEN, ids=str)
 def test_the_model_moves_as_the_virtual_leg(hidden: Hidden) -> None:
     (measured,) = hidden.recorded([leg_experiment(1.2)], noisy=False)
     (nominal,) = hidden.recorded([leg_experiment(1.2)], noisy=False, hidden=False)
-    run = simulated(having(hidden.model, hidden.key, **hidden.values), measured)
-    for signal in ("position", "torque_measured"):
-        wrong = run.signals[signal] - measured.signals[signal]
-        moved = nominal.signals[signal] - measured.signals[signal]
+    measured, run = hidden.run(having(hidden.model, hidden.key, **hidden.values), measured)
+    nominal, _ = hidden.run(hidden.model, nominal)
+    for signal in scored_signals(measured):
+        wrong = (run.signals[signal] - measured.signals[signal])[measured.valid]
+        moved = (nominal.signals[signal] - measured.signals[signal])[measured.valid]
         assert np.sqrt(np.mean(wrong**2)) < hidden.alike * np.sqrt(np.mean(moved**2)), signal
 
 

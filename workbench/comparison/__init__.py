@@ -3,8 +3,9 @@
 from .compare import check_recordings, compare, evaluate, simulate_with_noise
 from .long import compare_logs
 from .noise import DRAWS, NoiseModel
-from .replay import Replay, Simulated, needs_inverse, replay_of
+from .replay import Replay, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
+from .simulated import Simulated
 
 __all__ = [
     "DRAWS",

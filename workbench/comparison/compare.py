@@ -20,11 +20,14 @@ from workbench.effects import axis_units
 from workbench.models import Model
 from workbench.simulation import check_axes, scored_torque
 
+from .grounded import force_squares
 from .inverse import inverse_dynamics
 from .lines import line_shares
 from .noise import DRAWS, NoiseModel
-from .replay import Simulated, replay_of
+from .replay import replay_of
 from .score import Scale, normalised, pooled, scored_signals, squares
+from .simulated import Simulated
+from .standing import check_ground, on_ground
 from .where import locate
 
 # A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
@@ -67,6 +70,8 @@ def check_recordings(model: Model, recordings: Sequence[Recording]) -> None:
         )  # fmt: skip
     for r in recordings:
         check_axes(r, model)
+        if on_ground(r):
+            check_ground(model, r)
 
 
 def compare(
@@ -97,7 +102,8 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
     def where(entries: Sequence[RecordingError]) -> tuple[Share, ...]:
         return (*line_shares(entries), *locate(entries, simulated.noisy, axis_units(model)))
 
-    inverse = inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels)
+    free = not any(map(on_ground, recordings))
+    inverse = inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels) if free else None
     return concluded(model, parts, Scale.of(recordings), where, inverse, notes_of(recordings))
 
 
@@ -111,6 +117,7 @@ class Sums:
         noise: the same of each noise draw, (draws, 2, n).
         count: rows.
         covers: as of `RecordingError`.
+        force: mean squares of the force on the feet (3 F,), measured minus simulated and of the noise.
     """
 
     recording: Recording
@@ -119,6 +126,7 @@ class Sums:
     noise: np.ndarray
     count: int
     covers: float | None = None
+    force: tuple[np.ndarray, np.ndarray] | None = None
 
     @staticmethod
     def of(simulated: Simulated, index: int) -> Sums:
@@ -126,7 +134,9 @@ class Sums:
         r, clean = simulated.recordings[index], simulated.clean[index]
         names = scored_signals(r)
         noise = np.stack([squares(draw[index], clean, names) for draw in simulated.noisy])
-        return Sums(r, clean, squares(r, clean), noise, int(np.sum(r.valid)))
+        return Sums(
+            r, clean, squares(r, clean), noise, int(np.sum(r.valid)), force=force_squares(simulated, index)
+        )
 
 
 def concluded(
@@ -155,6 +165,8 @@ def concluded(
                 error=normalised(error_ms, scale),
                 noise_error=normalised(noise_ms, scale),
                 covers=p.covers,
+                ground_force_rmse=None if p.force is None else np.sqrt(p.force[0]),
+                ground_force_noise=None if p.force is None else np.sqrt(p.force[1]),
             )
         )
     error_ms = pooled([p.error for p in parts], counts)

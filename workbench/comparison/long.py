@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.core import Comparison, InverseDynamics, Recording, RecordingError, Share
+from workbench.core import Comparison, InputError, InverseDynamics, Recording, RecordingError, Share
 from workbench.effects import axis_units, compile_plant
 from workbench.models import Model
 from workbench.recordings import Log, Stretch
@@ -17,8 +17,10 @@ from .compare import Sums, check_recordings, compare, concluded, notes_of
 from .inverse import inverse_of, torque_sums
 from .lines import line_shares
 from .noise import DRAWS
-from .replay import Replay, Simulated, replay_of
+from .replay import Replay, replay_of
 from .score import Scale, follows_motion, normalised
+from .simulated import Simulated
+from .standing import on_ground
 from .survey import Survey
 from .where_long import Excess
 
@@ -59,6 +61,12 @@ def compare_logs(
     for source in sources:
         survey.add(source, _pieces(source))
     check_recordings(model, survey.sample)
+    standing = next((r for r in survey.sample if on_ground(r)), None)
+    if standing is not None:
+        raise InputError(
+            "recordings on the ground are not run from logs too long to be held", file=standing.source,
+            column="columns.ground_force", remedy="cut shorter ones out of them",
+        )  # fmt: skip
     replay = replay_of(model, survey.sample)
     scale = survey.scale(replay.recordings)
     parts = []

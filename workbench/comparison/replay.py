@@ -5,12 +5,12 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from workbench.core import InputError, Recording, SimulationError
-from workbench.effects import Motion, Plant, compile_plant
+from workbench.effects import Motion, Plant, compile_plant, effect_named
 from workbench.models import Model
 from workbench.simulation import (
     Disturbance,
@@ -29,22 +29,12 @@ from workbench.simulation import (
 
 from .band import corner_hz
 from .counted_rows import moving, settled
+from .grounded import Grounded
 from .inverse import cutoff_hz
 from .measured_motion import Follower, Reading, noisy, quiet, read_motion
 from .noise import DRAWS, NoiseModel, noise_seeds
-
-
-@dataclass(frozen=True)
-class Simulated:
-    """A model's runs of recordings, without noise and with it.
-
-    `clean`: one a recording. `noisy`: one list a draw. `noise`: the sensors.
-    """
-
-    recordings: tuple[Recording, ...]
-    clean: tuple[Recording, ...]
-    noisy: tuple[tuple[Recording, ...], ...]
-    noise: NoiseModel
+from .simulated import Simulated
+from .standing import on_ground
 
 
 class Replay(Protocol):
@@ -58,6 +48,13 @@ class Replay(Protocol):
     @property
     def noise(self) -> NoiseModel:
         """The sensors."""
+        ...
+
+    #: Whether contacts with the ground are replayed, so that derivatives take simulations.
+    on_ground: ClassVar[bool]
+
+    def shows(self, effect: str) -> bool:
+        """Whether it can tell anything of an effect."""
         ...
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Replay:
@@ -94,12 +91,15 @@ class Replay(Protocol):
 def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel | None = None) -> Replay:
     """How these recordings can be held against models like this one.
 
-    Where one loop is unknown, all are replayed along their measured motion, so that one score counts.
+    Where one is on the ground, all run in short windows; where one loop is unknown, all are replayed along
+    their measured motion: so that one score counts.
 
     Raises:
         InputError: a loop is unknown and no torque was recorded.
     """
     noise = noise or NoiseModel.of(recordings)
+    if any(map(on_ground, recordings)):
+        return Grounded(model, recordings, noise)
     if not any(needs_inverse(model, r) for r in recordings):
         known = _closed(model, recordings)
         return ClosedLoop(known, noise.with_unlogged_rate([prepare(r, model) for r in known]))
@@ -135,6 +135,11 @@ class ClosedLoop:
 
     recordings: tuple[Recording, ...]
     noise: NoiseModel
+    on_ground: ClassVar[bool] = False
+
+    def shows(self, effect: str) -> bool:
+        """Off the ground, all but contacts with it."""
+        return not effect_named(effect).of_ground
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> ClosedLoop:
         """The same for other recordings."""
@@ -191,6 +196,8 @@ class MeasuredMotion:
     differentiating errs, and axes while they stand still, where dry friction takes any value, do not count.
     """
 
+    on_ground: ClassVar[bool] = False
+
     def __init__(
         self, recordings: tuple[Recording, ...], noise: NoiseModel, model: Model, corner: float | None = None
     ) -> None:
@@ -206,6 +213,10 @@ class MeasuredMotion:
             [replace(r, counts=c) for r, c in zip(each, counts, strict=True)] for each in (first, smooth)
         )
         self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
+
+    def shows(self, effect: str) -> bool:
+        """Off the ground, all but contacts with it."""
+        return not effect_named(effect).of_ground
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> MeasuredMotion:
         """The same, with the same filter, for other recordings of the same kind."""

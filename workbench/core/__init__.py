@@ -18,6 +18,7 @@ from .results import (
     Step,
     Verdict,
 )
+from .shape import Shape
 from .verification import Check, Verification
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "Mechanism",
     "Recording",
     "RecordingError",
+    "Shape",
     "Share",
     "SimulationError",
     "Step",

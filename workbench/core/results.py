@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from .recording import Recording
+from .shape import Shape
 from .shown import Shown
 
 FORMAT = 1
@@ -32,6 +33,8 @@ class RecordingError:
             recording alone.
         covers: duration of a long log [s], of which `recording` and `simulated` hold the worst stretch while
             the numbers are of all of it; None where they hold all.
+        ground_force_rmse, ground_force_noise: of the force on the feet, (3 F,) [N]; None off the ground,
+            where on it 'torque' is what that force is to the axes.
     """
 
     recording: Recording
@@ -43,6 +46,8 @@ class RecordingError:
     error: float
     noise_error: float
     covers: float | None = None
+    ground_force_rmse: np.ndarray | None = None
+    ground_force_noise: np.ndarray | None = None
 
     def residual(self, signal: str) -> np.ndarray:
         """Measured minus simulated of ``"position"`` or ``"torque_measured"``, shape (N, n)."""
@@ -178,6 +183,7 @@ class Diagnosis(Shown):
         settled: properties of the model that the findings were fitted with and that the model as given has
             not: ``sliding_speed`` [rad/s], ``full_braking`` (0 or 1).
         evidence: what the unexplained rest goes with, one line each.
+        shapes: smooth functions that the torque of that rest follows, what removes most first; no causes.
         used: share of the recordings' rows that were looked at; less than 1 where logs are long.
         notes: what stands for them, one line each.
     """
@@ -195,6 +201,7 @@ class Diagnosis(Shown):
     before: Comparison | None = None
     after: Comparison | None = None
     evidence: tuple[str, ...] = ()
+    shapes: tuple[Shape, ...] = ()
     settled: Mapping[str, float] = field(default_factory=dict)
     used: float = 1.0
     notes: tuple[str, ...] = ()

@@ -48,3 +48,8 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
             return float(one - zero), float(zero), si
     expected = " or ".join(KINDS[kind])
     raise ValueError(f"unit '{unit}' is not a unit of {kind} (expected {expected} or alike)")
+
+
+def torque_unit(position_unit: str) -> str:
+    """The unit of torque that goes with a unit of position: N m with rad, N with m."""
+    return "N" if position_unit == "m" else "N m"

@@ -35,6 +35,8 @@ def parse_xml(
     """
     if len(raw) > _LARGEST:
         raise InputError(f"is larger than {_LARGEST >> 20} MiB", file=file, remedy="give meshes as files")
+    if b"\0" in raw:  # two or four bytes a character, in which the next look would find nothing
+        raise InputError(f"{problem}: it is not UTF-8", file=file, remedy="save it as UTF-8")
     if b"<!DOCTYPE" in raw or b"<!ENTITY" in raw:
         raise InputError("declares a document type", file=file, remedy="remove <!DOCTYPE> and <!ENTITY>")
     if not prefixes:

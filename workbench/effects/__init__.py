@@ -6,9 +6,11 @@ from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, places
 from .chain import Build, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
+from .ground import feet_of, plate_columns, settle_contacts
+from .ground_friction import FEWEST_SLIPS, ratio_in_slip
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
-from .motion import Line, Motion, held, torque_bounds
+from .motion import Contact, Line, Motion, held, torque_bounds
 from .presliding_hysteresis import wound
 from .settled import with_settled
 from .stiffness import tendon_row
@@ -16,8 +18,10 @@ from .stiffness import tendon_row
 __all__ = [
     "BASE_JOINT",
     "EFFECTS",
+    "FEWEST_SLIPS",
     "LONGEST",
     "Build",
+    "Contact",
     "Door",
     "Effect",
     "FrictionTerm",
@@ -38,12 +42,16 @@ __all__ = [
     "compile_plant",
     "contains",
     "effect_named",
+    "feet_of",
     "follow",
     "heat",
     "held",
     "law",
     "load_model",
     "places",
+    "plate_columns",
+    "ratio_in_slip",
+    "settle_contacts",
     "smooth_sign",
     "tendon_row",
     "torque_bounds",

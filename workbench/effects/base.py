@@ -117,6 +117,9 @@ class Effect:
             parameters that do something.
         splits: whether it gives the tree new joints, and so has to be installed before anything sits on it.
         on_links: whether it acts on links, which a spring or a gap may hold away from the motors.
+        of_position: whether it is a torque that positions alone decide.
+        of_ground: whether it is one of a contact, which only recordings on the ground show.
+        moves_feet: whether it puts a foot elsewhere at the same reading of the encoders.
         wanders: whether runs of nearly the same machine part, so that a fit of runs can add nothing to what
             the torque says.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
@@ -139,6 +142,9 @@ class Effect:
     by_runs: ClassVar[bool] = False
     splits: ClassVar[bool] = False
     on_links: ClassVar[bool] = False
+    of_position: ClassVar[bool] = False
+    of_ground: ClassVar[bool] = False
+    moves_feet: ClassVar[bool] = False
     wanders: ClassVar[bool] = False
     axes: ClassVar[Literal["each", "all"]] = "each"
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)

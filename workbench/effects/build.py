@@ -16,6 +16,7 @@ from .catalogue import effect_named
 from .chain import Build, TorqueChain
 from .flexible import rotor_name
 from .friction_constraint import set_friction_constraints
+from .ground import add_force_plate, lay_ground, lift_off, settle_contacts
 from .stiffness import count_substeps, tendon_row
 
 _LEAST = 1e-12  # kg m^2 or kg: a grain of dust at a hair's breadth
@@ -27,7 +28,8 @@ class Plant:
 
     `drives` (n, nv): speeds of MuJoCo's joints to those of the drives; its transpose takes torque back.
     `lift` (nv, n): serial coordinates to MuJoCo's joints as long as nothing bends. `substeps`: steps of
-    MuJoCo's in one of the simulation, more than one where springs are stiff.
+    MuJoCo's in one of the simulation, more than one where springs are stiff. `contacts`: names of the
+    contact sensors of feet on the ground, none for a machine that is off it.
     """
 
     model: Model
@@ -36,6 +38,7 @@ class Plant:
     drives: np.ndarray
     lift: np.ndarray
     substeps: int = 1
+    contacts: tuple[str, ...] = ()
 
     def state_at(self, serial: np.ndarray) -> np.ndarray:
         """Position and rate of MuJoCo's joints (..., 2, nv) from those of the serial joints, (..., 2, n)."""
@@ -43,15 +46,22 @@ class Plant:
         return serial @ self.lift.T + np.stack([apart, np.zeros_like(apart)])
 
 
-def build(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Build:
+def build(model: Model, timestep: float = 0.001, held: Sequence[str] = (), grounded: bool = True) -> Build:
     """Install every effect of a model into its spec and torque chain.
 
     Args:
         model: the model.
         timestep: integration step [s].
         held: joints that the rig holds still.
+        grounded: whether it stands on its ground, where it states one; its contacts are to be settled
+            once no mass changes any more.
     """
     out = Build.of(model, timestep, held)
+    if model.ground is not None:
+        if grounded:
+            lay_ground(out, model.ground)
+        else:
+            lift_off(out.spec, model.ground)
     for applied in sorted(model.effects, key=_turn):
         effect = effect_named(applied.key.effect)
         effect.install(out, model, Placement.of(model, applied.key), applied.values)
@@ -66,19 +76,23 @@ def _turn(applied: AppliedEffect) -> tuple[bool, bool, bool, int]:
     return False, applied.key.axis is not None, applied.key.location == "actuator", 0
 
 
-def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Plant:
-    """Compile a model for simulation.
+def compile_plant(
+    model: Model, timestep: float = 0.001, held: Sequence[str] = (), grounded: bool = False
+) -> Plant:
+    """Compile a model for simulation; off its ground, unless it is to be `grounded`.
 
     Raises:
         SimulationError: MuJoCo refuses it (a mass or inertia that no body has); says why.
     """
-    made = build(model, timestep, held)
+    made = build(model, timestep, held, grounded)
+    add_force_plate(made)
     for term in made.chain.hysteresis:
         # what the spring does the simulation says step by step
         made.spec.tendon(term.spring).springyield = 0.0
     effects = ", ".join(str(e.key) for e in model.effects) or "no effects"
     try:
         with warned() as said:
+            settle_contacts(made)
             compiled = made.spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         raise SimulationError(f"model '{model.name}' with {effects} cannot be compiled: {error}") from error
@@ -94,7 +108,8 @@ def compile_plant(model: Model, timestep: float = 0.001, held: Sequence[str] = (
         compiled.tendon_stiffness[compiled.tendon(term.spring).id] = 0.0
     set_friction_constraints(compiled, made.chain, model, joint_kinds(model))
     drives = np.stack([tendon_row(compiled, axis_tendon(i)) for i in range(model.size)])
-    return Plant(model, compiled, made.chain, drives, _lift(compiled, model), substeps)
+    lift = _lift(compiled, model)
+    return Plant(model, compiled, made.chain, drives, lift, substeps, tuple(made.contacts))
 
 
 def _refuse_without_inertia(m: mujoco.MjModel, model: Model) -> None:

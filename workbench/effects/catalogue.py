@@ -14,12 +14,14 @@ from .base import Effect
 from .base_compliance import BaseCompliance
 from .cogging import Cogging
 from .command_delay import CommandDelay
+from .contact_compliance import ContactCompliance
 from .controller_gain_error import ControllerGainError
 from .coulomb_friction import CoulombFriction
 from .current_loop_lag import CurrentLoopLag
 from .encoder_eccentricity import EncoderEccentricity
 from .encoder_offset import EncoderOffset
 from .encoder_scale import EncoderScale
+from .ground_friction import GroundFriction
 from .joint_compliance import JointCompliance
 from .link_length_error import LinkLengthError
 from .linkage_coriolis import LinkageCoriolis
@@ -74,6 +76,8 @@ EFFECTS: tuple[Effect, ...] = (
     Backlash(),
     BaseCompliance(),
     LinkLengthError(),
+    ContactCompliance(),
+    GroundFriction(),
 )
 
 _BY_NAME = {effect.name: effect for effect in EFFECTS}

@@ -138,12 +138,16 @@ class TorqueChain:
 class Build:
     """A model on its way to MuJoCo: the spec that effects edit, and the chain in front of it.
 
-    `rows`: the joints that each axis's tendon wraps, with their coefficients.
+    `rows`: the joints that each axis's tendon wraps, with their coefficients. `contacts`: pairs of the ground
+    and each foot, none where the machine is off the ground; `contact_law`: their stiffness and damping
+    [N/m, N s/m], None for what MuJoCo takes from the geoms.
     """
 
     spec: mujoco.MjSpec
     chain: TorqueChain
     rows: dict[str, dict[str, float]]
+    contacts: list[str] = field(default_factory=list)
+    contact_law: tuple[float, float] | None = None
 
     @staticmethod
     def of(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Build:

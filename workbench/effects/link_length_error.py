@@ -32,6 +32,7 @@ class LinkLengthError(Effect):
     parameters = (Parameter("length", "m", lower=-np.inf),)
     door = Door.MECHANISM
     on_links = True
+    moves_feet = True
     tier = 1
     source = "geometric calibration; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6"
     shows = (
@@ -74,12 +75,14 @@ class LinkLengthError(Effect):
         """The end of the link, and every body that sits just there."""
         assert place is not None
         link = build.spec.joint(model.joints[place.index]).parent
-        ends: list[mujoco.MjsBody | mujoco.MjsSite]
+        ends: list[mujoco.MjsBody | mujoco.MjsSite | mujoco.MjsGeom]
         if place.index + 1 < model.size:
             ends = [build.spec.joint(model.joints[place.index + 1]).parent]
         else:
             site = build.spec.site(model.payload_site)
+            feet = {build.spec.pair(name).geomname2 for name in build.contacts}
             ends = [site, *(b for b in link.bodies if np.array_equal(b.pos, site.pos))]
+            ends += [geom for geom in link.geoms if geom.name in feet]
         way = np.asarray(ends[0].pos, float).copy()
         length = float(np.linalg.norm(way))
         way /= max(length, 1e-12)

@@ -22,6 +22,7 @@ class LinkageGravity(Effect):
     name = "linkage_gravity"
     parameters = (Parameter("g1", "N*m", lower=-INF), Parameter("g2", "N*m", lower=-INF))
     door = Door.MECHANISM
+    of_position = True
     on_links = True
     basic = True
     axes = "all"

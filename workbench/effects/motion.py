@@ -54,6 +54,28 @@ class Line:
 
 
 @dataclass(frozen=True)
+class Contact:
+    """Feet on the ground along N rows, F feet.
+
+    Attributes:
+        depth: of the foot in the ground as the model has it, (N, F) [m]; negative in the air.
+        sinking: its rate, (N, F) [m/s].
+        slip: speed along the ground of the point that touches, (N, F) [m/s].
+        pressed: measured force of the ground on the foot, normal to it, (N, F) [N].
+        dragged: size of the force along it, (N, F) [N].
+        force_noise: standard deviation of a measured force [N]; `slip_noise`: of the slip [m/s].
+    """
+
+    depth: np.ndarray
+    sinking: np.ndarray
+    slip: np.ndarray
+    pressed: np.ndarray
+    dragged: np.ndarray
+    force_noise: float
+    slip_noise: float
+
+
+@dataclass(frozen=True)
 class Motion:
     """N rows of n axes in actuator coordinates, SI, uniform step `step` [s].
 
@@ -72,6 +94,7 @@ class Motion:
             velocity ask for, (2, N, n), actuator coordinates, held from tick to tick.
         gravity: (3,) [m/s^2].
         axis_units: ``rad`` or ``m`` per axis.
+        contact: what feet do on the ground, where that was measured.
     """
 
     step: float
@@ -90,6 +113,7 @@ class Motion:
     law: Callable[[int], np.ndarray]
     gravity: np.ndarray
     axis_units: tuple[str, ...]
+    contact: Contact | None = None
 
     @property
     def command(self) -> np.ndarray:

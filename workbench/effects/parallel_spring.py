@@ -22,6 +22,7 @@ class ParallelSpring(Effect):
         Parameter("rest", "rad", lower=-INF),
     )
     door = Door.MECHANISM
+    of_position = True
     contains = ("torque_bias",)
     locations = ("actuator", "joint")
     source = "Hooke 1678; parallel elastic actuation"

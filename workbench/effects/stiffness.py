@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from .chain import TorqueChain
+from .ground import contact_rates
 
 _TURN = 0.5  # rad: how far the fastest mode may turn in a step; Runge-Kutta 4 then errs by 3e-4 of it
 _MOST = 64  # steps in one of the simulation; what is stiffer still becomes unstable, and is named
@@ -23,8 +24,11 @@ def count_substeps(m: mujoco.MjModel, chain: TorqueChain) -> int:
     """Steps that the fastest mode of the model's springs needs in one of its time steps."""
     names = [m.tendon(i).name for i in range(m.ntendon)]
     stiff = [name for name in names if name.partition(":")[0] in _SPRINGS]
+    spring, damper = contact_rates(m)
+    # what a foot weighs changes with the posture
+    touched = np.abs(np.roots([1.0, 2.0 * damper, 2.0 * spring])).max()
     if not stiff:
-        return 1
+        return _steps(float(touched), m)
     stiffness, damping = np.zeros((2, m.nv, m.nv))
     for name in stiff:
         ident, row = m.tendon(name).id, tendon_row(m, name)
@@ -38,6 +42,10 @@ def count_substeps(m: mujoco.MjModel, chain: TorqueChain) -> int:
     give = np.linalg.inv(mass)
     rates = np.block([[np.zeros_like(mass), np.eye(m.nv)], [-give @ stiffness, -give @ damping]])
     fastest = float(np.abs(np.linalg.eigvals(rates)).max())
+    return _steps(max(fastest, float(touched)), m)
+
+
+def _steps(fastest: float, m: mujoco.MjModel) -> int:
     return int(np.clip(np.ceil(fastest * m.opt.timestep / _TURN), 1, _MOST))
 
 

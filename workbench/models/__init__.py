@@ -1,10 +1,11 @@
 """Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
 
 from .engine import silence
-from .model import VARIANTS, Actuators, AppliedEffect, Linkage, Model
+from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
 from .paths import find_model
-from .read import load_mjcf, model_text, read_model, structural_effect, write_model
+from .read import load_mjcf, read_model, structural_effect
 from .serial import Placement, axis_tendon, base_spec, joint_kinds
+from .write import model_text, write_model
 
 silence()
 
@@ -12,6 +13,7 @@ __all__ = [
     "VARIANTS",
     "Actuators",
     "AppliedEffect",
+    "Ground",
     "Linkage",
     "Model",
     "Placement",

@@ -53,6 +53,28 @@ class Linkage:
 
 
 @dataclass(frozen=True)
+class Ground:
+    """What the machine stands on, and what it stands with.
+
+    Attributes:
+        feet: sites of the serial tree, where a sphere of `radius` [m] is put, or geoms of its own.
+        radius: of the feet at sites [m].
+        height: of a plane that is put into the world [m], or None where the MJCF has the ground.
+        surface: geom of the world that is the ground, or None where a plane is put there.
+        friction: coefficient; None: what MuJoCo takes from both geoms.
+        stiffness, damping: of a contact [N/m, N s/m]; None: what MuJoCo takes from both geoms.
+    """
+
+    feet: tuple[str, ...]
+    radius: float | None = None
+    height: float | None = None
+    surface: str | None = None
+    friction: float | None = None
+    stiffness: float | None = None
+    damping: float | None = None
+
+
+@dataclass(frozen=True)
 class AppliedEffect:
     """A physical effect that is part of a model: which, where, with which parameters (SI)."""
 
@@ -83,6 +105,7 @@ class Model(Shown):
         effects: everything added to the serial tree, in order of addition.
         controller: the loop it usually runs in.
         payload_site: MJCF site that carries a payload.
+        ground: what it stands on, where recordings are made on the ground.
         sliding_speed: speed at which dry friction has its full value [rad/s; a tenth of it in m/s];
             below, an axis creeps. Bearings and gears do so, and no log tells 0 from a very small one.
         source: file it was read from.
@@ -104,6 +127,7 @@ class Model(Shown):
     controller: Controller = field(default_factory=Controller)
     payload_site: str | None = None
     sliding_speed: float = 0.0005
+    ground: Ground | None = None
     source: Path | None = None
 
     @property

@@ -1,29 +1,24 @@
-"""Model files in and out: TOML for people, MJCF alone where no more is known."""
+"""Model files as they are read: TOML for people, MJCF alone where no more is known."""
 
 from __future__ import annotations
 
 import contextlib
-import re
 import tomllib
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
-import tomli_w
 from pydantic import ValidationError
 
 from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
-from workbench.core.files import write_whole
 from workbench.core.formats import check_format
 from workbench.core.paths import models_folder
-from workbench.core.text import plain
 
 from .engine import warned
 from .mjcf import check_mjcf
-from .model import VARIANTS, Actuators, AppliedEffect, Linkage, Model
+from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
 from .paths import find_model
-from .schema import EffectTable, ModelTable, ParameterTable
+from .schema import EffectTable, GroundTable, ModelTable, ParameterTable
 
 _LINKAGE_KEYS = {"linkage_inertia": ("M11", "M12", "M22"), "linkage_gravity": ("g1", "g2")}
 _LINKAGE_UNITS = {"M11": "kg*m^2", "M12": "kg*m^2", "M22": "kg*m^2", "g1": "N*m", "g2": "N*m"}
@@ -180,8 +175,32 @@ def _from_table(table: ModelTable, file: Path) -> Model:
         controller=_controller(table, n, file),
         payload_site=table.payload.site if table.payload else None,
         sliding_speed=table.friction.sliding_speed,
+        ground=_ground(table.ground, spec, file),
         source=file,
     )
+
+
+def _ground(table: GroundTable | None, spec: mujoco.MjSpec, file: Path) -> Ground | None:
+    if table is None:
+        return None
+
+    def refuse(problem: str, key: str, remedy: str) -> InputError:
+        return InputError(problem, file=file, column=f"ground.{key}", remedy=remedy)
+
+    sites, geoms = ({e.name for e in kind if e.name} for kind in (spec.sites, spec.geoms))
+    for name in table.feet:
+        if name not in sites | geoms:
+            known = ", ".join(sorted(sites | geoms)) or "none: add one"
+            raise refuse(f"the MJCF has no site or geom '{name}'", "feet", f"sites and geoms are {known}")
+        if name in sites and table.radius is None:
+            raise refuse(f"the foot at site '{name}' has no size", "radius", "give its radius [m]")
+    if (table.height is None) == (table.surface is None):
+        raise refuse("states height and surface, or neither", "height", "give one of the two")
+    if table.surface is not None and table.surface not in {g.name for g in spec.worldbody.geoms}:
+        raise refuse(f"the MJCF's world has no geom '{table.surface}'", "surface", "name one of its geoms")
+    if (table.stiffness is None) != (table.damping is None):
+        raise refuse("stiffness and damping go together", "stiffness", "give both, or leave both out")
+    return Ground(**{**table.model_dump(), "feet": tuple(table.feet)})
 
 
 def _mechanism(table: ModelTable, n: int, file: Path) -> Mechanism | None:
@@ -251,107 +270,3 @@ def _controller(table: ModelTable, n: int, file: Path) -> Controller:
                 remedy=f"give {', '.join(needed)}, one value an axis",
             )  # fmt: skip
     return Controller(kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, **per_axis)
-
-
-def write_model(model: Model, path: str | Path, *, force: bool = False) -> None:
-    """Write a model as TOML, whole or not at all; it reads back equal.
-
-    Raises:
-        InputError: the file exists and `force` is not set, or cannot be written.
-    """
-    write_whole(path, model_text(model, path), force=force)
-
-
-def model_text(model: Model, path: str | Path) -> str:
-    """The text of a model file that is to lie at `path`."""
-    text = tomli_w.dumps(model_table(model, Path(path).resolve().parent))
-    name = " ".join(plain(model.name).split())  # a comment ends with its line
-    return f"# {name}: written by workbench.\n" + _arrays_on_one_line(text)
-
-
-def _arrays_on_one_line(text: str) -> str:
-    """Innermost arrays as a person would write them; nothing else changes."""
-    return re.sub(
-        r"\[\n([^\[\]{}]*?),?\n\s*\]",
-        lambda m: "[" + ", ".join(x.strip() for x in m[1].split(",\n")) + "]",
-        text,
-    )
-
-
-def model_table(model: Model, folder: Path) -> dict[str, Any]:
-    """The model as the nested tables of a model file that lies in `folder`."""
-    # a structural effect that was taken out or given other values makes it no longer that variant
-    inside = tuple(structural_effect(name, model.linkage) for name in VARIANTS[model.variant])
-    variant = model.variant if model.effects[: len(inside)] == inside else "kin_only"
-    skip = len(VARIANTS[variant])
-    table: dict[str, Any] = {
-        "format": 1,
-        "name": model.name,
-        "serial": _relative(model.serial, folder),
-        "variant": variant,
-        "axes": list(model.axes),
-        "transmission": {
-            "joints": list(model.joints),
-            "matrix": model.transmission.tolist(),
-            **({"posture_dependent": True} if model.posture_dependent else {}),
-        },
-        "actuators": {
-            "inertia": list(model.actuators.inertia),
-            "damping": list(model.actuators.damping),
-            "delay_s": model.actuators.delay_s,
-            **({"full_braking": True} if model.actuators.full_braking else {}),
-        },
-    }
-    if any(np.isfinite(model.actuators.torque_limit)):
-        table["actuators"]["torque_limit"] = list(model.actuators.torque_limit)
-    if model.closed_chain:
-        table["closed_chain"] = _closed_chain_table(model.closed_chain, folder)
-    if model.controller.kind != "unknown":
-        c = model.controller
-        entries = {k: list(getattr(c, k)) for k in ("kp", "kd", "kv", "gain", "limit") if getattr(c, k)}
-        table["controller"] = {"kind": c.kind, "coordinates": c.coordinates, **entries}
-        if c.period_s:
-            table["controller"]["period_s"] = c.period_s
-    if model.linkage:
-        table["linkage"] = dict(vars(model.linkage))
-    if model.payload_site:
-        table["payload"] = {"site": model.payload_site}
-    table["friction"] = {"sliding_speed": model.sliding_speed}
-    table["effects"] = [_effect_table(e) for e in model.effects[skip:]]
-    if not table["effects"]:
-        del table["effects"]
-    return table
-
-
-def _closed_chain_table(chain: Mechanism, folder: Path) -> dict[str, Any]:
-    table: dict[str, Any] = {
-        "file": _relative(chain.file, folder),
-        "drives": list(chain.drives),
-        "joints": list(chain.joints),
-        "loops": [list(pair) for pair in chain.loops],
-    }
-    if chain.foot:
-        table["foot"] = chain.foot
-    if chain.start:
-        table["start"] = dict(chain.start)
-    if chain.limits:
-        table["limits"] = [list(pair) for pair in chain.limits]
-    return table
-
-
-def _effect_table(effect: AppliedEffect) -> dict[str, Any]:
-    entry: dict[str, Any] = {"effect": effect.key.effect}
-    if effect.key.axis:
-        entry["axis"] = effect.key.axis
-    entry["location"] = effect.key.location
-    entry["parameters"] = {k: dict(vars(v)) for k, v in effect.parameters.items()}
-    return entry
-
-
-def _relative(path: Path, folder: Path) -> str:
-    """A path that is found again: in the shipped models, beside the new file, or absolute."""
-    for root in (models_folder().resolve(), folder):
-        # one of the same name beside the new file would be found first
-        if path.is_relative_to(root) and (root == folder or not (folder / path.relative_to(root)).exists()):
-            return path.relative_to(root).as_posix()
-    return path.as_posix()

@@ -93,6 +93,18 @@ class FrictionTable(_Table):
     sliding_speed: _Positive = 0.0005
 
 
+class GroundTable(_Table):
+    """``[ground]``: what the feet stand on, for recordings on the ground."""
+
+    feet: Annotated[list[str], Field(min_length=1)]
+    radius: _Positive | None = None
+    height: _Number | None = None
+    surface: str | None = None
+    friction: _Quantity | None = None
+    stiffness: _Positive | None = None
+    damping: _Quantity | None = None
+
+
 class EffectTable(_Table):
     """``[[effects]]``: one effect that was added."""
 
@@ -117,6 +129,7 @@ class ModelTable(_Table):
     linkage: LinkageTable | None = None
     payload: PayloadTable | None = None
     friction: FrictionTable = FrictionTable()
+    ground: GroundTable | None = None
     effects: list[EffectTable] = Field(default_factory=list)
 
 

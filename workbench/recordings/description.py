@@ -159,6 +159,14 @@ def _check_names(d: Description, path: Path) -> None:
                 if signal in AXIS_SIGNALS
                 else "give one",
             )
+    forces = len(d.columns.get("ground_force", ()))
+    if forces % 3:
+        raise InputError(
+            f"has {forces} column(s), which is no multiple of three",
+            file=path,
+            column="columns.ground_force",
+            remedy="give fx, fy, fz for every foot",
+        )
     for kind, units in d.units.items():
         if kind not in KINDS:
             raise _unknown_key(f"units.{kind}", kind, tuple(KINDS), path)

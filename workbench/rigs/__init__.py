@@ -12,6 +12,7 @@ from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
 from .live import LiveLeg, LiveShaft
 from .magnitudes import DEMO_EFFECTS, DRAWN_EFFECTS
 from .motor_bank import MotorBank
+from .plate_experiments import plate_experiments
 from .revealing import (
     dither,
     experiments_for,
@@ -22,6 +23,7 @@ from .revealing import (
     work_and_rest,
 )
 from .shapes import hidden_effect
+from .standing_leg import Plate
 from .structure import LegStructure, leg_structure
 from .virtual_leg import PERFECT, Sensors, VirtualLeg
 from .virtual_motor import VirtualMotor
@@ -41,6 +43,7 @@ __all__ = [
     "LiveLeg",
     "LiveShaft",
     "MotorBank",
+    "Plate",
     "Reduced",
     "Sensors",
     "VirtualBench",
@@ -57,6 +60,7 @@ __all__ = [
     "hidden_effect",
     "leg_structure",
     "multisine",
+    "plate_experiments",
     "range_sweep",
     "revealing_experiments",
     "slow_sweep",

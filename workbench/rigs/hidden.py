@@ -17,6 +17,7 @@ from . import hidden_drive as drive
 from . import hidden_flexible as flexible
 from . import hidden_motion as motion
 from . import hidden_outside as outside
+from . import hidden_plate as plate
 from . import hidden_sensing as sensing
 from .machine import AXES, Machine
 from .place import Place
@@ -143,6 +144,8 @@ WITHOUT_AXIS = frozenset(
         "payload_mass",
         "base_compliance",
         "cross_spring",
+        "contact_compliance",
+        "ground_friction",
     }
 )
 AT_JOINTS = frozenset(
@@ -163,4 +166,8 @@ AT_JOINTS = frozenset(
         "one_sided_spring",
     }
 )
-_ALL: Mapping[str, Installer] = MappingProxyType({**EFFECTS, **OUTSIDERS})
+#: Of a leg that stands on a plate.
+ON_A_PLATE: Mapping[str, Installer] = MappingProxyType(
+    {"contact_compliance": plate.contact_compliance, "ground_friction": plate.ground_friction}
+)
+_ALL: Mapping[str, Installer] = MappingProxyType({**EFFECTS, **ON_A_PLATE, **OUTSIDERS})

@@ -12,6 +12,7 @@ from workbench.core import SimulationError
 from .coupling import Base, Coupling
 from .friction import Friction
 from .place import Passive, Place
+from .standing_leg import Plate
 from .structure import LegStructure, leg_structure
 
 AXES = ("hip", "knee")
@@ -102,6 +103,7 @@ class Machine:
         payload: point mass at the foot [kg].
         longer: length errors of thigh and shank [m].
         base: a stand that gives way, if it does.
+        plate: a force plate under the foot, if it stands on one.
         encoders: errors of position sensing.
         sensor_delay: by which position and velocity are late [s].
         velocity_lag: time constant of each velocity's filter [s], 0 for none.
@@ -127,6 +129,7 @@ class Machine:
     payload: float = 0.0
     longer: list[float] = field(default_factory=_zeros)
     base: Base | None = None
+    plate: Plate | None = None
     encoders: tuple[Encoder, Encoder] = field(default_factory=lambda: (Encoder(), Encoder()))
     sensor_delay: float = 0.0
     velocity_lag: list[float] = field(default_factory=_zeros)

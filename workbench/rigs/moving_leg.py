@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
+from workbench.core import SimulationError
+
 from .friction import merged
 from .integrate import Integrator, passive_torque
 from .integrate_flexible import FlexibleIntegrator
 from .machine import Machine
 from .sensing import Motion
+from .standing_leg import SHANK, THIGH, Contact, StandingLeg
 
 
 class MovingLeg(Protocol):
@@ -34,7 +37,13 @@ def moving_leg(machine: Machine) -> MovingLeg:
         SimulationError: more than two dry frictions, or a spring too stiff to follow.
     """
     if machine.flexible:
+        if machine.plate is not None:
+            raise SimulationError("the rig has no leg with springs or memory on a plate; hide something else")
         return FlexibleIntegrator(machine)
     passive = [passive_torque(each) for each in machine.passive]
     damping = machine.damping[0], machine.damping[1]
-    return Integrator(machine.structure, damping, passive, merged(machine.frictions))
+    if machine.plate is None:
+        return Integrator(machine.structure, damping, passive, merged(machine.frictions))
+    contact = Contact(machine.plate, THIGH + machine.longer[0], SHANK + machine.longer[1])
+    leg = Integrator(machine.structure, damping, [*passive, contact.torque], merged(machine.frictions))
+    return StandingLeg(contact, leg)

@@ -18,6 +18,7 @@ from .hidden import HiddenEffect, install
 from .machine import AXES, Machine
 from .moving_leg import MovingLeg, moving_leg
 from .sensing import Motion, Sensing, cut
+from .standing_leg import Plate, StandingLeg
 
 CONTROLLER = Controller("pd", "joint", kp=(50.0, 50.0), kd=(1.5, 1.5), period_s=0.003)
 
@@ -48,6 +49,7 @@ class VirtualLeg:
         seed: of all sensor noise and random disturbances; run k of a call draws from (seed, k).
         sensors: noise and resolution; `PERFECT` logs the truth.
         control_period: of the sampled loop, a whole number of rows [s].
+        plate: a force plate that the foot may touch.
 
     Raises:
         SimulationError: these effects cannot be in one leg.
@@ -59,10 +61,11 @@ class VirtualLeg:
         seed: int = 0,
         sensors: Sensors | None = None,
         control_period: float = 3e-3,
+        plate: Plate | None = None,
     ) -> None:
         self.hidden, self.seed, self.sensors = tuple(hidden), seed, sensors or Sensors()
         self.controller = replace(CONTROLLER, period_s=control_period)
-        self._machine = Machine()
+        self._machine = Machine(plate=None if plate is None else replace(plate))
         for effect in self.hidden:
             install(effect, self._machine)
         moving_leg(self._machine)  # refuses now what it cannot integrate
@@ -101,6 +104,7 @@ class VirtualLeg:
     def _record(self, experiment: Experiment, run: int) -> Recording:
         time = np.arange(len(experiment.reference)) * experiment.period
         signals = self._simulate(experiment, time, np.random.default_rng([self.seed, run]))
+        extra = {"ground_force": signals.pop("ground_force")} if "ground_force" in signals else {}
         return Recording(
             name=experiment.name,
             axes=AXES,
@@ -115,6 +119,7 @@ class VirtualLeg:
             controller=self.controller,
             excitation=experiment.excitation,
             rig="leg",
+            extra=extra,
         )
 
     def _simulate(
@@ -127,7 +132,7 @@ class VirtualLeg:
         torque_noise = self.sensors.torque_noise * generator.standard_normal((rows, 2))
         unmeasured = self._unmeasured_torque(time, generator).tolist()
         reference, feedforward = experiment.reference.tolist(), experiment.feedforward.tolist()
-        position, velocity, command, torque = [], [], [], []
+        position, velocity, command, torque, ground = [], [], [], [], []
         kp, kd = (
             np.multiply(self.controller.kp, machine.kp_scale),
             np.multiply(self.controller.kd, machine.kd_scale),
@@ -152,6 +157,8 @@ class VirtualLeg:
             velocity.append((w1, w2))
             command.append(asked)
             torque.append(drive.torque)
+            if isinstance(leg, StandingLeg):
+                ground.append(leg.ground_force(state))
             if watched:
                 state, seen = _watched_row(leg, drive, state, bias, sensing.look)
             else:
@@ -160,7 +167,9 @@ class VirtualLeg:
                 seen = leg.motors(state)
             if not abs(seen[2]) + abs(seen[3]) < 1e3:
                 raise SimulationError(f"the leg ran away in '{experiment.name}' at {time[row]:.3f} s")
+        plate = machine.plate
         return {
+            **({} if plate is None else {"ground_force": _felt(ground, plate.noise, generator)}),
             "position": np.array(position),
             "velocity": np.array(velocity),
             "torque_command": np.array(command),
@@ -183,6 +192,11 @@ class VirtualLeg:
         for axis, disturbance in self._machine.disturbances:
             total[:, axis] += disturbance(time + 0.5 * time[1], generator)
         return total
+
+
+def _felt(forces: Sequence[Sequence[float]], noise: float, generator: np.random.Generator) -> np.ndarray:
+    """What a force plate shows, (N, 3) [N]."""
+    return np.array(forces) + noise * generator.standard_normal((len(forces), 3))
 
 
 def _watched_row(

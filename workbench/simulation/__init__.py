@@ -3,24 +3,29 @@
 from .control import SensorNoise
 from .cores import on_all_cores, use_cores
 from .designs import as_recording, held_posture, joint_limits, limits_of, predictor, whole_period
-from .experiment import Experiment, check_axes, prepare, scored_torque
+from .experiment import GROUND_TORQUE, LONGEST_STEP, Experiment, check_axes, prepare, scored_torque
 from .inverse import required_torque, rigid_torque
 from .linear import Loop, linearise, slopes
 from .march import Disturbance, propagate
 from .motion import motion_of
 from .run import Run, simulate
 from .sense import true_motion
+from .shooting import Shots, Windows, sensitivities, shoot
 from .trajectory import TRUE_MOTION, Track, interpolate, joint_columns, smooth_track
 from .unlogged_rate import differentiates, rate_read
 
 __all__ = [
+    "GROUND_TORQUE",
+    "LONGEST_STEP",
     "TRUE_MOTION",
     "Disturbance",
     "Experiment",
     "Loop",
     "Run",
     "SensorNoise",
+    "Shots",
     "Track",
+    "Windows",
     "as_recording",
     "check_axes",
     "differentiates",
@@ -39,6 +44,8 @@ __all__ = [
     "required_torque",
     "rigid_torque",
     "scored_torque",
+    "sensitivities",
+    "shoot",
     "simulate",
     "slopes",
     "smooth_track",

@@ -14,6 +14,8 @@ from workbench.recordings.resample import looks_held
 
 #: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
 LONGEST_STEP = 0.001
+#: Signal of what the ground's force on the feet is to the drives [N m or N], of recordings on the ground.
+GROUND_TORQUE = "ground_torque"
 
 
 @dataclass(frozen=True)
@@ -142,8 +144,11 @@ def prepare(recording: Recording, model: Model) -> Experiment:
 def scored_torque(recording: Recording) -> str | None:
     """Which torque is held against a simulation: the measured one, else the command, else none.
 
-    A "measured" torque that is the command itself, row for row, was not measured behind the drive.
+    A "measured" torque that is the command itself, row for row, was not measured behind the drive. On the
+    ground it is that of the ground.
     """
+    if recording.get(GROUND_TORQUE) is not None:
+        return GROUND_TORQUE
     command, measured = recording.get("torque_command"), recording.get("torque_measured")
     if measured is not None and (command is None or not np.array_equal(command, measured)):
         return "torque_measured"

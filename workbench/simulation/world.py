@@ -133,10 +133,16 @@ def march(
 def _step(world: World, shaft: np.ndarray) -> None:
     """Advance by one substep under torques on the drives' shafts, (n,)."""
     for _ in range(world.substeps):
-        for j in range(len(world.force)):
-            world.force[j] = 0.0
-            for i in range(len(shaft)):
-                world.force[j] += world.drives[i, j] * shaft[i]
-        if world.laws.present:
-            act(world.laws, world.position, world.speed, shaft, world.force)
+        push(world, shaft)
         mj_step(world.model, world.data)
+
+
+@njit(cache=True)
+def push(world: World, shaft: np.ndarray) -> None:
+    """Set the forces of MuJoCo's next step: torques on the drives' shafts, (n,), and laws of the state."""
+    for j in range(len(world.force)):
+        world.force[j] = 0.0
+        for i in range(len(shaft)):
+            world.force[j] += world.drives[i, j] * shaft[i]
+    if world.laws.present:
+        act(world.laws, world.position, world.speed, shaft, world.force)

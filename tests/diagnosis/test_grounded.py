@@ -1,0 +1,58 @@
+"""What recordings on the ground tell of it, and what those in the air do not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from workbench.core import EffectKey
+from workbench.diagnosis import diagnose
+from workbench.diagnosis.data import gather
+from workbench.diagnosis.screen import screen
+from workbench.diagnosis.sensitivity import Scene
+from workbench.effects import load_model
+from workbench.rigs import HiddenEffect, Plate, VirtualLeg, plate_experiments
+
+MODEL = load_model("leg_on_plate")
+CONTACTS = {EffectKey("contact_compliance", None), EffectKey("ground_friction", None)}
+
+
+def recorded(
+    *hidden: HiddenEffect, plate: Plate | None = None, names=("step", "slide", "walk"), seed: int = 2
+):
+    chosen = [e for e in plate_experiments(duration=0.8) if e.name in names]
+    return VirtualLeg(hidden, seed=seed, plate=plate).run(chosen)
+
+
+@pytest.mark.parametrize(
+    ("effect", "values"),
+    [
+        ("contact_compliance", {"stiffness": 2e4, "damping": 100.0}),
+        ("ground_friction", {"coefficient": 0.35}),
+    ],
+)
+def test_a_contact_that_the_model_has_wrong_is_found(effect: str, values: dict[str, float]) -> None:
+    *training, judge = recorded(HiddenEffect(effect, parameters=values), plate=Plate())
+    found = diagnose(MODEL, training, [judge])
+    assert found.verdict == "missing_effect"
+    assert [f.key for f in found.findings] == [EffectKey(effect, None)]
+    for name, value in values.items():
+        estimate = found.findings[0].parameters[name]
+        assert abs(estimate.value - value) < 3.0 * estimate.std < 0.2 * value
+
+
+def test_nothing_is_found_where_nothing_is_hidden_and_no_slip_tells_no_friction() -> None:
+    found = diagnose(MODEL, recorded(plate=Plate(), names=("press",)))
+    assert found.verdict == "consistent" and not found.findings
+    assert EffectKey("ground_friction", None) in found.not_excited
+    assert EffectKey("contact_compliance", None) not in found.not_excited
+
+
+def test_in_the_air_no_contact_is_a_candidate() -> None:
+    hidden = HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.2})
+    data, simulated = gather(MODEL, recorded(hidden), (), seed=0)
+    scene = Scene.of(MODEL, data, simulated.clean, len(data.recordings))
+    candidates, _ = screen(scene, data, simulated.clean, ())
+    contacts = [c for c in candidates if c.key in CONTACTS]
+    assert {c.key for c in contacts} == CONTACTS
+    assert all(c.detectable == 0.0 and not np.isfinite(c.judged) for c in contacts)

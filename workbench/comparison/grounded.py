@@ -1,0 +1,248 @@
+"""Recordings on the ground, replayed in short windows from measured states under the torque that was logged.
+
+Positions are scored, and what the ground's force is to the drives: measured and simulated force alike go
+through the transposed Jacobian of the foot along the measured motion, so that every axis has its share [N m].
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+
+from workbench.core import Recording, SimulationError
+from workbench.effects import Motion, Plant, compile_plant, effect_named
+from workbench.models import Model
+from workbench.recordings import white_noise
+from workbench.simulation import (
+    GROUND_TORQUE,
+    LONGEST_STEP,
+    Disturbance,
+    motion_of,
+    on_all_cores,
+    scored_torque,
+    sensitivities,
+    smooth_track,
+)
+
+from .feet import Feet
+from .noise import DRAWS, NoiseModel, noise_seeds
+from .simulated import Simulated
+from .standing import (
+    FORCE,
+    NEEDS_THE_PAST,
+    Standing,
+    check_ground,
+    on_ground,
+    stand,
+    tap_torque,
+    without_ground,
+)
+from .starts import local_state
+
+
+class Grounded:
+    """Every model runs in short windows on its ground."""
+
+    on_ground: ClassVar[bool] = True
+
+    def __init__(self, model: Model, recordings: Sequence[Recording], noise: NoiseModel) -> None:
+        for r in recordings:
+            if on_ground(r):
+                check_ground(model, r)
+        self.noise, self._model = noise, model
+        self._step = _step_of(recordings[0])
+        plant = compile_plant(model, self._step[1], grounded=True)
+        told = [white_noise(f, r.valid) for r in recordings if on_ground(r) for f in r.extra[FORCE].T]
+        known = [x for x in told if np.isfinite(x)]
+        self._force_noise = float(np.median(known)) if known else 0.0
+        self._standing = tuple(
+            stand(r, plant, noise.levels, self._step[0], self._force_noise) for r in recordings
+        )
+        self.recordings = tuple(s.recording for s in self._standing)
+
+    def shows(self, effect: str) -> bool:
+        """Whether windows can tell anything of an effect."""
+        return effect not in NEEDS_THE_PAST and not effect_named(effect).splits
+
+    def like(self, model: Model, recordings: Sequence[Recording]) -> Grounded:
+        """The same for other recordings."""
+        return Grounded(model, recordings, self.noise)
+
+    def only(self, chosen: Sequence[int]) -> Grounded:
+        """The same for some of the recordings."""
+        part = copy.copy(self)
+        part.recordings = tuple(self.recordings[i] for i in chosen)
+        part._standing = tuple(self._standing[i] for i in chosen)
+        return part
+
+    def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
+        """All models in all windows."""
+        standing = self._standing[:first]
+        plants = [self._compiled(m) for m in models]
+        pairs = [(s, p) for p in plants for s in standing]
+        made = on_all_cores(lambda pair: pair[0].run(pair[1]), pairs)
+        return [tuple(made[k * len(standing) : (k + 1) * len(standing)]) for k in range(len(models))]
+
+    def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
+        """Noise of position, velocity and torque goes through starts and windows; that of the force adds.
+
+        Raises:
+            SimulationError: a model that no body can be, or that flies apart in the windows.
+        """
+        plant = compile_plant(model, self._step[1], grounded=True)
+        clean = on_all_cores(lambda s: s.run(plant), self._standing)
+        for run in clean:
+            if not np.isfinite(run.position).all():
+                raise SimulationError(
+                    f"model '{model.name}' flies apart on the ground of '{run.name}': check the place of its "
+                    "ground, the size of its feet, and how stiff their contact is"
+                )
+        smooth = [self._quiet(s) for s in self._standing]
+        still = on_all_cores(lambda s: s.run(plant), smooth)
+        noisy: list[tuple[Recording, ...]] = []
+        for seeds in noise_seeds(len(clean), draws, seed):
+            seen = [self._seen(s, n) for s, n in zip(smooth, seeds, strict=True)]
+            moved = on_all_cores(lambda s: s.run(plant), seen)
+            parts = zip(clean, smooth, still, seen, moved, strict=True)
+            noisy.append(tuple(_shaken(*each) for each in parts))
+        return Simulated(self.recordings, tuple(clean), tuple(noisy), self.noise)
+
+    def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
+        """The motion that was measured, whatever the run, with what the feet do on it."""
+        del run
+        s, levels = self._standing[index], self.noise.levels
+        track = smooth_track(s.recording, None, s.to_actuator, levels.position_std, levels.velocity_std)
+        base = motion_of(track, without_ground(s.recording), plant, s.to_actuator)
+        standing = self._compiled(plant.model)
+        assert standing is not None
+        feet = Feet.along(standing, track.position)
+        contact = None
+        if on_ground(s.recording):
+            contact = feet.contact(s.windows.velocity, s.force, self._force_noise, s.velocity_noise)
+
+        def required(other: Model) -> np.ndarray:
+            held = feet if other is plant.model else Feet.along(self._on_ground(other), track.position)
+            return base.required(other) - held.torque(s.force) / base.gain
+
+        return replace(base, required=required, contact=contact)
+
+    def loop(self, plant: Plant, index: int, motion: Motion) -> tuple[Standing, Plant]:
+        """What `propagate` takes."""
+        del motion
+        return self._standing[index], self._on_ground(plant.model)
+
+    def propagate(
+        self, loops: Sequence[tuple[Standing, Plant]], disturbances: Sequence[Disturbance]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Through the windows, linearised row by row."""
+        return on_all_cores(_respond, loops, disturbances)
+
+    def _on_ground(self, model: Model) -> Plant:
+        return compile_plant(model, self._step[1], grounded=True)
+
+    def _compiled(self, model: Model) -> Plant | None:
+        """None where MuJoCo refuses the model."""
+        try:
+            return self._on_ground(model)
+        except SimulationError:
+            return None
+
+    def _quiet(self, s: Standing) -> Standing:
+        """The recording as smooth as its states were taken to be."""
+        back = np.linalg.inv(s.to_actuator).T
+        return self._again(
+            s,
+            s.recording.with_signals(position=s.windows.position @ back, velocity=s.windows.velocity @ back),
+        )
+
+    def _seen(self, smooth: Standing, seed: int) -> Standing:
+        """A smooth recording as noisy sensors would have shown it."""
+        r, noise = smooth.recording, self.noise.draw(seed)
+        torque = scored_torque(without_ground(r))
+        assert torque is not None
+        generator = np.random.default_rng([seed, 7])
+        # a foot that rests shows one line of the encoder: where the truth lies beside it, each window draws
+        starts = smooth.windows.starts
+        window = np.searchsorted(0.5 * (starts[1:] + starts[:-1]), np.arange(len(r)))
+        beside = noise.resolution * generator.uniform(-0.5, 0.5, (len(starts), len(r.axes)))[window]
+        q, w, u = noise.logged(r.position + beside, r.velocity, r.signals[torque])
+        q = q - beside
+        seen = r.with_signals(position=q, velocity=w)
+        if torque == "torque_measured":
+            seen = seen.with_signals(torque_measured=u)
+        if GROUND_TORQUE in r.signals:
+            felt = self._force_noise * generator.standard_normal(smooth.force.shape)
+            seen = seen.with_signals(**{GROUND_TORQUE: r.signals[GROUND_TORQUE] + smooth.torque(felt)})
+            seen = replace(seen, extra={**r.extra, FORCE: r.extra[FORCE] + felt})
+        return self._again(smooth, seen)
+
+    def _again(self, s: Standing, recording: Recording) -> Standing:
+        """The same windows on another version of the recording."""
+        q, w, _ = local_state(recording, self.noise.levels)
+        windows = replace(
+            s.windows,
+            position=q @ s.to_actuator.T,
+            velocity=w @ s.to_actuator.T,
+            torque=tap_torque(recording, s.to_actuator),
+        )
+        return replace(s, recording=recording, windows=windows)
+
+
+def force_squares(simulated: Simulated, index: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """Mean squares of the force on the feet, (3 F,) each: measured minus simulated, and of the noise.
+
+    None for a recording that is not on the ground.
+    """
+    measured, clean = simulated.recordings[index], simulated.clean[index]
+    if not (on_ground(measured) and on_ground(clean)):
+        return None
+    rows, made = measured.valid, clean.extra[FORCE]
+    noise = [(draw[index].extra[FORCE] - made)[rows] ** 2 for draw in simulated.noisy]
+    return ((measured.extra[FORCE] - made)[rows] ** 2).mean(axis=0), np.mean(noise, axis=(0, 1))
+
+
+def _shaken(
+    clean: Recording, smooth: Standing, still: Recording, seen: Standing, moved: Recording
+) -> Recording:
+    """A run with what noise does to the difference of a recording and a run from its own states."""
+
+    def of(own: str, part: str) -> np.ndarray:
+        recorded, quiet = (getattr(s.recording, part)[own] for s in (seen, smooth))
+        return (
+            getattr(clean, part)[own]
+            + recorded
+            - quiet
+            - getattr(moved, part)[own]
+            + getattr(still, part)[own]
+        )
+
+    names = [name for name in ("position", GROUND_TORQUE) if name in smooth.recording.signals]
+    extra = {FORCE: of(FORCE, "extra")} if on_ground(smooth.recording) else {}
+    return replace(clean.with_signals(**{name: of(name, "signals") for name in names}), extra=extra)
+
+
+def _step_of(recording: Recording) -> tuple[int, float]:
+    """Substeps in a row, and their length [s]."""
+    stride = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))
+    return stride, recording.period / stride
+
+
+def _respond(loop: tuple[Standing, Plant], disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:
+    s, plant = loop
+    extra = np.array(disturbance.torque)
+    # the torque at the tap was logged, whatever the model says of what is before it
+    extra[list(disturbance.taps)] = 0.0
+    readings = np.zeros((len(extra), 2, *extra.shape[1:]))
+    for column, values in disturbance.readings.items():
+        readings[column] = values
+    position, force = sensitivities(plant, s.windows, extra, readings)
+    back = np.linalg.inv(s.to_actuator)
+    position = np.einsum("ij,kjc->kic", back, position)
+    torque = (
+        np.stack([s.torque(force[..., c]) for c in range(len(extra))], axis=-1) if len(extra) else position
+    )
+    return position, torque

@@ -1,0 +1,196 @@
+"""One recording on the ground, ready to be run in short windows from measured states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.core import InputError, Recording
+from workbench.effects import FEWEST_SLIPS, Contact, Plant, effect_named, ratio_in_slip
+from workbench.models import Model
+from workbench.recordings import NoiseLevels
+from workbench.recordings.resample import looks_held
+from workbench.simulation import GROUND_TORQUE, Windows, scored_torque, shoot
+
+from .feet import Feet
+from .starts import choose_starts, half_rows, local_state
+
+#: Effects with a state that no sensor shows, or that shift the log in time: a window cannot begin with them.
+NEEDS_THE_PAST = ("presliding_hysteresis", "sensor_delay", "velocity_filter_lag")
+FORCE = "ground_force"
+_PRESSED, _LEAST = 6.0, 0.02  # of the force's noise, of its largest: a foot that touches
+
+
+def on_ground(recording: Recording) -> bool:
+    """Whether a recording was made on the ground: it has the ground's force."""
+    return FORCE in recording.extra
+
+
+def check_ground(model: Model, recording: Recording) -> None:
+    """Refuse a recording on the ground that this model cannot stand through.
+
+    Raises:
+        InputError: the model has no ground, or other feet; the base floats; no torque was recorded; or an
+            effect has a state that no sensor shows.
+    """
+
+    def refuse(problem: str, column: str, remedy: str) -> InputError:
+        return InputError(problem, file=recording.source, column=column, remedy=remedy)
+
+    if model.ground is None:
+        raise refuse(
+            f"the recording is on the ground, and model '{model.name}' has none", f"columns.{FORCE}",
+            "add a [ground] table to the model (docs/models.md), or leave these columns out",
+        )  # fmt: skip
+    forces, feet = recording.extra[FORCE].shape[1], len(model.ground.feet)
+    if forces != 3 * feet:
+        raise refuse(
+            f"{forces} columns, and model '{model.name}' has {feet} feet", f"columns.{FORCE}",
+            "give fx, fy, fz for every foot, in the order of ground.feet",
+        )  # fmt: skip
+    moving = next((name for name in recording.extra if name.startswith("base_")), None)
+    if moving is not None:
+        raise refuse(
+            "a floating base is not run on the ground yet", f"columns.{moving}",
+            "leave its columns out if the base was fixed",
+        )  # fmt: skip
+    if scored_torque(recording) is None:
+        raise refuse(
+            "no torque was recorded", "columns.torque_measured",
+            "on the ground a model runs under the logged torque: name its column",
+        )  # fmt: skip
+    for applied in model.effects:
+        if applied.key.effect in NEEDS_THE_PAST or effect_named(applied.key.effect).splits:
+            raise refuse(
+                f"{applied.key} has a state that no sensor shows", "effects",
+                f"on the ground, models start from measured states: leave {applied.key} out",
+            )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Standing:
+    """One recording, ready for any model.
+
+    Attributes:
+        recording: with what the ground's force is to the drives as a signal, rows outside of windows masked.
+        windows: from measured states.
+        to_actuator: (n, n), positions of the recording to actuator coordinates.
+        feet: along the measured motion, by the model that was given first.
+        force: as measured, (N, 3 F); zero where it was not.
+        velocity_noise: (n,) of the measured states, actuator coordinates.
+    """
+
+    recording: Recording
+    windows: Windows
+    to_actuator: np.ndarray
+    feet: Feet
+    force: np.ndarray
+    velocity_noise: np.ndarray
+
+    def run(self, plant: Plant | None) -> Recording:
+        """The recording as a plant on its ground makes it; NaN without one."""
+        r = self.recording
+        if plant is None:
+            lost = {name: np.full_like(values, np.nan) for name, values in r.signals.items()}
+            return replace(r, signals=lost, notes=(), source=None)
+        shots = shoot(plant, self.windows)
+        back = np.linalg.inv(self.to_actuator).T
+        signals = {"position": shots.position @ back, "velocity": shots.velocity @ back}
+        signals["torque_command"] = signals["torque_measured"] = self.windows.torque @ self.to_actuator
+        signals[GROUND_TORQUE] = self.torque(shots.force)
+        before = slice(0, int(self.windows.starts[0]))
+        for name, values in signals.items():
+            values[before] = r.signals.get(name, values)[before]
+        return replace(r, signals=signals, extra={FORCE: shots.force}, derived=(), notes=(), source=None)
+
+    def torque(self, force: np.ndarray) -> np.ndarray:
+        """What forces on the feet (N, 3 F) are to the recording's axes, (N, n)."""
+        return self.feet.torque(force) @ self.to_actuator
+
+
+def stand(
+    recording: Recording, plant: Plant, levels: NoiseLevels, stride: int, force_noise: float
+) -> Standing:
+    """Make a recording ready to be run in windows, by a plant on its ground.
+
+    Args:
+        recording: as it was read.
+        plant: says where feet are.
+        levels: noise of the sensors.
+        stride: substeps in a row.
+        force_noise: of the force on the feet [N].
+
+    Raises:
+        InputError: it is too short.
+    """
+    n = plant.model.size
+    to_actuator = np.eye(n) if recording.coordinates == "actuator" else plant.model.transmission
+    force = recording.extra.get(FORCE)
+    starts = choose_starts(recording, force)
+    if len(starts) == 0:
+        raise InputError(
+            f"{len(recording)} rows are too few to run windows in", file=recording.source,
+            remedy="record for longer",
+        )  # fmt: skip
+    q, w, spread = local_state(recording, levels)
+    torque = tap_torque(recording, to_actuator)
+    windows = Windows(starts, q @ to_actuator.T, w @ to_actuator.T, torque, recording.period, stride)
+    feet = Feet.along(plant, windows.position)
+    signals, valid = dict(recording.signals), _whole(recording, starts)
+    if force is None:
+        force = np.zeros((len(recording), 3 * len(plant.contacts)))
+    else:
+        signals[GROUND_TORQUE] = feet.torque(force) @ to_actuator
+        valid &= ~_touches_down(force, force_noise)
+    noise = np.abs(to_actuator) @ spread
+    contact = feet.contact(windows.velocity, force, force_noise, noise)
+    notes = (*recording.notes, *_notes(contact, on_ground(recording)))
+    replayed = replace(recording, signals=signals, valid=valid, notes=notes)
+    return Standing(replayed, windows, to_actuator, feet, force, noise)
+
+
+def without_ground(recording: Recording) -> Recording:
+    """A recording without what the ground does to the drives."""
+    signals = {name: values for name, values in recording.signals.items() if name != GROUND_TORQUE}
+    return replace(recording, signals=signals)
+
+
+def tap_torque(recording: Recording, to_actuator: np.ndarray) -> np.ndarray:
+    """Torque at the tap over each row, (N, n), actuator coordinates: held, or between those of two rows."""
+    name = scored_torque(without_ground(recording))
+    assert name is not None
+    tap = recording.signals[name] @ np.linalg.inv(to_actuator)
+    command = recording.get("torque_command")
+    held = looks_held(tap) or (command is not None and looks_held(command))
+    return tap if held else 0.5 * (tap + np.vstack([tap[1:], tap[-1:]]))
+
+
+def _whole(recording: Recording, starts: np.ndarray) -> np.ndarray:
+    """Rows (N,) of windows in which, and about whose starts, every row was measured."""
+    half, rows = half_rows(recording.period), len(recording)
+    out = np.zeros(rows, bool)
+    for start, end in zip(starts, np.append(starts[1:], rows), strict=True):
+        out[start:end] = recording.valid[max(start - half, 0) : max(end, start + half + 1)].all()
+    return out
+
+
+def _notes(contact: Contact, measured: bool) -> tuple[str, ...]:
+    """How the recording is run, and what it says of friction where a foot never slips."""
+    how = "run in short windows from measured states, under the logged torque"
+    if not measured:
+        return (f"{how}; without the ground's force, position alone is compared",)
+    notes = [f"on the ground: {how}; 'torque' is what the ground's force is to the axes"]
+    held = contact.pressed > 10.0 * contact.force_noise
+    if held.any() and len(ratio_in_slip(contact)) < FEWEST_SLIPS:
+        least = float(np.quantile(contact.dragged[held] / contact.pressed[held], 0.99))
+        notes.append(f"no foot slips: the ground's friction is at least {least:.2f}, and may be any more")
+    return tuple(notes)
+
+
+def _touches_down(force: np.ndarray, noise: float) -> np.ndarray:
+    """Rows (N,) about a foot's touchdown, where a fraction of a row decides how large the force is."""
+    feet = np.linalg.norm(force.reshape(len(force), -1, 3), axis=-1)
+    pressed = feet > np.maximum(_PRESSED * noise, _LEAST * feet.max(axis=0))
+    first = np.diff(pressed.astype(int), axis=0, prepend=pressed[:1]).max(axis=1) > 0
+    return np.convolve(first, np.ones(3), "same") > 0

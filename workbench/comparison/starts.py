@@ -1,0 +1,76 @@
+"""Where short windows begin, and the state there: least squares on a few rows about each."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.recordings import NoiseLevels
+
+_WINDOW_S, _SHORTEST = 0.03, 5  # of a window; rows
+_HALF_S = 0.003  # about a start
+
+
+def half_rows(period: float) -> int:
+    """Rows before and behind one that say the state there."""
+    return max(2, round(_HALF_S / period))
+
+
+def local_state(recording: Recording, levels: NoiseLevels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position and velocity (N, n) at every row, and the deviation (n,) that noise leaves of the latter.
+
+    A parabola through the positions, its slope through the measured velocities, each by its noise, over the
+    rows about each; the first and last rows take those of the next that has enough.
+    """
+    half, period = half_rows(recording.period), recording.period
+    position, velocity, spread = np.empty_like(recording.position), np.empty_like(recording.position), []
+    measured = None if "velocity" in recording.derived else recording.get("velocity")
+    t = np.arange(-half, half + 1) * period
+    basis = np.stack([np.ones_like(t), t, 0.5 * t**2], axis=1)
+    slopes = np.stack([np.zeros_like(t), np.ones_like(t), t], axis=1)
+    for i in range(position.shape[1]):
+        noise = _known(levels.position_std[i], 1e-9)
+        rows, values = basis / noise, [recording.position[:, i] / noise]
+        if measured is not None and np.isfinite(levels.velocity_std[i]):
+            noise = _known(levels.velocity_std[i], 1e-9)
+            rows = np.concatenate([rows, slopes / noise])
+            values.append(measured[:, i] / noise)
+        weights = np.linalg.pinv(rows)
+        spread.append(float(np.linalg.norm(weights[1])))
+        parts = np.split(weights, len(values), axis=1)
+        for out, k in ((position, 0), (velocity, 1)):
+            # a correlation over the rows that are whole
+            whole = sum(np.convolve(v, p[k][::-1], "valid") for v, p in zip(values, parts, strict=True))
+            out[:, i] = np.pad(whole, half, mode="edge")
+    return position, velocity, np.array(spread)
+
+
+def _known(deviation: float, least: float) -> float:
+    return max(float(deviation), least) if np.isfinite(deviation) else 1.0
+
+
+def choose_starts(recording: Recording, force: np.ndarray | None) -> np.ndarray:
+    """First rows of windows (W,), every 30 ms or so, each where the force on the feet changes least.
+
+    Across a touchdown the velocity jumps, and no parabola follows it.
+
+    Args:
+        recording: with the rows.
+        force: on the feet, (N, 3 F), or None where it was not measured.
+    """
+    half, rows = half_rows(recording.period), len(recording)
+    length = max(_SHORTEST, round(_WINDOW_S / recording.period))
+    nominal = np.arange(half, rows - half - length // 2, length)
+    if force is None:
+        return nominal
+    around = np.lib.stride_tricks.sliding_window_view(force, 2 * half + 1, axis=0)
+    change = np.pad(np.ptp(around, axis=-1).max(axis=1), half, mode="edge")
+    reach = length // 4
+    out = []
+    for start in nominal:
+        low = max(start - reach, half)
+        own = change[low : min(start + reach + 1, rows - half)]
+        # of rows as quiet as each other the one in its place
+        away = np.abs(np.arange(low, low + len(own)) - start)
+        out.append(low + int(np.argmin(own * (1.0 + 0.05 * away))))
+    return np.unique(np.array(out, int))

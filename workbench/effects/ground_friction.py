@@ -1,0 +1,74 @@
+"""How much a foot on the ground holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.models import Model, Placement
+
+from .base import Door, Effect, Parameter, Response
+from .chain import Build
+from .ground import set_friction
+from .motion import Contact, Motion
+
+_PRESSED = 10.0  # of the force's noise: below, a ratio of forces says little
+_SLIPS = 6.0  # of the slip's noise
+_FASTER = 0.005  # m/s: slower may be a foot that rolls or gives way
+FEWEST_SLIPS = 20  # rows from which slipping tells the coefficient
+
+
+class GroundFriction(Effect):
+    """tangential force <= mu normal force, and as large while the foot slips."""
+
+    name = "ground_friction"
+    parameters = (Parameter("coefficient", "1", upper=5.0),)
+    door = Door.MECHANISM
+    axes = "all"
+    nonlinear = ("coefficient",)
+    by_runs = True
+    of_ground = True
+    source = "Coulomb 1785; B. Brogliato, Nonsmooth Mechanics, 3rd ed. 2016, Ch. 4"
+    shows = "tangential force that stays at a fixed share of the normal one while the foot slips"
+    reveal = "pulling a pressed foot sideways until it slips, at several loads"
+    mujoco = "native: friction of the contact pair"
+
+    def applies(self, model: Model, key: EffectKey) -> bool:
+        """Where the model has a ground, whose friction this replaces."""
+        return model.ground is not None and not model.has(self.name)
+
+    def guesses(
+        self, motions: Sequence[Motion], model: Model, place: Placement | None
+    ) -> Sequence[tuple[Mapping[str, float], float]]:
+        """The middle ratio of forces while a foot slips; none where none ever slipped."""
+        ratios = [ratio_in_slip(m.contact) for m in motions if m.contact is not None]
+        all_ratios = np.concatenate(ratios) if ratios else np.zeros(0)
+        if len(all_ratios) < FEWEST_SLIPS:
+            return ()
+        return (({"coefficient": float(np.clip(np.median(all_ratios), 1e-3, 5.0))}, 0.5),)
+
+    def response(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> Response:
+        """No torque that a motion alone would tell; simulations do."""
+        return Response(np.zeros((0, *motion.position.shape)), offset=np.zeros_like(motion.position))
+
+    def least(self, shape: Mapping[str, float]) -> np.ndarray:
+        """A hundredth."""
+        return np.array([0.01])
+
+    def install(
+        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> None:
+        """Friction of the contacts."""
+        set_friction(build, values["coefficient"])
+
+
+def ratio_in_slip(contact: Contact) -> np.ndarray:
+    """Tangential over normal force in the rows (K,) in which a pressed foot slips."""
+    pressed = contact.pressed > _PRESSED * contact.force_noise
+    slips = contact.slip > max(_SLIPS * contact.slip_noise, _FASTER)
+    rows = pressed & slips
+    return contact.dragged[rows] / contact.pressed[rows]
