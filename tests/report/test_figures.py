@@ -5,8 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.core import InputError
-from workbench.report import ladder_figure, overlay_figure, residual_figure, save_figure, spectrum_figure
+from workbench.core import InputError, Shape
+from workbench.report import (
+    diagnosis_dict,
+    ladder_figure,
+    overlay_figure,
+    residual_figure,
+    save_figure,
+    shape_figure,
+    spectrum_figure,
+)
 from workbench.report.residuals import binned, min_max, noise_density, spectrum, worst_window
 
 from . import build
@@ -89,3 +97,19 @@ def test_a_missing_inertia_shows_against_acceleration(comparison) -> None:
     np.testing.assert_allclose(against.median, 0.05 * against.centre, atol=0.05 * np.ptp(against.centre) / 20)
     load = binned(comparison, "knee", "torque_measured", "load")
     assert np.ptp(load.centre) > 1.0
+
+
+def test_a_shape_is_drawn_with_units_and_named_as_no_cause(tmp_path):
+    grid = np.linspace(-1.0, 1.0, 41)
+    function = np.maximum(grid, 0.0)
+    spring = Shape("hip", ("position",), ("rad",), "N m", 0.97, grid, function, 0.01 + 0 * grid, function)
+    tone = replace(spring, axis="knee", quantities=("time",), units=("s",), frequency=3.7)
+    result = replace(build.diagnosis(), verdict="unexplained", findings=(), shapes=(spring, tone))
+    figure = shape_figure(result)
+    axes = [a for a in figure.axes if a.get_visible()]
+    assert [a.get_title(loc="left") for a in axes] == ["position: 97 %", "a tone of 3.7 Hz: 97 %"]
+    assert [a.get_xlabel() for a in axes] == ["position [rad]", "time [s]"]
+    assert axes[0].get_ylabel() == "torque lacking on hip [N m]" and "not causes" in figure.get_suptitle()
+    assert save_figure(figure, tmp_path / "shape.png").stat().st_size > 5000
+    told = diagnosis_dict(result)["unexplained"]["shapes"]
+    assert [t["frequency_hz"] for t in told] == [None, 3.7] and told[0]["of"] == ["position"]

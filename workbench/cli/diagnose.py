@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Annotated
+
+import typer
+
+from workbench.core import Diagnosis
 
 from .app import app
 from .common import (
@@ -31,6 +36,12 @@ def diagnose(
     holdout: HoldoutOption = None,
     json: JsonOption = None,
     html: HtmlOption = None,
+    shape: Annotated[
+        str | None,
+        typer.Option(
+            "--shape", metavar="FILE", help="Draw what no effect explains as .png or .svg: a shape, no cause."
+        ),
+    ] = None,
     whole: WholeOption = False,
     seed: SeedOption = 0,
     force: ForceOption = False,
@@ -43,7 +54,7 @@ def diagnose(
     from workbench.diagnosis import diagnose as run
     from workbench.effects import load_model
 
-    check_outputs(json, html, force=force)
+    check_outputs(json, html, shape, force=force)
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
@@ -58,3 +69,14 @@ def diagnose(
         files=files_of(loaded, [*data.training, *data.held_out]),
         seeds={"noise": seed},
     )
+    if shape is not None:
+        _draw(result, shape, force, quiet or json == "-")
+
+
+def _draw(result: Diagnosis, path: str, force: bool, quiet: bool) -> None:
+    from workbench.report import save_figure, shape_figure
+
+    if result.shapes:
+        save_figure(shape_figure(result), path, force=force)
+    elif not quiet:
+        typer.echo("No shape was drawn: nothing smooth is left that no effect explains.")

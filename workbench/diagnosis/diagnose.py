@@ -18,6 +18,7 @@ from workbench.core import (
     Step,
     Verdict,
 )
+from workbench.effects import effect_named
 from workbench.models import Model
 
 from .evidence import Clues, finding_lines
@@ -28,6 +29,7 @@ from .stage import Search, Stage
 
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
 _SUREST = 0.98
+_OFF_GROUND = 1.5  # error over the noise floor
 
 
 def diagnose(
@@ -114,6 +116,10 @@ def _diagnosis(found: Search) -> Diagnosis:
         verdict = "consistent"
     elif found.stages and (found.consistent_after or max(found.explained, found.mostly) >= EXPLAINED):
         verdict = "missing_effect"
+    if verdict == "missing_effect" and _another_shape(found):
+        verdict = "unexplained"
+    if verdict == "missing_effect" and _far_off_the_ground(found):
+        verdict = "unexplained"
     named = verdict == "missing_effect"
     before = _comparison(found.model, found.start_runs, found)
     after = before
@@ -123,6 +129,7 @@ def _diagnosis(found: Search) -> Diagnosis:
     rest = 0.0 if found.consistent_before else 1.0 - (found.explained if named else 0.0)
     if named and found.consistent_after:
         rest = min(rest, 1.0 - found.explained)
+    clues = _clues_of_rest(verdict, found)
     return Diagnosis(
         model=found.model.name,
         verdict=verdict,
@@ -134,7 +141,8 @@ def _diagnosis(found: Search) -> Diagnosis:
         next_experiment=next_experiment(verdict, findings, found, after),
         not_excited=tuple(c.key for c in found.screened if c.detectable < _SHOWN),
         ranking=_ranking(found),
-        evidence=_of_rest(verdict, found, after),
+        evidence=clues.of_rest(after.where) if clues else (),
+        shapes=clues.shapes if clues else (),
         before=before,
         after=after,
         settled=_settled(found) if named else {},
@@ -151,12 +159,32 @@ def _settled(found: Search) -> dict[str, float]:
     return {name: float(new) for name, (old, new) in pairs.items() if new != old}
 
 
-def _of_rest(verdict: Verdict, found: Search, after: Comparison) -> tuple[str, ...]:
-    """What is to be said of the part that stays unexplained."""
+def _another_shape(found: Search) -> bool:
+    """Whether a torque that positions decide was named and the rest still follows positions.
+
+    A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
+    """
+    added = found.final.hypothesis.free
+    named = any(effect_named(a.key.effect).of_position for a in added)
+    return named and Clues(found.final_data, found.final).follows_positions
+
+
+def _far_off_the_ground(found: Search) -> bool:
+    """Whether a search on the ground ends well above the noise.
+
+    A foot a millimetre off is many newtons, nearly all of which any other way to lift it takes off as well.
+    """
+    data = found.final_data
+    error, floor = data.score(found.final.mean_squares), data.score(data.floor)
+    return data.replay.on_ground and error > _OFF_GROUND * floor
+
+
+def _clues_of_rest(verdict: Verdict, found: Search) -> Clues | None:
+    """What shows the part that stays unexplained; None where noise explains it."""
     named = verdict == "missing_effect"
     if verdict == "consistent" or (named and found.consistent_after):
-        return ()
-    return Clues(found.start_data, found.final if named else found.start).of_rest(after.where)
+        return None
+    return Clues(found.start_data, found.final if named else found.start)
 
 
 def _comparison(model: Model, runs: Simulated, found: Search) -> Comparison:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from workbench.core import EffectKey, Share
+from workbench.core import EffectKey, Shape, Share
 from workbench.effects import Door, effect_named
 from workbench.models import AppliedEffect, Model
 
@@ -25,9 +25,12 @@ from .responses import (
     response_lines,
     responses,
 )
+from .shape import shapes
 from .stage import Stage
 
 _RULES = 0.5  # share of the residual torque that a relation has to explain to stand beside a finding
+_SAME = 0.01  # difference of such shares that is none
+_SHAPED = 0.3  # the same of a smooth function, on blocks that it was not fitted to
 #: Doors whose effects are torques on the mechanism; others shift what is commanded or read.
 _TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
 _IN_RESPONSES = frozenset({*DELAYS, *GAINS, *ODD, *EVEN, *COMPLIANT})
@@ -50,16 +53,40 @@ class Clues:
 
     @cached_property
     def responses(self) -> Responses | None:
-        """Measured and modelled frequency response, if the recordings give one."""
+        """Measured and modelled frequency response, if the recordings give one; none of short windows."""
+        if self.data.replay.on_ground:
+            return None
         count = self.data.training
         return responses(self.data.recordings[:count], self.fit.simulated[:count])
 
     @cached_property
     def missing(self) -> Missing | None:
-        """The torque that the model lacks, actuator coordinates."""
+        """The torque that the model lacks, actuator coordinates; on the ground, its force would be part."""
+        if self.data.replay.on_ground:
+            return None
         count = self.data.training
         levels = self.data.replay.noise.levels
         return missing_torque(self.model, self.data.recordings[:count], self.fit.simulated[:count], levels)
+
+    @cached_property
+    def shapes(self) -> tuple[Shape, ...]:
+        """The smooth function that removes most of each axis's missing torque, of those that remove much.
+
+        Of one quantity where a second adds nothing.
+        """
+        if self.missing is None:
+            return ()
+        best = []
+        for axis in self.missing.axes:
+            found = [s for s in shapes(self.missing, axis) if s.share >= _SHAPED]
+            close = [s for s in found if s.share > found[0].share - _SAME]
+            best += sorted(close, key=lambda s: (len(s.quantities), -s.share))[:1]
+        return tuple(sorted(best, key=lambda s: -s.share))
+
+    @property
+    def follows_positions(self) -> bool:
+        """Whether the missing torque of an axis is a smooth function of positions alone."""
+        return any(s.frequency is None and all("position" in q for q in s.quantities) for s in self.shapes)
 
     def of_finding(self, key: EffectKey) -> list[str]:
         """Lines that bear on one effect."""
@@ -89,6 +116,11 @@ class Clues:
             known = [s.axis for s in where if s.axis in self.missing.axes]
             axis = known[0] if known else _worst(self.missing)
             lines += relation_lines(axis, relations(self.missing, axis))
+            lines += [
+                f"what {s.axis} lacks follows {s.name}: {100 * s.share:.0f} % of its power on blocks that "
+                "were left out; a shape, not a cause"
+                for s in self.shapes
+            ]
         return tuple(lines)
 
 

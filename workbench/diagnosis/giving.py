@@ -28,7 +28,11 @@ def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate
     motions = scene.motions[:training]
     for key in places(scene.model):
         effect = effect_named(key.effect)
-        if not effect.splits or drive_of(scene.model, key) is not None:
+        if (
+            not effect.splits
+            or not scene.data.replay.shows(key.effect)
+            or drive_of(scene.model, key) is not None
+        ):
             continue
         for shape, left in effect.guesses(motions, scene.model, Placement.of(scene.model, key)):
             if left < _LEFT:

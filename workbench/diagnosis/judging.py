@@ -27,6 +27,8 @@ LATER_SHARE = 0.25
 #: Share of the squared error above the noise that findings must explain before they are named. True causes
 #: explain nearly all of it; the nearest wrong one seldom half.
 EXPLAINED = 0.95
+NEARLY_ALL = 0.98  # the same where a search went another way than step by step
+_MOST = 0.75  # share of the excess, fitted, that a bold step must remove
 _PLAIN = 2.0  # squared error over the noise's from which a rest is plain to see, however small in the whole
 _LITTLE = 0.15  # share of such a rest that an effect may leave which explains it
 TIE = 0.03  # relative difference of judged error below which two explanations are one
@@ -183,6 +185,11 @@ def helps(found: Fit, current: Fit, excess: float) -> bool:
     better = found.agreeing < current.agreeing
     agree = np.mean(better[shown]) if shown.any() else np.mean(better)
     return bool(current.judged - found.judged > HELPS * excess and agree > 0.5)
+
+
+def explains_fitted(found: Fit, current: Fit, excess: float) -> bool:
+    """Whether most of what was lacking on what was fitted is gone."""
+    return current.trained - found.trained > _MOST * excess
 
 
 def lowers_error(found: Fit, current: Fit, data: Data) -> bool:

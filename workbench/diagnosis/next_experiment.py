@@ -59,12 +59,17 @@ def next_experiment(
     verdict: Verdict, findings: Sequence[Finding], found: Search, after: Comparison
 ) -> str | None:
     """One or two sentences: which motion would settle what is open; None where nothing is."""
+    data_on_ground = found.final_data.replay.on_ground
     for finding in findings:
         stage = next(s for s in found.stages if s.added == finding.key)
         rivals = finding.indistinguishable_from
         if not rivals and finding.probability >= _DOUBTFUL:
             continue
         models = {key: model for key, model in stage.others if key in rivals or not rivals}
+        if data_on_ground and (models or rivals):
+            rival = next(iter(models), None) or rivals[0]
+            ways = f"{effect_named(finding.key.effect).reveal}; {effect_named(rival.effect).reveal}"
+            return f"To tell {finding.key} from {rival} on the ground: {ways}."
         if models:
             rival = next(iter(models))
             return tell_apart(stage.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)

@@ -16,6 +16,7 @@ import numpy as np
 
 from workbench.comparison.inverse import lowpass, torque_at_tap
 from workbench.core import Recording
+from workbench.core.units import torque_unit
 from workbench.effects import axis_units, compile_plant
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
@@ -222,7 +223,7 @@ def _strongest(
 def _columns(m: Missing, k: int) -> list[_Column]:
     """The quantities of one axis, each recording's mean taken off."""
     unit = m.units[k]
-    torque = "N m" if unit == "rad" else "N"
+    torque = torque_unit(unit)
     at, speed, load = m.position[:, k], m.speed[:, k], m.load[:, k]
     sign = np.tanh(speed / (0.02 * float(np.sqrt(np.mean(speed**2))) + 1e-12))
     per = f"{torque} per {torque}"

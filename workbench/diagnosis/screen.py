@@ -12,11 +12,13 @@ from workbench.effects import effect_named, places
 from workbench.models import AppliedEffect, Placement
 
 from .data import Data
+from .hypothesis import applied_effect
 from .normal import Normal, normal, total
 from .sensitivity import Column, Scene, respond
 from .solve import solve
 
 _BLOCK = 64  # columns that march together; only those of one effect are held against each other
+_MOVED = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)  # m, of a foot: values to begin with
 _HELD = 4_000_000  # numbers of a column times columns, of more than a block of which long data get fewer
 
 
@@ -80,7 +82,47 @@ def screen(
             before = best.get(entry.key)
             if before is None or candidate.judged < before.judged:
                 best[entry.key] = candidate
-    return sorted(best.values(), key=lambda c: c.judged), without or 0.0
+    apart = (*on_the_ground(scene, data), *_not_shown(scene))
+    taken = {applied.key for applied in free}
+    found = [*best.values(), *(c for c in apart if c.key not in taken)]
+    return sorted(found, key=lambda c: c.judged), without or 0.0
+
+
+def on_the_ground(scene: Scene, data: Data) -> list[Candidate]:
+    """Contacts with the ground, by simulating what the measured forces say of them, and where feet are.
+
+    They are no torque along a motion. Where the forces say nothing, the data could not show the contact.
+    """
+    tried: list[tuple[EffectKey, np.ndarray, Mapping[str, float]]] = []
+    silent: list[Candidate] = []
+    for key in places(scene.model) if data.replay.on_ground else ():
+        effect = effect_named(key.effect)
+        if effect.of_ground:
+            own = effect.guesses(scene.motions[: data.training], scene.model, None)
+            tried += [(key, np.zeros(0), shape) for shape, _ in own]
+            silent += [] if own else [Candidate(key, np.zeros(0), {}, np.inf, 0.0)]
+        elif effect.moves_feet:
+            tried += [(key, np.array([value]), {}) for value in _MOVED]
+    models = []
+    for key, coefficients, shape in tried:
+        values = effect_named(key.effect).to_parameters(coefficients, shape)
+        models.append(scene.model.with_effect(applied_effect(scene.model, AppliedEffect(key), values)))
+    squares = [data.mean_squares(runs) for runs in data.replay.run(models)] if models else []
+    part = data.held_out_judges
+    judged = [data.objective(data.pool(s, part)) if np.isfinite(s).all() else np.inf for s in squares]
+    best: dict[EffectKey, Candidate] = {}
+    for (key, coefficients, shape), left in sorted(zip(tried, judged, strict=True), key=lambda x: -x[1]):
+        best[key] = Candidate(key, coefficients, shape, left, np.inf)
+    return [*best.values(), *silent]
+
+
+def _not_shown(scene: Scene) -> list[Candidate]:
+    """Effects of which this kind of replay can tell nothing."""
+    return [
+        Candidate(k, np.zeros(0), {}, np.inf, 0.0)
+        for k in places(scene.model)
+        if not scene.data.replay.shows(k.effect)
+    ]
 
 
 def _blocks(
@@ -93,8 +135,11 @@ def _blocks(
         if key in taken:
             continue
         effect, place = effect_named(key.effect), Placement.of(scene.model, key)
-        if effect.splits:
-            continue  # see `what_gives_way`
+        replay = scene.data.replay
+        if effect.splits or effect.of_ground or not replay.shows(key.effect):
+            continue  # see `what_gives_way` and `on_the_ground`
+        if effect.moves_feet and replay.on_ground:
+            continue  # how deep a foot goes is no torque along the motion
         for shape in effect.shapes(scene.motions, scene.model, place):
             linear, fixed = scene.columns(key, shape)
             own = [*linear, *([fixed] if fixed else [])]
@@ -224,7 +269,7 @@ def _detectable(pieces: list[Normal], entry: Entry, kept: list[int]) -> float:
     gram = total(pieces).gram
     k = own[-1]
     seen = gram[k, k]
-    others = [*kept, *own[:-1]]
+    others = [j for j in (*kept, *own[:-1]) if gram[j, j] > 0.0]
     if others:
         block = gram[np.ix_(others, others)] + 1e-12 * np.trace(gram[np.ix_(others, others)]) * np.eye(
             len(others)

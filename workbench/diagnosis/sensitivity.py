@@ -134,7 +134,7 @@ class Scene:
         """
         effect = effect_named(applied.key.effect)
         behind = effect.on_links or applied.key.location == "joint"
-        if effect.by_runs or (behind and self.bends):
+        if effect.by_runs or (behind and self.bends) or self.data.replay.on_ground:
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)
         motions = [effect.before(m, place, applied.values) for m in self.motions]

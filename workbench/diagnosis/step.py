@@ -20,6 +20,7 @@ from .judging import (
     LATER_SHARE,
     cancels,
     choose,
+    explains_fitted,
     floor_of_judging,
     helps,
     lowers_error,
@@ -49,12 +50,16 @@ def next_stage(
     progress: Progress,
     *,
     later: bool = False,
+    bold: bool = False,
 ) -> Stage | None:
     """The effect to add now, or None where nothing helps.
 
     What the model file itself states (its drives' inertia behind the transmission, a linkage that was
     identified) has no free parameter and cannot overfit: it comes first. Then basic effects, then
     refinements, unless simpler ones have reached the noise.
+
+    Boldly, an effect is taken that explains most of what was fitted, whatever the folds say: causes that are
+    still missing may set them against it. Only what such a step leads to can justify it.
     """
     floor = floor_of_judging(data)
     excess = max(current.judged - floor, 1e-12)
@@ -83,8 +88,8 @@ def next_stage(
         ]
         fits += own[2:]
     structural = any(c in stated for c, f in fits if helps(f, current, excess))
-    enough = _MOST_OF_IT if later else _ALL_OF_IT
-    if not structural and not any(f.judged < enough * floor for _, f in fits):
+    full = _MOST_OF_IT if later else _ALL_OF_IT
+    if not structural and not any(f.judged < full * floor for _, f in fits):
         # dear to simulate, and hardly ever asked for where all is rigid
         progress("looking for springs and gaps")
         best = min((f.judged for _, f in fits), default=np.inf)
@@ -93,7 +98,8 @@ def next_stage(
         if late:
             own, behind = _fitted(scene, late, current, data, progress)
             fits, removed = [*fits, *own], removed | behind
-    helpful = [(c, f) for c, f in fits if helps(f, current, excess) and lowers_error(f, current, data)]
+    enough = explains_fitted if bold else helps
+    helpful = [(c, f) for c, f in fits if enough(f, current, excess) and lowers_error(f, current, data)]
     helpful = [(c, f) for c, f in helpful if witnessed(scene, f)]
     if not helpful:
         return None

@@ -20,6 +20,7 @@ _STEP_SHARE = 0.005  # of a row's period: how well a delay inside a step is know
 _ONSET_SHARE = 0.003  # of a dry friction's parameters: what a hard stop and a short creep differ by ...
 _ONSET_SHARE_OF_MANY = 0.008  # ... and where several parameters share that out among them
 _MODEL_SHARE = 0.002  # of what a parameter adds: what two exact simulations of one machine differ by
+_START_SHARE = 0.01  # the same on the ground: what a few rows about each start get wrong of a bent motion
 
 
 def widened(found: Fit, others: Sequence[Fit], share: float = 0.5) -> Fit:
@@ -99,7 +100,8 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         many = len(effect.parameters) > 1
         onset = (_ONSET_SHARE_OF_MANY if many else _ONSET_SHARE) * effect.dry * np.abs(middle)
         neutral = np.array([p.neutral for p in effect.parameters])
-        fine = np.sqrt(late**2 + onset**2 + (_MODEL_SHARE * (middle - neutral)) ** 2)
+        share = _START_SHARE if data.replay.on_ground else _MODEL_SHARE
+        fine = np.sqrt(late**2 + onset**2 + (share * (middle - neutral)) ** 2)
         axis = applied.key.axis
         noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]
         blur = effect.blur(applied.values, *(float(x) for x in np.sqrt(noise)))

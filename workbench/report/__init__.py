@@ -5,6 +5,7 @@ from .json import comparison_dict, diagnosis_dict, improvement_dict, verificatio
 from .layout import print_table
 from .page import render_page, write_page
 from .sections import sentence
+from .shapes import shape_figure
 from .sheet import Sheet, render_sheet, write_sheet
 from .tables import compare_table, diagnosis_table, improvement_table, truth_table
 from .verification import verification_table
@@ -27,6 +28,7 @@ __all__ = [
     "residual_figure",
     "save_figure",
     "sentence",
+    "shape_figure",
     "spectrum_figure",
     "truth_table",
     "verification_dict",

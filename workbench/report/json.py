@@ -20,6 +20,7 @@ from workbench.core import (
     Finding,
     Improvement,
     RecordingError,
+    Shape,
     Share,
     Step,
     Verification,
@@ -67,6 +68,7 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
                 "fraction": result.unexplained_fraction,
                 "where": _where(result.where),
                 "evidence": list(result.evidence),
+                "shapes": [_shape(s) for s in result.shapes],
             },
             "next_experiment": result.next_experiment,
             "not_excited": _keys(result.not_excited),
@@ -174,6 +176,25 @@ def _recording(r: RecordingError) -> dict[str, Any]:
         "noise_error": r.noise_error,
         "units": list(r.recording.units),
         "coordinates": r.recording.coordinates,
+        **(
+            {}
+            if r.ground_force_rmse is None
+            else {"ground_force_rmse": r.ground_force_rmse, "ground_force_noise": r.ground_force_noise}
+        ),
+    }
+
+
+def _shape(s: Shape) -> dict[str, Any]:
+    return {
+        "axis": s.axis,
+        "of": list(s.quantities),
+        "units": list(s.units),
+        "frequency_hz": s.frequency,
+        "share": s.share,
+        "grid": s.grid,
+        "torque": s.torque,
+        "std": s.std,
+        "torque_unit": s.torque_unit,
     }
 
 

@@ -12,10 +12,11 @@ from matplotlib.figure import Figure
 
 from workbench.core import Comparison, Diagnosis, Recording
 from workbench.core.palette import LINES
+from workbench.core.units import torque_unit
 
 from . import wording as w
 from .figures import house_style, ladder_figure, overlay_figure
-from .numbers import interval, number, percent, plain, quantity, torque_unit
+from .numbers import interval, number, percent, plain, quantity
 from .pack import worst_view
 from .residuals import min_max, worst_window
 

@@ -100,11 +100,6 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
     return f"{number(factor * value, digits)} {scaled}".strip()
 
 
-def torque_unit(position_unit: str) -> str:
-    """The unit of torque that goes with a unit of position: N m with rad, N with m."""
-    return "N" if position_unit == "m" else "N m"
-
-
 def _scientific(text: str) -> str:
     mantissa, exponent = text.split("e")
     return f"{mantissa} × 10{_superscript(int(exponent))}".replace("-", "−")

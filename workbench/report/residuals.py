@@ -8,8 +8,7 @@ from typing import Literal
 import numpy as np
 
 from workbench.core import Comparison, RecordingError
-
-from .numbers import torque_unit
+from workbench.core.units import torque_unit
 
 Signal = Literal["position", "torque_measured"]
 Quantity = Literal["speed", "position", "load", "acceleration"]

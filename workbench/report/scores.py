@@ -6,8 +6,9 @@ import math
 from typing import Any
 
 from workbench.core import Comparison
+from workbench.core.units import torque_unit
 
-from .numbers import handy, number, plain, quantity, torque_unit
+from .numbers import handy, number, plain, quantity
 from .pack import partner
 
 

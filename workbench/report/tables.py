@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvement, Share
+from workbench.core.units import torque_unit
 
 from . import wording as w
 from .json import Truth
@@ -17,7 +18,7 @@ from .ladder import rungs
 from .layout import table as _table
 from .layout import text as _text
 from .layout import verdict as _verdict
-from .numbers import interval, number, percent, plain, quantity, torque_unit
+from .numbers import interval, number, percent, plain, quantity
 from .sections import sentence
 from .truth import truth_rows
 

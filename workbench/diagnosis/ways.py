@@ -1,0 +1,213 @@
+"""The ways of a search: one effect after the other, and how else to begin where that leads nowhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.comparison import Scale, Simulated, normalised
+from workbench.comparison.compare import consistent
+from workbench.effects import effect_named
+
+from .data import Data, floor_of
+from .hypothesis import Fit
+from .judging import (
+    EXPLAINED,
+    NEARLY_ALL,
+    as_good_as_done,
+    explained,
+    helps_later,
+    mostly_explained,
+    nearly_at_floor,
+    overshadowed,
+    rejudged,
+    unseen_on_held_out,
+)
+from .pairs import two_at_once
+from .parting import parting
+from .screen import Candidate, screen
+from .sensitivity import Scene
+from .stage import Stage
+from .step import Progress, next_stage
+
+
+@dataclass(frozen=True)
+class Quest:
+    """What is searched for and with what.
+
+    Attributes:
+        start: the model as it is.
+        data: the recordings with its noise.
+        scene: its linearised loops.
+        screened: every effect in every place, as a first one.
+        limit: most effects in a row.
+        seed: of the noise simulations.
+        progress: told what is being done.
+    """
+
+    start: Fit
+    data: Data
+    scene: Scene
+    screened: tuple[Candidate, ...]
+    limit: int
+    seed: int
+    progress: Progress
+
+
+@dataclass(frozen=True)
+class Way:
+    """Where a search stands: the fit, the data with its noise, how it came there, whether noise is left."""
+
+    current: Fit
+    data: Data
+    stages: tuple[Stage, ...] = ()
+    done: bool = False
+
+
+def onwards(way: Way, quest: Quest, *, through: bool = False) -> Way:
+    """One effect after the other from where the search stands.
+
+    `through`: also where runs part by themselves; by how much they do is asked at the end.
+    """
+    current, data, stages, done = way.current, way.data, list(way.stages), way.done
+    start, progress = quest.start, quest.progress
+    while not done and len(stages) < quest.limit and not (stages and as_good_as_done(current, start, data)):
+        progress(f"screening effects, step {len(stages) + 1}")
+        scene, candidates = _screened(current, data, quest) if stages else (quest.scene, quest.screened)
+        stage = next_stage(scene, candidates, current, data, progress, later=bool(stages))
+        if stage is None and overshadowed(current, data):
+            # held-out motion may never reach what is lacking, a limit for one
+            progress("judging by the recordings that show most")
+            deaf = data.unheard()
+            candidates, _ = screen(scene, deaf, current.simulated, current.hypothesis.free)
+            stage = next_stage(scene, candidates, rejudged(current, deaf), deaf, progress, later=bool(stages))
+            if stage is not None and not unseen_on_held_out(stage.fit, current, data):
+                stage = None
+        if stage is None:
+            break
+        costless = any(a.key == stage.added for a in stage.fit.hypothesis.stated)
+        if stages and not costless and not helps_later(stage.fit, current, start, stage.data):
+            break
+        progress(f"found {stage.added}; simulating the noise")
+        fresh, runs = _refloor(stage.fit, data, quest.seed, wide=not through)
+        stages.append(replace(stage, data=fresh, runs=runs))
+        current = rejudged(stage.fit, fresh)
+        # what is left of runs that part by themselves says nothing of a further effect
+        data, done = fresh, is_consistent(fresh, current.mean_squares)
+        if wanders(current) and not through:
+            break
+    return Way(current, data, tuple(stages), done)
+
+
+def otherwise(way: Way, quest: Quest) -> Way:
+    """The first of the other ways that leads to the noise; `way` where none does.
+
+    By what the training recordings show, where held-out motion shows little; with two effects at once, since
+    the best first step of a pair may be neither of them; and boldly on from where the first way ended.
+    """
+    start, data = quest.start, quest.data
+    for begin in (_by_training, two_at_once):
+        stages = begin(quest.scene, data, start, quest.progress)
+        if not stages:
+            continue
+        other = with_stages(Way(start, data), stages, quest.seed)
+        if not nearly_at_floor(other.current, other.data):
+            other = onwards(other, quest)
+        if _sure(other, quest):
+            return other
+    bold = _boldly(way, quest)
+    if bold is not None:
+        other = onwards(bold, quest, through=True)
+        *earlier, last = other.stages
+        other = with_stages(replace(other, stages=tuple(earlier)), (last,), quest.seed)
+        if _sure(other, quest):
+            return other
+    return way
+
+
+def _boldly(way: Way, quest: Quest) -> Way | None:
+    """From where the search stands, the effect that explains most of the rest of the training recordings.
+
+    Where several causes are missing, one of them alone may raise the error on held-out motion.
+    """
+    current, deaf = way.current, way.data.unheard()
+    if nearly_at_floor(current, way.data):
+        return None
+    quest.progress("trying what explains most of the training recordings")
+    scene, candidates = _screened(current, deaf, quest)
+    before, later = rejudged(current, deaf), bool(way.stages)
+    stage = next_stage(scene, candidates, before, deaf, quest.progress, later=later, bold=True)
+    return None if stage is None else with_stages(way, (stage,), quest.seed, wide=False)
+
+
+def _screened(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence[Candidate]]:
+    """The loops linearised about where the search stands, and every effect screened there."""
+    scene = quest.scene
+    if current.hypothesis.added:
+        scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+    return scene, screen(scene, data, current.simulated, current.hypothesis.free)[0]
+
+
+def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tuple[Stage, ...]:
+    """A first effect as the training recordings judge it, where they show much more than held-out motion."""
+    if not overshadowed(start, data):
+        return ()
+    progress("beginning with what the training recordings show")
+    deaf = data.unheard()
+    candidates, _ = screen(scene, deaf, start.simulated, ())
+    stage = next_stage(scene, candidates, rejudged(start, deaf), deaf, progress)
+    return () if stage is None else (stage,)
+
+
+def _sure(way: Way, quest: Quest) -> bool:
+    """Whether what was found leaves noise and little else: more than is asked of the usual way."""
+    return holds(way, quest) and (
+        way.done
+        or nearly_at_floor(way.current, way.data)
+        or explained(quest.data, quest.start, way.current, way.data) > NEARLY_ALL
+    )
+
+
+def holds(way: Way, quest: Quest) -> bool:
+    """Whether what was found explains the data."""
+    if way.done or not way.stages:
+        return way.done
+    shares = [explained(quest.data, quest.start, way.current, way.data)]
+    if wanders(way.current):
+        shares.append(mostly_explained(quest.data, quest.start, way.current, way.data))
+    return max(shares) >= EXPLAINED
+
+
+def with_stages(way: Way, found: Sequence[Stage], seed: int, *, wide: bool = True) -> Way:
+    """The search after further stages, each with the noise of its own model."""
+    data, stages = way.data, list(way.stages)
+    for stage in found:
+        data, runs = _refloor(stage.fit, data, seed, wide=wide)
+        stages.append(replace(stage, data=data, runs=runs))
+    current = rejudged(stages[-1].fit, data)
+    return Way(current, data, tuple(stages), is_consistent(data, current.mean_squares))
+
+
+def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = True) -> bool:
+    """Whether the training error is no larger than noise makes it (and, `by_signal`, that of each signal)."""
+    scale = Scale.of(data.recordings[: data.training])
+    draws = np.stack([data.pool(np.stack([np.mean(x**2, axis=0) for x in draw])) for draw in data.draws])
+    pooled = data.pool(mean_squares)
+    floors = np.array([normalised(d, scale) for d in draws])
+    return consistent(pooled, draws, normalised(pooled, scale), floors, by_signal=by_signal)
+
+
+def wanders(found: Fit) -> bool:
+    """Whether its runs part by themselves."""
+    return any(effect_named(a.key.effect).wanders for a in found.hypothesis.free)
+
+
+def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated]:
+    """The noise of a model's own runs; `wide`: and how far these part by themselves."""
+    simulated = data.replay.with_noise(found.hypothesis.model, seed)
+    fresh = floor_of(data.replay, data.training, simulated)
+    if wide and wanders(found):
+        fresh = replace(fresh, floor=np.maximum(fresh.floor, parting(found, data)))
+    return fresh.reweighed(found.mean_squares).heard(found.mean_squares), simulated

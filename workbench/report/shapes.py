@@ -1,0 +1,57 @@
+"""The shape of what no effect explains, drawn: a function that was fitted, beside what it was fitted to."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from workbench.core import Diagnosis, Shape
+from workbench.core.palette import COLOURS, LINES
+
+from .figures import house_style
+from .numbers import percent, plain
+
+_MOST = 4
+
+
+def shape_figure(result: Diagnosis) -> Figure:
+    """The smooth functions that the lacking torque follows, with twice their deviation on either side.
+
+    Args:
+        result: a diagnosis that has some.
+    """
+    shown = result.shapes[:_MOST]
+    with house_style():
+        figure = Figure(
+            figsize=(3.6 * min(len(shown), 2), 2.9 * ((len(shown) + 1) // 2)), layout="constrained"
+        )
+        grid = figure.subplots((len(shown) + 1) // 2, min(len(shown), 2), squeeze=False)
+        for a, shape in zip(grid.flat, shown, strict=False):
+            a.fill_between(
+                shape.grid,
+                shape.torque - 2.0 * shape.std,
+                shape.torque + 2.0 * shape.std,
+                color=COLOURS["before"][0],
+                alpha=0.2,
+                linewidth=0.0,
+            )
+            a.plot(shape.grid, shape.seen, "o", ms=3, color=COLOURS["measured"][0])
+            a.plot(shape.grid, shape.torque, **LINES["before"].drawn())
+            a.set_xlabel(_along(shape))
+            a.set_ylabel(f"torque lacking on {plain(shape.axis)} [{shape.torque_unit}]")
+            a.set_title(f"{_titled(shape)}: {percent(shape.share)}")
+        for a in grid.flat[len(shown) :]:
+            a.set_visible(False)
+        figure.suptitle("Of what no effect explains; shapes, not causes", fontsize=10)
+    return figure
+
+
+def _titled(shape: Shape) -> str:
+    if shape.frequency is not None:
+        return f"a tone of {shape.frequency:.3g} Hz"
+    return " and ".join(plain(q) for q in shape.quantities)
+
+
+def _along(shape: Shape) -> str:
+    first, *others = (plain(q) for q in shape.quantities)
+    rest = f", {others[0]} at its median" if others else ""
+    return f"{first} [{shape.units[0]}]{rest}"
