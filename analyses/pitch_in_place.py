@@ -5,6 +5,7 @@
 Each policy pitches the trunk by 0.1 rad at 5 Hz on the virtual quadruped and in its simulator. After a
 second, 40 cycles count: pitch rates are averaged by phase and their RMSE is divided by the hardware's peak
 to peak; forces are those of the rear right foot, the mean over 3 ms, and their RMSE is over all rows.
+A trial is a policy from another training seed, with its own noise.
 """
 
 from __future__ import annotations
@@ -18,12 +19,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from transfer_looks import LOOKS
 from transfer_plants import SETS
-from transfer_policies import METHODS, Job, Rollout, Simulators, build_all, rollout
+from transfer_policies import METHODS, TRAINED, Job, Rollout, Simulators, build_all, rollout
 from transfer_tables import show, spread, write_csv
 from transfer_trials import run_trials
 
 from workbench import report
 from workbench.core.palette import COLOURS
+from workbench.models import Model
 from workbench.training.machine import STEP_S
 from workbench.training.tasks import PITCH_HZ
 
@@ -53,7 +55,10 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Result]]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("out/pitch"))
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--trials", type=int, default=3, help="seeds of the hardware's noise")
+    most = TRAINED["pitch-in-place"]
+    parser.add_argument(
+        "--trials", type=int, default=most, choices=range(1, most + 1), help="training seeds, and noise"
+    )
     parser.add_argument("--models", type=Path, help="models that chirp_response.py identified; else anew")
     parser.add_argument("--set", choices=list(SETS), help="one of the sets; else all")
     parser.add_argument("--quick", action="store_true", help="two methods, four cycles, clean, nothing found")
@@ -87,37 +92,36 @@ def evaluate_set(
     """All methods on hardware that hides one set; a policy that two methods share runs there once."""
     seconds = (_SETTLE + cycles + 0.5) / PITCH_HZ
     policies = list(dict.fromkeys(METHODS[m][0] for m in methods))
-    jobs = [Job("pitch-in-place", p, seconds, seed + k, which) for p in policies for k in range(trials)]
-    jobs += [
-        Job("pitch-in-place", METHODS[m][0], seconds, seed, model=built.models[METHODS[m][1]])
-        for m in methods
-    ]
+
+    def job(policy: str, k: int, model: Model | None = None) -> Job:
+        return Job("pitch-in-place", policy, seconds, seed + k, which, model=model, trained=k)
+
+    jobs = [job(p, k) for p in policies for k in range(trials)]
+    jobs += [job(METHODS[m][0], k, built.models[METHODS[m][1]]) for m in methods for k in range(trials)]
     made = run_trials(rollout, jobs, serial=quick)
-    hardware = {p: made[i * trials : (i + 1) * trials] for i, p in enumerate(policies)}
-    simulated = dict(zip(methods, made[len(policies) * trials :], strict=True))
-    return {m: result(hardware[METHODS[m][0]], simulated[m], cycles) for m in methods}
+    each = [made[i : i + trials] for i in range(0, len(made), trials)]
+    hardware, simulated = dict(zip(policies, each, strict=False)), each[len(policies) :]
+    return {m: result(hardware[METHODS[m][0]], s, cycles) for m, s in zip(methods, simulated, strict=True)}
 
 
-def result(hardware: Sequence[Rollout], simulation: Rollout, cycles: int) -> Result:
-    """Both errors of each trial."""
+def result(hardware: Sequence[Rollout], simulated: Sequence[Rollout], cycles: int) -> Result:
+    """Both errors of each trial; NaN where the robot fell."""
     first, last = (round(c / PITCH_HZ / STEP_S) for c in (_SETTLE, _SETTLE + cycles))
-    sim_rate, sim_force = (by_phase(x, cycles) for x in (simulation.pitch_rate, simulation.force))
-    percent, force, ranges = [], [], []
-    for run in hardware:
+    rows = []
+    for run, simulation in zip(hardware, simulated, strict=True):
         if run.fell_s is not None:
-            for errors in (percent, force, ranges):
-                errors.append(np.nan)
+            rows.append((np.nan, np.nan, np.nan))
             continue
         rate = by_phase(run.pitch_rate, cycles).mean(axis=0)
-        ranges.append(np.ptp(rate))
-        percent.append(100.0 * rms(rate - sim_rate.mean(axis=0)) / ranges[-1])
-        force.append(rms((run.force - simulation.force)[first:last]))
-    one = hardware[0]
-    own = [by_phase(x, cycles) for x in (one.pitch_rate, one.force)]
+        gap = rate - by_phase(simulation.pitch_rate, cycles).mean(axis=0)
+        force = rms((run.force - simulation.force)[first:last])
+        rows.append((100.0 * rms(gap) / np.ptp(rate), force, np.ptp(rate)))
+    percent, force, ranges = np.array(rows).T
+    own, other = ([by_phase(x, cycles) for x in (r.pitch_rate, r.force)] for r in (hardware[0], simulated[0]))
     return Result(
-        np.array(percent), np.array(force), np.array(ranges),
-        (own[0].mean(axis=0), own[1].mean(axis=0)), (sim_rate.mean(axis=0), sim_force.mean(axis=0)),
-        np.abs(own[1] - sim_force).mean(axis=0),
+        percent, force, ranges,
+        (own[0].mean(axis=0), own[1].mean(axis=0)), (other[0].mean(axis=0), other[1].mean(axis=0)),
+        np.abs(own[1] - other[1]).mean(axis=0),
     )  # fmt: skip
 
 
@@ -134,10 +138,10 @@ def rms(x: np.ndarray) -> float:
 
 def table(folder: Path, which: str, results: dict[str, Result], built: Simulators) -> str:
     """Errors by method beside the paper's."""
-    base = results["Kin-Only"].force
+    base = results["Kin-Only"].force  # policies of one seed have nothing in common: means are compared
     rows = []
     for name, r in results.items():
-        less = "" if name == "Kin-Only" else spread(100.0 * (1.0 - r.force / base), 1)
+        less = "" if name == "Kin-Only" else f"{100.0 * (1.0 - np.nanmean(r.force) / np.nanmean(base)):.1f}"
         paper = PAPER.get(name, ("", ""))
         rows.append((
             name, spread(r.pitch_percent, 2), paper[0], spread(r.force, 2), paper[1], less,
@@ -147,8 +151,7 @@ def table(folder: Path, which: str, results: dict[str, Result], built: Simulator
         "method", "pitch rate [% of range]", "paper", "force RMSE [N]", "paper", "force less by [%]",
         "range [rad/s]",
     )  # fmt: skip
-    trials = len(base)
-    title = f"Pitch in place, {which}: {trials} trials, mean ± sample standard deviation"
+    title = f"Pitch in place, {which}: {len(base)} training seeds, mean ± sample standard deviation"
     text = show(folder, which.replace(" ", "_"), title, columns, rows)
     print(built.about)
     return text

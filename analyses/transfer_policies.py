@@ -2,7 +2,7 @@
 
 Hardware is the closed chain in Drake on its ground, with encoders, noise and delay, and every leg's drives
 hide what the measured leg's hide. The simulator of a method is its variant, identified on that leg; the
-policies themselves were trained in the same variant with the nominal numbers, one training seed each.
+policies themselves were trained in the same variant with the nominal numbers, from several training seeds.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ METHODS = {
     "S3N-Full": ("s3n_full", "s3n_full"),
     "S3N + found effects": ("s3n_full", "found"),
 }
+#: Training seeds of the shipped policies, by task.
+TRAINED = {"pitch-in-place": 3, "circular": 1}
 _SIMULATION_SEED = 10_000  # of the inertial unit's noise, which no other run draws
 
 
@@ -69,7 +71,10 @@ class Rollout:
 
 @dataclass(frozen=True)
 class Job:
-    """One rollout: hardware with a set of effects, or simulation where there is a model."""
+    """One rollout: hardware with a set of effects, or simulation where there is a model.
+
+    `trained` is the policy's training seed.
+    """
 
     task: str
     policy: str
@@ -78,6 +83,12 @@ class Job:
     which: str = "clean"
     friction: float | None = None
     model: Model | None = None
+    trained: int = 0
+
+    @property
+    def bundle(self) -> Path:
+        """The policy's file."""
+        return POLICIES / f"{self.task}_{self.policy}{f'_seed{self.trained}' if self.trained else ''}.zip"
 
 
 def build_all(sets: Sequence[str], seed: int, folder: Path | None, quick: bool) -> dict[str, Simulators]:
@@ -116,7 +127,7 @@ def _described(models: dict[str, Model]) -> Simulators:
 
 def rollout(job: Job) -> Rollout:
     """Run one job."""
-    bundle = read_bundle(POLICIES / f"{job.task}_{job.policy}.zip")
+    bundle = read_bundle(job.bundle)
     if job.model is None:
         made = evaluate(
             bundle, seconds=job.seconds, seed=job.seed, hidden=SETS[job.which], friction=job.friction

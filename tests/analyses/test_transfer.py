@@ -69,7 +69,7 @@ def test_a_shift_in_phase_is_a_gap_and_a_whole_cycle_is_none() -> None:
     def swing(lag: float) -> Rollout:
         return Rollout(flat, flat, 3.0 * np.sin(10 * np.pi * (t - lag)), 40.0 + flat, None)
 
-    late, same = (pitch_in_place.result([swing(lag)], swing(0.0), 4) for lag in (0.01, 0.2))
+    late, same = (pitch_in_place.result([swing(lag)], [swing(0.0)], 4) for lag in (0.01, 0.2))
     wanted = 100.0 * 2.0 * 3.0 * np.sin(0.05 * np.pi) / np.sqrt(2.0) / 6.0
     assert late.pitch_percent[0] == pytest.approx(wanted, rel=0.01)
     assert same.pitch_percent[0] < 0.1 and late.force[0] == 0.0

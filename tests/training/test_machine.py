@@ -10,8 +10,12 @@ from workbench.core import Controller, EffectKey, Estimate, InputError
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
 from workbench.training.control import drive_torque
+from workbench.training.environment import Environment
 from workbench.training.machine import POLICY_STEPS, STEP_S, make_machine
+from workbench.training.randomisation import Randomisation, world_fields
 from workbench.training.situation import POLICY_S, Constants
+from workbench.training.tasks import TASKS
+from workbench.training.worlds import BatchWorlds
 
 from .make import machine
 
@@ -67,6 +71,36 @@ def test_an_effect_that_was_found_is_in_every_leg() -> None:
     made = make_machine("quadruped", load_model("leg").with_effect(found), "s3n_full")
     hips = [made.mujoco.joint(name).frictionloss[0] for name in made.joints if name.endswith("hip")]
     assert hips == [0.25] * 4 and made.left_out == ()
+
+
+@pytest.mark.parametrize("location", ["actuator", "joint"])
+def test_a_policy_sees_play_through_the_motor_s_encoder(location: str) -> None:
+    values = {"gap": Estimate(0.004, 1e-4, "rad"), "stiffness": Estimate(400.0, 10.0, "N*m/rad")}
+    play = AppliedEffect(EffectKey("backlash", "knee", location), values)
+    made = make_machine("quadruped", load_model("leg").with_effect(play), "s3n_full")
+    rotors = made.rotors
+    assert len(rotors.places) == 4 and made.left_out == ()
+    # with springs at rest, motors read what rigid ones would
+    rest = rotors.drives @ np.vstack([np.eye(made.size), rotors.follow])
+    np.testing.assert_allclose(rest, made.transmission, atol=1e-12)
+    # across the gap the links move and the encoders do not
+    task = TASKS["pitch-in-place"]
+    engine = BatchWorlds(made, 2, world_fields(made, Randomisation(legs="none"), 2, 0), threads=1)
+    worlds = Environment(task, made, engine, 2, Randomisation(legs="none"), 0, noise=False)
+    before = worlds.situation().position.copy()
+    engine.qpos[:, made.places[2]] += 0.001
+    np.testing.assert_allclose(worlds.situation().position, before, atol=1e-12)
+    engine.qpos[:, rotors.places[0]] += 0.001
+    moved = worlds.situation().position - before
+    np.testing.assert_allclose(moved @ made.transmission.T, np.eye(12)[[2, 2]] * 0.001, atol=1e-12)
+    fell = [bool(np.any(worlds.step(np.zeros((2, 12))).ended)) for _ in range(20)]
+    assert not any(fell)
+
+
+def test_rigid_drives_read_the_transmission() -> None:
+    for kind in ("leg", "quadruped"):
+        made = machine(kind)
+        np.testing.assert_allclose(made.rotors.drives, made.transmission, atol=1e-12)
 
 
 def test_the_robot_stands_by_itself_on_four_feet() -> None:

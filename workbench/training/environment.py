@@ -95,7 +95,7 @@ class Environment:
         target = action_target(c, self.action, self.task.action_scale)
         worlds = self.worlds
         for _ in range(POLICY_STEPS):
-            asked = drive_torque(c, target, worlds.qpos[:, c.places], worlds.qvel[:, c.dofs])
+            asked = drive_torque(c, target, *c.measured(worlds.qpos, worlds.qvel))
             self.waiting.append(asked)
             self.torque = self.waiting.pop(0)
             worlds.ctrl[:] = self.torque
@@ -125,11 +125,12 @@ class Environment:
     def situation(self) -> Situation:
         """The state of all worlds as the terms see it."""
         c, worlds = self.constants, self.worlds
+        position, velocity = c.measured(worlds.qpos, worlds.qvel)
         now = Situation(
             xp=self.xp,
             machine=c,
-            position=worlds.qpos[:, c.places],
-            velocity=worlds.qvel[:, c.dofs],
+            position=position,
+            velocity=velocity,
             torque=self.torque,
             action=self.action,
             last_action=self.last_action,
@@ -208,6 +209,9 @@ class Environment:
         qpos, qvel = xp.zeros_like(self.worlds.qpos), xp.zeros_like(self.worlds.qvel)
         qpos[:, c.places] = c.posture + draw((-0.1,), (0.1,), (w, n))
         qvel[:, c.dofs] = draw((-0.2,), (0.2,), (w, n))
+        if c.read is not None:  # springs at rest, gaps in their middle
+            qpos[:, c.rotor_places] = qpos[:, c.places] @ c.follow
+            qvel[:, c.rotor_dofs] = qvel[:, c.dofs] @ c.follow
         if self.machine.floating:
             qpos[:, 2] = self.machine.height + draw((0.0,), (0.02,), (w, 1))[:, 0]
             half = 0.5 * draw((-0.05, -0.05, -3.14), (0.05, 0.05, 3.14), (w, 3))

@@ -19,6 +19,8 @@ from workbench.models import Model, load_mjcf
 from workbench.s3n import normalise
 from workbench.s3n.mjcf import exact_xml
 
+from .rotors import Rotors, rotors_of
+
 LEGS = ("fl", "fr", "rl", "rr")
 STEP_S = 0.003  # simulation and control
 POLICY_STEPS = 6  # control steps a policy step: 18 ms
@@ -50,6 +52,7 @@ class Machine:
         posture: joint angles from which actions count (n,) [rad].
         limits: lower and upper joint limits (n, 2) [rad].
         height: of the base's origin over the ground in this posture [m]; 0 for a leg.
+        rotors: joints on the motors' sides of what is soft or has play.
         left_out: effects of the model that plain MJCF cannot hold; the policy does not see them.
     """
 
@@ -68,6 +71,7 @@ class Machine:
     posture: np.ndarray
     limits: np.ndarray
     height: float
+    rotors: Rotors
     left_out: tuple[str, ...]
 
     @property
@@ -110,7 +114,9 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
             f"a delay of {model.actuators.delay_s:g} s is no whole number of {STEP_S:g} s steps",
             file=model.source, column="actuators.delay_s", remedy="round it",
         )  # fmt: skip
-    prompt = replace(model, actuators=replace(model.actuators, delay_s=0.0))
+    # four legs under a trunk stand on the task's floor, not on that of one leg's stand
+    ground = model.ground if kind == "leg" else None
+    prompt = replace(model, actuators=replace(model.actuators, delay_s=0.0), ground=ground)
     tree = normalise(prompt, variant)
     leg = mujoco.MjSpec.from_string(tree.xml)
     leg.option.timestep = STEP_S
@@ -148,6 +154,7 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
         posture=np.tile([0.0] * first + posture.tolist(), legs),
         limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
         height=0.0 if kind == "leg" else _height(compiled, joints, posture, legs),
+        rotors=rotors_of(compiled, joints),
         left_out=tuple(str(key) for key in tree.left_out),
     )
 

@@ -149,6 +149,7 @@ class TrainedPlant:
         m, data = self._machine, self._data
         mujoco.mj_resetData(m.mujoco, data)
         data.qpos[m.places] = np.linalg.solve(m.transmission, drives)
+        data.qpos[m.rotors.places] = m.rotors.follow @ data.qpos[m.places]
         if m.floating:
             data.qpos[2] = height
 
@@ -160,7 +161,10 @@ class TrainedPlant:
     def state(self) -> State:
         """Now."""
         m, data = self._machine, self._data
-        motion = m.transmission @ data.qpos[m.places], m.transmission @ data.qvel[m.dofs]
+        rotors = m.rotors
+        position = np.concatenate([data.qpos[m.places], data.qpos[rotors.places]])
+        velocity = np.concatenate([data.qvel[m.dofs], data.qvel[rotors.dofs]])
+        motion = rotors.drives @ position, rotors.drives @ velocity
         if not m.floating:
             return State(*motion, np.zeros(0), np.zeros(0), np.zeros((0, 3)))
         return State(*motion, data.qpos[:7].copy(), data.qvel[:6].copy(), self._loads())

@@ -38,6 +38,13 @@ class Constants:
         self.put = put
         m = machine.mujoco
         self.places, self.dofs = put(machine.places), put(machine.dofs)
+        rotors = machine.rotors
+        self.rotor_places, self.rotor_dofs = put(rotors.places), put(rotors.dofs)
+        self.follow = put(rotors.follow.T)
+        #: joints' angles as the drives' encoders have them, of joints and rotors: a row q @ read
+        self.read = (
+            put(np.linalg.solve(machine.transmission, rotors.drives).T) if len(rotors.places) else None
+        )
         self.kp, self.kd = put(machine.kp), put(machine.kd)
         self.to_drives = put(
             np.linalg.inv(machine.transmission)
@@ -52,6 +59,17 @@ class Constants:
             speed = [m.sensor(f"{leg}_speed").adr[0] for leg in LEGS]
             self.touch = put(np.array(touch))
             self.speed = put(np.array(speed)[:, None] + np.arange(3))
+
+    def measured(self, qpos: Array, qvel: Array) -> tuple[Array, Array]:
+        """Angles and speeds (W, n) of the joints, through what the drives' encoders read."""
+        position, velocity = qpos[:, self.places], qvel[:, self.dofs]
+        if self.read is None:
+            return position, velocity
+        join = self.xp.concatenate
+        return (
+            join([position, qpos[:, self.rotor_places]], -1) @ self.read,
+            join([velocity, qvel[:, self.rotor_dofs]], -1) @ self.read,
+        )
 
 
 @dataclass
