@@ -43,6 +43,17 @@ class Timed:
     cpu: float
 
 
+@dataclass(frozen=True)
+class Both:
+    """What both gave, and errors on held-out motion over a perfect model's: before, and after each."""
+
+    theirs: Timed
+    ours: Timed
+    before: float
+    fitted: float
+    diagnosed: float
+
+
 def main() -> None:
     """Runs both on both cases and prints a table each."""
     parser = argparse.ArgumentParser(
@@ -66,28 +77,36 @@ def warm_up(seed: int) -> None:
     identify([recording], SIX[:1])
 
 
-def side_by_side(hidden: HiddenEffect, seed: int, integrator: str) -> str:
-    """A table of what both say of one hidden effect."""
+def measured(hidden: HiddenEffect, seed: int, integrator: str = "implicitfast") -> Both:
+    """Both methods on one hidden effect."""
     *training, judge = VirtualLeg([hidden], seed=seed).run(demo_experiments(seed))
     model = load_model("leg")
     theirs = timed(lambda: identify(training, SIX, integrator))
     ours = timed(lambda: diagnose(model, training, seed=seed))
-    floor = error_of(with_truth(model, [hidden]), [judge])
-    before = error_of(model, [judge])
+    floor = error_of(with_truth(model, [hidden]), [judge]) or float("nan")
 
-    def times_floor(answer: Answer) -> str:
-        after = error_of(with_answer(model, answer), [judge])
-        return "-" if after is None or floor is None else f"{after / floor:.2f}"
+    def over_floor(answer: Answer | None) -> float:
+        after = error_of(model if answer is None else with_answer(model, answer), [judge])
+        return float("nan") if after is None else after / floor
 
+    answers = None, everything(theirs.result), answer_of(ours.result)
+    before, fitted, diagnosed = (over_floor(answer) for answer in answers)
+    return Both(theirs, ours, before, fitted, diagnosed)
+
+
+def side_by_side(hidden: HiddenEffect, seed: int, integrator: str) -> str:
+    """A table of what both say of one hidden effect."""
+    both = measured(hidden, seed, integrator)
+    theirs, ours = both.theirs, both.ours
     fit: Fit = theirs.result
     rows = [
         ["", "mujoco.sysid", "workbench diagnose"],
         ["---"] * 3,
         ["says", said_by_fit(fit), said(answer_of(ours.result))],
         [
-            f"error on the sixth recording, perfect model 1, before {(before or 0) / (floor or 1):.2f}",
-            times_floor(everything(fit)),
-            times_floor(answer_of(ours.result)),
+            f"error on the sixth recording, perfect model 1, before {both.before:.2f}",
+            f"{both.fitted:.2f}",
+            f"{both.diagnosed:.2f}",
         ],
         ["structures tried", "1", str(len(ours.result.ranking))],
         ["wall time, ratio", "1", f"{ours.wall / theirs.wall:.2f}"],

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from scipy.fft import rfft as scipy_rfft
@@ -39,17 +39,7 @@ def main() -> None:
     print(f"{arguments.axes} axes, {arguments.periods} periods, {numbers / 1e6:.1f} million samples")
     rows = round(arguments.period_s * RATE)
     known = np.arange(2, round(100 * arguments.period_s) + 1)
-    for name, leakage, loop in (
-        ("plain averages", False, plain_loop),
-        ("noise between lines", True, line_loop),
-    ):
-        options = {
-            "transient_periods": 0,
-            "leakage": leakage,
-            "reference": None,
-            "period_s": arguments.period_s,
-            "lines": known,
-        }
+    for name, options, loop in ways(arguments.period_s, known):
         mine, frf = fastest(lambda o=options: estimate(recordings, **o), arguments.repeats)
         lines = np.round(frf.frequency * arguments.period_s).astype(int)
         theirs, (g, covariance) = fastest(
@@ -59,6 +49,15 @@ def main() -> None:
         scale = np.abs(covariance).max()
         np.testing.assert_allclose(frf.covariance, covariance, rtol=1e-6, atol=1e-8 * scale)
         print(f"{name:20s} {mine:8.3f} s   loop {theirs:8.3f} s   {theirs / mine:6.1f} times faster")
+
+
+def ways(period_s: float, lines: np.ndarray) -> list[tuple[str, dict[str, Any], Callable[..., Any]]]:
+    """What is compared: its name, the options of `estimate`, and the loop that gives the same numbers."""
+    same = {"transient_periods": 0, "reference": None, "period_s": period_s, "lines": lines}
+    return [
+        ("plain averages", {**same, "leakage": False}, plain_loop),
+        ("noise between lines", {**same, "leakage": True}, line_loop),
+    ]
 
 
 def made(axes: int, periods: int, period_s: float) -> list[Recording]:

@@ -3,8 +3,10 @@
     python benchmarks/interrupts.py --count 50 --seed 0
 
 Each command runs in a folder that has its outputs already. After an interrupt (SIGINT) the exit code has to
-be 130 (or 0 where it was done); after a kill (SIGKILL) at most one hidden ``.part`` folder may be left. Every
-other file has to be what it was before, or what the whole run makes of it, and training has to go on.
+be 130, or 0 or 1 where it was done; while the program is still loading, nothing can be half-written, and the
+process may end by the signal itself (number 2, which a shell shows as 130 too). After a kill (SIGKILL)
+at most one hidden ``.part`` folder may be left. Every other file has to be what it was before, or what the
+whole run makes of it, and training has to go on.
 """
 
 from __future__ import annotations

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+from limits import TooLong, at_most
 
 from workbench.comparison import compare
 from workbench.core import Recording, SimulationError
@@ -69,7 +69,7 @@ def mark(
     try:
         with at_most(patience):
             diagnosis = diagnose(model, data.training, data.held_out, seed=case.seed)
-    except Exception as error:  # what a user would see as a crash is a mark too
+    except (Exception, TooLong) as error:  # what a user would see as a crash is a mark too
         return {**line, "failed": f"diagnosis: {type(error).__name__}: {error}"}
     line["wall_s"] = round(time.perf_counter() - wall, 2)
     line["cpu_s"] = round(time.process_time() - cpu, 2)
@@ -169,22 +169,6 @@ def _finding(named: Named, how: str, case: Case) -> dict[str, Any]:
             for name, estimate in named.parameters.items()
         },
     }
-
-
-@contextmanager
-def at_most(seconds: float) -> Iterator[None]:
-    """Raises TimeoutError within the block once that long has passed."""
-
-    def stop(*_: object) -> None:
-        raise TimeoutError(f"took more than {seconds:g} s")
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def revision() -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import tempfile
 import traceback
 import warnings
@@ -16,16 +15,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from limits import TooLong, at_most
 
 from . import mutate, seeds
 from .kinds import KINDS, STYLES, Kind, Wrong, repacked
 
 SECONDS = 10.0  # of CPU time that one case may take; a wait is ended by whoever started the process
 _LONGEST = 2000  # characters of an error
-
-
-class TooLong(BaseException):
-    """The time is up; no reader catches it."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +142,7 @@ def judged(kind: Kind, folder: Path, random: mutate.Random) -> Outcome:
         for silent in (ResourceWarning, DeprecationWarning, PendingDeprecationWarning):  # as Python has it
             warnings.simplefilter("ignore", silent)
         try:
-            with in_time(SECONDS):
+            with at_most(SECONDS, cpu=True):
                 result = kind.read(folder, random)
                 kind.check(result)
             outcome = Outcome("accepted")
@@ -179,22 +175,6 @@ def told(error: BaseException) -> str:
     own = [f for f in traceback.extract_tb(error.__traceback__) if f"{os.sep}workbench{os.sep}" in f.filename]
     place = f"{Path(own[-1].filename).name}:{own[-1].lineno}" if own else "?"
     return f"{type(error).__name__} at {place}: {str(error)[:200]}"
-
-
-@contextmanager
-def in_time(seconds: float) -> Iterator[None]:
-    """Raises `TooLong` where what is inside takes more CPU time than that [s]."""
-
-    def ring(number: int, frame: Any) -> None:
-        raise TooLong
-
-    before = signal.signal(signal.SIGPROF, ring)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
 
 
 @contextmanager

@@ -16,9 +16,10 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
+from limits import TooLong, at_most
 
 from . import mutate
-from .case import Bench, Outcome, TooLong, in_time, told
+from .case import Bench, Outcome, told
 
 #: Kind -> commands that its files are given to; a simulation of the reference leg where there is one.
 COMMANDS: dict[str, tuple[str, ...]] = {
@@ -122,7 +123,7 @@ def _here(words: list[str]) -> tuple[Any, str, str]:
         mock.patch.object(sys, "argv", ["workbench", *words]),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),
-        in_time(60.0),
+        at_most(60.0, cpu=True),
     ):
         try:
             main()

@@ -245,7 +245,7 @@ def _log_kinds() -> dict[str, Kind]:
         f"CAN log {e}": Kind(
             partial(seeds.can_log, ending=e),
             {f"run{e}": "text" if e in (".log", ".asc") else "bytes", "run.dbc": "text"},
-            _recording, check_recording, 0.5,
+            _recording, check_recording, 0.05 if e == ".mf4" else 0.5,  # that starts a process each
         )
         for e in (".log", ".blf", ".asc", ".mf4")
     }  # fmt: skip

@@ -184,7 +184,8 @@ def can_log(folder: Path, ending: str) -> None:
     (folder / "run.toml").write_text(tomli_w.dumps(content))
 
 
-_DEFINITION = """std_msgs/Header header
+#: Of ROS 2's sensor_msgs/msg/JointState with all that it is made of, as MCAP files hold it.
+JOINT_STATE = """std_msgs/Header header
 string[] name
 float64[] position
 float64[] velocity
@@ -218,7 +219,7 @@ def mcap(folder: Path) -> None:
 
     with (folder / "ros.mcap").open("wb") as file:
         writer = Writer(file, compression=CompressionType.NONE)
-        schema = writer.register_msgdef("sensor_msgs/msg/JointState", _DEFINITION)
+        schema = writer.register_msgdef("sensor_msgs/msg/JointState", JOINT_STATE)
         for ns, (q, w, tau) in _states():
             stamp = {"sec": ns // 10**9, "nanosec": ns % 10**9}
             message = {"header": {"stamp": stamp, "frame_id": ""}, "name": list(AXES)}

@@ -1,0 +1,1 @@
+"""What `all.py` measures: each part gives rows of ratios."""
