@@ -78,7 +78,7 @@ def test_answers_of_no_end_with_one(data: Path) -> None:
         (("add", "leg", "coulomb_friction@knee", "torque=-1", "-o", "x.toml"), "outside"),
         (("add", "leg", "coulomb_friction@knee", "-o", "x.toml"), "needs the parameter 'torque'"),
         (("add", "leg", "coulomb_friction@knee", "torque=1"), "-o NEW"),
-        (("record", "arm", "-o", "out"), "the built-in rigs are 'leg' and 'actuator'"),
+        (("record", "arm", "-o", "out"), "the built-in rigs are 'leg', 'leg_on_plate' and 'actuator'"),
         (("record", "leg", "dance", "-o", "out"), "no experiment is called 'dance'"),
     ],
 )

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,8 @@ import pytest
 import workbench.fleet.run
 import workbench.fleet.task
 from workbench.core import InputError
-from workbench.fleet import Robot, find_robots, fleet_dict, run_fleet, summarise
+from workbench.effects import load_model
+from workbench.fleet import Robot, files_read, find_robots, fleet_dict, run_fleet, summarise
 from workbench.fleet.store import fingerprint, keep, result_file
 from workbench.fleet.task import diagnose_robot
 from workbench.recordings import save_recording
@@ -63,6 +66,25 @@ def test_one_that_fails_takes_nobody_along_and_a_second_run_goes_on(
 
     with pytest.raises(InputError, match="other recordings, another model or seed"):
         run_fleet(robots, tmp_path, seed=1)
+
+
+def test_a_result_depends_on_every_file_that_its_robot_was_read_from(logs: Path, tmp_path: Path) -> None:
+    models = tmp_path / "models"
+    shutil.copytree(next(f for f in load_model("leg").files if f.name == "leg.toml").parent, models)
+    robot = Robot("leg-1", str(models / "leg.toml"), (logs / "leg-1.toml", logs / "broken.toml"))
+    gone = tmp_path / "gone.toml"
+    gone.write_text((logs / "leg-1.toml").read_text())
+    read = files_read([robot, replace(robot, name="leg-2", held_out=(gone,))])
+    names = ["leg.toml", "leg.xml", "leg.sdf", "leg-1.toml", "leg-1.csv.gz", "broken.toml", "leg-3.csv.gz"]
+    assert [f.name for f in read] == [*names, "gone.toml"]  # whose table is not there
+    before = fingerprint(robot, 0)
+    assert before == fingerprint(robot, 0) != fingerprint(robot, 1)
+    for file in [f for f in read if f.is_relative_to(models)]:
+        kept = file.read_bytes()
+        file.write_bytes(kept + b"\n")
+        assert fingerprint(robot, 0) != before
+        file.write_bytes(kept)
+    assert fingerprint(robot, 0) == before
 
 
 def killed_once() -> Any:

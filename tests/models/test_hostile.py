@@ -73,6 +73,17 @@ def test_entities(entities: str, tmp_path: Path) -> None:
             read(file)
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be"])
+def test_entities_do_not_hide_in_wide_characters(encoding: str, tmp_path: Path) -> None:
+    wide = f'<?xml version="1.0" encoding="{encoding}"?>{LAUGHS}'
+    (tmp_path / "leg.xml").write_bytes((wide + LEG[LEG.index("<mujoco") :]).encode(encoding))
+    refused(tmp_path / "leg.xml", "not UTF-8")
+    (tmp_path / "leg.sdf").write_bytes((wide + SDF[SDF.index("<sdf") :]).encode(encoding))
+    for read in (contents_of, read_sdf):
+        with pytest.raises(InputError, match="not UTF-8"):
+            read(tmp_path / "leg.sdf")
+
+
 @pytest.mark.parametrize("what", ["file:///etc/passwd", "model://other", "../other.sdf"])
 def test_an_sdf_draws_nothing_in(what: str, tmp_path: Path) -> None:
     file = tmp_path / "leg.sdf"

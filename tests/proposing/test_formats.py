@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from fuzzing.seeds import JOINT_STATE
 from scipy.io import savemat
 
 from tests.data_helpers import data_folder
@@ -90,27 +91,11 @@ def test_ros_2_bag(tmp_path: Path) -> None:
         open_table(tmp_path / "bag" / "metadata.yaml")
 
 
-DEFINITION = """std_msgs/Header header
-string[] name
-float64[] position
-float64[] velocity
-float64[] effort
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-"""
-
-
 def test_mcap_of_ros_2(tmp_path: Path) -> None:
     writer_of = pytest.importorskip("mcap_ros2.writer")
     with (tmp_path / "run.mcap").open("wb") as file:
         writer = writer_of.Writer(file)
-        schema = writer.register_msgdef("sensor_msgs/msg/JointState", DEFINITION)
+        schema = writer.register_msgdef("sensor_msgs/msg/JointState", JOINT_STATE)
         for k, t in enumerate(LOG.t):
             ns = _stamp(t)
             message = {

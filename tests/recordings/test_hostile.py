@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from scipy.io import savemat
 from tests.data_helpers import description, two_axes, write_recording
 from tests.recordings.test_bad_input import changed, refused, refused_table
 from tests.recordings.test_can_logs import logged
+from workbench.recordings.tables import mf4
 
 
 def test_numbers_that_nothing_that_moves_can_have(tmp_path: Path) -> None:
@@ -93,6 +95,26 @@ def test_damaged_logs(ending: str, tmp_path: Path, capfd: pytest.CaptureFixture[
     (tmp_path / f"run{ending}").write_bytes(raw)
     assert "no readable log" in refused(path).problem
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_log_that_crashes_its_reader(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = logged(tmp_path, ".mf4")
+    raw = bytearray((tmp_path / "run.mf4").read_bytes())
+    for block in re.finditer(b"##CN", bytes(raw)):  # channels: links from byte 24 on, then where in a record
+        name = int.from_bytes(raw[block.start() + 40 :][:8], "little")
+        if raw[name + 24 :].startswith(b"CAN_DataFrame.IDE\0"):
+            raw[block.start() + 95] = 64  # a GiB further
+    (tmp_path / "run.mf4").write_bytes(raw)
+    assert "no readable log" in refused(path).problem
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_log_whose_reader_comes_to_no_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = logged(tmp_path, ".mf4")
+    (tmp_path / "can.py").write_text("def LogReader(path):\n    while True:\n        pass\n")
+    monkeypatch.syspath_prepend(tmp_path)  # as the other process finds it; here it is loaded already
+    monkeypatch.setattr(mf4, "SILENCE_S", 0.2)
+    assert "comes to no end" in refused(path).problem
 
 
 def test_a_log_whose_frames_have_no_time(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -70,7 +69,15 @@ def fleet(
     Example: workbench fleet 'logs/**/*.toml' --model 'leg-*=leg' --model 'arm-*=arms' -o found --jobs 8
     """
     from workbench import report
-    from workbench.fleet import find_robots, fleet_dict, fleet_sheet, fleet_table, run_fleet, summarise
+    from workbench.fleet import (
+        files_read,
+        find_robots,
+        fleet_dict,
+        fleet_sheet,
+        fleet_table,
+        run_fleet,
+        summarise,
+    )
 
     check_outputs(json, html, force=force)
     robots = find_robots(recordings, model, holdout)
@@ -78,7 +85,7 @@ def fleet(
         tell(f"diagnosing {len(robots)} robots")
         told = run_fleet(robots, output, seed=seed, jobs=jobs, ray=ray, force=force, progress=tell)
     found = summarise(told)
-    files = [Path(file) for robot in robots for file in robot.files if Path(file).is_file()]
+    files = files_read(robots)
     if not quiet and json != "-":
         report.print_table(fleet_table(found))
     if json:

@@ -28,7 +28,8 @@ def record(
         str,
         typer.Argument(
             metavar="RIG",
-            help="'leg', the virtual parallel leg; 'actuator', its drive alone; or a CAN file (.toml).",
+            help="'leg', the virtual parallel leg; 'leg_on_plate', the same over a force plate; "
+            "'actuator', its drive alone; or a CAN file (.toml).",
         ),
     ],
     experiments: Annotated[
@@ -61,13 +62,14 @@ def record(
 
     Example: workbench record robot.toml chirp.toml -o data --virtual
     """
-    from workbench.rigs import VirtualLeg
+    from workbench.rigs import Plate, VirtualLeg
 
     over_can = rig.endswith(".toml")
-    if rig not in ("leg", "actuator") and not over_can:
+    if rig not in ("leg", "leg_on_plate", "actuator") and not over_can:
         raise InputError(
             f"no rig is called '{rig}'",
-            remedy="the built-in rigs are 'leg' and 'actuator'; or give a CAN configuration (.toml)",
+            remedy="the built-in rigs are 'leg', 'leg_on_plate' and 'actuator'; or give a CAN configuration "
+            "(.toml)",
         )
     if not output:
         raise InputError("no output folder", remedy="say where the recordings go: -o FOLDER")
@@ -82,9 +84,10 @@ def record(
             raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
         count = _on_the_bench(experiments or [], Path(output), seed, force)
     else:
-        count = len(
-            VirtualLeg(hidden, seed=seed).record_to(output, _of_the_leg(experiments, seed), force=force)
-        )
+        on_plate = rig == "leg_on_plate"
+        chosen = _on_the_plate(experiments, seed) if on_plate else _of_the_leg(experiments, seed)
+        leg = VirtualLeg(hidden, seed=seed, plate=Plate() if on_plate else None)
+        count = len(leg.record_to(output, chosen, force=force))
     if not quiet:
         echo(f"Wrote {count} recordings to {output}.")
 
@@ -119,6 +122,19 @@ def _of_the_leg(names: Sequence[str] | None, seed: int) -> list[Experiment]:
             push = signals.get("torque_feedforward", np.zeros_like(reference))
             chosen.append(Experiment(trial.name, reference, push, design.excitation(k)))
     return chosen
+
+
+def _on_the_plate(names: Sequence[str] | None, seed: int) -> list[Experiment]:
+    """Experiments of the leg over its force plate, in the order named; all where none is."""
+    from workbench.rigs import plate_experiments
+
+    known = {e.name: e for e in plate_experiments(seed)}
+    for name in names or ():
+        if name not in known:
+            raise InputError(
+                f"no experiment on the plate is called '{name}'", remedy=f"choose from {', '.join(known)}"
+            )
+    return [known[name] for name in names or known]
 
 
 def _on_the_bench(names: Sequence[str], folder: Path, seed: int, force: bool) -> int:

@@ -5,6 +5,7 @@ from .result import Fleet, Peculiar, Shared, fleet_dict, summarise
 from .robots import Robot, find_robots
 from .run import run_fleet
 from .spread import Spread, spread
+from .store import files_read
 from .table import fleet_table
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "Robot",
     "Shared",
     "Spread",
+    "files_read",
     "find_robots",
     "fleet_dict",
     "fleet_sheet",

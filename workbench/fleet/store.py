@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import re
-from hashlib import file_digest, sha256
+from collections.abc import Iterator, Sequence
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from workbench.core import FORMAT, InputError
 from workbench.core.files import write_whole
 from workbench.core.formats import check_format
+from workbench.core.provenance import digest
 from workbench.models import read_model
 from workbench.recordings import source_files
 from workbench.report.json import dumps
@@ -24,13 +26,29 @@ def fingerprint(robot: Robot, seed: int) -> str:
     Raises:
         InputError: the model cannot be read.
     """
-    model = read_model(robot.model)
-    named = [x for x in (model.source, model.serial) if x is not None]
-    parts: list[Any] = [FORMAT, robot.name, seed, *(_digest(Path(x)) for x in named)]
+    parts: list[Any] = [FORMAT, robot.name, seed, *(_digest(x) for x in read_model(robot.model).files)]
     for role, files in (("training", robot.training), ("held out", robot.held_out)):
         for file in files:
             parts += [role, file.stem, *(_digest(each) for each in source_files(file))]
     return sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def files_read(robots: Sequence[Robot]) -> list[Path]:
+    """All files that the results of robots depend on, each once: those of models, recordings and tables.
+
+    What is not there is left out: the robot whose recording it is has failed, and says so.
+
+    Raises:
+        InputError: a model cannot be read.
+    """
+
+    def each() -> Iterator[Path]:
+        for robot in robots:
+            yield from read_model(robot.model).files
+            for recording in robot.files:
+                yield from source_files(recording)
+
+    return [file for file in dict.fromkeys(each()) if file.is_file()]
 
 
 def result_file(folder: Path, name: str) -> Path:
@@ -66,7 +84,8 @@ def keep(folder: Path, content: dict[str, Any]) -> None:
 
 
 def _digest(file: Path) -> str | None:
-    if not file.is_file():
+    """Of a file; None where it cannot be read, which its robot says when its turn comes."""
+    try:
+        return digest(file)
+    except InputError:
         return None
-    with file.open("rb") as stream:
-        return file_digest(stream, "sha256").hexdigest()

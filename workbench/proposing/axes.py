@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 from workbench.core import InputError
 
-from .proposal import Answers, Question
+from .draft import Draft
+from .proposal import Question
 from .signals import Signals
-from .table import Table
-
-if TYPE_CHECKING:
-    from .propose import _Draft
 
 
-def named_axes(
-    signals: Signals, answers: Answers, table: Table, draft: _Draft
-) -> tuple[list[str], dict[str, list[str]]]:
+def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, list[str]]]:
     """Axis names, and signal -> one column an axis; signals that lack a joint are left out, and said.
 
     Raises:
@@ -25,14 +19,14 @@ def named_axes(
     """
     positions = signals.columns.get("position")
     if not positions:
-        shown = ", ".join(list(table.columns)[:12])
+        shown = ", ".join(list(draft.table.columns)[:12])
         raise InputError(
             "no column looks like a measured position",
-            file=table.file,
+            file=draft.table.file,
             remedy=f"name them: --column position=A,B; the columns are {shown}",
         )
     joints = list(positions)
-    joints, axes = _axes(joints, answers, table, draft)
+    joints, axes = _axes(joints, draft)
     columns: dict[str, list[str]] = {}
     for signal, by_joint in signals.columns.items():
         row = _in_order(by_joint, joints, list(positions))
@@ -48,18 +42,18 @@ def named_axes(
     return axes, columns
 
 
-def _axes(joints: list[str], answers: Answers, table: Table, draft: _Draft) -> tuple[list[str], list[str]]:
+def _axes(joints: list[str], draft: Draft) -> tuple[list[str], list[str]]:
     """Joints in the order of the axes, and the axes' names."""
     own = [_readable(j, k, len(joints)) for k, j in enumerate(joints)]
-    wanted = list(answers.axes or answers.model_axes)
+    wanted = list(draft.answers.axes or draft.answers.model_axes)
     if not wanted:
         draft.assume("axes", ", ".join(own), 0.97 if all(joints) else 0.93, "names of the columns")
         return joints, own
     found = {axis: _same(axis, joints, own) for axis in wanted}
     matched = [found[a] for a in wanted]
     if all(m is not None for m in matched) and len(set(matched)) == len(matched):
-        because = "you said so" if answers.axes else "the model's names"
-        draft.assume("axes", ", ".join(wanted), 1.0 if answers.axes else 0.98, because)
+        because = "you said so" if draft.answers.axes else "the model's names"
+        draft.assume("axes", ", ".join(wanted), 1.0 if draft.answers.axes else 0.98, because)
         left = [o for j, o in zip(joints, own, strict=True) if j not in matched]
         if left:
             draft.notes.append(f"Not among the axes: {', '.join(left)}.")
@@ -68,10 +62,10 @@ def _axes(joints: list[str], answers: Answers, table: Table, draft: _Draft) -> t
         names = ",".join(["NAME"] * len(wanted))
         raise InputError(
             f"has positions of {len(joints)} joints ({', '.join(own)}) for {len(wanted)} axes",
-            file=table.file,
+            file=draft.table.file,
             remedy=f"say which belong to {', '.join(wanted)}, in this order: --column position={names}",
         )
-    if answers.axes or "position" in answers.columns:
+    if draft.answers.axes or "position" in draft.answers.columns:
         draft.assume("axes", ", ".join(wanted), 1.0, "you said so")
     else:
         pairs = ", ".join(f"{o} is {w}" for o, w in zip(own, wanted, strict=True))

@@ -84,11 +84,6 @@ def write(proposal: Proposal, table: Table, output: Path, *, force: bool = False
     )
 
 
-def toml_text(proposal: Proposal, table: str) -> str:
-    """The TOML as it would be written."""
-    return _toml(proposal.description, table).decode()
-
-
 def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], list[Assumption], bool]:
     """The ``[controller]`` table, what it rests on, and whether the run starts at rest."""
     n = len(recording.axes)

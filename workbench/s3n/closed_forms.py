@@ -86,18 +86,6 @@ def residual_velocity_torque(m12: float, position: np.ndarray, velocity: np.ndar
     return np.stack([-size * w[..., 1] ** 2, size * w[..., 0] ** 2], axis=-1) @ JACOBIAN
 
 
-def actuator_torque(
-    inertia: float, damping: float, velocity: np.ndarray, acceleration: np.ndarray
-) -> np.ndarray:
-    """tau_act,off = -J2 E_x qdd - B2 E_x qd of the preceding step, (..., 2) [N m] (paper, Eq. 26)."""
-    return -(inertia * acceleration + damping * velocity) @ E_X
-
-
-def residual_torque(residual: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-    """tau_res = -Delta M_link(alpha) qdd of the preceding step, (..., 2) [N m] (paper, Eq. 27)."""
-    return -np.einsum("...ij,...j->...i", residual, acceleration)
-
-
 def injection_radius(implicit: np.ndarray, injected: np.ndarray) -> np.ndarray:
     """Spectral radius of qdd_k = -(implicit^-1 injected) qdd_(k-1), (...,).
 

@@ -12,7 +12,15 @@ import numpy as np
 
 from workbench.core import EffectKey, SimulationError
 from workbench.core.files import write_whole
-from workbench.effects import BASE_JOINT, Build, TorqueChain, build, compile_plant, effect_named
+from workbench.effects import (
+    BASE_JOINT,
+    Build,
+    TorqueChain,
+    build,
+    compile_plant,
+    effect_named,
+    settle_contacts,
+)
 from workbench.models import AppliedEffect, Model, Placement, load_mjcf
 
 from .additions import Addition, additions
@@ -79,6 +87,7 @@ def normalise(
     spec, before = made.spec, own.compile()
     spec.compile()
     merge_into_links(spec, own, plant.mujoco)
+    settle_contacts(made)
     for name in ("timestep", "iterations", "tolerance", "disableflags", "integrator"):
         setattr(spec.option, name, getattr(own.option, name))
     if integrator is not None:

@@ -8,7 +8,8 @@ import numpy as np
 from bokeh.models import ColumnDataSource, Range1d
 
 from workbench.core import Recording, RecordingError
-from workbench.report.numbers import handy, torque_unit
+from workbench.core.units import torque_unit
+from workbench.report.numbers import handy
 from workbench.report.residuals import min_max
 
 from .plots import band, crosshair, figure, line, set_range, span_of, zooming

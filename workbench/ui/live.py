@@ -1,105 +1,36 @@
-"""What happens when: simulations that follow a slider, comparisons once it rests, work that can be stopped.
-
-Lives on one thread, that of the server's loop; computing is done on others, which post their results back.
-Every page shows this one state, so that a page that is closed or loaded again loses nothing.
-"""
+"""What is going on at the bench: runs that follow a slider, choosing, and work that can be stopped."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
-from workbench.core import Comparison, Diagnosis, EffectKey, Recording, RecordingError, WorkbenchError
+from workbench.core import Diagnosis, EffectKey
 from workbench.diagnosis import diagnose, fit_effect
 from workbench.models import AppliedEffect, Model
 
-from .bench import Bench, Chosen
+from .bench import Chosen
+from .following import Following
 from .worker import Worker
 
-Post = Callable[[Callable[[], None]], None]
-Later = Callable[[float, Callable[[], None]], Any]
-
-_REST_S = 0.6  # without a change, before the slow comparison starts
-
 
 @dataclass
-class Runs:
-    """A model's runs as far as they are there, and what they score.
-
-    Attributes:
-        model: which.
-        entries: recordings beside runs; None while only some have been simulated.
-        shown: index to run, of those simulated so far.
-        seen: the same, with those of the models just before where there are none yet.
-        failed: it cannot be run.
-        error: of all; None while some are missing.
-        comparison: with the noise floor; None while it is computed.
-    """
-
-    model: Model
-    shown: dict[int, Recording] = field(default_factory=dict)
-    seen: dict[int, Recording] = field(default_factory=dict)
-    failed: bool = False
-    entries: tuple[RecordingError, ...] | None = None
-    error: float | None = None
-    comparison: Comparison | None = None
-
-
-@dataclass
-class Live:
+class Live(Following):
     """The bench and what is going on at it.
 
     Attributes:
-        bench: what is chosen and changed.
-        post: runs a function on this object's thread.
-        later: runs it there after a number of seconds.
-        given, now: runs of the model as given, and with the changes.
         work: what the worker does, in words; None where it rests.
-        message: the last thing that went wrong or was done, and whether it went wrong.
-        took: seconds from a change to the curve on the bench.
-        focus: the recording that is looked at, simulated first.
+        began: when it began, by `time.monotonic` [s].
+        loading: whether what was chosen is being read.
     """
 
-    bench: Bench
-    post: Post
-    later: Later
-    given: Runs | None = None
-    now: Runs | None = None
     work: str | None = None
     began: float = 0.0
-    message: tuple[str, bool] = ("", False)
     loading: bool = False
-    took: float = 0.0
-    focus: int = 0
-    _listeners: list[Callable[[str], None]] = field(default_factory=list)
-    _quick: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
-    _slow: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
     _worker: Worker = field(default_factory=Worker)
-    _running: bool = False
-    _change: int = 0
     _turn: object = None
-
-    def listen(self, listener: Callable[[str], None]) -> Callable[[], None]:
-        """Be told what changed: ``inputs``, ``model``, ``runs``, ``comparison``, ``work``, ``message``.
-
-        Returns:
-            What ends it.
-        """
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener) if listener in self._listeners else None
-
-    def tell(self, what: str) -> None:
-        """Tell every listener."""
-        for listener in tuple(self._listeners):
-            listener(what)
-
-    def say(self, text: str, *, wrong: bool = False) -> None:
-        """Show a message."""
-        self.message = (text, wrong)
-        self.tell("message")
 
     def choose(self, model: str, recordings: tuple[str, ...], held_out: str | None) -> None:
         """Read and take what was chosen; what cannot be read leaves all as it was."""
@@ -129,103 +60,6 @@ class Live:
         self.focus = min(self.focus, len(chosen.recordings) - 1)
         self.tell("inputs")
         self._changed()
-
-    def do(self, change: Callable[[], None]) -> bool:
-        """Make a change of the bench's model; one that cannot be made is said, and nothing is lost."""
-        try:
-            change()
-        except WorkbenchError as error:
-            self.say(str(error), wrong=True)
-            return False
-        if self.message[1]:
-            self.say("")
-        self.tell("model")
-        self._changed()
-        return True
-
-    def look_at(self, index: int) -> None:
-        """Which recording is to be simulated first."""
-        self.focus = index
-
-    def _changed(self) -> None:
-        self._change += 1
-        self._simulate()
-
-    def _simulate(self) -> None:
-        """See to it that the runs follow the model; of changes that come meanwhile the last one counts."""
-        chosen, history = self.bench.chosen, self.bench.history
-        if chosen is None or history is None:
-            return
-        self.given = self.given or Runs(history.given)
-        if not history.changed:
-            self.now = self.given
-        elif self.now is None or self.now.model is not history.current:
-            self.now = Runs(history.current, seen=dict(self.now.seen if self.now else {}))
-        if self._running:
-            return
-        count = len(chosen.recordings)
-        runs = next((r for r in (self.given, self.now) if not r.failed and len(r.shown) < count), None)
-        if runs is None:
-            self.tell("runs")
-            self._compare_later()
-            return
-        missing = [i for i in range(count) if i not in runs.shown]
-        # the one that is looked at follows a slider, the others once it rests
-        part = [self.focus] if self.focus in missing else missing
-        self._running, started = True, time.perf_counter()
-
-        def simulated(made: tuple[Recording, ...]) -> None:
-            self._running = False
-            if chosen is self.bench.chosen:
-                self._took(chosen, runs, dict(zip(part, made, strict=True)))
-                self.took = time.perf_counter() - started if part == [self.focus] else self.took
-                self.tell("runs")
-            self._simulate()
-
-        def failed(text: str) -> None:
-            self._running, runs.failed = False, True
-            self.say(text, wrong=True)
-            self._simulate()
-
-        self._on(self._quick, lambda: self.bench.simulate(runs.model, chosen, part), simulated, failed)
-
-    def _took(self, chosen: Chosen, runs: Runs, made: dict[int, Recording]) -> None:
-        runs.shown.update(made)
-        if runs is not self.given and self.now is not None:
-            self.now.seen.update(made)  # though a slider has moved on, so that its curve moves along
-        if len(runs.shown) == len(chosen.recordings):
-            ordered = [runs.shown[i] for i in range(len(chosen.recordings))]
-            like = self.given.comparison if self.given else None
-            runs.entries = self.bench.entries(chosen, ordered, like)
-            runs.error = self.bench.error(chosen, ordered)
-
-    def _compare_later(self) -> None:
-        change = self._change
-        self.later(_REST_S, lambda: self._compare() if change == self._change else None)
-
-    def _compare(self) -> None:
-        """The noise floor and where the error sits, for the model that now rests."""
-        chosen = self.bench.chosen
-        open_ = (r for r in (self.given, self.now) if r and r.entries and r.comparison is None)
-        runs = next(open_, None)
-        if chosen is None or runs is None:
-            return
-
-        def compared(comparison: Comparison) -> None:
-            if chosen is not self.bench.chosen:
-                return
-            runs.comparison = comparison
-            runs.entries, runs.error = comparison.recordings, comparison.error
-            self.tell("comparison")
-            if runs is not self.now:
-                self._compare()
-
-        self._on(
-            self._slow,
-            lambda: self.bench.compare(runs.model, chosen),
-            compared,
-            lambda text: self.say(text, wrong=True),
-        )
 
     def diagnose(self) -> None:
         """Start to look for what is missing from the model as it is now."""
@@ -296,32 +130,3 @@ class Live:
             self.post(lambda: heard(kind, content) if self._turn is turn else None)
 
         self._worker.start(work, arguments, tell)
-
-    def _on(
-        self,
-        pool: ThreadPoolExecutor,
-        compute: Callable[[], Any],
-        done: Callable[[Any], None],
-        failed: Callable[[str], None],
-    ) -> None:
-        """Compute elsewhere; what comes of it is taken here."""
-
-        def run() -> None:
-            try:
-                result = compute()
-            except WorkbenchError as error:
-                text = str(error)
-                self.post(lambda: failed(text))
-            except Exception as error:
-                text = f"This is a fault of workbench: {type(error).__name__}: {error}"
-                self.post(lambda: failed(text))
-            else:
-                self.post(lambda: done(result))
-
-        pool.submit(run)
-
-    def responses(
-        self, compute: Callable[[], Any], done: Callable[[Any], None], failed: Callable[[str], None]
-    ) -> None:
-        """Compute something that a page alone needs, behind what everyone waits for."""
-        self._on(self._slow, compute, done, failed)

@@ -18,7 +18,8 @@ from .changes import Changes, Saving
 from .chooser import Chooser
 from .curves import Curves
 from .finding import Findings
-from .live import Live, Runs
+from .following import Runs
+from .live import Live
 from .motion import moving_picture
 from .residual_map import MapView, residual_map
 from .response_part import ResponsePart

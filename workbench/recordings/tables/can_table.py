@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import gc
+import contextlib
 import logging
-import sys
-import traceback
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +13,7 @@ import numpy as np
 
 from workbench.core import InputError
 
+from .mf4 import mf4_messages
 from .missing import missing_column
 
 if TYPE_CHECKING:
@@ -153,8 +151,12 @@ def _messages(path: Path) -> Iterator[can.Message]:
     import can  # takes seconds to load, and most tables are no logs
 
     try:
-        with _hushed(), can.LogReader(path) as reader:
-            for message in reader:
+        if path.suffix.lower() == ".mf4":
+            reading = contextlib.closing(mf4_messages(path))
+        else:
+            reading = can.LogReader(path)
+        with reading as messages:
+            for message in messages:
                 if not abs(message.timestamp) < _LATEST:
                     raise ValueError(f"a frame's time is {message.timestamp:g} s")
                 if not (message.is_error_frame or message.is_remote_frame):
@@ -166,18 +168,3 @@ def _messages(path: Path) -> Iterator[can.Message]:
         raise
     except Exception as error:  # the readers of BLF, ASC and MF4 raise whatever their parsers met
         raise InputError(f"is no readable log: {error}", file=path, remedy="export it again") from error
-
-
-@contextmanager
-def _hushed() -> Iterator[None]:
-    """asammdf tells the terminal what it cannot read, and then how its half-read files are thrown away."""
-    logging.getLogger("asammdf").setLevel(logging.CRITICAL + 1)
-    before, sys.unraisablehook = sys.unraisablehook, lambda found: None
-    try:
-        yield
-    except Exception as error:
-        traceback.clear_frames(error.__traceback__)
-        gc.collect()
-        raise
-    finally:
-        sys.unraisablehook = before

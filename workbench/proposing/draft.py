@@ -1,0 +1,33 @@
+"""A proposal in the making: what is given, and what was assumed, asked and noted so far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .names import Role
+from .proposal import Answers, Assumption, Question
+from .table import Table
+
+FALLBACK_RATE = 100.0  # rows a second, for looking at the rest while the question is open
+
+
+@dataclass
+class Draft:
+    """What a proposal is made from and with; its parts add to the lists.
+
+    Attributes:
+        table: the columns.
+        answers: what the user says already.
+        roles: column -> what its name says.
+    """
+
+    table: Table
+    answers: Answers
+    roles: dict[str, Role]
+    assumed: list[Assumption] = field(default_factory=list)
+    questions: list[Question] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def assume(self, what: str, value: str, sure: float, because: str) -> None:
+        """Note an assumption."""
+        self.assumed.append(Assumption(what, value, sure, because))
