@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -88,14 +89,23 @@ def test_a_leg_over_can_is_read_back(tmp_path: Path) -> None:
     assert np.allclose(back.position, result.position) and path.with_suffix(".blf").stat().st_size > 10_000
 
 
-def test_what_is_missing_is_masked_and_not_held(tmp_path: Path) -> None:
-    played, loaded = design(), actuator(tmp_path, polls=1)
-    network, player = SimulatedNetwork(loaded), Player(played, 0, 0.003)
+def played_by(
+    config: CanConfig, played: Design, held_up: Callable[[SimulatedNetwork, Player], None] | None = None
+) -> tuple[list[Logged], Played]:
+    """Frames of an experiment in simulated time, and what was played; `held_up` may keep the loop away."""
+    network, player = SimulatedNetwork(config), Player(played, 0, config.loop.period_s)
     frames: list[Logged] = []
     network.wires["can0"].attach("logger", lambda stamp, frame: frames.append(Logged(stamp, "can0", frame)))
-    play(Host(loaded, network, player, joints_of(loaded)), player)
+    if held_up:
+        held_up(network, player)
+    play(Host(config, network, player, joints_of(config)), player)
     assert player.begun is not None
-    spec = Played("m", player.begun, player.reference, player.feedforward, played.excitation(0))
+    return frames, Played("m", player.begun, player.reference, player.feedforward, played.excitation(0))
+
+
+def test_what_is_missing_is_masked_and_not_held(tmp_path: Path) -> None:
+    loaded = actuator(tmp_path, polls=1)
+    frames, spec = played_by(loaded, design())
     generator = np.random.default_rng(5)
     kept = [f for f in frames if f.frame.id != 0x11 or generator.random() > 0.05]
     whole, gappy = recording(loaded, frames, spec), recording(loaded, kept, spec)
@@ -107,16 +117,47 @@ def test_what_is_missing_is_masked_and_not_held(tmp_path: Path) -> None:
     assert np.median(held) > 0.0, "a gap is bridged, not held"
 
 
+@pytest.mark.parametrize(
+    "make, late", [(actuator, 0.0028), (actuator, 0.005), (actuator, 0.012), (leg, 0.0028)]
+)
+def test_what_a_loop_sent_that_was_held_up_is_masked(
+    tmp_path: Path, make: Callable[..., CanConfig], late: float
+) -> None:
+    loaded = make(tmp_path, polls=1)
+    played = design() if make is actuator else design(("hip", "knee"), (-0.55, 1.0472), 0.6)
+
+    def held_up(network: SimulatedNetwork, player: Player) -> None:
+        sleep, done = network.sleep_until, set[int]()
+
+        def sleep_late(time: float) -> None:
+            tenth = int(10 * (time - player.begun)) if player.begun is not None else 0
+            if tenth not in done and tenth % 3 == 1:
+                done.add(tenth)
+                time += late
+            sleep(time)
+
+        network.sleep_until = sleep_late
+
+    frames, spec = played_by(loaded, played, held_up)
+    result = recording(loaded, frames, spec)
+    assert 0.9 < result.valid.mean() < 0.999, "some is masked, most is not"
+    q, w, f = result.position, result.velocity, result.signals["torque_feedforward"]
+    if make is leg:
+        joints, speed = (np.column_stack([x[:, 0], x[:, 1] - x[:, 0]]) for x in (q, w))
+        pd = 50.0 * (result.signals["position_reference"] - joints) - 1.5 * speed
+        f = f + np.column_stack([pd[:, 0] - pd[:, 1], pd[:, 1]])
+    off = np.abs(result.signals["torque_command"] - f)[result.valid]
+    assert off.max() < (0.02 if make is actuator else 0.6), "what was sent is what was to be played"
+
+
 def test_what_broke_off_within_its_first_period_is_a_recording_without_one(tmp_path: Path) -> None:
-    played, loaded, log = design(), actuator(tmp_path, polls=1), tmp_path / "m.log"
-    whole = record_simulated(loaded, played, 0, log)
-    lines = log.read_text().splitlines(keepends=True)
-    log.write_text("".join(lines[: len(lines) // 10]))
-    player = Player(played, 0, 0.003)
-    begun = read_candump(log)
-    first = next(iter(begun)).stamp + 0.1
-    spec = Played("cut", first, player.reference, player.feedforward, played.excitation(0))
-    short = load_recording(keep(recording(loaded, read_candump(log), spec), tmp_path, log, force=False))
+    played, loaded = design(), actuator(tmp_path, polls=1)
+    frames, spec = played_by(loaded, played)
+    whole = recording(loaded, frames, spec)
+    cut = recording(loaded, [f for f in frames if f.stamp < spec.begun + 0.4], spec)
+    log = tmp_path / "m.log"
+    log.write_text("")
+    short = load_recording(keep(cut, tmp_path, log, force=False))
     assert short.excitation == replace(whole.excitation, period_s=None)
     assert 0.1 < len(short) * short.period < PERIOD
 

@@ -12,7 +12,11 @@ from workbench.can import CanConfig, Feedback, FrameError, MotorTable, Setpoint,
 from workbench.can.candump import Logged
 from workbench.core import Controller, Excitation, InputError, Recording, Timing
 
+from .joints import joints_of
+from .limits import limits_of
+
 _FEW = 16  # rows; fewer are no recording
+_STEPS = 1e-3  # of a field's range: what a frame of twelve bits cannot tell apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +81,9 @@ def recording(config: CanConfig, log: Iterable[Logged], played: Played) -> Recor
 
     Row m is one exchange. Its position, velocity and torque are the axis's feedback, brought from its own
     receive stamp to the row's time by a spline; its `torque_command` is what was computed from that feedback,
-    which went out one tick later. Where an exchange lacks an axis's answer or command the row is masked.
+    which went out one tick later. Where an exchange lacks an axis's answer or command the row is masked, and
+    so it is where something else was sent than the controller that the recording names: a loop that was held
+    up damps, or plays a row late.
 
     Args:
         config: buses and drives.
@@ -100,8 +106,10 @@ def recording(config: CanConfig, log: Iterable[Logged], played: Played) -> Recor
     rows = nominal + np.mean(late)
     n = len(every)
     signals = {name: np.zeros((len(rows), n)) for name in ("position", "velocity", "torque_measured")}
-    command, valid = np.zeros((len(rows), n)), np.ones(len(rows), bool)
+    valid = np.ones(len(rows), bool)
     stiff = config.loop.pd == "drive"
+    first = np.arange(len(rows)) // polls * polls  # later exchanges of a tick repeat its command
+    setpoints, heard = np.zeros((5, len(rows), n)), np.zeros((2, len(rows), n))
     for axis, (s, offset) in enumerate(zip(every, late, strict=True)):
         found, present = _nearest(s.said_at, nominal + offset, 0.5 * gap)
         valid &= present
@@ -112,10 +120,12 @@ def recording(config: CanConfig, log: Iterable[Logged], played: Played) -> Recor
             np.arange(len(rows)), np.flatnonzero(present), values[:, 2]
         )
         sent, there = _nearest(s.told_at, nominal + period + _offset(s.told_at, nominal, gap), 0.5 * gap)
-        first = np.arange(len(rows)) // polls * polls  # later exchanges of a tick repeat its command
         valid &= there[first]
-        column = 0 if stiff else 4
-        command[:, axis] = s.told[sent[first], column] if len(s.told) else np.nan
+        if len(s.told):
+            setpoints[:, :, axis] = s.told[sent[first]].T
+            heard[:, :, axis] = s.said[found[first], :2].T
+    command = setpoints[0 if stiff else 4]
+    valid &= _as_played(config, played, setpoints, heard)
     signals["position_reference"] = np.repeat(played.reference, polls, axis=0)
     if stiff:
         signals["position_reference"] = command
@@ -145,6 +155,32 @@ def recording(config: CanConfig, log: Iterable[Logged], played: Played) -> Recor
         rig=config.name,
         valid=valid[first_row:last],
     )
+
+
+def _as_played(config: CanConfig, played: Played, setpoints: np.ndarray, heard: np.ndarray) -> np.ndarray:
+    """Whether each row (N,) was sent what the controller makes of its feedback and of what was played.
+
+    Args:
+        config: gains, limits, transmission.
+        played: reference and feedforward by tick.
+        setpoints: that went out (5, N, n): position, velocity, kp, kd, torque.
+        heard: position and velocity of the feedback (2, N, n).
+    """
+    polls, gains = config.loop.polls, np.array(config.gains())
+    stiff, most = config.loop.pd == "drive", limits_of(config).torque
+    torque = np.repeat(played.feedforward, polls, axis=0)
+    if not stiff and gains.any():
+        joints = joints_of(config)
+        reference = np.repeat(joints.within(played.reference), polls, axis=0)
+        q, w = (each @ joints.inverse.T for each in heard)
+        torque = torque + (gains[0] * (reference - q) - gains[1] * w) @ joints.inverse
+    asked = (*(gains if stiff else np.zeros_like(gains)), np.clip(torque, -most, most))
+    # a range that is read from the drive is not known here: nothing is said of its field
+    full = [[getattr(m.ranges, name) or np.inf for m in config.motor] for name in ("kp", "kd", "torque")]
+    lawful = np.ones(setpoints.shape[1], bool)
+    for sent, wanted, scale in zip(setpoints[2:], asked, full, strict=True):
+        lawful &= (np.abs(sent - wanted) <= _STEPS * np.array(scale)).all(axis=1)
+    return lawful
 
 
 def _controller(config: CanConfig) -> Controller:
