@@ -12,7 +12,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from workbench.core import Recording
-from workbench.effects import Motion, Plant, SensorErrors
+from workbench.effects import Motion, Plant, SensorErrors, effect_named
+from workbench.models import Placement
 from workbench.recordings import NoiseLevels
 from workbench.simulation import (
     Disturbance,
@@ -94,9 +95,25 @@ class Reading:
         track, r = self._made(plant), self.recording
         rigid = self.rigid(plant) if plant.chain.sensors.none else None
         tap = torque_at_tap(plant, self.recording, track, self.to_actuator)
-        rest = (tap - required_torque(plant, track, r.period, rigid)) @ self.to_actuator
+        needed = required_torque(plant, track, r.period, rigid) - self._spared(plant, track)
+        rest = (tap - needed) @ self.to_actuator
         late = np.gradient(tap @ self.to_actuator, axis=0)
         return lowpass(rest, r, self.corner_hz), lowpass(late, r, self.corner_hz)
+
+    def _spared(self, plant: Plant, track: Track) -> np.ndarray:
+        """What motors need not give (N, n) as what hangs on them through springs and gaps does not follow."""
+        model = plant.model
+        soft = [e for e in model.effects if effect_named(e.key.effect).splits]
+        if not soft:
+            return np.zeros_like(track.position)
+        motion = motion_of(track, self.recording, plant, self.to_actuator)
+        total = np.zeros_like(track.position)
+        for applied in soft:
+            effect, place = effect_named(applied.key.effect), Placement.of(model, applied.key)
+            offset = effect.response(motion, model, place, effect.to_coefficients(applied.values)[1]).offset
+            assert offset is not None
+            total += offset
+        return total / motion.gain
 
     def _shift(self, rest: np.ndarray, late: np.ndarray) -> np.ndarray:
         """By how many rows (n,) each torque is late, as far as the motion tells."""

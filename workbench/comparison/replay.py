@@ -29,6 +29,7 @@ from workbench.simulation import (
 
 from .band import corner_hz
 from .counted_rows import moving, settled
+from .drift import drifts
 from .grounded import Grounded
 from .inverse import cutoff_hz
 from .measured_motion import Follower, Reading, noisy, quiet, read_motion
@@ -91,8 +92,8 @@ class Replay(Protocol):
 def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel | None = None) -> Replay:
     """How these recordings can be held against models like this one.
 
-    Where one is on the ground, all run in short windows; where one loop is unknown, all are replayed along
-    their measured motion: so that one score counts.
+    Where one is on the ground, all run in short windows; where one loop is unknown, or open and drifting,
+    all are replayed along their measured motion: so that one score counts.
 
     Raises:
         InputError: a loop is unknown and no torque was recorded.
@@ -100,7 +101,7 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     noise = noise or NoiseModel.of(recordings)
     if any(map(on_ground, recordings)):
         return Grounded(model, recordings, noise)
-    if not any(needs_inverse(model, r) for r in recordings):
+    if not any(needs_inverse(model, r) for r in recordings) and not drifts(model, recordings):
         known = _closed(model, recordings)
         return ClosedLoop(known, noise.with_unlogged_rate([prepare(r, model) for r in known]))
     blind = next((r for r in recordings if scored_torque(r) is None), None)

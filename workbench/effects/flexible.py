@@ -17,7 +17,7 @@ from scipy.linalg import expm
 from scipy.signal import lfilter
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement, axis_tendon
+from workbench.models import Model, Placement, axis_tendon, rotors
 
 from .base import is_rotary
 from .chain import Build
@@ -42,7 +42,14 @@ def can_split(model: Model, key: EffectKey) -> bool:
         return False
     row = model.transmission[model.axes.index(key.axis)]
     alone = np.count_nonzero(row) == 1 or model.has("actuator_inertia_coupling")
-    return model.actuators.inertia[model.axes.index(key.axis)] > 0 and (key.location == "joint" or alone)
+    return _rotor(model, model.axes.index(key.axis)) > 0 and (key.location == "joint" or alone)
+
+
+def _rotor(model: Model, index: int) -> float:
+    """Inertia of a drive, with what was found to be more of it [kg m^2 or kg]."""
+    more = EffectKey("reflected_inertia", model.axes[index])
+    own = model.actuators.inertia if model.has("actuator_inertia_coupling") else rotors(model)[0]
+    return float(own[index]) + sum(e.values["inertia"] for e in model.effects if e.key == more)
 
 
 def _seat(key: EffectKey) -> tuple[str | None, str]:
@@ -96,7 +103,7 @@ def _wrap_again(build: Build, tendon: str) -> None:
 
 def _move_rotor(build: Build, model: Model, place: Placement, name: str) -> None:
     """Without the coupling of actuators the drive's inertia sits on its serial joint: take it from there."""
-    inertia, damping = model.actuators.inertia[place.index], model.actuators.damping[place.index]
+    inertia, damping = (part[place.index] for part in rotors(model))
     joint, rotor = build.spec.joint(model.joints[place.index]), build.spec.joint(name)
     joint.armature = max(joint.armature - inertia, 0.0)
     joint.damping[0] = max(joint.damping[0] - damping, 0.0)
@@ -149,4 +156,4 @@ def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count
 def stiffest(model: Model, place: Placement | None) -> float:
     """Stiffness [N m/rad or N/m] beyond which a fit need not look: the rotor would ring at `_RIGID`."""
     assert place is not None
-    return model.actuators.inertia[place.index] * (2.0 * np.pi * _RIGID) ** 2
+    return _rotor(model, place.index) * (2.0 * np.pi * _RIGID) ** 2

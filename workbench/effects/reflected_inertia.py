@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import Model, Placement, rotors
 
 from .base import Door, Effect, Parameter, Response, single
 from .chain import Build
@@ -36,7 +36,7 @@ class ReflectedInertia(Effect):
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
         """The drive's own inertia may turn out smaller than stated, but stays above a tenth of it."""
         assert place is not None
-        return np.array([-0.9 * model.actuators.inertia[place.index]]), np.array([np.inf])
+        return np.array([-0.9 * rotors(model)[0][place.index]]), np.array([np.inf])
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

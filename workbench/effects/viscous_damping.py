@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import Model, Placement, rotors
 
 from .base import Door, Effect, Parameter, Response, single
 from .chain import Build
@@ -37,7 +37,7 @@ class ViscousDamping(Effect):
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
         """The drive's own damping may turn out smaller than stated, but not negative."""
         assert place is not None
-        own = model.actuators.damping[place.index] if place.location == "actuator" else 0.0
+        own = rotors(model)[1][place.index] if place.location == "actuator" else 0.0
         return np.array([-own]), np.array([np.inf])
 
     def install(

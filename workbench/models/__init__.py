@@ -4,7 +4,7 @@ from .engine import silence
 from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
 from .paths import find_model
 from .read import load_mjcf, read_model, structural_effect
-from .serial import Placement, axis_tendon, base_spec, joint_kinds
+from .serial import Placement, axis_tendon, base_spec, joint_kinds, rotors
 from .write import model_text, write_model
 
 silence()
@@ -24,6 +24,7 @@ __all__ = [
     "load_mjcf",
     "model_text",
     "read_model",
+    "rotors",
     "structural_effect",
     "write_model",
 ]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -82,6 +84,29 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
                 if coefficient and name not in held:
                     tendon.wrap_joint(name, float(coefficient))
     return spec
+
+
+def rotors(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Inertia and damping (n,) of each drive's own [kg m^2 or kg; N m s/rad or N s/m].
+
+    What the model file states, and what the MJCF has at a joint that one drive turns, and no other: there
+    its armature is that drive's rotor, and its damping the drive's.
+    """
+    inertia, damping = _at_joints(model.serial, model.joints)
+    turns = model.transmission != 0.0
+    alone = (turns.sum(axis=1) == 1) & (turns[:, turns.argmax(axis=1)].sum(axis=0) == 1)
+    joint, ratio = turns.argmax(axis=1), model.transmission.sum(axis=1)
+    own = np.where(alone, 1.0 / np.where(alone, ratio, 1.0) ** 2, 0.0)
+    stated = model.actuators
+    return np.array(stated.inertia) + own * inertia[joint], np.array(stated.damping) + own * damping[joint]
+
+
+@lru_cache(maxsize=64)
+def _at_joints(serial: Path, joints: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Armature and damping (n,) of an MJCF's joints."""
+    m = load_mjcf(serial).compile()
+    dofs = [m.joint(name).dofadr[0] for name in joints]
+    return m.dof_armature[dofs].copy(), m.dof_damping[dofs].copy()
 
 
 def joint_kinds(model: Model) -> tuple[str, ...]:

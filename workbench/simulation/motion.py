@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from workbench.core import Recording
 from workbench.effects import Line, Motion, Plant, axis_units, compile_plant
-from workbench.models import Model, axis_tendon
+from workbench.models import Model, axis_tendon, rotors
 
 from .experiment import prepare, scored_torque
 from .inverse import gain_along, required_torque
@@ -84,10 +84,10 @@ def _required(model: Model, track: Track, step: float) -> np.ndarray:
 
 def rotor_of(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
     """Inertia and damping (n,) of each drive, as its tendon has them, or its joint where it moves but one."""
-    m, drives = plant.mujoco, plant.model.actuators
+    m = plant.mujoco
     tendons = [m.tendon(axis_tendon(i)).id for i in range(plant.model.size)]
     coupled = plant.model.has("actuator_inertia_coupling")
-    own = (0.0, 0.0) if coupled else (np.array(drives.inertia), np.array(drives.damping))
+    own = (0.0, 0.0) if coupled else rotors(plant.model)
     return m.tendon_armature[tendons] + own[0], m.tendon_damping[tendons] + own[1]
 
 
