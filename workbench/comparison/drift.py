@@ -12,7 +12,8 @@ from workbench.models import Model
 from workbench.simulation import Run, scored_torque, simulate
 
 _PART = 0.01  # of a torque's root mean square: no drive's constant and no bearing is known better
-_AWAY = 2.0  # deviations of the measured position by which that may move a run
+_AWAY = 2.0  # deviations of the measured position from its own drift, by which that may move a run
+_DRIFT = 2  # order: what a constant torque does to a free shaft
 _TORQUES = ("torque_command", "torque_measured", "torque_feedforward")
 
 
@@ -30,9 +31,16 @@ def drifts(model: Model, recordings: Sequence[Recording]) -> bool:
     made = simulate(runs, strict=False)
     for r, (first, second) in zip(open_loops, zip(made[::2], made[1::2], strict=True), strict=True):
         apart = np.sqrt(np.mean((second.position - first.position)[r.valid] ** 2, axis=0))
-        if not (apart <= _AWAY * r.position[r.valid].std(axis=0)).all():
+        if not (apart <= _AWAY * _excited(r)).all():
             return True
     return False
+
+
+def _excited(recording: Recording) -> np.ndarray:
+    """Deviation (n,) of the measured positions from a smooth drift [rad or m]."""
+    time, position = recording.time[recording.valid], recording.position[recording.valid]
+    middle = time - time.mean()
+    return (position - np.vander(middle, _DRIFT + 1) @ np.polyfit(middle, position, _DRIFT)).std(axis=0)
 
 
 def _pushed(recording: Recording) -> Recording:

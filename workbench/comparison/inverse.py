@@ -14,11 +14,12 @@ from workbench.recordings import NoiseLevels
 from workbench.simulation import Track, motion_of, required_torque, scored_torque, smooth_track
 
 _ORDER = 4
+_BAND = 50.0  # Hz: what machines move with, unless an excitation says more
 
 
 def cutoff_hz(recording: Recording) -> float:
-    """Band in which torques are compared: 50 Hz, at most a fifth of the row rate."""
-    return min(50.0, 0.2 / recording.period)
+    """Band in which torques are compared: 50 Hz or all that was excited, at most a fifth of the row rate."""
+    return min(max(_BAND, recording.excitation.f_max_hz or 0.0), 0.2 / recording.period)
 
 
 def inverse_dynamics(

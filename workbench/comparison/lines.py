@@ -1,8 +1,8 @@
 """Where a periodically excited run fails line by line: the response at each excited frequency.
 
-A machine that nothing holds drifts, and the drift of a run without feedback rules its position error. What
-the excitation did is in its lines: there the simulated motion is held against the measured one as a ratio,
-so that a resonance that the model lacks stands out where it is.
+What the excitation did is in its lines: there the simulated motion is held against the measured one as a
+ratio, or the torque measured against the one that the model needs, where a run follows the measured motion.
+So a resonance that the model lacks stands out where it is.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.core import Recording, RecordingError, Share
+from workbench.simulation import scored_torque
 
 _PERIODS = 3  # needed to tell a line from its noise
 _WIDTH = 2.0 ** (1 / 6)  # a sixth of an octave
@@ -22,7 +23,8 @@ def line_shares(errors: Sequence[RecordingError]) -> tuple[Share, ...]:
     """Bands that hold most of the squared log-ratio of simulated to measured motion, above the noise's.
 
     Args:
-        errors: recordings with their simulations; those with a stated period and no feedback count.
+        errors: recordings with their simulations; those with a stated period and no feedback count, or that
+            follow the measured motion.
 
     Returns:
         At most three shares of signal ``response`` an axis, largest first; empty where none applies.
@@ -31,21 +33,22 @@ def line_shares(errors: Sequence[RecordingError]) -> tuple[Share, ...]:
     for e in errors:
         r = e.recording
         period = r.excitation.period_s
-        if r.excitation.kind != "multisine" or not period or r.controller.kind != "none":
+        signal = {"none": "position", "unknown": scored_torque(r)}.get(r.controller.kind)
+        if r.excitation.kind != "multisine" or not period or signal is None:
             continue
         rows = round(period / r.period)
         count = len(r) // rows - 1  # the first period holds the transient
         if count < _PERIODS or abs(rows * r.period - period) > 0.5 * r.period or not r.valid.all():
             continue
         for i, axis in enumerate(r.axes):
-            shares += _bands(r, e.simulated, i, axis, rows, count)
+            shares += _bands(r, e.simulated, signal, i, axis, rows, count)
     return tuple(sorted(shares, key=lambda s: -s.share)[: _SHOWN * len(errors[0].recording.axes)])
 
 
 def _bands(
-    measured: Recording, simulated: Recording, i: int, axis: str, rows: int, count: int
+    measured: Recording, simulated: Recording, signal: str, i: int, axis: str, rows: int, count: int
 ) -> list[Share]:
-    real, made = (_spectra(x.position[:, i], rows, count) for x in (measured, simulated))
+    real, made = (_spectra(x.signals[signal][:, i], rows, count) for x in (measured, simulated))
     rate = 1.0 / (rows * measured.period)
     low = (measured.excitation.f_min_hz or rate) / rate
     high = (measured.excitation.f_max_hz or 0.4 / measured.period) / rate

@@ -121,7 +121,13 @@ def _closed(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, .
 
 
 def _followed(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    return tuple(replace(r, controller=replace(r.controller, kind="unknown")) for r in recordings)
+    return tuple(map(_along, recordings))
+
+
+def _along(recording: Recording) -> Recording:
+    note = "Nothing holds the machine, and its run drifts: the torque along the measured motion is compared."
+    notes = (*recording.notes, note) if recording.controller.kind == "none" else recording.notes
+    return replace(recording, controller=replace(recording.controller, kind="unknown"), notes=notes)
 
 
 def needs_inverse(model: Model, recording: Recording) -> bool:
