@@ -34,6 +34,7 @@ from .inverse import lowpass, torque_at_tap
 # A log may show the torque that stands until the next row, or that of the row's time, which says no log: the
 # mean over what stands comes half a row after the other, and ticks inside a row blur both.
 _EARLY, _LATE = -0.6, 0.15  # rows
+_LEAST_GAIN = 1e-3  # a motor that a wrong guess has burnt gives no torque, whatever is asked of it
 _BLUR = 0.1  # between 1/12 and 1/8
 _SLACK = 0.004  # of a torque's root mean square
 _KEPT = 4_000_000  # numbers of rigid torques that are remembered: most candidates share them
@@ -114,7 +115,7 @@ class Reading:
             offset = effect.response(motion, model, place, effect.to_coefficients(applied.values)[1]).offset
             assert offset is not None
             total += offset
-        return total / motion.gain
+        return total / np.maximum(motion.gain, _LEAST_GAIN)
 
     def _shift(self, rest: np.ndarray, late: np.ndarray) -> np.ndarray:
         """By how many rows (n,) each torque is late, as far as the motion tells."""
@@ -196,7 +197,7 @@ class Follower:
             torque[list(disturbance.taps)] = 0.0
         for column, part in disturbance.readings.items():
             torque[column] += self._shifted(part[0])
-        needed = -np.moveaxis(torque / self.motion.gain, 0, -1)
+        needed = -np.moveaxis(torque / np.maximum(self.motion.gain, _LEAST_GAIN), 0, -1)
         passed = lowpass(needed, self.reading.recording, self.reading.corner_hz)
         passed = np.einsum("kjc,ji->kic", passed, self.reading.to_actuator)
         return np.zeros_like(passed), self.reading.timed(self.plant, passed)

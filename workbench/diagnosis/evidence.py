@@ -8,7 +8,7 @@ from functools import cached_property
 
 from workbench.core import EffectKey, Shape, Share
 from workbench.effects import Door, effect_named
-from workbench.models import AppliedEffect, Model
+from workbench.models import AppliedEffect, Model, rotors
 
 from .data import Data
 from .hypothesis import Fit
@@ -110,7 +110,8 @@ class Clues:
         """
         lines = []
         if self.responses is not None:
-            lines += resonance_lines(self.responses, None)
+            soft = resonance_lines(self.responses, None)
+            lines += [*soft, *(_without_rotor(self.model) if soft else ())]
             lines += distortion_lines(self.responses, None)
         if self.missing is not None:
             known = [s.axis for s in where if s.axis in self.missing.axes]
@@ -150,3 +151,12 @@ def _worst(missing: Missing) -> str:
     """The axis that lacks most torque."""
     power = (missing.torque**2).sum(axis=0)
     return missing.axes[int(power.argmax())]
+
+
+def _without_rotor(model: Model) -> list[str]:
+    """Why no spring could be tried behind a motor: what would stay on its other side?"""
+    bare = [axis for axis, inertia in zip(model.axes, rotors(model)[0], strict=True) if inertia == 0.0]
+    advice = (
+        "move the motor's part of the inertia into the armature of its joint, and a spring behind it is tried"
+    )
+    return [f"the model has no inertia on the motor's side of {', '.join(bare)}: {advice}"] if bare else []
