@@ -41,6 +41,18 @@ class ReflectedInertia(Effect):
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
     ) -> None:
-        """Armature of the tendon."""
+        """Armature of the tendon; what is less than that has, of the joint that holds the rotor."""
         assert place is not None
-        build.spec.tendon(place.tendon).armature += values["inertia"]
+        tendon = build.spec.tendon(place.tendon)
+        whole = tendon.armature + values["inertia"]
+        tendon.armature = max(whole, 0.0)
+        if whole < 0.0:  # MuJoCo has no negative armature
+            name, ratio = _holder(build, model, place)
+            joint = build.spec.joint(name)
+            joint.armature = max(joint.armature + whole * ratio**2, 0.0)
+
+
+def _holder(build: Build, model: Model, place: Placement) -> tuple[str, float]:
+    """Joint that holds a drive's rotor, and how far the rotor turns with it: its own, or the serial one."""
+    turned = build.rows[place.tendon]
+    return next(iter(turned.items())) if len(turned) == 1 else (model.joints[place.index], 1.0)

@@ -173,11 +173,23 @@ def _from_table(table: ModelTable, file: Path) -> Model:
             *(_effect(entry, axes, file) for entry in table.effects),
         ),
         controller=_controller(table, n, file),
-        payload_site=table.payload.site if table.payload else None,
+        payload_site=table.payload.site if table.payload else _end(spec),
         sliding_speed=table.friction.sliding_speed,
         ground=_ground(table.ground, spec, file),
         source=file,
     )
+
+
+def _end(spec: mujoco.MjSpec) -> str | None:
+    """The site where the machine ends and a payload would hang, if only one is at the end of what moves."""
+    moving = [b for b in spec.bodies if b.joints]
+    ends = [b for b in moving if not any(other is not b and _carries(b, other) for other in moving)]
+    sites = [s.name for b in ends for s in b.find_all("site") if s.name]
+    return sites[0] if len(sites) == 1 else None
+
+
+def _carries(body: mujoco.MjsBody, other: mujoco.MjsBody) -> bool:
+    return any(below.name == other.name for below in body.find_all("body"))
 
 
 def _ground(table: GroundTable | None, spec: mujoco.MjSpec, file: Path) -> Ground | None:

@@ -1,0 +1,51 @@
+"""What a drive has of its own: from the model file, and from an MJCF joint that no other drive turns."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from tests.data_helpers import write_toml
+from workbench import load_model
+from workbench.models import rotors
+
+_ARM = """<mujoco><worldbody><body><joint name="a" axis="0 -1 0" armature="0.02" damping="0.3"/>
+<inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.01"/>
+<body pos="0 0 -0.2"><joint name="b" axis="0 -1 0" armature="0.05"/>
+<inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.01"/>{end}</body></body></worldbody></mujoco>"""
+
+
+def test_the_armature_of_a_joint_is_the_rotor_of_the_drive_that_turns_it_alone(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(_ARM.format(end=""))
+    inertia, damping = rotors(load_model(str(tmp_path / "arm.xml")))
+    assert inertia.tolist() == [0.02, 0.05] and damping.tolist() == [0.3, 0.0]
+    model = {
+        "format": 1, "name": "arm", "serial": "arm.xml", "axes": ["first", "second"],
+        "transmission": {"joints": ["b", "a"], "matrix": [[2.0, 0.0], [0.0, 1.0]]},
+        "actuators": {"inertia": [0.001, 0.0], "damping": [0.1, 0.2]},
+    }  # fmt: skip
+    inertia, damping = rotors(load_model(str(write_toml(tmp_path / "geared.toml", model))))
+    assert np.allclose(inertia, [0.001 + 0.05 / 4, 0.02]) and np.allclose(damping, [0.1, 0.5])
+
+
+def test_where_drives_share_a_joint_its_armature_is_nobodys(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text(_ARM.format(end=""))
+    model = {
+        "format": 1, "name": "arm", "serial": "arm.xml",
+        "transmission": {"joints": ["a", "b"], "matrix": [[1.0, 0.0], [1.0, 1.0]]},
+        "actuators": {"inertia": 0.004},
+    }  # fmt: skip
+    assert rotors(load_model(str(write_toml(tmp_path / "leg.toml", model))))[0].tolist() == [0.004, 0.004]
+
+
+def test_a_payload_hangs_at_the_only_site_at_the_end(tmp_path: Path) -> None:
+    found = []
+    for name, end in (
+        ("one", '<site name="tool"/>'),
+        ("none", ""),
+        ("two", '<site name="x"/><site name="y"/>'),
+    ):
+        (tmp_path / f"{name}.xml").write_text(_ARM.format(end=end))
+        found.append(load_model(str(tmp_path / f"{name}.xml")).payload_site)
+    assert found == ["tool", None, None]
