@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import minimize
 
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
@@ -13,6 +14,8 @@ from workbench.models import Model, Placement
 from .base import Door, Effect, Parameter, Response
 from .chain import Build
 from .motion import Motion, at_tap, torque_bounds
+
+_SIMPLEX = np.array([[0.0, 0.0], [0.05, 0.0], [0.0, 0.05]])  # in the logarithm of both
 
 
 class SpeedTorqueLimit(Effect):
@@ -43,20 +46,24 @@ class SpeedTorqueLimit(Effect):
     def shapes(
         self, motions: Sequence[Motion], model: Model, place: Placement | None
     ) -> Sequence[Mapping[str, float]]:
-        """Lines that cut something off; the likely ones if the torque was measured."""
+        """Lines that cut something off; the likely one if the torque was measured."""
         assert place is not None
         asked, speed, measured = at_tap(motions, place.index)
         top, fast = float(np.abs(asked).max()) + 1e-9, float(np.abs(speed).max()) + 1e-9
         stalls, ends = (0.4, 0.6, 0.9, 1.3, 2.0), np.geomspace(0.4, 3.0, 6)
         if measured is not None:
-            stalls, ends = np.geomspace(0.05, 3.0, 24), np.geomspace(0.3, 20.0, 20)
+            top = float(np.abs(measured).max()) + 1e-9
+            stalls, ends = np.geomspace(0.3, 10.0, 24), np.geomspace(0.3, 20.0, 20)
         tried = [(top * s, fast * e) for s in stalls for e in ends]
         ways = [(s, v, braking) for braking in (False, True) for s, v in tried]
         if measured is not None:
             none = np.asarray(np.inf)
-            bounds = (torque_bounds(speed, none, np.asarray(s), np.asarray(v), full) for s, v, full in ways)
-            off = [np.sum((np.clip(asked, *b) - measured) ** 2) for b in bounds]
-            ways = [ways[k] for k in np.argsort(off)[:6]]
+
+            def off(stall: float, end: float, full: bool) -> float:
+                line = torque_bounds(speed, none, np.asarray(stall), np.asarray(end), full)
+                return float(np.sum((np.clip(asked, *line) - measured) ** 2))
+
+            ways = [_downhill(off, min(ways, key=lambda way: off(*way)))]
         return [
             {"stall_torque": float(s), "no_load_speed": float(v), "full_braking": float(b)}
             for s, v, b in ways
@@ -91,3 +98,21 @@ class SpeedTorqueLimit(Effect):
         assert place is not None
         build.chain.stall[place.index] = values["stall_torque"]
         build.chain.no_load[place.index] = values["no_load_speed"]
+
+
+def _downhill(
+    off: Callable[[float, float, bool], float], start: tuple[float, float, bool]
+) -> tuple[float, float, bool]:
+    """The line from which a measured torque is least off, from a start near it.
+
+    Where a loop is at its limit for long, a start that is a per cent off leads a fit by simulation astray.
+    """
+    stall, end, full = start
+    simplex = np.log([stall, end]) + _SIMPLEX
+    found = minimize(
+        lambda x: off(*np.exp(x), full),
+        simplex[0],
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "xatol": 1e-5, "fatol": 0.0, "maxfev": 80},
+    )
+    return float(np.exp(found.x[0])), float(np.exp(found.x[1])), full

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from workbench.models import Model, Placement
 
@@ -30,15 +31,22 @@ class TorqueSaturation(Effect):
     def shapes(
         self, motions: Sequence[Motion], model: Model, place: Placement | None
     ) -> Sequence[Mapping[str, float]]:
-        """Ceilings from a tenth of the highest torque to all of it; the likely ones if it was measured."""
+        """Ceilings from a tenth of the highest torque to all of it; the likely one if it was measured."""
         assert place is not None
         asked, _, measured = at_tap(motions, place.index)
         top = float(np.abs(asked).max()) + 1e-9
         if measured is None:
             return [{"limit": float(v)} for v in top * np.geomspace(0.1, 0.97, 16)]
-        tried = top * np.geomspace(0.03, 0.99, 150)
-        off = np.array([np.sum((np.clip(asked, -v, v) - measured) ** 2) for v in tried])
-        return [{"limit": float(v)} for v in tried[np.argsort(off)[:4]]]
+        tried = (float(np.abs(measured).max()) + 1e-9) * np.geomspace(0.03, 1.0, 150)
+
+        def off(limit: float) -> float:
+            return float(np.sum((np.clip(asked, -limit, limit) - measured) ** 2))
+
+        best = int(np.argmin([off(v) for v in tried]))
+        # where the loop is at its limit for long, a start that is a per cent off leads a fit astray
+        around = tried[max(best - 1, 0)], tried[min(best + 1, len(tried) - 1)]
+        exact = minimize_scalar(off, bounds=around, method="bounded", options={"xatol": 1e-5 * tried[best]})
+        return [{"limit": float(exact.x)}]
 
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
