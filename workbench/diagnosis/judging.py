@@ -178,6 +178,14 @@ def _floor(data: Data) -> float:
     return data.objective(data.pool(data.floor))
 
 
+def reached(found: Fit, data: Data, times: float = AT_FLOOR) -> bool:
+    """Whether the noise explains the rest: `times` its error judged, and not much more fitted.
+
+    Held-out motion that hardly shows what is lacking is explained by anything.
+    """
+    return found.judged < times * floor_of_judging(data) and found.trained < _NEAR_FLOOR * _floor(data)
+
+
 def helps(found: Fit, current: Fit, excess: float) -> bool:
     """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
     # a recording that does not show the effect says neither yes nor no
@@ -223,17 +231,18 @@ def choose(
     helpful: list[tuple[Candidate, Fit]],
     stated: Sequence[Candidate],
     before: float,
-    floor: float,
+    data: Data,
     model: Model,
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
     """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
+    floor = floor_of_judging(data)
 
     def cost(c: Candidate) -> tuple[int, int]:
         effect = effect_named(c.key.effect)
         return effect.free(model), effect.tier
 
     known = [(c, f) for c, f in helpful if c in stated]
-    reached = [(c, f) for c, f in helpful if f.judged < AT_FLOOR * floor]
+    done = [(c, f) for c, f in helpful if reached(f, data)]
     top, most = min(((c, f.judged) for c, f in helpful), key=lambda cj: cj[1])
     basic = [
         (c, f)
@@ -243,7 +252,7 @@ def choose(
         and before - f.judged > _BASIC * (before - most)
         and not (most < _NEAR_FLOOR * floor and f.judged > _FAR_WORSE * most)
     ]
-    pool = known or reached or basic or helpful
+    pool = known or done or basic or helpful
     best = min(f.judged for _, f in pool)
     ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + TIE)]
     ties.sort(key=lambda cf: (cost(cf[0]), cf[1].judged))

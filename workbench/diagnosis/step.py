@@ -15,7 +15,6 @@ from .fit import fit, race
 from .giving import pins_of, what_gives_way
 from .hypothesis import Fit
 from .judging import (
-    AT_FLOOR,
     HELPS,
     LATER_SHARE,
     cancels,
@@ -25,6 +24,7 @@ from .judging import (
     helps,
     lowers_error,
     margin,
+    reached,
     witnessed,
 )
 from .refining import polished, prune, settle, with_candidate
@@ -76,9 +76,9 @@ def next_stage(
     removed: dict[EffectKey, float] = {}
     for tier, most in ((stated, len(stated)), (tiers[0], _SIMPLE), (tiers[1], _REFINED)):
         chosen = tier[:most]
-        reached = any(f.judged < AT_FLOOR * floor for _, f in fits)
+        done = any(reached(f, data) for _, f in fits)
         settled = tier is tiers[1] and any(c in stated for c, f in fits if helps(f, current, excess))
-        if not chosen or reached or settled:
+        if not chosen or done or settled:
             continue
         own, behind = _fitted(scene, chosen, current, data, progress)
         removed |= behind
@@ -89,7 +89,7 @@ def next_stage(
         fits += own[2:]
     structural = any(c in stated for c, f in fits if helps(f, current, excess))
     full = _MOST_OF_IT if later else _ALL_OF_IT
-    if not structural and not any(f.judged < full * floor for _, f in fits):
+    if not structural and not any(reached(f, data, full) for _, f in fits):
         # dear to simulate, and hardly ever asked for where all is rigid
         progress("looking for springs and gaps")
         best = min((f.judged for _, f in fits), default=np.inf)
@@ -103,7 +103,7 @@ def next_stage(
     helpful = [(c, f) for c, f in helpful if witnessed(scene, f)]
     if not helpful:
         return None
-    candidate, found, rivals = choose(helpful, stated, current.judged, floor, scene.model)
+    candidate, found, rivals = choose(helpful, stated, current.judged, data, scene.model)
     kept, dropped = prune(found, candidate.key, data, current)
     kept = polished(kept, data)
     if cancels(scene, kept):

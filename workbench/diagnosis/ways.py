@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from workbench.comparison.compare import consistent
 from workbench.effects import effect_named
 
 from .data import Data, floor_of
+from .everywhere import on_every_axis
 from .hypothesis import Fit
 from .judging import (
     EXPLAINED,
@@ -104,11 +106,12 @@ def onwards(way: Way, quest: Quest, *, through: bool = False) -> Way:
 def otherwise(way: Way, quest: Quest) -> Way:
     """The first of the other ways that leads to the noise; `way` where none does.
 
-    By what the training recordings show, where held-out motion shows little; with two effects at once, since
-    the best first step of a pair may be neither of them; and boldly on from where the first way ended.
+    By what the training recordings show, where held-out motion shows little; with the same cause on every
+    axis, each of which has its share; with two effects at once, since the best first step of a pair may be
+    neither of them; and boldly on from where the first way ended.
     """
     start, data = quest.start, quest.data
-    for begin in (_by_training, two_at_once):
+    for begin in (_by_training, partial(on_every_axis, quest.screened), two_at_once):
         stages = begin(quest.scene, data, start, quest.progress)
         if not stages:
             continue

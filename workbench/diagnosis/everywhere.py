@@ -1,0 +1,177 @@
+"""One cause on every axis: joints that were built alike lack the same things."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import effect_named
+
+from .data import Data
+from .fit import fit, race
+from .hypothesis import Fit, Hypothesis
+from .judging import (
+    cancels,
+    explains_most,
+    floor_of_judging,
+    margin_over,
+    overshadowed,
+    rejudged,
+    witnessed,
+)
+from .refining import polished, prune, settle, with_candidate
+from .screen import Candidate, Entry, equations, judge, limits_of
+from .sensitivity import Column, Scene
+from .stage import Stage
+
+_FRICTION = ("coulomb_friction", "viscous_damping")
+_DRIVES = (*_FRICTION, "reflected_inertia")
+_PROMISING = 0.4  # share of the excess that a set may leave by the linearised loop, to be simulated
+_SIMULATED = 4
+
+
+@dataclass(frozen=True)
+class _Fitted:
+    """Effects, each on all axes, with their fit."""
+
+    effects: tuple[str, ...]
+    fit: Fit
+
+
+def on_every_axis(
+    screened: Sequence[Candidate], scene: Scene, data: Data, start: Fit, progress: Callable[[str], None]
+) -> tuple[Stage, ...]:
+    """The effects, one or a few that go together, which explain most when all axes have them.
+
+    Where each of many axes has a share of what is lacking, none explains enough by itself. Axes that do
+    well without are left out again.
+
+    Args:
+        screened: every effect in every place, as a first one.
+        scene: the model that lacks something.
+        data: its recordings.
+        start: the model as it is.
+        progress: told what is being done.
+
+    Returns:
+        One stage an effect and axis, what does most first; their data and runs are not their own yet.
+        Empty where nothing explains much.
+    """
+    if scene.model.size < 2:
+        return ()
+    progress("looking for one cause on every axis")
+    if overshadowed(start, data):  # held-out motion that shows little cannot judge
+        data = data.unheard()
+        start = rejudged(start, data)
+    sets = _promising(screened, scene, data, start)[:_SIMULATED]
+    if not sets:
+        return ()
+    progress(f"fitting {'; '.join(' and '.join(names) for names, _ in sets)} on every axis")
+    tried = [_with_all(scene, chosen, start) for _, chosen in sets]
+    raced = zip(sets, race(tried, start, data)[0], strict=True)
+    fits = [_Fitted(names, f) for (names, _), f in raced if f is not None]
+    floor = floor_of_judging(data)
+    for found in sorted(fits, key=lambda f: f.fit.judged):
+        last = found.fit.hypothesis.free[-1].key
+        kept, _ = prune(settle(found.fit, data, floor), last, data, start)
+        best = replace(found, fit=polished(kept, data))
+        sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
+        if sound and explains_most(best.fit, start, data):
+            return _stages(best, fits, data, start)
+    return ()
+
+
+def _promising(
+    screened: Sequence[Candidate], scene: Scene, data: Data, start: Fit
+) -> list[tuple[tuple[str, ...], list[Candidate]]]:
+    """Sets of effects by what they leave on the linearised loop, with each axis's share of it."""
+    at_drives = {
+        (c.key.effect, c.key.axis): c
+        for c in screened
+        if c.key.axis is not None and c.key.location == "actuator" and np.isfinite(c.judged)
+    }
+    names = [n for n in dict.fromkeys(n for n, _ in at_drives) if effect_named(n).free(scene.model) > 0]
+    columns, entries = _columns(scene, [c for c in at_drives.values() if c.key.effect in names])
+    if not columns:
+        return []
+    pieces, held_out = equations(scene, [], columns, data, start.simulated)
+    floor = floor_of_judging(data)
+    most = floor + _PROMISING * max(start.judged - floor, 0.0)
+    found: list[tuple[float, tuple[str, ...], list[Candidate]]] = []
+    for option in (*((name,) for name in names), _FRICTION, _DRIVES):
+        own = [e for name in option for e in entries if e.key.effect == name]
+        if len(own) < 2:
+            continue
+        bounds = [np.concatenate(b) for b in zip(*(limits_of(scene, e) for e in own), strict=True)]
+        index = [k for e in own for k in e.linear]
+        fixed = [e.fixed for e in own if e.fixed is not None]
+        judged, solution = judge(pieces, held_out, index, fixed, (bounds[0], bounds[1]))
+        parts = np.split(solution, np.cumsum([len(e.linear) for e in own])[:-1])
+        chosen = [Candidate(e.key, x, e.shape, judged, 0.0) for e, x in zip(own, parts, strict=True)]
+        if judged < most:
+            found.append((judged, option, chosen))
+    return [(option, chosen) for _, option, chosen in sorted(found, key=lambda f: f[0])]
+
+
+def _columns(scene: Scene, candidates: Sequence[Candidate]) -> tuple[list[Column], list[Entry]]:
+    """Columns of candidates in their best shape, and where they stand."""
+    columns: list[Column] = []
+    entries: list[Entry] = []
+    for c in candidates:
+        linear, fixed = scene.columns(c.key, c.shape)
+        first = len(columns)
+        columns += [*linear, *([fixed] if fixed else [])]
+        last = first + len(linear)
+        entries.append(Entry(c.key, c.shape, list(range(first, last)), last if fixed else None, 1.0))
+    return columns, entries
+
+
+def _with_all(scene: Scene, chosen: Sequence[Candidate], start: Fit) -> Hypothesis:
+    current = start
+    for candidate in chosen:
+        current = replace(current, hypothesis=with_candidate(scene, candidate, current))
+    return current.hypothesis
+
+
+def _stages(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> tuple[Stage, ...]:
+    """The effects one after the other, what does most by itself first."""
+    whole = best.fit.hypothesis
+    singles = fit([replace(whole, free=(a,)) for a in whole.free], data, iterations=2)
+    left = [np.inf if s is None else s.judged for s in singles]
+    order = [whole.free[k] for k in np.argsort(left, kind="stable")]
+    parts = [replace(whole, free=tuple(order[: k + 1])) for k in range(len(order) - 1)]
+    grown = [f for f in fit(parts, data) if f is not None]
+    excess = max(start.judged, 1e-12)
+    ranking = tuple(
+        (whole.free[k].key, 1.0 - left[k] / excess)
+        for k in np.argsort(left, kind="stable")
+        if left[k] < np.inf
+    )
+    margin = margin_over(best.fit, [f.fit.judged for f in fits if not set(f.effects) & set(best.effects)])
+    before, stages = start, []
+    for result in (*grown, best.fit):
+        added = next(a.key for a in order if a.key not in _keys(before) and a.key in _keys(result))
+        stages.append(
+            Stage(
+                added=added,
+                fit=result,
+                data=data,
+                removed_share=(before.judged - result.judged) / excess,
+                rivals=(),
+                others=(),
+                dropped=(),
+                ranking=ranking,
+                margin=margin,
+                folds=(int(np.sum(result.agreeing < before.agreeing)), len(result.agreeing)),
+                by_held_out=data.held_out_judges,
+            )
+        )
+        before = result
+    return tuple(stages)
+
+
+def _keys(found: Fit) -> set[EffectKey]:
+    return {a.key for a in found.hypothesis.free}
