@@ -84,10 +84,10 @@ def search(
 
 def _simplified(way: Way, seed: int, progress: Progress) -> Way:
     """Once all causes are there, a simpler form of an earlier one where it does as well."""
-    for stage in way.stages[:-1]:
-        simple = simpler(stage, way.current, way.data, progress)
-        if simple is not None:
-            way = with_stages(way, (simple,), seed)
+    for stage in way.stages:
+        simple = simpler(stage, way.current, way.data, progress, last=stage is way.stages[-1])
+        if simple:
+            way = with_stages(way, simple, seed)
     return way
 
 

@@ -2,55 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import combinations
 
+from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 
 from .data import Data
 from .fit import fit
-from .hypothesis import Fit
+from .hypothesis import Fit, Hypothesis
 from .judging import TIE
 from .refining import polished, with_candidate
-from .screen import screen
+from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
+
+_LOSS = 0.1  # of the judged error ...
+_UNSEEN = 5e-4  # ... and of what the effect takes off: a difference of 2 % in size
 
 Progress = Callable[[str], None]
 
 
-def simpler(stage: Stage, current: Fit, data: Data, progress: Progress) -> Stage | None:
-    """A simpler effect in place of one that was chosen while other causes were missing; None where it fails.
+def simpler(
+    stage: Stage, current: Fit, data: Data, progress: Progress, *, last: bool = False
+) -> tuple[Stage, ...]:
+    """Simpler effects in place of one that was chosen while other causes were missing; none where that fails.
 
-    What a refinement had more than its special case may have been the shape of what came later.
+    What a refinement had more than its special case may have been the shape of what came later. And one that
+    has two special cases may have been both of them, neither of which did enough by itself.
 
     Args:
         stage: the effect in question, as it was found.
         current: the last fit, with it and all that came later.
         data: recordings, with the noise floor of that model.
         progress: told what is being done.
+        last: nothing came after it, so that special cases one by one lost against it already.
 
     Returns:
-        The stage in which the simpler effect replaces the other; its `data` and `runs` are not its own yet.
+        The stages in its place, one or two; their `data` and `runs` are not their own yet.
     """
     given_up = next((a for a in current.hypothesis.free if a.key == stage.added), None)
-    if given_up is None or not effect_named(given_up.key.effect).contains:
-        return None
+    special = effect_named(given_up.key.effect).contains if given_up else ()
+    if given_up is None or len(special) <= last:
+        return ()
     progress(f"asking whether less than {given_up.key} will do")
     free = tuple(a for a in current.hypothesis.free if a is not given_up)
     (rest,) = fit([replace(current.hypothesis, free=free)], data, iterations=1)
     if rest is None:
-        return None
+        return ()
     scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
     candidates, _ = screen(scene, data, rest.simulated, rest.hypothesis.free)
     chosen = [c for c in candidates if contains(given_up.key, c.key)]
-    fits = fit([with_candidate(scene, c, rest) for c in chosen], data)
-    enough = (1.0 + TIE) * current.judged
-    good = [(c, f) for c, f in zip(chosen, fits, strict=True) if f is not None and f.judged < enough]
-    if not good:
-        return None
-    candidate, found = min(good, key=lambda cf: cf[1].judged)
-    rivals = tuple(k for k in stage.rivals if k != candidate.key)
-    return replace(
-        stage, added=candidate.key, fit=polished(found, data), dropped=(given_up.key,), rivals=rivals
-    )
+    for count in (2,) if last else (1, 2):
+        sets = list(combinations(chosen, count))
+        fits = fit([_with(scene, each, rest) for each in sets], data)
+        enough = _enough(current.judged, rest.judged)
+        good = [(s, f) for s, f in zip(sets, fits, strict=True) if f is not None and f.judged < enough]
+        if good:
+            best, found = min(good, key=lambda sf: sf[1].judged)
+            return _stages(stage, given_up.key, best, polished(found, data), data)
+    return ()
+
+
+def _enough(now: float, without: float) -> float:
+    """Judged error up to which less will do: a tie, or no loss beside what the effect explains."""
+    return max((1.0 + TIE) * now, min((1.0 + _LOSS) * now, now + _UNSEEN * (without - now)))
+
+
+def _with(scene: Scene, chosen: Sequence[Candidate], rest: Fit) -> Hypothesis:
+    current = rest
+    for candidate in chosen:
+        current = replace(current, hypothesis=with_candidate(scene, candidate, current))
+    return current.hypothesis
+
+
+def _stages(
+    stage: Stage, given_up: EffectKey, chosen: Sequence[Candidate], found: Fit, data: Data
+) -> tuple[Stage, ...]:
+    """The effects one after the other, in place of a stage."""
+    keys = [c.key for c in chosen]
+    rivals = tuple(k for k in stage.rivals if k not in keys)
+    last = replace(stage, added=keys[-1], fit=found, dropped=(given_up,), rivals=rivals)
+    if len(keys) == 1:
+        return (last,)
+    alone = tuple(a for a in found.hypothesis.free if a.key != keys[-1])
+    (first,) = fit([replace(found.hypothesis, free=alone)], data)
+    return () if first is None else (replace(last, added=keys[0], fit=first), replace(last, dropped=()))
