@@ -82,7 +82,8 @@ def _stages(
 ) -> tuple[Stage, ...]:
     """The effects one after the other, in place of a stage."""
     keys = [c.key for c in chosen]
-    rivals = tuple(k for k in stage.rivals if k not in keys)
+    twins = effect_named(given_up.effect).twins  # what stood beside it only stood in for the rest of it
+    rivals = tuple(k for k in stage.rivals if k not in keys and k.effect not in twins)
     last = replace(stage, added=keys[-1], fit=found, dropped=(given_up,), rivals=rivals)
     if len(keys) == 1:
         return (last,)
