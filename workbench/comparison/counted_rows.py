@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d
+import scipy
 
 from workbench.core import Recording
 
@@ -37,13 +37,15 @@ def moving(
         least = np.max([_STILL * own, 0.25 * _STILL * overall, _SURE * noise], axis=0)
         # a quick reversal is no standstill; what happens in one the filter spreads
         wide = 2 * int(_SPREAD / reading.corner_hz / r.period) + 1
-        moves = maximum_filter1d(speed > least, wide, axis=0)
-        moves = minimum_filter1d(moves, 2 * wide - 1, axis=0)
+        moves = scipy.ndimage.maximum_filter1d(speed > least, wide, axis=0)
+        moves = scipy.ndimage.minimum_filter1d(moves, 2 * wide - 1, axis=0)
         # a torque counts where all move that it is made of: virtual work takes it there
         counts = np.stack([moves[:, c].all(axis=1) for c in _made_of(reading.to_actuator, rows)], axis=1)
         edge = min(len(r) // 10, int(_EDGE_S / r.period))
         counts[:edge], counts[len(r) - edge :] = False, False
-        near = np.asarray(minimum_filter1d(r.valid, 2 * int(1.0 / reading.corner_hz / r.period) + 1), bool)
+        near = np.asarray(
+            scipy.ndimage.minimum_filter1d(r.valid, 2 * int(1.0 / reading.corner_hz / r.period) + 1), bool
+        )
         out.append(counts & near[:, None])
     return out
 

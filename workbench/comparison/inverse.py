@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+import scipy
 
 from workbench.core import InverseDynamics, Recording
 from workbench.effects import Plant, compile_plant
@@ -87,5 +87,7 @@ def torque_at_tap(plant: Plant, recording: Recording, track: Track, to_actuator:
 
 def lowpass(values: np.ndarray, recording: Recording, corner_hz: float | None = None) -> np.ndarray:
     """Zero-phase low-pass, at `cutoff_hz` where no corner is given."""
-    sos = butter(_ORDER, corner_hz or cutoff_hz(recording), fs=1.0 / recording.period, output="sos")
-    return sosfiltfilt(sos, values, axis=0, padlen=min(len(values) - 1, 3 * 10))
+    sos = scipy.signal.butter(
+        _ORDER, corner_hz or cutoff_hz(recording), fs=1.0 / recording.period, output="sos"
+    )
+    return scipy.signal.sosfiltfilt(sos, values, axis=0, padlen=min(len(values) - 1, 3 * 10))

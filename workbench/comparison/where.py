@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.signal import welch
+import scipy
 
 from workbench.core import Recording, RecordingError, Share
 
@@ -110,7 +110,7 @@ class Series:
         return self._power(self.residual, edges) - noise
 
     def _power(self, values: np.ndarray, edges: np.ndarray) -> np.ndarray:
-        f, density = welch(values, fs=self.rate, nperseg=min(len(values), 4096), detrend=False)  # pyright: ignore[reportArgumentType]
+        f, density = scipy.signal.welch(values, fs=self.rate, nperseg=min(len(values), 4096), detrend=False)  # pyright: ignore[reportArgumentType]
         index = np.clip(np.searchsorted(edges, f, side="right") - 1, 0, _BINS - 1)
         return np.bincount(index, weights=density * (f[1] - f[0]) * len(values), minlength=_BINS)
 

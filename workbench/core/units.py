@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING
 
-import pint
-
-REGISTRY: pint.UnitRegistry = pint.UnitRegistry()
+if TYPE_CHECKING:
+    import pint
 
 #: Accepted dimensions of each signal kind: the rotary unit first, then the linear one.
 KINDS: dict[str, tuple[str, ...]] = {
@@ -19,6 +19,14 @@ KINDS: dict[str, tuple[str, ...]] = {
     "temperature": ("K",),
     "force": ("N",),
 }
+
+
+@cache
+def _registry() -> pint.UnitRegistry:
+    """All units that pint knows: a tenth of a second and more, which recordings in SI need not wait for."""
+    import pint
+
+    return pint.UnitRegistry()
 
 
 @lru_cache(maxsize=256)
@@ -35,16 +43,19 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
     Raises:
         ValueError: unknown unit, or a unit of another dimension; the text says which.
     """
+    if (product := unit.replace(" ", "*")) in KINDS[kind]:
+        return 1.0, 0.0, product
+    registry = _registry()
     try:
-        parsed = REGISTRY.parse_units(unit)
+        parsed = registry.parse_units(unit)
     except Exception as error:
         raise ValueError(f"unknown unit '{unit}'") from error
     for si in KINDS[kind]:
-        target = REGISTRY.parse_units(si)
+        target = registry.parse_units(si)
         # pint holds an angle to be a bare number; an angle unit must still not pass for a length
         if parsed.dimensionality == target.dimensionality:
-            zero = REGISTRY.Quantity(0.0, parsed).to(target).magnitude
-            one = REGISTRY.Quantity(1.0, parsed).to(target).magnitude
+            zero = registry.Quantity(0.0, parsed).to(target).magnitude
+            one = registry.Quantity(1.0, parsed).to(target).magnitude
             return float(one - zero), float(zero), si
     expected = " or ".join(KINDS[kind])
     raise ValueError(f"unit '{unit}' is not a unit of {kind} (expected {expected} or alike)")

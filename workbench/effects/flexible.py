@@ -13,8 +13,8 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
+import scipy
 from scipy.linalg import expm
-from scipy.signal import lfilter
 
 from workbench.core import EffectKey
 from workbench.models import Model, Placement, axis_tendon, rotors
@@ -144,7 +144,7 @@ def spring_wind(
     trace, seen, through = float(np.trace(kept)), change[1], 1.0 / inertia
     bottom = np.array([1.0, -trace, float(np.linalg.det(kept))])
     top = through * bottom + np.array([0.0, seen @ added, seen @ (kept - trace * np.eye(2)) @ added])
-    return np.asarray(lfilter(top, bottom, torque))
+    return np.asarray(scipy.signal.lfilter(top, bottom, torque))
 
 
 def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count: int) -> np.ndarray:

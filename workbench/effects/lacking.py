@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from scipy.optimize import least_squares
-from scipy.signal import butter, sosfiltfilt
 
 from workbench.models import Model
 
@@ -45,11 +45,15 @@ class Lack:
     def of(motion: Motion, model: Model, load: np.ndarray, column: np.ndarray) -> Lack:
         """From the whole load (N,) and column (N, n)."""
         top = min(_BAND, 0.2 / motion.step)
-        sos = butter(2, top, fs=1.0 / motion.step, output="sos")
+        sos = scipy.signal.butter(2, top, fs=1.0 / motion.step, output="sos")
         rows = slice(None, None, max(1, round(0.2 / (top * motion.step))))
-        missing = np.asarray(sosfiltfilt(sos, lacking(motion, model), axis=0))
+        missing = np.asarray(scipy.signal.sosfiltfilt(sos, lacking(motion, model), axis=0))
         return Lack(
-            motion.step, np.asarray(sosfiltfilt(sos, load - load[0])), column[rows], missing[rows], rows
+            motion.step,
+            np.asarray(scipy.signal.sosfiltfilt(sos, load - load[0])),
+            column[rows],
+            missing[rows],
+            rows,
         )
 
     def left(self, answer: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from workbench.models import Model, Placement
 
@@ -63,4 +63,4 @@ def lagged(values: np.ndarray, step: float, time_constant: float) -> np.ndarray:
     # y1 = kept y0 + (x1 - x0) (1 - ratio (1 - kept)) + x0 (1 - kept)
     rise = 1.0 - ratio * (1.0 - kept)
     start = values[0] - rise * values[0]
-    return lfilter([rise, 1.0 - kept - rise], [1.0, -kept], values, zi=[start])[0]
+    return scipy.signal.lfilter([rise, 1.0 - kept - rise], [1.0, -kept], values, zi=[start])[0]

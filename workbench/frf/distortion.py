@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from workbench.core import InputError, Recording
 
@@ -88,7 +88,7 @@ def distortion(recordings: Sequence[Recording], **options: object) -> Distortion
         count = 2 * power.shape[0] * len(m.spectra)
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = power.mean(axis=0) / quiet.mean(axis=0)
-        chance = stats.f.sf(ratio, count, 2 * max(free, 1) * power.shape[0])
+        chance = scipy.stats.f.sf(ratio, count, 2 * max(free, 1) * power.shape[0])
         stands = (chance < _SURE) & (above > 1e-12 * total) if len(power) else np.zeros(ny, bool)
         share = np.sqrt(np.maximum(power.mean(axis=0) - quiet.mean(axis=0), 0) / total)
         shares.append(np.where(stands, share, 0.0) if len(power) else np.full(ny, np.nan))

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
-from scipy.ndimage import maximum_filter1d
+import scipy
 
 from workbench.core import InputError, Recording
 
@@ -49,7 +48,7 @@ def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
     if choice.reference is not None:
         reference = span.columns([choice.reference], periods=1)
         size = np.abs(period_spectra(reference, rows, every)[0]).max(axis=1)
-        nearby = maximum_filter1d(size, 2 * _NEARBY + 1)
+        nearby = scipy.ndimage.maximum_filter1d(size, 2 * _NEARBY + 1)
         found = every[(size > _SILENT * size.max()) & (size > _QUIETER * nearby)]
     else:
         spectra = period_spectra(span.columns([choice.input], periods=_LOOKED_AT), rows, every)
@@ -145,7 +144,7 @@ def _repeats(spectra: np.ndarray) -> np.ndarray:
     mean = spectra.mean(axis=0)
     variance = np.sum(np.abs(spectra - mean) ** 2, axis=0) / (count - 1)
     ratio = count * np.abs(mean) ** 2 / np.maximum(variance, 1e-300)
-    sure = ratio > stats.f.ppf(1 - 1e-4 / mean.size, 2, 2 * (count - 1))
+    sure = ratio > scipy.stats.f.ppf(1 - 1e-4 / mean.size, 2, 2 * (count - 1))
     large = np.abs(mean) > 0.01 * np.abs(mean).max(axis=0)
     return np.any(sure & large, axis=1)
 

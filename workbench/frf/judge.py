@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from .response import Frf
 from .statistics import expected_distance
@@ -80,6 +80,6 @@ def judge(rest: Sequence[np.ndarray], used: Sequence[Frf], measured: Sequence[Fr
         std=std,
         correlation=correlation,
         correlation_std=float(spread),
-        size_fine=bool(cost < expected + stats.norm.isf(_LEVEL) * std),
-        white=bool(abs(correlation) < stats.norm.isf(_LEVEL / 2) * spread + bias),
+        size_fine=bool(cost < expected + scipy.stats.norm.isf(_LEVEL) * std),
+        white=bool(abs(correlation) < scipy.stats.norm.isf(_LEVEL / 2) * spread + bias),
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.signal import find_peaks
+import scipy
 
 from workbench.core import Estimate, InputError
 
@@ -52,7 +52,7 @@ def find_resonances(
     noise = 20 / np.log(10) * std / np.maximum(size, 1e-300) / np.sqrt(2)
     found = []
     for kind, sign in (("resonance", 1.0), ("antiresonance", -1.0)):
-        places, properties = find_peaks(sign * level, prominence=prominence_db)
+        places, properties = scipy.signal.find_peaks(sign * level, prominence=prominence_db)
         for place, prominence in zip(places, properties["prominences"], strict=True):
             # the neighbours' noise as well: a top that noise made looks sure of itself
             near = slice(max(place - lines, 0), place + lines + 1)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy
 import scipy.fft
-from scipy import stats
 
 from .leakage import spectra_between
 
@@ -132,9 +132,10 @@ def transient_periods(periods: np.ndarray) -> tuple[int, bool | None]:
         variance = np.sum(np.abs(rest - middle) ** 2, axis=0) / (q - 1)
         floor = (_NOTHING * np.abs(middle)) ** 2 + 1e-300
         ratio = np.abs(periods[drop] - middle) ** 2 / (np.maximum(variance, floor) * (1 + 1 / q))
-        chance = stats.f.logsf(ratio, 2, 2 * (q - 1))
+        chance = scipy.stats.f.logsf(ratio, 2, 2 * (q - 1))
         if all(
-            stats.chi2.sf(-2 * chance[a:b].sum(axis=0).min(), 2 * (b - a)) > _SURE for a, b in _octaves(lines)
+            scipy.stats.chi2.sf(-2 * chance[a:b].sum(axis=0).min(), 2 * (b - a)) > _SURE
+            for a, b in _octaves(lines)
         ):
             return drop, True
     return count // 2, False

@@ -9,7 +9,7 @@ Math. Statist. 34, 1963.
 from __future__ import annotations
 
 import numpy as np
-from scipy import stats
+import scipy
 
 
 def entry_radius(variance: np.ndarray, dof: np.ndarray | float, level: float) -> np.ndarray:
@@ -20,12 +20,12 @@ def entry_radius(variance: np.ndarray, dof: np.ndarray | float, level: float) ->
         dof: complex residuals behind it, broadcast against `variance`.
         level: probability, 0 to 1.
     """
-    return np.sqrt(variance * stats.f.ppf(level, 2, 2 * np.asarray(dof)))
+    return np.sqrt(variance * scipy.stats.f.ppf(level, 2, 2 * np.asarray(dof)))
 
 
 def real_halfwidth(variance: np.ndarray, dof: np.ndarray | float, level: float) -> np.ndarray:
     """Half the interval of one real component of a complex number; arguments as `entry_radius`."""
-    return np.sqrt(variance / 2) * stats.t.ppf(0.5 + 0.5 * level, 2 * np.asarray(dof))
+    return np.sqrt(variance / 2) * scipy.stats.t.ppf(0.5 + 0.5 * level, 2 * np.asarray(dof))
 
 
 def distance(
@@ -48,7 +48,7 @@ def distance(
     with np.errstate(invalid="ignore", divide="ignore"):
         t = np.real(np.einsum("fi,fi->f", deviation.conj(), _solve(covariance, deviation)))
         left = np.asarray(dof, float) - size + 1
-        p = stats.f.sf(t * left / (np.asarray(dof, float) * m), 2 * m, 2 * left)
+        p = scipy.stats.f.sf(t * left / (np.asarray(dof, float) * m), 2 * m, 2 * left)
     return t, np.where(left > 0, p, np.nan)
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from workbench.core.palette import COLOURS, LINES
 from workbench.frf import Fit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _FIT = LINES["fit"].drawn()
 _DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
@@ -16,6 +18,8 @@ _DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
 
 def fit_figure(fit: Fit) -> Figure:
     """Measured response with its 95 % band and the fit, magnitude over phase, one column an entry."""
+    from matplotlib.figure import Figure  # slow to import, and only pictures need it
+
     first = fit.frfs[0]
     rows, columns = first.response.shape[1:]
     figure = Figure(figsize=(3.2 * rows * columns + 0.8, 4.6), layout="constrained")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import welch
+import scipy
 
 from workbench.core import Recording
 from workbench.recordings.noise import NoiseLevels
@@ -63,7 +63,7 @@ def _reversals(v: np.ndarray, threshold: float) -> int:
 
 
 def _band(v: np.ndarray, period: float) -> tuple[float, float]:
-    f, power = welch(v, 1 / period, nperseg=min(len(v), max(256, round(4 / period))))
+    f, power = scipy.signal.welch(v, 1 / period, nperseg=min(len(v), max(256, round(4 / period))))
     above = np.clip(power - 2 * np.median(power[-len(power) // 4 :]), 0, None)
     share = np.cumsum(above) / max(above.sum(), 1e-300)
     return float(f[np.searchsorted(share, 0.01)]), float(f[np.searchsorted(share, 0.99)])

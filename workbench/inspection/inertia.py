@@ -10,7 +10,7 @@ from collections.abc import Callable
 from itertools import combinations
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+import scipy
 
 from workbench.core import Recording
 
@@ -57,8 +57,8 @@ def _band_pass(recording: Recording) -> Callable[[np.ndarray], np.ndarray]:
     """A zero-phase filter for columns (N, n): above gravity, below the sensors' noise."""
     half = 0.5 / recording.period
     low, high = _LOWEST_HZ, min(_HIGHEST_HZ, 0.6 * half)
-    sos = butter(2, [min(low, 0.2 * high) / half, high / half], btype="band", output="sos")
-    return lambda x: sosfiltfilt(sos, x, axis=0)
+    sos = scipy.signal.butter(2, [min(low, 0.2 * high) / half, high / half], btype="band", output="sos")
+    return lambda x: scipy.signal.sosfiltfilt(sos, x, axis=0)
 
 
 def _mobility(a: np.ndarray, tau: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import correlate
+import scipy
 
 _MOST = 200_000  # rows; more would not move a lag
 
@@ -28,6 +28,6 @@ def follow(leader: np.ndarray, follower: np.ndarray, reach: int) -> tuple[int, f
         return 0, 0.0
     reach = min(reach, len(a) - 1)
     middle = len(a) - 1
-    at = np.abs(correlate(b, a, mode="full", method="fft")[middle - reach : middle + reach + 1])
+    at = np.abs(scipy.signal.correlate(b, a, mode="full", method="fft")[middle - reach : middle + reach + 1])
     lag = int(np.argmax(at))
     return lag - reach, float(min(1.0, at[lag] / size))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
+import scipy
 
 from workbench.core import Recording
 from workbench.recordings.velocity import derive_velocity
@@ -98,8 +98,8 @@ def _smooth(v: np.ndarray, slope: np.ndarray, period: float) -> tuple[np.ndarray
     top = np.fft.rfftfreq(len(slope), period)[np.searchsorted(share, 0.95)]
     cut = min(2 * float(top) * 2 * period, 0.8)
     cut = max(cut, 0.004)
-    sos = butter(2, cut, output="sos")
-    return sosfiltfilt(sos, v), sosfiltfilt(sos, slope), cut
+    sos = scipy.signal.butter(2, cut, output="sos")
+    return scipy.signal.sosfiltfilt(sos, v), scipy.signal.sosfiltfilt(sos, slope), cut
 
 
 def _fit(columns: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

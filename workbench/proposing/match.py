@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
-from scipy.signal import correlate
+import scipy
 
 from workbench.recordings.velocity import derive_velocity
 
@@ -51,7 +50,9 @@ def _relation(a: np.ndarray, b: np.ndarray) -> Relation:
     if size == 0 or reach < 1:
         return Relation(0.0, 0, 0.0)
     middle = len(a) - 1
-    by_lag = correlate(b, a, mode="full", method="fft")[middle - reach : middle + reach + 1] / size
+    by_lag = (
+        scipy.signal.correlate(b, a, mode="full", method="fft")[middle - reach : middle + reach + 1] / size
+    )
     at = int(np.argmax(np.abs(by_lag)))
     lag = at - reach
     x, y = (a[: len(a) - lag], b[lag:]) if lag >= 0 else (a[-lag:], b[:lag])
@@ -64,7 +65,7 @@ def _smooth(change: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.nd
     power = np.abs(np.fft.rfft(change - change.mean())) ** 2
     top = np.searchsorted(np.cumsum(power) / max(power.sum(), 1e-300), 0.95) / len(change)  # per row
     width = int(np.clip(0.1 / max(top, 1e-4), 1, 101))
-    return uniform_filter1d(change, width), uniform_filter1d(velocity, width)
+    return scipy.ndimage.uniform_filter1d(change, width), scipy.ndimage.uniform_filter1d(velocity, width)
 
 
 def held_share(values: np.ndarray) -> float:

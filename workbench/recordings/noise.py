@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import lru_cache
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from workbench.core import Recording
 
@@ -184,7 +184,8 @@ def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> flo
         explained = np.where(told, along**2 / np.where(told, size, 1.0), 0.0).sum(axis=1)
         freedom -= told.sum(axis=1)
     left = np.maximum((rest**2).sum(axis=1) - explained, 0.0)
-    return float(np.sqrt(np.median(left / chi2.median(np.maximum(freedom, 1)))))
+    median = 2.0 * gammaincinv(0.5 * np.maximum(freedom, 1), 0.5)  # of a chi-squared variable
+    return float(np.sqrt(np.median(left / median)))
 
 
 @lru_cache(maxsize=32)

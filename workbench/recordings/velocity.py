@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from scipy.signal import savgol_filter, welch
+import scipy
 
 _ORDER = 3
 
@@ -33,14 +33,16 @@ def _derive(position: np.ndarray, period: float) -> np.ndarray:
     cutoff = min(1.0, 2 * _bandwidth(position, period) * 2 * period)  # in units of half the row rate
     half = round((_ORDER + 1 + 4.6 * cutoff) / (3.2 * cutoff))
     half = int(np.clip(half, 2, (len(position) - 1) // 2))
-    return np.asarray(savgol_filter(position, 2 * half + 1, _ORDER, deriv=1, delta=period, mode="interp"))
+    return np.asarray(
+        scipy.signal.savgol_filter(position, 2 * half + 1, _ORDER, deriv=1, delta=period, mode="interp")
+    )
 
 
 def _bandwidth(position: np.ndarray, period: float) -> float:
     """The highest frequency with motion above the noise floor [Hz]."""
     # the difference whitens a motion that falls steeply with frequency, so that the window does not leak
     segment = min(len(position) - 1, max(64, round(1.0 / period)))
-    f, power = welch(np.diff(position), 1 / period, nperseg=segment)
+    f, power = scipy.signal.welch(np.diff(position), 1 / period, nperseg=segment)
     if not power[1:].any():
         return 0.25 / period
     power, f = power[1:] / np.sin(np.pi * f[1:] * period) ** 2, f[1:]

@@ -1,15 +1,29 @@
 """Results for people and programs: terminal tables, JSON, figures, and one self-contained page."""
 
-from .figures import house_style, ladder_figure, overlay_figure, residual_figure, save_figure, spectrum_figure
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from .json import comparison_dict, diagnosis_dict, improvement_dict, verification_dict, write_json
 from .layout import print_table
-from .page import render_page, write_page
 from .sections import sentence
-from .shapes import shape_figure
-from .sheet import Sheet, render_sheet, write_sheet
 from .tables import compare_table, diagnosis_table, improvement_table, truth_table
 from .verification import verification_table
-from .verification_sheet import verification_sheet
+
+if TYPE_CHECKING:
+    from .figures import (
+        house_style,
+        ladder_figure,
+        overlay_figure,
+        residual_figure,
+        save_figure,
+        spectrum_figure,
+    )
+    from .page import render_page, write_page
+    from .shapes import shape_figure
+    from .sheet import Sheet, render_sheet, write_sheet
+    from .verification_sheet import verification_sheet
 
 __all__ = [
     "Sheet",
@@ -38,3 +52,26 @@ __all__ = [
     "write_page",
     "write_sheet",
 ]
+
+_HOME = {
+    "Sheet": "sheet",
+    "house_style": "figures",
+    "ladder_figure": "figures",
+    "overlay_figure": "figures",
+    "render_page": "page",
+    "render_sheet": "sheet",
+    "residual_figure": "figures",
+    "save_figure": "figures",
+    "shape_figure": "shapes",
+    "spectrum_figure": "figures",
+    "verification_sheet": "verification_sheet",
+    "write_page": "page",
+    "write_sheet": "sheet",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """What draws is imported on first use: most results are a table, and matplotlib is slow to load."""
+    if name in _HOME:
+        return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

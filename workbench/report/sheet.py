@@ -11,17 +11,18 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from workbench.core.files import check_free, write_whole
 from workbench.core.palette import LINES
 
-from .figures import figure_bytes
 from .numbers import plain
 from .shell import compress, plotly, reproduce, template
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Most points of a curve; a longer one is thinned evenly along a logarithmic axis.
 _POINTS = 500
@@ -178,6 +179,8 @@ def render_sheet(
     numbered = iter(range(len(panels)))
     fallback = None
     if sheet.picture is not None and panels:
+        from .figures import figure_bytes  # slow to import, and only pictures need it
+
         figure, words = sheet.picture
         picture = base64.b64encode(figure_bytes(figure, "png", dpi=110)).decode("ascii")
         fallback = {"picture": picture, "words": plain(words)}

@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import savgol_filter
+import scipy
 
 from workbench.core import InputError, Recording
 
@@ -74,5 +74,5 @@ def _looked_at(name: str, time: np.ndarray, rows: np.ndarray, at: np.ndarray) ->
     """A signal (N, n) at other times (N,), none further off than a row: held, or moved on with its noise."""
     if name in _HELD:
         return rows[np.searchsorted(time, at + 1e-12, side="right") - 1]
-    speed = savgol_filter(rows, 7, 2, deriv=1, delta=time[1], axis=0)
+    speed = scipy.signal.savgol_filter(rows, 7, 2, deriv=1, delta=time[1], axis=0)
     return rows + speed * (at - time)[:, None]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from workbench.core.palette import COLOURS, LINES
 
 from .responses import FrfComparison
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _STYLE = {name: line.drawn() for name, line in LINES.items()}
 _DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
@@ -21,6 +25,8 @@ def frf_figure(comparison: FrfComparison, names: tuple[str, ...] | None = None) 
         comparison: one posture.
         names: models to draw; all if not given.
     """
+    from matplotlib.figure import Figure  # slow to import, and only pictures need it
+
     frf, shown = comparison.frf, names or tuple(comparison.models)
     ny, nu = frf.response.shape[1:]
     figure = Figure(figsize=(2.9 * ny * nu + 0.9, 6.6), layout="constrained")

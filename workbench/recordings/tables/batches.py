@@ -16,6 +16,7 @@ import pyarrow.parquet as pq
 from workbench.core import InputError
 
 from .csv_table import read_cells, separated_columns
+from .floats import floats
 from .missing import missing_column
 from .parquet_table import as_floats
 
@@ -80,9 +81,7 @@ def _csv(path: Path, columns: list[str]) -> Iterator[dict[str, np.ndarray]]:
     done = 0
     try:
         for batch in _text(path, width, separator, list(places.values()), pa.float64()):
-            yield {
-                c: np.array(batch.column(p).to_numpy(zero_copy_only=False), float) for c, p in places.items()
-            }
+            yield {c: floats(batch.column(p)) for c, p in places.items()}
             done += len(batch)
         return
     except (pa.ArrowInvalid, OSError, EOFError, zlib.error):

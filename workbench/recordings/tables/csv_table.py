@@ -13,6 +13,7 @@ import pyarrow.csv as pacsv
 
 from workbench.core import InputError
 
+from .floats import floats
 from .missing import missing_column
 
 _BOOLEANS = {"true": 1.0, "false": 0.0}
@@ -26,7 +27,7 @@ def read_csv(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
         table = _parse(path, width, separator, places, pa.float64())
     except (pa.ArrowInvalid, OSError, EOFError, zlib.error):
         return _parse_by_cell(path, width, separator, places)
-    return {column: _floats(table[place]) for column, place in places.items()}
+    return {column: floats(table[place]) for column, place in places.items()}
 
 
 def separated_columns(path: Path, columns: Sequence[str]) -> tuple[int, str, dict[str, str]]:
@@ -79,10 +80,6 @@ def _parse(path: Path, width: int, separator: str, places: dict[str, str], kind:
             strings_can_be_null=False,
         ),
     )
-
-
-def _floats(column: pa.ChunkedArray) -> np.ndarray:
-    return np.array(column.to_numpy(), dtype=float)
 
 
 def _parse_by_cell(path: Path, width: int, separator: str, places: dict[str, str]) -> dict[str, np.ndarray]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.io import loadmat, whosmat
+import scipy
 
 from workbench.core import InputError
 
@@ -23,8 +23,10 @@ def read_matlab(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     roots = {column: column.split(".")[0].split("[")[0].strip() for column in columns}
     check_matlab(path)
     try:
-        data = loadmat(path, variable_names=list(roots.values()), struct_as_record=False)
-        known = [str(name) for name, _, _ in whosmat(path)] if set(roots.values()) - set(data) else []
+        data = scipy.io.loadmat(path, variable_names=list(roots.values()), struct_as_record=False)
+        known = (
+            [str(name) for name, _, _ in scipy.io.whosmat(path)] if set(roots.values()) - set(data) else []
+        )
     except NotImplementedError as error:
         remedy = "save it again in MATLAB with save(..., '-v7')"
         raise InputError("MATLAB 7.3 files are not read", file=path, remedy=remedy) from error

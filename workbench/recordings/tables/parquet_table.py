@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 
 from workbench.core import InputError
 
+from .floats import floats
 from .missing import missing_column
 
 
@@ -39,4 +40,4 @@ def as_floats(array: pa.ChunkedArray | pa.Array, path: Path, column: str) -> np.
     if not any(is_kind(array.type) for is_kind in numeric):
         remedy = "store numbers (a time stamp as seconds)"
         raise InputError(f"holds {array.type}, not numbers", file=path, column=column, remedy=remedy)
-    return np.array(array.to_numpy(zero_copy_only=False), dtype=float)
+    return floats(array)
