@@ -11,16 +11,10 @@ from pathlib import Path
 import pytest
 import tomli_w
 
+from tests.cli.here import run
 from workbench.effects import load_model
 from workbench.recordings import save_recording
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, validation
-
-
-def run(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """The command line in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "workbench.cli", *map(str, words)], capture_output=True, text=True, cwd=cwd
-    )
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +84,15 @@ def test_mistakes_end_in_one_line_and_two(
     assert says in done.stderr and "Traceback" not in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_it_is_a_program(data: Path, tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "workbench.cli", "compare", "leg", str(data / "chirp_knee.toml")]
+    done = subprocess.run([*words, "--json", "out.json"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "chirp_knee" in done.stdout and json.loads((tmp_path / "out.json").read_text())["model"] == "leg"
+    done = subprocess.run([*words, "--json", "out.json"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and "--force" in done.stderr and len(done.stderr.splitlines()) == 1
 
 
 def test_nothing_is_overwritten_unasked(tmp_path: Path) -> None:

@@ -12,17 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.cli.here import run
 from tests.proposing.make import columns, log, text
 from workbench.recordings import load_recording
 
 LOG = log(600)
 WORKBENCH = [sys.executable, "-m", "workbench.cli"]
-
-
-def run(*words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*WORKBENCH, *words], cwd=folder, capture_output=True, text=True, stdin=subprocess.DEVNULL
-    )
 
 
 def torque_in_doubt(folder: Path) -> Path:
@@ -34,7 +29,7 @@ def torque_in_doubt(folder: Path) -> Path:
 def test_a_recording_is_written_and_read(tmp_path: Path) -> None:
     (tmp_path / "run.csv").write_text(text(columns(LOG), ";", ","))
     before = (tmp_path / "run.csv").read_bytes()
-    done = run("import", "run.csv", "--json", "said.json", folder=tmp_path)
+    done = run("import", "run.csv", "--json", "said.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "Wrote run.toml and run.table.csv.gz." in done.stdout and "decimal comma" in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 80
@@ -43,25 +38,25 @@ def test_a_recording_is_written_and_read(tmp_path: Path) -> None:
     said = json.loads((tmp_path / "said.json").read_text())
     assert said["recording"]["controller"]["kind"] == "pd"
     assert all(0 < a["probability"] <= 1 for a in said["assumptions"])
-    again = run("import", "run.csv", folder=tmp_path)
+    again = run("import", "run.csv", cwd=tmp_path)
     assert again.returncode == 2 and "--force" in again.stderr
-    assert run("inspect", "run.toml", folder=tmp_path).returncode == 0
+    assert run("inspect", "run.toml", cwd=tmp_path).returncode == 0
 
 
 def test_without_a_terminal_one_line_says_what_to_pass(tmp_path: Path) -> None:
     torque_in_doubt(tmp_path)
-    done = run("import", "run.csv", folder=tmp_path)
+    done = run("import", "run.csv", cwd=tmp_path)
     assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
     assert "unit of torque" in done.stderr and "--unit torque=" in done.stderr
     assert not (tmp_path / "run.toml").exists()
-    done = run("import", "run.csv", "--unit", "torque=Nmm", "-q", folder=tmp_path)
+    done = run("import", "run.csv", "--unit", "torque=Nmm", "-q", cwd=tmp_path)
     assert done.returncode == 0 and done.stdout == ""
     assert np.abs(load_recording(tmp_path / "run.toml").signals["torque_measured"] - LOG.tau).max() < 1e-9
 
 
 def test_yes_takes_the_likeliest_and_says_that_it_is_a_guess(tmp_path: Path) -> None:
     torque_in_doubt(tmp_path)
-    done = run("import", "run.csv", "--yes", folder=tmp_path)
+    done = run("import", "run.csv", "--yes", cwd=tmp_path)
     assert done.returncode == 0 and "a guess" in done.stdout
 
 
@@ -98,6 +93,6 @@ def test_on_a_terminal_it_asks(tmp_path: Path) -> None:
 )
 def test_wrong_answers_end_in_one_line(tmp_path: Path, words: list[str], said: str) -> None:
     (tmp_path / "run.csv").write_text(text(columns(LOG)))
-    done = run("import", "run.csv", *words, folder=tmp_path)
+    done = run("import", "run.csv", *words, cwd=tmp_path)
     assert done.returncode == 2 and said in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "run.toml").exists()

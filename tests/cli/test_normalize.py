@@ -3,19 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import mujoco
 import pytest
 
-
-def run(*words: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """The command line in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "workbench.cli", *map(str, words)], capture_output=True, text=True, cwd=cwd
-    )
+from tests.cli.here import run
 
 
 def test_a_model_becomes_a_plain_mjcf_file(tmp_path: Path) -> None:

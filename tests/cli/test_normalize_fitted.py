@@ -7,7 +7,7 @@ from pathlib import Path
 
 import mujoco
 
-from tests.cli.test_normalize import run
+from tests.cli.here import run
 
 
 def test_it_is_fitted_and_says_how_far_it_is_off(tmp_path: Path) -> None:

@@ -3,19 +3,11 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-
-def run(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """The command line in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "workbench.cli", *map(str, words)], capture_output=True, text=True, cwd=cwd
-    )
-
+from tests.cli.here import run
 
 SMALL = "--envs", 8, "--threads", 1
 
