@@ -92,6 +92,11 @@ def test_what_unpacks_for_ever(tmp_path: Path) -> None:
         for _ in range(300):
             part.write(bytes(2**20))
     refused(tmp_path / "large.zip", "unpacks to more than")
+    nameless = bytearray(bundle(tmp_path / "nameless.zip").read_bytes())
+    place = nameless.index(b"PK\1\2") + 28  # the length of the first part's name
+    nameless[place : place + 2] = b"\0\0"
+    (tmp_path / "nameless.zip").write_bytes(nameless)
+    refused(tmp_path / "nameless.zip", "not a policy bundle")
     with zipfile.ZipFile(tmp_path / "many.zip", "w") as archive:
         for k in range(1100):
             archive.writestr(str(k), b"")

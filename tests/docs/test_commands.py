@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli import here
 from workbench.core.paths import models_folder
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -41,16 +42,19 @@ def test_commands_of_a_page_run_in_order(page: Path, tmp_path: Path) -> None:
             run(command, shown, tmp_path)
 
 
-def run(command: str, shown: str, folder: Path) -> None:
-    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+def shell(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """What a line does in a shell; a command of ours runs in this process, once its patterns are expanded."""
     # documented commands are ours: the shell expands their patterns as a reader's does
-    done = subprocess.run(
-        ["bash", "-c", command],
-        cwd=folder,
-        env={**os.environ, "PATH": path, "COLUMNS": "120", "OPENBLAS_NUM_THREADS": "1"},
-        capture_output=True,
-        text=True,
-    )
+    whole = not command.startswith("workbench ") or any(sign in command for sign in "|<>&;")
+    script = command if whole else f"printf '%s\\0' {command}"
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    env = {**os.environ, "PATH": path, "COLUMNS": "120", "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(["bash", "-c", script], cwd=folder, env=env, capture_output=True, text=True)
+    return done if whole else here.run(*done.stdout.split("\0")[1:-1], cwd=folder, columns=120)
+
+
+def run(command: str, shown: str, folder: Path) -> None:
+    done = shell(command, folder)
     expected = re.search(r"# exit (\d)", command)
     said = f"{command}\n{done.stdout}\n{done.stderr}"
     assert done.returncode == (int(expected[1]) if expected else 0), said

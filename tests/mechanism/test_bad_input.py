@@ -9,6 +9,7 @@ import pytest
 from workbench.core import InputError, Mechanism, SimulationError
 from workbench.core.paths import closed_chain_file
 from workbench.mechanism import ClosedChain
+from workbench.mechanism.parse import parse
 
 from .chains import chain, joints_at, mechanism
 
@@ -29,6 +30,8 @@ IN_THE_FILE = {
     "moments that no body has": ("<iyy>0.0003<", "<iyy>1<", "do not satisfy the triangle inequality"),
     "no inertia": ("</model>", f"{BOX}</model>", r"column 'inertial': link 'box' has no <inertial>"),
     "a ball joint": ('knee" type="revolute', 'knee" type="ball', "joint 'knee' is of type ball_rpy; use rev"),
+    "an endless version": ('version="1.9"', f'version="{2**63}"', "read it: a whole number is too"),
+    "a pose beyond numbers": ("0 0 -0.175 0 0 0</pose></frame>", "0 0 1e308 0 0 0</pose></frame>", "inf m"),
     "a joint follows another": (CHILD, MIMIC, "it has a <mimic>; describe the mechanism by its links"),
     "a joint of the loop": ("</model>", f"{CUT}</model>", "its joints form a loop; leave out one"),
     "a coupler of a metre": ("0 0 -0.175 0 0 0</pose></frame>", "0 0 -1 0 0 0</pose></frame>", "0.825 m"),
@@ -45,6 +48,18 @@ def test_a_wrong_file(what: str, tmp_path: Path) -> None:
         ClosedChain(file)
     assert str(file) in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_what_would_end_the_process_is_an_error(tmp_path: Path) -> None:
+    file = tmp_path / "own.urdf"
+    file.write_text(
+        '<robot name="r"><link name="world"/><link name="arm"/><joint name="j" type="revolute">'
+        '<parent link="world"/><child link="arm"/><axis xyz="0 1 0"/>'
+        '<limit lower="2" upper="1" effort="9" velocity="9"/></joint></robot>'
+    )
+    with pytest.raises(InputError, match=r"cannot read it: condition .*pos_upper_limits.* failed") as error:
+        parse(file)
+    assert str(error.value).isprintable()
 
 
 LEG = Mechanism(closed_chain_file("leg"))

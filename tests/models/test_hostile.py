@@ -42,6 +42,7 @@ def with_(text: str, content: str) -> str:
         ('<asset><mesh name="m" file="/dev/zero"/></asset>', "no path from here"),
         ('<compiler meshdir="../"/><asset><mesh name="m" file="a.stl"/></asset>', "leads out of its folder"),
         ('<extension><plugin plugin="mujoco.pid"/></extension>', "plugin"),
+        ('<option gravity="0 0 -1e300"/>', r"gravity is -1e\+300 m/s\^2"),
         ("<a>" * 500 + "</a>" * 500, "nests more than"),
     ],
 )

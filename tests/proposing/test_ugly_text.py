@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.proposing.make import KD, KP, columns, imported, log, same, text
+from workbench.core import InputError
 from workbench.proposing import Answers, open_table, propose
 
 LOG = log()
@@ -236,3 +237,10 @@ def test_a_law_in_the_joints_is_found_behind_a_transmission(tmp_path: Path) -> N
     _, recording = imported(file, Answers(transmission=belt, coordinates="actuator"))
     assert recording.controller.coordinates == "joint"
     assert np.allclose(recording.controller.kp, KP, rtol=0.01)
+
+
+def test_text_that_breaks_off_within_a_letter_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.txt"
+    path.write_bytes(text(columns(LOG)).encode("utf-16-le")[:-1])
+    with pytest.raises(InputError, match="is no UTF-16-LE text from byte"):
+        open_table(path)

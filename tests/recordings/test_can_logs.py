@@ -75,3 +75,13 @@ def test_what_cannot_be_read_is_named(tmp_path: Path) -> None:
     (tmp_path / "run.dbc").unlink()
     with pytest.raises(InputError, match="needs a DBC"):
         load_recording(path)
+
+
+def test_what_a_reader_would_leave_out_is_refused(tmp_path: Path) -> None:
+    path = logged(tmp_path, ".blf")
+    raw = bytearray((tmp_path / "run.blf").read_bytes())
+    place = raw.index(b"LOBJ") + 16  # the first container's method of compression
+    raw[place : place + 2] = b"\x02\x02"
+    (tmp_path / "run.blf").write_bytes(raw)
+    with pytest.raises(InputError, match=r"no readable log: Unknown compression method \(514\)"):
+        load_recording(path)

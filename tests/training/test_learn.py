@@ -12,6 +12,7 @@ import torch
 from workbench.core import InputError
 from workbench.training.checkpoint import load
 from workbench.training.curve import read_curve
+from workbench.training.export import export
 from workbench.training.learn import CHECKPOINT, CONFIG
 
 from .make import run
@@ -94,6 +95,19 @@ def test_a_checkpoint_that_carries_code_is_not_run(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="not a checkpoint"):
         load(tmp_path / "trap.pt", "cpu")
     assert not (tmp_path / "sprung").exists()
+
+
+def test_a_checkpoint_beyond_numbers_is_not_exported(tmp_path: Path) -> None:
+    run(tmp_path / "run", 1)
+    path = tmp_path / "run" / CHECKPOINT
+    for value, says in ((float("nan"), "is not finite"), (3e38, "holds no policy")):
+        state = load(path, "cpu")
+        for key, weights in state["learner"]["actor_state_dict"].items():
+            weights[...] = value if key.endswith("weight") else weights
+        torch.save(state, path)
+        with pytest.raises(InputError, match=says):
+            export(tmp_path / "run", tmp_path / "new.zip")
+    assert not (tmp_path / "new.zip").exists()
 
 
 def test_two_processes_learn_one_policy_and_go_on_with_it(tmp_path: Path) -> None:

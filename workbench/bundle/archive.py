@@ -12,6 +12,11 @@ from workbench.core import InputError
 MOST_PARTS = 1000
 MOST_BYTES = 256 * 2**20  # of all parts unpacked
 _REMEDY = "make it with `workbench export`"
+#: What a zip archive that is damaged ends in; a RuntimeError is a part that is encrypted, or packed in a way
+#: that is not known here, an IndexError one without a name.
+_DAMAGED = (
+    OSError, EOFError, ValueError, KeyError, IndexError, RuntimeError, zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
 
 
 def read_parts(file: Path) -> dict[str, bytes]:
@@ -28,8 +33,7 @@ def read_parts(file: Path) -> dict[str, bytes]:
             return {entry.filename: archive.read(entry) for entry in entries}
     except FileNotFoundError as error:
         raise InputError("no such bundle", file=file, remedy="name a .zip of `workbench export`") from error
-    except (OSError, EOFError, ValueError, KeyError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
-        # a RuntimeError is a part that is encrypted, or packed in a way that is not known here
+    except _DAMAGED as error:
         raise InputError("not a policy bundle", file=file, remedy=_REMEDY) from error
 
 

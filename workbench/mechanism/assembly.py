@@ -68,7 +68,8 @@ def _close(tree: Tree, theta: np.ndarray) -> np.ndarray | None:
 
 
 def _gap_text(tree: Tree) -> str:
-    gaps = np.linalg.norm(tree.gap().reshape(-1, 3), axis=1)
+    with np.errstate(over="ignore"):  # an infinite gap is one that stays open too
+        gaps = np.linalg.norm(tree.gap().reshape(-1, 3), axis=1)
     return f"{gaps.max():.3g} m stay open at loop {int(gaps.argmax()) + 1}"
 
 

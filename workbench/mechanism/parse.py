@@ -22,6 +22,8 @@ from workbench.core import InputError
 from workbench.core.xml import parse_xml
 
 GRAVITY = 9.81  # m/s^2
+#: How Drake refuses: a condition that fails wants to end the process, too long a number is out of range.
+_REFUSALS = RuntimeError, ValueError, IndexError, OverflowError, SystemExit
 
 
 @dataclass(frozen=True)
@@ -130,9 +132,9 @@ def _read(file: Path, plant: Any) -> Any:
     try:
         with quiet() as warnings:
             models = Parser(plant).AddModels(Path(file))
-    except (RuntimeError, ValueError) as error:
+    except _REFUSALS as error:
         raise InputError(
-            f"Drake cannot read it: {error}", file=file, remedy="correct what it names"
+            f"Drake cannot read it: {_reason(error)}", file=file, remedy="correct what it names"
         ) from error
     _refuse_replaced_inertias(warnings, file)
     if len(models) != 1:
@@ -158,9 +160,9 @@ def _finalize(plant: Any, file: Path) -> None:
     try:
         with quiet():
             plant.Finalize()
-    except (RuntimeError, ValueError) as error:
+    except _REFUSALS as error:
         looped = "loop" in str(error)
-        problem = "its joints form a loop" if looped else f"Drake cannot build it: {error}"
+        problem = "its joints form a loop" if looped else f"Drake cannot build it: {_reason(error)}"
         remedy = (
             "leave out one joint of the loop, put a frame at its pin on either link and name the pair"
             if looped
@@ -190,11 +192,16 @@ def _refuse_replaced_inertias(warnings: list[str], file: Path) -> None:
     for warning in warnings:
         found = re.search(r":(\d+): warning: While .*inertia.*?: (.*)", warning, re.DOTALL)
         if found:
-            reason = re.sub(r"Failure at .*condition", "condition", " ".join(found[2].split()))
             raise InputError(
-                f"an inertia that no link can have: {reason}", file=file, row=int(found[1]),
+                f"an inertia that no link can have: {_reason(found[2])}", file=file, row=int(found[1]),
                 remedy="give a positive mass and a positive inertia about the centre of mass",
             )  # fmt: skip
+
+
+def _reason(said: object) -> str:
+    """What Drake says in one line, without the place in its own source."""
+    text = re.sub(r"Failure at .*?condition", "condition", " ".join(str(said).split()))
+    return "a whole number is too large" if text == "stoi" else text
 
 
 @contextmanager

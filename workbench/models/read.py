@@ -20,6 +20,7 @@ from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
 from .paths import find_model
 from .schema import EffectTable, GroundTable, ModelTable, ParameterTable
 
+_STRONGEST = 1e6  # m/s^2; no machine stands where gravity is stronger
 _LINKAGE_KEYS = {"linkage_inertia": ("M11", "M12", "M22"), "linkage_gravity": ("g1", "g2")}
 _LINKAGE_UNITS = {"M11": "kg*m^2", "M12": "kg*m^2", "M22": "kg*m^2", "g1": "N*m", "g2": "N*m"}
 
@@ -90,6 +91,10 @@ def _hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
         names.append(joint.name)
     if not names:
         raise InputError("the MJCF has no joints", file=file, remedy="give a tree with hinge or slide joints")
+    strongest = float(max(spec.option.gravity, key=abs))
+    if not abs(strongest) < _STRONGEST:
+        problem = f"gravity is {strongest:.3g} m/s^2"
+        raise InputError(problem, file=file, column="gravity", remedy="give it in m/s^2")
     try:
         with warned():  # what is lacking may stand in the model file, as a drive's inertia does
             spec.compile()

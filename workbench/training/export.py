@@ -42,8 +42,11 @@ def export(run: str | Path, path: str | Path, *, force: bool = False) -> Path:
     try:
         actor = {k: v.numpy() for k, v in checkpoint["learner"]["actor_state_dict"].items()}
         iterations, seconds = int(checkpoint["iteration"]), float(checkpoint["seconds"])
+        if bad := next((k for k, v in actor.items() if not np.isfinite(v).all()), None):
+            raise ValueError(f"'{bad}' is not finite")
         policy = to_onnx(actor)
-        difference = compare_with_torch(policy, actor)
+        with np.errstate(over="raise", invalid="raise"):
+            difference = compare_with_torch(policy, actor)
     except Exception as error:  # weights of no network: numpy, torch and ONNX each say so in their own way
         raise InputError(
             f"the checkpoint holds no policy: {error}", file=folder / CHECKPOINT, remedy="train again"

@@ -52,7 +52,11 @@ def read_text(path: Path) -> Table:
     """
     raw = _raw(path)
     encoding = _encoding(raw, path)
-    text = raw.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
+    try:
+        text = raw.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
+    except UnicodeDecodeError as error:
+        problem = f"is no {encoding.upper()} text from byte {error.start} on"
+        raise InputError(problem, file=path, remedy="check that the file is whole") from error
     lines = text.split("\n", _LOOK + 1)[: _LOOK + 1]
     style = _style(lines, encoding, path)
     names = _names(lines, style)

@@ -146,6 +146,23 @@ def _database(path: Path) -> Any:
         raise InputError(f"is no DBC: {error}", file=file, remedy="export it again") from error
 
 
+@contextlib.contextmanager
+def _whole() -> Iterator[None]:
+    """What a reader of logs leaves out with a warning is refused: a recording has no silent gaps."""
+    log, keep = logging.getLogger("can.io"), logging.Handler(logging.WARNING)
+    before, keep.emit = (log.handlers, log.propagate), _refuse
+    log.handlers, log.propagate = [keep], False
+    try:
+        yield
+    finally:
+        log.handlers, log.propagate = before
+
+
+def _refuse(record: logging.LogRecord) -> None:
+    if record.name == "can.io.blf":  # others leave nothing out
+        raise ValueError(record.getMessage())
+
+
 def _messages(path: Path) -> Iterator[can.Message]:
     """The data frames of a log."""
     import can  # takes seconds to load, and most tables are no logs
@@ -155,7 +172,7 @@ def _messages(path: Path) -> Iterator[can.Message]:
             reading = contextlib.closing(mf4_messages(path))
         else:
             reading = can.LogReader(path)
-        with reading as messages:
+        with _whole(), reading as messages:
             for message in messages:
                 if not abs(message.timestamp) < _LATEST:
                     raise ValueError(f"a frame's time is {message.timestamp:g} s")
