@@ -9,12 +9,14 @@ import subprocess
 import sys
 import textwrap
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from workbench.core import InputError
 from workbench.core.files import write_all, write_whole
+from workbench.core.unfinished import READY, finish
 
 
 def pair(folder: Path) -> dict[Path, str]:
@@ -104,6 +106,65 @@ def test_a_killed_process_leaves_one_named_folder_and_the_next_run_is_not_distur
     assert {p: p.read_text() for p in old} == old
     write_all(dict.fromkeys(old, "new"), force=True)
     assert (tmp_path / "run.csv").read_text() == "new"
+
+
+@pytest.mark.parametrize("at", [0, 1, 2])
+@pytest.mark.parametrize("next_one", ["reads", "writes", "writes another"])
+def test_killed_between_two_renames_the_pair_is_completed_by_the_next(
+    at: int, next_one: str, tmp_path: Path
+) -> None:
+    old = pair(tmp_path)
+    script = f"""
+        import os, signal
+        from pathlib import Path
+        from workbench.core.files import write_all
+        calls, replace = [], os.replace
+        def dying(*words):
+            if len(calls) == {at}:
+                os.kill(os.getpid(), signal.SIGKILL)
+            calls.append(words)
+            replace(*words)
+        os.replace = dying
+        os.unlink = os.rmdir = lambda *words, **more: os.kill(os.getpid(), signal.SIGKILL)
+        write_all({{Path({str(tmp_path)!r}) / n: "new" for n in ("run.toml", "run.csv")}}, force=True)
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True)
+    assert done.returncode == -signal.SIGKILL
+    assert [p.read_text() for p in old] == (["new"] * at + list(old.values())[at:])[:2]
+    new = dict.fromkeys(old, "new")
+    if next_one == "reads":
+        finish(tmp_path)
+    else:
+        others = {tmp_path / f"{k}": "other" for k in range(2)} if next_one == "writes another" else new
+        write_all(dict(others), force=True)
+        new |= others
+    kept(new, tmp_path)
+
+
+def test_a_list_that_leads_out_of_its_folder_is_not_followed(tmp_path: Path) -> None:
+    (tmp_path / "own" / READY).mkdir(parents=True)
+    (tmp_path / "own" / READY / "0").write_text("new")
+    for names in ('["../out"]', '["/etc/x"]', "[1]", "no list", '[""]'):
+        (tmp_path / "own" / READY / "names.json").write_text(names)
+        with pytest.raises(InputError, match=r"\.unfinished\.part: .* cannot be placed"):
+            finish(tmp_path / "own")
+    assert [p.name for p in tmp_path.iterdir()] == ["own"] and (tmp_path / "own" / READY / "0").exists()
+
+
+def test_readers_wait_for_a_writer_that_is_at_it(tmp_path: Path) -> None:
+    def at_work() -> None:
+        for k in range(40):
+            write_all({tmp_path / "a": f"{k}", tmp_path / "b": f"{k}"}, force=True)
+
+    write_all({tmp_path / "a": "-", tmp_path / "b": "-"})
+    with ThreadPoolExecutor(3) as pool:
+        jobs = [pool.submit(at_work), pool.submit(at_work)]
+        while not all(job.done() for job in jobs):
+            finish(tmp_path)
+        for job in jobs:
+            job.result()
+    assert (tmp_path / "a").read_text() == (tmp_path / "b").read_text() == "39"
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
 
 
 def test_modes_are_those_of_any_new_file(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
+from .unfinished import finish, place
 
 
 def write_whole(path: str | Path, data: str | bytes, *, force: bool = False) -> Path:
@@ -33,8 +34,9 @@ def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list
     """Write files that belong together, all of them or none; they lie in one folder.
 
     Whatever goes wrong before the last byte is on the disk leaves what was there before. An interrupt waits
-    until all are in their places. A process that is killed leaves at most one hidden folder behind, named
-    after the first file and ending in ``.part``; the next run takes no notice of it.
+    until all are in their places. A process that is killed leaves at most one hidden folder behind, which
+    ends in ``.part``: one named after the first file holds what was not complete, and nobody takes notice of
+    it; what was complete is put into its places by whoever reads or writes there next (`finish`).
 
     Returns:
         The paths written.
@@ -50,10 +52,13 @@ def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list
         stage: Path | None = None
         try:
             folder.mkdir(parents=True, exist_ok=True)
+            finish(folder)
             stage = Path(tempfile.mkdtemp(dir=folder, prefix=f".{targets[0].name[:100]}.", suffix=".part"))
             staged = [_written(stage / str(i), data) for i, data in enumerate(files.values())]
-            for part, target in zip(staged, targets, strict=True):
-                os.replace(part, target)
+            if len(targets) == 1:
+                os.replace(staged[0], targets[0])
+            else:
+                place(stage, [target.name for target in targets])
         except OSError as error:
             reason = error.strerror or str(error)
             raise InputError(f"cannot write: {reason}", file=targets[0]) from error

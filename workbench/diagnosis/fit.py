@@ -23,6 +23,7 @@ _FAR_BEHIND = 8.0
 _TELLING = 0.6  # share of the error in the recordings of a race's first heats
 _HEATS = 3  # simulations of each hypothesis in them
 _BEHIND = 2.5  # what leaves this many times the best one's excess falls out
+_AT_ONCE = 20_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
 PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
 
@@ -139,9 +140,14 @@ def _reject(work: _Work) -> None:
 
 
 def _linearise(works: list[_Work], data: Data) -> None:
-    """Normal equations about each hypothesis, per fold."""
-    if not works:
-        return
+    """Normal equations about each hypothesis, per fold; of long recordings a few hypotheses at a time."""
+    size = sum(len(r) * len(r.axes) ** 2 for r in data.recordings[: data.training])
+    together = max(1, _AT_ONCE // size)
+    for first in range(0, len(works), together):
+        _linearise_together(works[first : first + together], data)
+
+
+def _linearise_together(works: list[_Work], data: Data) -> None:
     scenes = [Scene.of(w.best.model, data, w.runs, data.training) for w in works]
     columns = [[c for a in w.best.free for c in s.derivatives(a)] for w, s in zip(works, scenes, strict=True)]
     responses = respond(scenes, columns, data)

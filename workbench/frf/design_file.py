@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 from workbench.core import InputError
 from workbench.core.files import check_free, write_all
 from workbench.core.formats import check_format
+from workbench.core.unfinished import finish
 from workbench.recordings.tables import read_table
 
 from .excitation import Design, Trial
@@ -156,6 +157,7 @@ def _design(d: _DesignTable, experiments: np.ndarray) -> Design:
 
 
 def _read(path: Path) -> _DesignTable:
+    finish(path.parent)
     try:
         content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
         check_format(content, 1, path)

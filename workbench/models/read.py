@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
 from workbench.core.formats import check_format
 from workbench.core.paths import models_folder
+from workbench.core.unfinished import finish
 
 from .engine import warned
 from .mjcf import check_mjcf
@@ -34,6 +35,7 @@ def read_model(path: str | Path) -> Model:
     Raises:
         InputError: anything wrong with the file; one line with the key and the remedy.
     """
+    finish(Path(path).parent)
     file = find_model(path)
     if file.suffix == ".xml":
         return _from_table(ModelTable(format=1, name=file.stem, serial=file.name), file)

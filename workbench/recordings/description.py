@@ -11,6 +11,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat,
 
 from workbench.core import AXIS_SIGNALS, InputError
 from workbench.core.formats import check_format
+from workbench.core.unfinished import finish
 from workbench.core.units import KINDS
 
 
@@ -109,6 +110,7 @@ def read_description(path: Path) -> Description:
     Raises:
         InputError: missing or malformed file, or a key or value that the format does not have.
     """
+    finish(path.parent)
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:

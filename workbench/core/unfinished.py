@@ -1,0 +1,110 @@
+"""Files that belong together take their places together, even where the process that places them is killed.
+
+They lie ready in a hidden folder. One rename of that folder decides that they are to be placed; whoever reads
+or writes there next places what a killed process has left. A lock tells it from one that is still at work.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from .errors import InputError
+
+#: Hidden folder of files that are decided on and not yet all in their places; one in a folder.
+READY = ".unfinished.part"
+_NAMES = "names.json"
+
+
+def place(stage: Path, names: Sequence[str]) -> None:
+    """Move files of a hidden folder, called ``0``, ``1``, ..., to these names beside it: all, come what may.
+
+    Raises:
+        OSError: the folder cannot be written; before the first file is in its place.
+    """
+    with (stage / _NAMES).open("w", encoding="utf-8") as stream:
+        json.dump(list(names), stream)
+        stream.flush()
+        os.fsync(stream.fileno())
+    ready = stage.parent / READY
+    with _locked(stage):
+        while True:
+            try:
+                os.rename(stage, ready)
+                break
+            except OSError:
+                if not ready.is_dir():
+                    raise
+                finish(stage.parent)  # another process is at it, or was killed at it
+        _finish(ready)
+
+
+def finish(folder: str | Path) -> None:
+    """Place what a process that was killed has left in a folder; mostly there is nothing.
+
+    Raises:
+        InputError: there is something, and it cannot be placed.
+    """
+    ready = Path(folder) / READY
+    try:
+        while ready.is_dir():
+            with _locked(ready) as still:
+                if still:
+                    _finish(ready)
+                    return
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise InputError(
+            f"files that belong together were left unfinished here, and cannot be placed: {reason}",
+            file=ready, remedy="make the folder writable, or delete this one and write them again",
+        ) from error  # fmt: skip
+
+
+def _finish(ready: Path) -> None:
+    with suppress(FileNotFoundError):  # the list goes last: without it all are in their places
+        names = json.loads((ready / _NAMES).read_text(encoding="utf-8"))
+        if not isinstance(names, list) or not all(isinstance(n, str) and _plain(n) for n in names):
+            raise ValueError("its list of names is none")
+        for k, name in enumerate(names):
+            with suppress(FileNotFoundError):  # it is in its place already
+                os.replace(ready / str(k), ready.parent / name)
+        os.unlink(ready / _NAMES)
+    try:
+        os.rmdir(ready)
+    except OSError:
+        # once it is empty, another process may put its own in its place, list and all
+        with suppress(FileNotFoundError):
+            left = os.listdir(ready)
+            if left and _NAMES not in left:
+                raise
+
+
+def _plain(name: str) -> bool:
+    return name not in ("", ".", "..", READY) and Path(name).name == name and "\0" not in name
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[bool]:
+    """Nobody else is at a folder; gives whether it is still there once the others are done."""
+    try:
+        handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    except FileNotFoundError:
+        yield False
+        return
+    try:
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield _is(folder, handle)
+    finally:
+        os.close(handle)
+
+
+def _is(folder: Path, handle: int) -> bool:
+    try:
+        return os.path.samestat(os.stat(folder), os.fstat(handle))
+    except FileNotFoundError:
+        return False
