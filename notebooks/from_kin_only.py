@@ -9,8 +9,9 @@ import workbench as wb
 from workbench import report
 from workbench.rigs import VirtualLeg, multisine, slow_sweep, validation
 
-recordings = VirtualLeg(seed=0).run([multisine("sum"), multisine("difference"), slow_sweep()])
-judge = VirtualLeg(seed=1).run([validation(1)])
+short = [multisine(mode, period=2.0, duration=4.0) for mode in ("sum", "difference")]
+recordings = VirtualLeg(seed=0).run([*short, slow_sweep(duration=6.0)])
+judge = VirtualLeg(seed=1).run([validation(1, duration=3.0)])
 result, better = wb.improve(wb.load_model("leg_kin_only"), recordings, judge)
 
 # %%

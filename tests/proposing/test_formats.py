@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -155,6 +157,13 @@ def test_lerobot(tmp_path: Path) -> None:
     assert "position_reference" in proposal.description["columns"]
     with pytest.raises(InputError, match="no episode 7"):
         open_table(folder, episode=7)
+
+
+def test_lerobot_is_read_by_a_process_that_has_loaded_nothing_else(tmp_path: Path) -> None:
+    code = "import pathlib, sys, workbench.proposing as p; p.open_table(pathlib.Path(sys.argv[1]))"
+    words = [sys.executable, "-c", code, str(lerobot(tmp_path / "set"))]
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_can_log(tmp_path: Path) -> None:

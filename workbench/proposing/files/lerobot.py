@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from workbench.core import InputError
@@ -53,7 +54,7 @@ def read_lerobot(folder: Path, episode: int = 0) -> Table:
             raise InputError(
                 "is not a readable Parquet file", file=file, remedy="download it again"
             ) from error
-        mine = table.filter(pa.compute.equal(table["episode_index"], episode))
+        mine = table.filter(pc.equal(table["episode_index"], episode))
         if mine.num_rows:
             parts.append(mine)
         elif parts:

@@ -218,7 +218,8 @@ def _columns(
     try:
         table = pacsv.read_csv(
             io.BytesIO(body.encode()),
-            read_options=pacsv.ReadOptions(column_names=keys),
+            # a thread that lets go of our objects while Python ends would end the process by a signal
+            read_options=pacsv.ReadOptions(column_names=keys, use_threads=False),
             parse_options=pacsv.ParseOptions(delimiter=style.separator, invalid_row_handler=skip),
             convert_options=pacsv.ConvertOptions(column_types=dict.fromkeys(keys, pa.string())),
         )
