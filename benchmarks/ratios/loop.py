@@ -17,7 +17,10 @@ def measure(quick: bool) -> list[Row]:
     seconds, repeats = (1.0, 2) if quick else (10.0, 5)
     found: list[tuple[float, float]] = []
     for seed in range(repeats):
-        trip = tracker(seconds, _SLOWER, seed)["round_trip_ms"]
+        result = tracker(seconds, _SLOWER, seed)
+        if result["fault"]:
+            raise SystemExit(f"the loop over CAN was ended by a fault: {result['fault']}; is it busy here?")
+        trip = result["round_trip_ms"]
         bare = bare_loop(seconds, Clock(_SLOWER))
         found.append((trip["p50"] / (1e3 * bare.percentile(50)), trip["p99"] / (1e3 * bare.percentile(99))))
     middle, late = (spread([pair[k] for pair in found]) for k in (0, 1))
