@@ -91,6 +91,17 @@ def test_bundles_tasks_and_commands_need_no_torch() -> None:
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+def test_what_is_slow_to_load_waits_until_it_is_used() -> None:
+    code = (
+        "import sys\n"
+        "import workbench.comparison, workbench.recordings, workbench.report, workbench.verification\n"
+        "slow = 'asammdf', 'matplotlib', 'pandas', 'pint', 'plotly', 'scipy.signal', 'scipy.stats', 'torch'\n"
+        "print(*(name for name in slow if name in sys.modules))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.split() == []
+
+
 def test_the_citation_names_the_version() -> None:
     text = (ROOT / "CITATION.cff").read_text()
     [version] = re.findall(r"^version: (.+)$", text, re.M)
