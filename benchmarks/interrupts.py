@@ -108,6 +108,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--commands", default=",".join(COMMANDS))
     a = parser.parse_args()
+    # what was started in the background ignores interrupts, and so would all that it starts
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     random, wrong, names = np.random.default_rng(a.seed), 0, a.commands.split(",")
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)

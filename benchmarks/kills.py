@@ -127,6 +127,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--time-scale", type=float, default=2.0)
     arguments = parser.parse_args()
+    # what was started in the background ignores interrupts, and so would all that it starts
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     generator, outcomes = np.random.default_rng(arguments.seed), list[Outcome]()
     for k in range(arguments.kills):
         victim, how = VICTIMS[generator.integers(len(VICTIMS))]
