@@ -214,6 +214,11 @@ class ClosedChain:
 
     def _check_mass(self) -> None:
         mass = self.reduced_dynamics(self.start[0], np.zeros(self.size)).mass
+        if not np.isfinite(mass).all():
+            raise InputError(
+                "the mass matrix is not finite", file=self.mechanism.file, column="inertial",
+                remedy="give masses, inertias and lengths in SI",
+            )  # fmt: skip
         if _ratio(mass) > 1e-12:
             return
         links = ", ".join(self._tree.massless_links()) or "none"
