@@ -32,7 +32,7 @@ IN_THE_FILE = {
     "a ball joint": ('knee" type="revolute', 'knee" type="ball', "joint 'knee' is of type ball_rpy; use rev"),
     "an endless version": ('version="1.9"', f'version="{2**63}"', "read it: a whole number is too"),
     "a pose beyond numbers": ("0 0 -0.175 0 0 0</pose></frame>", "0 0 1e308 0 0 0</pose></frame>", "inf m"),
-    "a link out of this world": ("<pose>0 0 0.03 0", "<pose>0 1e308 0.03 0", "mass matrix is not finite; give"),
+    "a link out of this world": ("<pose>0 0 0.03 0", "<pose>0 1e308 0.03 0", "matrix is not finite; give"),
     "a joint follows another": (CHILD, MIMIC, "it has a <mimic>; describe the mechanism by its links"),
     "a joint of the loop": ("</model>", f"{CUT}</model>", "its joints form a loop; leave out one"),
     "a coupler of a metre": ("0 0 -0.175 0 0 0</pose></frame>", "0 0 -1 0 0 0</pose></frame>", "0.825 m"),
