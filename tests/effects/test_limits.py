@@ -1,4 +1,4 @@
-"""Where a loop asks for far more than its drive gives, the channel says what that is, without a simulation."""
+"""Where a loop asks for far more than its drive gives, the channel says what that is without a simulation."""
 
 from __future__ import annotations
 

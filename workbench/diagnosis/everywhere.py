@@ -50,7 +50,7 @@ def on_every_axis(
     well without are left out again.
 
     Args:
-        screened: every effect in every place, as a first one.
+        screened: every effect in every place, as a first one, best first.
         scene: the model that lacks something.
         data: its recordings.
         start: the model as it is.
@@ -75,8 +75,8 @@ def on_every_axis(
     fits = [_Fitted(names, f) for (names, _), f in raced if f is not None]
     floor = floor_of_judging(data)
     for found in sorted(fits, key=lambda f: f.fit.judged):
-        last = found.fit.hypothesis.free[-1].key
-        kept, _ = prune(settle(found.fit, data, floor), last, data, start)
+        first = next(c.key for c in screened if c.key in _keys(found.fit))
+        kept, _ = prune(settle(found.fit, data, floor), first, data, start)
         best = replace(found, fit=polished(kept, data))
         sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
         if sound and explains_most(best.fit, start, data):

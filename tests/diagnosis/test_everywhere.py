@@ -1,0 +1,101 @@
+"""Three slides that were built alike and lack friction alike: no single axis explains much of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+
+import numpy as np
+
+from workbench.core import Controller, Recording
+from workbench.diagnosis.data import gather
+from workbench.diagnosis.everywhere import on_every_axis
+from workbench.diagnosis.screen import screen
+from workbench.diagnosis.search import starting_fit
+from workbench.diagnosis.sensitivity import Scene
+from workbench.diagnosis.stage import Stage
+from workbench.effects import load_model
+from workbench.models import Model
+
+_MASS = np.array([4.0, 2.0, 1.0])
+_KP, _KD, _STEP = 400.0 * _MASS, 40.0 * _MASS, 0.002
+_AXES = ("x", "y", "z")
+_BODY = """<body><joint name="{name}" type="slide" axis="{axis}"/>
+<inertial pos="0 0 0" mass="{mass}" diaginertia="1 1 1"/></body>"""
+
+
+@cache
+def gantry() -> Model:
+    """Three slides side by side, without any friction and gravity."""
+    ways = ("1 0 0", "0 1 0", "0 0 1")
+    bodies = "".join(_BODY.format(name=n, axis=a, mass=m) for n, a, m in zip(_AXES, ways, _MASS, strict=True))
+    file = Path(mkdtemp()) / "gantry.xml"
+    file.write_text(f'<mujoco><option gravity="0 0 0"/><worldbody>{bodies}</worldbody></mujoco>')
+    return load_model(str(file))
+
+
+def played(name: str, seed: int, coulomb: Sequence[float], damping: Sequence[float]) -> Recording:
+    """The slides under PD in small steps, with dry friction that holds where it can."""
+    generator, t = np.random.default_rng(seed), np.arange(1500) * _STEP
+    rise = np.minimum(t / 0.3, 1.0)[:, None]
+    tones = 0.4 + 0.5 * np.arange(8)[:, None, None] + 0.1 * np.arange(3)
+    phases = generator.uniform(0.0, 2.0 * np.pi, (8, 1, 3))
+    reference = 0.05 * rise**2 * np.sin(2.0 * np.pi * tones * t[:, None] + phases).sum(axis=0)
+    reference -= reference[0]
+    q, w, fine = np.zeros(3), np.zeros(3), 40
+    rows = []
+    for r in reference:
+        seen = q + 2e-6 * generator.standard_normal(3), w + 2e-4 * generator.standard_normal(3)
+        force = _KP * (r - seen[0]) - _KD * seen[1]
+        rows.append([*seen, force, force + 0.02 * _MASS * generator.standard_normal(3), r])
+        for _ in range(fine):
+            h, before = _STEP / fine, w
+            drag = 0.5 * h / _MASS * np.asarray(damping)
+            w = ((1.0 - drag) * w + h / _MASS * force) / (1.0 + drag)
+            w = np.sign(w) * np.maximum(np.abs(w) - h / _MASS * np.asarray(coulomb), 0.0)
+            q = q + 0.5 * h * (before + w)
+    names = ("position", "velocity", "torque_command", "torque_measured", "position_reference")
+    signals = {n: np.array([row[k] for row in rows]) for k, n in enumerate(names)}
+    loop = Controller("pd", "actuator", kp=tuple(_KP), kd=tuple(_KD), period_s=_STEP)
+    return Recording(name, _AXES, "actuator", t, signals, ("m",) * 3, controller=loop)
+
+
+def found(coulomb: Sequence[float], damping: Sequence[float]) -> tuple[Stage, ...]:
+    """What is found on every axis of the slides."""
+    recordings = [played(f"r{k}", k, coulomb, damping) for k in range(3)]
+    model = gantry()
+    data, simulated = gather(model, recordings[:2], recordings[2:], 0)
+    data = data.heard(data.mean_squares(simulated.clean))
+    start = starting_fit(model, data, simulated.clean)
+    scene = Scene.of(model, data, start.simulated, len(data.recordings))
+    screened, _ = screen(scene, data, start.simulated, ())
+    return on_every_axis(screened, scene, data, start, lambda text: None)
+
+
+def test_damping_on_every_axis_is_found_with_each_axis_s_own() -> None:
+    stages = found((0.0, 0.0, 0.0), (12.0, 5.0, 2.0))
+    assert {s.added.effect for s in stages} == {"viscous_damping"}
+    values = {a.key.axis: a.values["damping"] for a in stages[-1].fit.hypothesis.free}
+    assert np.allclose([values[axis] for axis in _AXES], [12.0, 5.0, 2.0], rtol=0.03)
+
+
+def test_damping_and_dry_friction_on_every_axis_are_two_causes() -> None:
+    stages = found((1.5, 0.8, 0.4), (6.0, 3.0, 1.5))
+    assert {s.added.effect for s in stages} == {"viscous_damping", "coulomb_friction"}
+    free = stages[-1].fit.hypothesis.free
+    torque = {a.key.axis: a.values["torque"] for a in free if a.key.effect == "coulomb_friction"}
+    assert np.allclose([torque[axis] for axis in _AXES], [1.5, 0.8, 0.4], rtol=0.05)
+
+
+def test_an_axis_that_does_well_without_is_left_out() -> None:
+    stages = found((0.0, 0.0, 0.0), (12.0, 0.0, 2.0))
+    assert {(s.added.effect, s.added.axis) for s in stages} == {
+        ("viscous_damping", "x"),
+        ("viscous_damping", "z"),
+    }
+
+
+def test_nothing_is_found_in_what_lacks_nothing() -> None:
+    assert found((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)) == ()
