@@ -22,7 +22,7 @@ from .judging import (
     rejudged,
     witnessed,
 )
-from .refining import polished, prune, settle, with_candidate
+from .refining import polished, settle, with_candidate
 from .screen import Candidate, Entry, equations, judge, limits_of
 from .sensitivity import Column, Scene
 from .stage import Stage
@@ -50,7 +50,7 @@ def on_every_axis(
     well without are left out again.
 
     Args:
-        screened: every effect in every place, as a first one, best first.
+        screened: every effect in every place, as a first one.
         scene: the model that lacks something.
         data: its recordings.
         start: the model as it is.
@@ -75,13 +75,25 @@ def on_every_axis(
     fits = [_Fitted(names, f) for (names, _), f in raced if f is not None]
     floor = floor_of_judging(data)
     for found in sorted(fits, key=lambda f: f.fit.judged):
-        first = next(c.key for c in screened if c.key in _keys(found.fit))
-        kept, _ = prune(settle(found.fit, data, floor), first, data, start)
-        best = replace(found, fit=polished(kept, data))
-        sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
-        if sound and explains_most(best.fit, start, data):
+        best = replace(found, fit=polished(_needed(settle(found.fit, data, floor), data), data))
+        if len(best.fit.hypothesis.free) < 2 or not explains_most(best.fit, start, data):
+            continue
+        if witnessed(scene, best.fit) and not cancels(scene, best.fit):
             return _stages(best, fits, data, start)
     return ()
+
+
+def _needed(found: Fit, data: Data) -> Fit:
+    """The fit with only those effects without any of which much would be left."""
+    while len(found.hypothesis.free) > 1:
+        free = found.hypothesis.free
+        others = [tuple(b for b in free if b is not a) for a in free]
+        without = fit([replace(found.hypothesis, free=rest) for rest in others], data, iterations=3)
+        idle = [f for f in without if f is not None and not explains_most(found, f, data)]
+        if not idle:
+            break
+        found = min(idle, key=lambda f: f.judged)
+    return found
 
 
 def _promising(
