@@ -110,7 +110,7 @@ def _downhill(
     stall, end, full = start
     simplex = np.log([stall, end]) + _SIMPLEX
     found = minimize(
-        lambda x: off(*np.exp(x), full),
+        lambda x: off(float(np.exp(x[0])), float(np.exp(x[1])), full),
         simplex[0],
         method="Nelder-Mead",
         options={"initial_simplex": simplex, "xatol": 1e-5, "fatol": 0.0, "maxfev": 80},
