@@ -21,10 +21,19 @@ def test_from_training_to_a_recording(tmp_path: Path) -> None:
     assert "Trained 1 iterations; wrote run/bundle.zip." in done.stdout
     done = run(
         "train", "reach", "--variant", "s3n_full", "--iterations", 2, *SMALL, "--unverified", "-o", "run",
-        "--resume", cwd=tmp_path,
+        "--resume", "--json", "-", cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert run("export", "run", "-o", "reach.zip", cwd=tmp_path).returncode == 0
+    trained = json.loads(done.stdout)
+    assert (trained["task"], trained["variant"], trained["iterations"]) == ("reach", "s3n_full", 2)
+    assert trained["unverified"] and not trained["verified"] and trained["episode_s"] > 0
+    done = run("export", "run", "-o", "reach.zip", "--json", "-", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    exported = json.loads(done.stdout)
+    assert exported["bundle"] == "reach.zip" and trained["bundle"] == "run/bundle.zip"
+    same = "task", "variant", "joints", "iterations", "onnx_against_torch", "verified"
+    assert [exported[key] for key in same] == [trained[key] for key in same]
+    assert {each["file"] for each in exported["provenance"]["inputs"]} == {"config.json", "checkpoint.pt"}
     assert (tmp_path / "reach.zip").read_bytes() == (tmp_path / "run" / "bundle.zip").read_bytes()
     done = run("evaluate", "reach.zip", "-o", "out", "--seconds", 1.5, "--json", "e.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -35,13 +44,28 @@ def test_from_training_to_a_recording(tmp_path: Path) -> None:
 
 
 def test_a_model_is_approved_once_and_then_trains_only_as_it_was_compared(tmp_path: Path) -> None:
-    assert run("record", "leg", "slow", "-o", "data", cwd=tmp_path).returncode == 0
-    assert run("add", "leg", "payload_mass", "mass=0.0001", "-o", "mine.toml", cwd=tmp_path).returncode == 0
+    done = run("record", "leg", "slow", "-o", "data", "--json", "-", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    [recorded] = json.loads(done.stdout)["recordings"]
+    assert (recorded["name"], recorded["file"]) == ("slow", "data/slow.toml")
+    assert recorded["rows"] == 15000 and recorded["rate_hz"] == pytest.approx(1000.0)
+    add = "add", "leg", "payload_mass", "mass=0.0001", "-o", "mine.toml"
+    done = run(*add, "--json", "-", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    added = json.loads(done.stdout)
+    assert (added["model"], added["from"], added["file"]) == ("mine", "leg", "mine.toml")
+    [effect] = added["effects"]
+    assert (effect["effect"], effect["axis"]) == ("payload_mass", None)
+    assert effect["parameters"]["mass"]["value"] == 1e-4 and effect["parameters"]["mass"]["unit"] == "kg"
     train = "train", "reach", "--model", "mine.toml", "--iterations", 1, *SMALL
     done = run(*train, "-o", "a", cwd=tmp_path)
     assert done.returncode == 2 and "no verification record" in done.stderr
-    done = run("approve", "mine.toml", "data/slow.toml", cwd=tmp_path)
+    done = run("approve", "mine.toml", "data/slow.toml", "--json", "-", cwd=tmp_path)
     assert done.returncode == 0, done.stderr + done.stdout
+    told = json.loads(done.stdout)
+    assert told["approved"] and told["objections"] == [] and told["file"] == "mine.record.json"
+    kept = json.loads((tmp_path / "mine.record.json").read_text())
+    assert (told["error"], told["recordings"]) == (kept["error"], kept["recordings"])
     done = run(*train, "-o", "a", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "compared with slow" in done.stdout
@@ -55,8 +79,11 @@ def test_a_model_is_approved_once_and_then_trains_only_as_it_was_compared(tmp_pa
 
 def test_approve_says_no_where_the_data_say_no(tmp_path: Path) -> None:
     assert run("record", "leg", "slow", "-o", "data", cwd=tmp_path).returncode == 0
-    done = run("approve", "leg_kin_only", "data/slow.toml", "-o", "record.json", cwd=tmp_path)
+    approve = "approve", "leg_kin_only", "data/slow.toml", "-o", "record.json", "--json", "told.json"
+    done = run(*approve, cwd=tmp_path)
     assert done.returncode == 1 and "Not approved: its error is" in done.stdout
+    told = json.loads((tmp_path / "told.json").read_text())
+    assert not told["approved"] and told["objections"][0].startswith("its error is")
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,16 @@ from workbench.core import FORMAT, EffectKey, Estimate, InputError
 from workbench.core.formats import check_format
 
 from .app import app
-from .common import ForceOption, ModelArgument, QuietOption, check_outputs, echo
+from .common import (
+    ForceOption,
+    JsonOption,
+    ModelArgument,
+    QuietOption,
+    check_outputs,
+    echo,
+    files_of,
+    write_result,
+)
 
 
 @app.command()
@@ -36,6 +45,7 @@ def add(
             "--from", metavar="DIAGNOSIS", help="Take parameters (or all findings) from a diagnosis' JSON."
         ),
     ] = None,
+    json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -45,12 +55,13 @@ def add(
     """
     from workbench.effects import check_effect, load_model
     from workbench.models import AppliedEffect, structural_effect, write_model
+    from workbench.report import effect_dict
 
     if not output:
         raise InputError("no output file", remedy="say where the new model goes: -o NEW")
     if effect is None and diagnosis is None:
         raise InputError("no effect", remedy="name one, e.g. coulomb_friction@knee, or give --from DIAGNOSIS")
-    check_outputs(output, force=force)
+    check_outputs(output, json, force=force)
     loaded = load_model(model)
     wanted = parse_place(effect) if effect else None
     found = read_findings(diagnosis) if diagnosis else []
@@ -63,11 +74,23 @@ def add(
             base = structural_effect(wanted.effect, loaded.linkage)
         found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
     new = settled(loaded, diagnosis, found) if diagnosis else loaded
+    added = []
     for applied in found:
-        new = new.with_effect(check_effect(new, applied))
+        added.append(check_effect(new, applied))
+        new = new.with_effect(added[-1])
     new = replace(new, name=Path(output).stem)
     write_model(new, output, force=force)
-    if not quiet:
+    if json:
+        content = {
+            "format": FORMAT,
+            "model": new.name,
+            "from": loaded.name,
+            "file": output,
+            "effects": [effect_dict(a.key, a.parameters) for a in added],
+        }
+        read = [*files_of(loaded), *([Path(diagnosis)] if diagnosis else [])]
+        write_result(content, json, files=read, force=force)
+    if not quiet and json != "-":
         echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
 
 

@@ -29,6 +29,21 @@ def run() -> None:
     sys.modules.setdefault("asammdf", None)  # pyright: ignore[reportArgumentType]
     from workbench.core import WorkbenchError
 
+    load_commands()
+    try:
+        app()
+    except WorkbenchError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
+    except MemoryError:
+        print("error: not enough memory; give shorter recordings or fewer of them", file=sys.stderr)
+        sys.exit(2)
+    except BrokenPipeError:
+        sys.exit(0)
+
+
+def load_commands() -> None:
+    """Register every command; each imports what it works with only when it runs."""
     from . import (  # noqa: F401
         add,
         approve,
@@ -52,14 +67,3 @@ def run() -> None:
         train,
         ui,
     )
-
-    try:
-        app()
-    except WorkbenchError as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(error.exit_code)
-    except MemoryError:
-        print("error: not enough memory; give shorter recordings or fewer of them", file=sys.stderr)
-        sys.exit(2)
-    except BrokenPipeError:
-        sys.exit(0)

@@ -10,14 +10,17 @@ import typer
 from .app import app
 from .common import (
     ForceOption,
+    JsonOption,
     ModelArgument,
     QuietOption,
     RecordingsArgument,
     SeedOption,
     check_outputs,
     echo,
+    files_of,
     progress,
     read_recordings,
+    write_result,
 )
 
 
@@ -29,6 +32,7 @@ def approve(
         str | None,
         typer.Option("--output", "-o", metavar="FILE", help="The record; else beside the model's file."),
     ] = None,
+    json: JsonOption = None,
     seed: SeedOption = 0,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -44,13 +48,19 @@ def approve(
 
     loaded, data = load_model(model), read_recordings(recordings)
     path = Path(output) if output else record_path(loaded)
-    check_outputs(str(path), force=force)
+    check_outputs(str(path), json, force=force)
     with progress(quiet) as tell:
         tell("checking the model and comparing it with the recordings")
         record = make_record(loaded, data, seed=seed)
     write_record(record, path, force=force)
     against = objections(record, loaded, loaded.variant)
-    if not quiet:
+    if json:
+        # the record names versions and hashes itself; here they stand where every result has them
+        known = {key: value for key, value in record.items() if key not in ("files", "versions")}
+        content = {**known, "approved": not against, "objections": against, "file": str(path)}
+        seeds = {"postures": seed, "noise": seed}
+        write_result(content, json, files=files_of(loaded, data), seeds=seeds, force=force)
+    if not quiet and json != "-":
         echo(f"{summary(record)}.")
         for line in against:
             echo(f"Not approved: {line}.")

@@ -35,7 +35,9 @@ ConfigArgument = Annotated[
 
 
 @can.command()
-def load(config: ConfigArgument, json: JsonOption = None, quiet: QuietOption = False) -> None:
+def load(
+    config: ConfigArgument, json: JsonOption = None, force: ForceOption = False, quiet: QuietOption = False
+) -> None:
     """How full each bus can get at worst; exit code 1 above 70 %.
 
     Example: workbench can load robot.toml
@@ -43,11 +45,11 @@ def load(config: ConfigArgument, json: JsonOption = None, quiet: QuietOption = F
     from workbench.can import MOST, bus_load, load_config
     from workbench.report import print_table, write_json
 
-    check_outputs(json, force=True)
+    check_outputs(json, force=force)
     loads = bus_load(load_config(config))
     if json:
         buses = [{**vars(each), "fits": each.fits} for each in loads]
-        write_json({"format": 1, "most": MOST, "buses": buses}, json, force=True)
+        write_json({"format": 1, "most": MOST, "buses": buses}, json, force=force)
     if not quiet and json != "-":
         print_table(_table(loads))
     full = [each.bus for each in loads if not each.fits]

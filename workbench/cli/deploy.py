@@ -11,7 +11,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import JsonOption, QuietOption, SeedOption, check_outputs, echo
+from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo
 
 
 @app.command()
@@ -32,6 +32,7 @@ def deploy(
     ] = (0.8, 0.0, 0.8),
     seed: SeedOption = 0,
     json: JsonOption = None,
+    force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Run a policy over CAN; an interrupt is the emergency stop. Exit code 1 where a fault ended it.
@@ -43,17 +44,17 @@ def deploy(
     from workbench.deployment.deploy import deploy as run
     from workbench.report import write_json
 
-    check_outputs(json, force=True)
+    check_outputs(json, force=force)
     robot = load_config(config)
     policy = None if bundle == "tracker" else read_bundle(bundle)
     if not (dry_run or yes):
-        typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True)
+        typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True, err=True)
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):
         raise InputError("a velocity is no number", remedy="give three: --velocity 0.8 0 0.8")
     result = run(robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, cpu=cpu, say=say)
     if json:
-        write_json({"format": 1, **result}, json, force=True)
+        write_json({"format": 1, **result}, json, force=force)
     if not quiet and json != "-":
         trip = result["round_trip_ms"]
         echo(

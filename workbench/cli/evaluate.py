@@ -59,6 +59,6 @@ def evaluate(
         echo(f"Wrote 2 recordings to {folder}.")
     fell = content["hardware"]["fell_s"]
     if fell is not None:
-        if not quiet:
+        if not quiet and json != "-":
             echo(f"It fell on the hardware after {fell:.2f} s.")
         raise typer.Exit(1)

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, QuietOption, echo
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
 
 
 @app.command()
 def export(
     run: Annotated[str, typer.Argument(metavar="RUN", help="Folder of a run of `workbench train`.")],
     output: Annotated[str, typer.Option("--output", "-o", metavar="BUNDLE", help="The new .zip file.")] = "",
+    json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -27,10 +29,32 @@ def export(
         raise InputError("no output file", remedy="say where the bundle goes: -o reach.zip")
     try:
         from workbench.training.export import export as write
+        from workbench.training.learn import CHECKPOINT, CONFIG
     except ImportError as error:
         raise InputError(
             f"export needs {error.name}", remedy="install the extra: pip install 'workbench[training]'"
         ) from error
+    check_outputs(output, json, force=force)
     path = write(run, output, force=force)
-    if not quiet:
+    if json:
+        files = [Path(run) / name for name in (CONFIG, CHECKPOINT)]
+        write_result({"format": 1, "run": run, **bundle_dict(path)}, json, files=files, force=force)
+    if not quiet and json != "-":
         echo(f"Wrote {path}.")
+
+
+def bundle_dict(path: Path) -> dict[str, Any]:
+    """What a bundle says of itself, for programs."""
+    from workbench.bundle import read_bundle
+
+    bundle = read_bundle(path)
+    training = bundle.manifest["training"]
+    return {
+        "bundle": str(path),
+        "task": bundle.task,
+        "variant": bundle.variant,
+        "joints": list(bundle.control.joints),
+        "iterations": training["iterations"],
+        "onnx_against_torch": training["onnx_against_torch"],
+        "verified": bundle.verified,
+    }

@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 
-from workbench.core import InputError
-
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo
+from .common import ForceOption, JsonOption, QuietOption, check_outputs
+from .import_model import MechanismOptions, import_mechanism, show_contents
 from .import_table import import_table, read_answers
 
 
@@ -131,102 +130,16 @@ def import_(
     Example: workbench import leg.sdf --drive hip --drive crank_pin --joint hip --joint knee
     --loop coupler_end:rear_arm_end --foot foot --gear 9 --rotor-inertia 2e-4 -o my_leg.toml
     """
-    from workbench.core import Mechanism
-    from workbench.importing import Drives, contents_of, import_model
-
     path = Path(file)
+    check_outputs(json, force=force)
     if path.suffix.lower() not in (".sdf", ".urdf", ".xml", ".xacro", ".world"):
         answers = read_answers(axis, column, unit, rate, counts, coordinates, kp, kd, period, model)
-        check_outputs(json, force=force)
         import_table(path, output, answers, episode=episode, yes=yes, json=json, force=force, quiet=quiet)
-        return
-    contents = contents_of(path)
-    if not drive:
-        echo(str(contents))
-        return
-    if not output:
-        raise InputError("no output file", remedy="say where the new model goes: -o MODEL.toml")
-    serial = tuple(joint or ())
-    stated = {**contents.limits, **{k: _range(v) for k, v in _pairs(limits, "--limits").items()}}
-    known = [name for name in serial if name in stated]
-    if known and len(known) < len(serial):
-        missing = next(name for name in serial if name not in stated)
-        raise InputError(
-            f"joint '{missing}' has no limits", file=path, remedy=f"give --limits {missing}=LOW:HIGH"
-        )
-    mechanism = Mechanism(
-        file=path,
-        drives=tuple(drive),
-        joints=serial,
-        loops=tuple(_frames(pair) for pair in loop or ()),
-        foot=foot,
-        start=tuple((k, _number(v)) for k, v in _pairs(start, "--start").items()),
-        limits=tuple(stated[name] for name in serial) if known else (),
-    )
-    count = len(drive)
-    drives = Drives(
-        _each(gear, count, 1.0, "--gear"),
-        _each(rotor_inertia, count, 0.0, "--rotor-inertia"),
-        _each(rotor_damping, count, 0.0, "--rotor-damping"),
-        _each(torque_limit, count, float("inf"), "--torque-limit"),
-        delay,
-    )
-    made = import_model(mechanism, drives, output, axes=axis, force=force)
-    if quiet:
-        return
-    kind = "changes with the posture" if made.posture_dependent else "is constant"
-    echo(f"Wrote {output} and {made.serial.name}: the transmission {kind}: {made.transmission.tolist()}.")
-    if made.linkage is not None:
-        sizes = {k: v for k, v in vars(made.linkage).items() if k != "identified"}
-        echo(
-            "A parallelogram; over the serial tree its linkage has "
-            + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
-            + "."
-        )
-    echo(f"Next: workbench check {output}")
-
-
-def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:
-    out = {}
-    for text in texts or []:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise InputError(f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} knee=...")
-        out[name] = value
-    return out
-
-
-def _frames(text: str) -> tuple[str, str]:
-    first, colon, second = text.partition(":")
-    if not (first and colon and second):
-        raise InputError(f"--loop '{text}' is not A:B", remedy="name two frames of the file")
-    return first, second
-
-
-def _range(text: str) -> tuple[float, float]:
-    low, _, high = text.partition(":")
-    out = _number(low), _number(high)
-    if not out[0] < out[1]:
-        raise InputError(f"limits '{text}' are not LOW:HIGH", remedy="e.g. --limits knee=0.35:2.6")
-    return out
-
-
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not abs(value) < float("inf"):
-        raise InputError(f"'{text}' is not a number", remedy="give a finite number")
-    return value
-
-
-def _each(values: list[float] | None, count: int, default: float, option: str) -> tuple[float, ...]:
-    given = values or [default]
-    if len(given) not in (1, count):
-        raise InputError(
-            f"{len(given)} values of {option} for {count} drives", remedy="give one, or one each"
-        )
-    if any(not v >= 0.0 for v in given):
-        raise InputError(f"{option} is negative", remedy="give numbers of zero or more")
-    return tuple(given * count if len(given) == 1 else given)
+    elif not drive:
+        show_contents(path, json, force, quiet)
+    else:
+        asked = MechanismOptions(
+            path, drive, joint or [], loop or [], foot, limits or [], start or [], gear, rotor_inertia,
+            rotor_damping, torque_limit, delay,
+        )  # fmt: skip
+        import_mechanism(asked, output, axis, json, force, quiet)

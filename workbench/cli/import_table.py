@@ -86,7 +86,7 @@ def _answer(questions: tuple[Question, ...], answers: Answers, path: Path, yes: 
             if question.best:
                 taken = answers.with_answer(question.key, question.best)
                 return replace(taken, guessed=taken.guessed | {question.key})
-    elif sys.stdin.isatty() and sys.stdout.isatty():
+    elif sys.stdin.isatty() and sys.stderr.isatty():
         return _ask(questions[0], answers)
     texts = " ".join(q.text for q in questions)
     remedy = "pass " + " ".join(q.option for q in questions)
@@ -96,17 +96,17 @@ def _answer(questions: tuple[Question, ...], answers: Answers, path: Path, yes: 
 
 
 def _ask(question: Question, answers: Answers) -> Answers:
-    echo(question.text)
+    echo(question.text, err=True)  # standard output is the result's
     for number, choice in enumerate(question.choices, 1):
-        echo(f"  {number}  {choice}")
+        echo(f"  {number}  {choice}", err=True)
     while True:
-        text = str(typer.prompt("Answer", default=question.best or None)).strip()
+        text = str(typer.prompt("Answer", default=question.best or None, err=True)).strip()
         if text.isdigit() and 1 <= int(text) <= len(question.choices):
             text = question.choices[int(text) - 1]
         try:
             return answers.with_answer(question.key, text)
         except ValueError:
-            echo(f"'{text}' is not an answer to that.")
+            echo(f"'{text}' is not an answer to that.", err=True)
 
 
 def read_answers(

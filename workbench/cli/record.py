@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from workbench.core import InputError
-from workbench.core.files import check_free
 
 from .app import app
-from .common import ForceOption, QuietOption, echo
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
 from .hidden import HideOption, SetOption, hidden_effects
 
 if TYPE_CHECKING:
@@ -53,6 +52,7 @@ def record(
         bool,
         typer.Option("--from-logs", help="Over CAN: of the folder's logs that broke off."),
     ] = False,
+    json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -62,8 +62,6 @@ def record(
 
     Example: workbench record robot.toml chirp.toml -o data --virtual
     """
-    from workbench.rigs import Plate, VirtualLeg
-
     over_can = rig.endswith(".toml")
     if rig not in ("leg", "leg_on_plate", "actuator") and not over_can:
         raise InputError(
@@ -74,22 +72,55 @@ def record(
     if not output:
         raise InputError("no output folder", remedy="say where the recordings go: -o FOLDER")
     hidden = hidden_effects(hide, set_)
+    check_outputs(json, force=force)
     if over_can:
+        from .record_can import record_logs, record_over_can
+
         if from_logs:
-            count = _from_logs(rig, experiments or [], Path(output), force)
+            files = record_logs(rig, experiments or [], Path(output), force)
         else:
-            count = _over_can(rig, experiments or [], Path(output), hidden, seed, (virtual, yes, force))
+            files = record_over_can(rig, experiments or [], Path(output), hidden, seed, (virtual, yes, force))
     elif rig == "actuator":
         if hide:
             raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
-        count = _on_the_bench(experiments or [], Path(output), seed, force)
+        files = _on_the_bench(experiments or [], Path(output), seed, force)
     else:
-        on_plate = rig == "leg_on_plate"
-        chosen = _on_the_plate(experiments, seed) if on_plate else _of_the_leg(experiments, seed)
-        leg = VirtualLeg(hidden, seed=seed, plate=Plate() if on_plate else None)
-        count = len(leg.record_to(output, chosen, force=force))
-    if not quiet:
-        echo(f"Wrote {count} recordings to {output}.")
+        files = _with_the_leg(rig == "leg_on_plate", experiments, Path(output), hidden, seed, force)
+    if json:
+        designs = [Path(name) for name in [rig, *(experiments or [])] if name.endswith(".toml")]
+        content = {"format": 1, "rig": rig, "recordings": [_recorded(file) for file in files]}
+        write_result(content, json, files=designs, seeds={"noise": seed}, force=force)
+    if not quiet and json != "-":
+        echo(f"Wrote {len(files)} recording{'s' * (len(files) != 1)} to {output}.")
+
+
+def _recorded(file: Path) -> dict[str, Any]:
+    """What a reader of the file gets, for programs."""
+    from workbench.recordings import load_recording
+
+    recording = load_recording(file)
+    return {
+        "name": recording.name,
+        "file": str(file),
+        "axes": list(recording.axes),
+        "rows": len(recording.time),
+        "valid_rows": int(recording.valid.sum()),
+        "rate_hz": 1.0 / recording.period,
+        "signals": list(recording.signals),
+    }
+
+
+def _with_the_leg(
+    on_plate: bool, names: Sequence[str] | None, folder: Path, hidden: Sequence[HiddenEffect], seed: int,
+    force: bool,
+) -> list[Path]:  # fmt: skip
+    """Experiments of the virtual leg, all or none; returns the recordings' files."""
+    from workbench.rigs import Plate, VirtualLeg
+
+    chosen = _on_the_plate(names, seed) if on_plate else _of_the_leg(names, seed)
+    check_outputs(*(str(folder / f"{each.name}.toml") for each in chosen), force=force)
+    leg = VirtualLeg(hidden, seed=seed, plate=Plate() if on_plate else None)
+    return leg.record_to(folder, chosen, force=force)
 
 
 def _of_the_leg(names: Sequence[str] | None, seed: int) -> list[Experiment]:
@@ -137,8 +168,8 @@ def _on_the_plate(names: Sequence[str] | None, seed: int) -> list[Experiment]:
     return [known[name] for name in names or known]
 
 
-def _on_the_bench(names: Sequence[str], folder: Path, seed: int, force: bool) -> int:
-    """Plays designs on the actuator's bench; returns how many recordings were written."""
+def _on_the_bench(names: Sequence[str], folder: Path, seed: int, force: bool) -> list[Path]:
+    """Plays designs on the actuator's bench; returns the recordings' files."""
     from workbench.recordings import save_recording
     from workbench.rigs.bench import VirtualBench
 
@@ -156,92 +187,10 @@ def _on_the_bench(names: Sequence[str], folder: Path, seed: int, force: bool) ->
             command = {trial.name: signals["torque_feedforward"][:, 0]}
             recordings += VirtualBench(seed + len(recordings)).run(command, design.excitation(k))
     folder.mkdir(parents=True, exist_ok=True)
-    for recording in recordings:
-        save_recording(recording, folder / f"{recording.name}.toml", compress=True, force=force)
-    return len(recordings)
-
-
-def _over_can(
-    rig: str, names: Sequence[str], folder: Path, hidden: Sequence[HiddenEffect], seed: int,
-    options: tuple[bool, bool, bool],
-) -> int:  # fmt: skip
-    """Plays designs over CAN; returns how many recordings were written.
-
-    Raises:
-        InputError: nothing to play, or for other axes.
-    """
-    from workbench.can import load_config
-    from workbench.deployment import SimulatedNetwork
-    from workbench.deployment.record import keep, record_live, record_simulated
-    from workbench.rigs import MotorBank
-
-    virtual, yes, force = options
-    config = load_config(rig)
-    designs = _for_axes(config.axes, names)
-    if hidden and not virtual:
-        raise InputError("only virtual motors hide effects", remedy="add --virtual")
-    folder.mkdir(parents=True, exist_ok=True)
-    count = 0
-    for design in designs:
-        for k, trial in enumerate(design.trials):
-            log = folder / f"{trial.name}.log"
-            for file in (log, log.with_suffix(".clock"), log.with_suffix(".begun")):
-                check_free(file, force=force)
-                file.unlink(missing_ok=True)
-            if virtual:
-                bank = MotorBank(config, hidden, seed=seed + count)
-                result = record_simulated(config, design, k, log, SimulatedNetwork(config, bank))
-            else:
-                if not yes:
-                    typer.confirm(
-                        f"'{trial.name}' moves {', '.join(config.axes)}. Is everybody clear?", abort=True
-                    )
-                result = record_live(config, design, k, log)
-            keep(result, folder, log, force)
-            count += 1
-    return count
-
-
-def _from_logs(rig: str, names: Sequence[str], folder: Path, force: bool) -> int:
-    """Recordings of the logs in a folder that belong to these designs; returns how many.
-
-    Raises:
-        InputError: no log of these designs is there, or nothing was played in one.
-    """
-    from workbench.can import load_config
-    from workbench.deployment.record import from_log, keep
-
-    config, count = load_config(rig), 0
-    for design in _for_axes(config.axes, names):
-        for k, trial in enumerate(design.trials):
-            log = folder / f"{trial.name}.log"
-            if log.is_file():
-                keep(from_log(config, design, k, log), folder, log, force)
-                count += 1
-    if not count:
-        raise InputError("no log of these experiments", file=folder, remedy="name the folder of the logs: -o")
-    return count
-
-
-def _for_axes(axes: tuple[str, ...], names: Sequence[str]) -> list[Design]:
-    """Designs that play exactly these axes.
-
-    Raises:
-        InputError: none is named, or one is for other axes.
-    """
-    from workbench.frf import load_design
-
-    if not names:
-        raise InputError("nothing to play", remedy="give a design: workbench excite MODEL -o design.toml")
-    designs = []
-    for name in names:
-        designs.append(load_design(Path(name)))
-        if designs[-1].axes != axes:
-            raise InputError(
-                f"plays {', '.join(designs[-1].axes)}; the configuration has {', '.join(axes)}", file=name,
-                remedy="design it for a model of these axes",
-            )  # fmt: skip
-    return designs
+    files = [folder / f"{recording.name}.toml" for recording in recordings]
+    for recording, file in zip(recordings, files, strict=True):
+        save_recording(recording, file, compress=True, force=force)
+    return files
 
 
 def _design(name: str, axes: int) -> Design:

@@ -4,14 +4,27 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, QuietOption, duration, echo, progress
+from .common import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    check_outputs,
+    duration,
+    echo,
+    files_of,
+    progress,
+    write_result,
+)
+
+if TYPE_CHECKING:
+    from workbench.training.learn import Progress
 
 
 @app.command()
@@ -51,6 +64,7 @@ def train(
     unverified: Annotated[
         bool, typer.Option("--unverified", help="Train in a model that was not compared with measurements.")
     ] = False,
+    json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -71,6 +85,8 @@ def train(
         raise InputError(f"no task is called '{task}'", remedy=f"choose one of {', '.join(TASKS)}")
     if not output:
         raise InputError("no folder for the run", remedy="name one: -o runs/reach")
+    check_outputs(json, force=force)
+    shown = not quiet and json != "-"
     wanted = TASKS[task]
     legs = legs or wanted.randomisation
     if legs not in LEG_RANDOMISATION:
@@ -82,7 +98,7 @@ def train(
     file = Path(record) if record else record_path(loaded)
     known = read_record(file)
     against = objections(known, loaded, variant)
-    if known is not None and not quiet:
+    if known is not None and shown:
         echo(f"{file.name}: {summary(known)}.")
     if against and not unverified:
         raise InputError(
@@ -91,7 +107,7 @@ def train(
             remedy="make it with `workbench approve`, or train with --unverified",
         )
     machine = make_machine(wanted.machine, loaded, variant)
-    if machine.left_out and not quiet:
+    if machine.left_out and shown:
         echo(f"Not in the simulation: {', '.join(machine.left_out)}.")
     settings = Settings(
         worlds=envs,
@@ -110,9 +126,11 @@ def train(
             f"training needs {error.name}", remedy="install the extra: pip install 'workbench[training]'"
         ) from error
     folder = Path(output)
+    last: list[Progress] = []
     with progress(quiet) as tell:
 
-        def told(p) -> None:
+        def told(p: Progress) -> None:
+            last[:] = [p]
             tell(
                 f"iteration {p.iteration} of {p.iterations}, reward {p.reward:.2f} a second, "
                 f"{p.steps_per_s:,.0f} steps/s, {duration(p.left_s)} left"
@@ -125,5 +143,20 @@ def train(
     if done is None:  # another process of several
         return
     bundle = export(folder, folder / "bundle.zip", force=force or resume)
-    if not quiet:
+    if json:
+        from .export import bundle_dict
+
+        names = "reward", "episode_reward", "episode_s"
+        content = {
+            "format": 1,
+            "run": str(folder),
+            **bundle_dict(bundle),
+            "model": loaded.name,
+            "unverified": against,
+            "left_out": machine.left_out,
+            **{name: getattr(last[0], name) if last else None for name in names},
+        }
+        read = [*files_of(loaded), *([file] if known is not None else [])]
+        write_result(content, json, files=read, seeds={"training": seed}, force=force)
+    if shown:
         echo(f"Trained {settings.iterations} iterations; wrote {bundle}.")

@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .json import comparison_dict, diagnosis_dict, improvement_dict, verification_dict, write_json
+from .json_parts import effect_dict
 from .layout import print_table
 from .sections import sentence
 from .tables import compare_table, diagnosis_table, improvement_table, truth_table
@@ -31,6 +32,7 @@ __all__ = [
     "comparison_dict",
     "diagnosis_dict",
     "diagnosis_table",
+    "effect_dict",
     "house_style",
     "improvement_dict",
     "improvement_table",

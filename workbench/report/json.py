@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from workbench.core import (
     FORMAT,
     Comparison,
     Diagnosis,
-    EffectKey,
-    Estimate,
     Finding,
     Improvement,
     RecordingError,
     Shape,
-    Share,
     Step,
     Verification,
 )
 from workbench.core.files import write_whole
+
+from .json_parts import clean, effect_dict, key_dict, key_dicts, share_dicts
 
 Truth = Sequence[Mapping[str, Any]]
 
@@ -33,7 +29,7 @@ Truth = Sequence[Mapping[str, Any]]
 def comparison_dict(result: Comparison) -> dict[str, Any]:
     """The JSON of ``workbench compare``."""
     inverse = result.inverse_dynamics
-    return _clean(
+    return clean(
         {
             "format": FORMAT,
             "model": result.model,
@@ -42,7 +38,7 @@ def comparison_dict(result: Comparison) -> dict[str, Any]:
             "recordings": [_recording(r) for r in result.recordings],
             "consistent": bool(result.consistent),
             "noise_error_std": result.noise_error_std,
-            "where": _where(result.where),
+            "where": share_dicts(result.where),
             "inverse_dynamics": None
             if inverse is None
             else {
@@ -57,7 +53,7 @@ def comparison_dict(result: Comparison) -> dict[str, Any]:
 
 def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
     """The JSON of ``workbench diagnose``."""
-    return _clean(
+    return clean(
         {
             "format": FORMAT,
             "verdict": result.verdict,
@@ -66,15 +62,15 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "findings": [_finding(f) for f in result.findings],
             "unexplained": {
                 "fraction": result.unexplained_fraction,
-                "where": _where(result.where),
+                "where": share_dicts(result.where),
                 "evidence": list(result.evidence),
                 "shapes": [_shape(s) for s in result.shapes],
             },
             "next_experiment": result.next_experiment,
-            "not_excited": _keys(result.not_excited),
+            "not_excited": key_dicts(result.not_excited),
             "settled": dict(result.settled),
             "model": result.model,
-            "ranking": [{**_key(key), "share": share} for key, share in result.ranking],
+            "ranking": [{**key_dict(key), "share": share} for key, share in result.ranking],
             "used": result.used,
             "notes": list(result.notes),
         }
@@ -112,12 +108,12 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
             }
             for t in truth
         ]
-    return _clean(out)
+    return clean(out)
 
 
 def verification_dict(result: Verification) -> dict[str, Any]:
     """The JSON of ``workbench check``."""
-    return _clean(
+    return clean(
         {
             "format": FORMAT,
             "passed": result.passed,
@@ -147,7 +143,7 @@ def verification_dict(result: Verification) -> dict[str, Any]:
 
 def dumps(obj: Mapping[str, Any]) -> str:
     """`obj` as JSON text: two spaces of indent, NaN and infinity as null, a newline at the end."""
-    return json.dumps(_clean(obj), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(clean(obj), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def write_json(obj: Mapping[str, Any], path: str | Path, *, force: bool = False) -> None:
@@ -200,69 +196,22 @@ def _shape(s: Shape) -> dict[str, Any]:
 
 def _finding(f: Finding) -> dict[str, Any]:
     return {
-        **_key(f.key),
-        "parameters": _parameters(f.parameters),
+        **effect_dict(f.key, f.parameters),
         "error_after": f.error_after,
         "holdout_error_before": f.holdout_error_before,
         "holdout_error_after": f.holdout_error_after,
         "probability": f.probability,
-        "indistinguishable_from": _keys(f.indistinguishable_from),
+        "indistinguishable_from": key_dicts(f.indistinguishable_from),
         "evidence": list(f.evidence),
     }
 
 
 def _step(s: Step) -> dict[str, Any]:
     return {
-        **_key(s.key),
-        "parameters": _parameters(s.parameters),
+        **effect_dict(s.key, s.parameters),
         "error": s.error,
         "holdout_error": s.holdout_error,
-        "indistinguishable_from": _keys(s.indistinguishable_from),
+        "indistinguishable_from": key_dicts(s.indistinguishable_from),
         "evidence": list(s.evidence),
-        "removed": _keys(s.removed),
+        "removed": key_dicts(s.removed),
     }
-
-
-def _key(key: EffectKey) -> dict[str, Any]:
-    return {"effect": key.effect, "axis": key.axis, "location": key.location}
-
-
-def _keys(keys: Iterable[EffectKey]) -> list[dict[str, Any]]:
-    return [_key(k) for k in keys]
-
-
-def _parameters(parameters: Mapping[str, Estimate]) -> dict[str, Any]:
-    return {name: {"value": e.value, "std": e.std, "unit": e.unit} for name, e in parameters.items()}
-
-
-def _where(shares: Iterable[Share]) -> list[dict[str, Any]]:
-    return [
-        {
-            "axis": s.axis,
-            "signal": s.signal,
-            "range": list(s.range),
-            "unit": s.unit,
-            "share": s.share,
-            "quantity": s.quantity,
-        }
-        for s in shares
-    ]
-
-
-def _clean(value: Any) -> Any:
-    """The same in plain Python types, NaN and infinities as None."""
-    if isinstance(value, Mapping):
-        return {str(k): _clean(v) for k, v in value.items()}
-    if isinstance(value, Estimate):
-        return _clean({"value": value.value, "std": value.std, "unit": value.unit})
-    if isinstance(value, np.ndarray):
-        return _clean(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [_clean(v) for v in value]
-    if isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    if isinstance(value, np.integer):
-        return int(value)
-    if isinstance(value, (float, np.floating)):
-        return float(value) if math.isfinite(value) else None
-    return value

@@ -1,0 +1,96 @@
+"""``workbench record`` over CAN."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from workbench.core import InputError
+from workbench.core.files import check_free
+
+if TYPE_CHECKING:
+    from workbench.frf import Design
+    from workbench.rigs import HiddenEffect
+
+
+def record_over_can(
+    rig: str, names: Sequence[str], folder: Path, hidden: Sequence[HiddenEffect], seed: int,
+    options: tuple[bool, bool, bool],
+) -> list[Path]:  # fmt: skip
+    """Plays designs over CAN; returns the recordings' files.
+
+    Raises:
+        InputError: nothing to play, or for other axes.
+    """
+    from workbench.can import load_config
+    from workbench.deployment import SimulatedNetwork
+    from workbench.deployment.record import keep, record_live, record_simulated
+    from workbench.rigs import MotorBank
+
+    virtual, yes, force = options
+    config = load_config(rig)
+    designs = _for_axes(config.axes, names)
+    if hidden and not virtual:
+        raise InputError("only virtual motors hide effects", remedy="add --virtual")
+    folder.mkdir(parents=True, exist_ok=True)
+    files: list[Path] = []
+    for design in designs:
+        for k, trial in enumerate(design.trials):
+            log = folder / f"{trial.name}.log"
+            for file in (log, log.with_suffix(".clock"), log.with_suffix(".begun")):
+                check_free(file, force=force)
+                file.unlink(missing_ok=True)
+            if virtual:
+                bank = MotorBank(config, hidden, seed=seed + len(files))
+                result = record_simulated(config, design, k, log, SimulatedNetwork(config, bank))
+            else:
+                if not yes:
+                    moves = f"'{trial.name}' moves {', '.join(config.axes)}. Is everybody clear?"
+                    typer.confirm(moves, abort=True, err=True)
+                result = record_live(config, design, k, log)
+            files.append(keep(result, folder, log, force))
+    return files
+
+
+def record_logs(rig: str, names: Sequence[str], folder: Path, force: bool) -> list[Path]:
+    """Recordings of the logs in a folder that belong to these designs; returns their files.
+
+    Raises:
+        InputError: no log of these designs is there, or nothing was played in one.
+    """
+    from workbench.can import load_config
+    from workbench.deployment.record import from_log, keep
+
+    config, files = load_config(rig), list[Path]()
+    for design in _for_axes(config.axes, names):
+        for k, trial in enumerate(design.trials):
+            log = folder / f"{trial.name}.log"
+            if log.is_file():
+                files.append(keep(from_log(config, design, k, log), folder, log, force))
+    if not files:
+        raise InputError("no log of these experiments", file=folder, remedy="name the folder of the logs: -o")
+    return files
+
+
+def _for_axes(axes: tuple[str, ...], names: Sequence[str]) -> list[Design]:
+    """Designs that play exactly these axes.
+
+    Raises:
+        InputError: none is named, or one is for other axes.
+    """
+    from workbench.frf import load_design
+
+    if not names:
+        raise InputError("nothing to play", remedy="give a design: workbench excite MODEL -o design.toml")
+    designs = []
+    for name in names:
+        designs.append(load_design(Path(name)))
+        if designs[-1].axes != axes:
+            raise InputError(
+                f"plays {', '.join(designs[-1].axes)}; the configuration has {', '.join(axes)}", file=name,
+                remedy="design it for a model of these axes",
+            )  # fmt: skip
+    return designs

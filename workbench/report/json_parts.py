@@ -1,0 +1,65 @@
+"""Pieces that the JSON of several results has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from workbench.core import EffectKey, Estimate, Share
+
+
+def key_dict(key: EffectKey) -> dict[str, Any]:
+    """Which effect, and where."""
+    return {"effect": key.effect, "axis": key.axis, "location": key.location}
+
+
+def effect_dict(key: EffectKey, parameters: Mapping[str, Estimate]) -> dict[str, Any]:
+    """An effect, where, and its parameters."""
+    return {**key_dict(key), "parameters": parameter_dicts(parameters)}
+
+
+def key_dicts(keys: Iterable[EffectKey]) -> list[dict[str, Any]]:
+    """Several of them."""
+    return [key_dict(k) for k in keys]
+
+
+def parameter_dicts(parameters: Mapping[str, Estimate]) -> dict[str, Any]:
+    """Parameters by name, with deviation and unit."""
+    return {name: {"value": e.value, "std": e.std, "unit": e.unit} for name, e in parameters.items()}
+
+
+def share_dicts(shares: Iterable[Share]) -> list[dict[str, Any]]:
+    """Where error sits."""
+    return [
+        {
+            "axis": s.axis,
+            "signal": s.signal,
+            "range": list(s.range),
+            "unit": s.unit,
+            "share": s.share,
+            "quantity": s.quantity,
+        }
+        for s in shares
+    ]
+
+
+def clean(value: Any) -> Any:
+    """The same in plain Python types, NaN and infinities as None."""
+    if isinstance(value, Mapping):
+        return {str(k): clean(v) for k, v in value.items()}
+    if isinstance(value, Estimate):
+        return clean({"value": value.value, "std": value.std, "unit": value.unit})
+    if isinstance(value, np.ndarray):
+        return clean(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [clean(v) for v in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    return value
