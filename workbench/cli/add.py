@@ -13,6 +13,7 @@ import typer
 from workbench.core import FORMAT, EffectKey, Estimate, InputError
 from workbench.core.formats import check_format
 
+from . import complete
 from .app import app
 from .common import (
     ForceOption,
@@ -32,11 +33,14 @@ def add(
     effect: Annotated[
         str | None,
         typer.Argument(
-            metavar="EFFECT[@AXIS]", help="Effect, e.g. coulomb_friction@knee; @AXIS(joint) for the pin."
+            metavar="EFFECT[@AXIS]",
+            help="Effect, e.g. coulomb_friction@knee; @AXIS(joint) for the pin.",
+            autocompletion=complete.effects,
         ),
     ] = None,
     values: Annotated[
-        list[str] | None, typer.Argument(metavar="name=value...", help="Parameters, SI.")
+        list[str] | None,
+        typer.Argument(metavar="name=value...", help="Parameters, SI.", autocompletion=complete.values),
     ] = None,
     output: Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The new model file.")] = "",
     diagnosis: Annotated[

@@ -15,13 +15,20 @@ from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recor
 from workbench.core.files import check_free
 from workbench.core.text import plain
 
+from . import complete
+
 if TYPE_CHECKING:
     from workbench.models import Model
     from workbench.recordings import Excerpts, Log
     from workbench.report import Sheet
 
 ModelArgument = Annotated[
-    str, typer.Argument(metavar="MODEL", help="Model file (.toml or .xml), or a shipped model's name.")
+    str,
+    typer.Argument(
+        metavar="MODEL",
+        help="Model file (.toml or .xml), or a shipped model's name.",
+        autocompletion=complete.models,
+    ),
 ]
 RecordingsArgument = Annotated[list[str], typer.Argument(metavar="REC...", help="Recording files (.toml).")]
 HoldoutOption = Annotated[

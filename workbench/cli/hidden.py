@@ -9,6 +9,7 @@ import typer
 
 from workbench.core import InputError
 
+from . import complete
 from .add import parse_place, parse_values
 
 if TYPE_CHECKING:
@@ -16,7 +17,12 @@ if TYPE_CHECKING:
 
 HideOption = Annotated[
     str | None,
-    typer.Option("--hide", metavar="EFFECT[@AXIS]", help="Hide an effect in the virtual hardware."),
+    typer.Option(
+        "--hide",
+        metavar="EFFECT[@AXIS]",
+        help="Hide an effect in the virtual hardware.",
+        autocompletion=complete.hidden,
+    ),
 ]
 SetOption = Annotated[
     list[str] | None,

@@ -10,6 +10,7 @@ import typer
 
 from workbench.core import InputError
 
+from . import complete
 from .app import app
 from .common import (
     ForceOption,
@@ -34,7 +35,13 @@ identify = typer.Typer(
 app.add_typer(identify)
 
 _Base = Annotated[
-    str, typer.Option("--model", metavar="MODEL", help="The model that gets the numbers; a serial tree.")
+    str,
+    typer.Option(
+        "--model",
+        metavar="MODEL",
+        help="The model that gets the numbers; a serial tree.",
+        autocompletion=complete.models,
+    ),
 ]
 _Output = Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
 _Figure = Annotated[

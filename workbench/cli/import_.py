@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from . import complete
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs
 from .import_model import MechanismOptions, import_mechanism, show_contents
@@ -31,7 +32,12 @@ def import_(
     ] = "",
     model: Annotated[
         str | None,
-        typer.Option("--model", metavar="MODEL", help="Table: the model whose axes the recording is for."),
+        typer.Option(
+            "--model",
+            metavar="MODEL",
+            help="Table: the model whose axes the recording is for.",
+            autocompletion=complete.models,
+        ),
     ] = None,
     column: Annotated[
         list[str] | None,

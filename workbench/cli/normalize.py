@@ -8,6 +8,7 @@ import typer
 
 from workbench.core import InputError, WorkbenchError
 
+from . import complete
 from .app import app
 from .common import (
     ForceOption,
@@ -29,7 +30,10 @@ def normalize(
     variant: Annotated[
         str | None,
         typer.Option(
-            "--variant", metavar="NAME", help="kin_only, s3n_act, s3n_full or exact; else the model's own."
+            "--variant",
+            metavar="NAME",
+            help="kin_only, s3n_act, s3n_full or exact; else the model's own.",
+            autocompletion=complete.variants,
         ),
     ] = None,
     allow_error: Annotated[

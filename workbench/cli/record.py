@@ -10,6 +10,7 @@ import typer
 
 from workbench.core import InputError
 
+from . import complete
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
 from .hidden import HideOption, SetOption, hidden_effects
@@ -29,6 +30,7 @@ def record(
             metavar="RIG",
             help="'leg', the virtual parallel leg; 'leg_on_plate', the same over a force plate; "
             "'actuator', its drive alone; or a CAN file (.toml).",
+            autocompletion=complete.rigs,
         ),
     ],
     experiments: Annotated[
@@ -36,6 +38,7 @@ def record(
         typer.Argument(
             metavar="EXPERIMENT...",
             help="Designs from 'excite' (.toml), or the leg's experiments; the demo's six if none is named.",
+            autocompletion=complete.experiments,
         ),
     ] = None,
     output: Annotated[

@@ -10,6 +10,7 @@ import typer
 
 from workbench.core import InputError
 
+from . import complete
 from .app import app
 from .common import (
     ForceOption,
@@ -29,13 +30,24 @@ if TYPE_CHECKING:
 
 @app.command()
 def train(
-    task: Annotated[str, typer.Argument(metavar="TASK", help="reach, pitch-in-place or circular.")],
+    task: Annotated[
+        str,
+        typer.Argument(
+            metavar="TASK", help="reach, pitch-in-place or circular.", autocompletion=complete.tasks
+        ),
+    ],
     output: Annotated[str, typer.Option("--output", "-o", metavar="RUN", help="Folder of the run.")] = "",
-    model: Annotated[str, typer.Option("--model", metavar="MODEL", help="The leg's model.")] = "leg",
+    model: Annotated[
+        str,
+        typer.Option("--model", metavar="MODEL", help="The leg's model.", autocompletion=complete.models),
+    ] = "leg",
     variant: Annotated[
         str | None,
         typer.Option(
-            "--variant", metavar="NAME", help="kin_only, s3n_act, s3n_full or exact; else the model's."
+            "--variant",
+            metavar="NAME",
+            help="kin_only, s3n_act, s3n_full or exact; else the model's.",
+            autocompletion=complete.variants,
         ),
     ] = None,
     envs: Annotated[int, typer.Option("--envs", min=2, help="Worlds side by side.")] = 256,
@@ -43,11 +55,15 @@ def train(
         int | None, typer.Option("--iterations", min=1, help="Of PPO in all; else as the task has it.")
     ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of everything that is random.")] = 0,
-    device: Annotated[str, typer.Option("--device", help="cpu, cuda or cuda:N.")] = "cpu",
+    device: Annotated[
+        str, typer.Option("--device", help="cpu, cuda or cuda:N.", autocompletion=complete.devices)
+    ] = "cpu",
     legs: Annotated[
         str | None,
         typer.Option(
-            "--legs", help="Links drawn per world: none, leg_rand, heavy_leg_rand; else the task's."
+            "--legs",
+            help="Links drawn per world: none, leg_rand, heavy_leg_rand; else the task's.",
+            autocompletion=complete.legs,
         ),
     ] = None,
     save_every: Annotated[int, typer.Option("--save-every", min=1, help="Iterations a checkpoint.")] = 50,

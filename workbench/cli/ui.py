@@ -10,6 +10,7 @@ import typer
 
 from workbench.core import InputError
 
+from . import complete
 from .app import app
 from .common import SeedOption, echo
 
@@ -18,7 +19,11 @@ from .common import SeedOption, echo
 def ui(
     model: Annotated[
         str | None,
-        typer.Argument(metavar="[MODEL]", help="Model file (.toml or .xml), or a shipped model's name."),
+        typer.Argument(
+            metavar="[MODEL]",
+            help="Model file (.toml or .xml), or a shipped model's name.",
+            autocompletion=complete.models,
+        ),
     ] = None,
     recordings: Annotated[
         list[str] | None, typer.Argument(metavar="[REC...]", help="Recording files (.toml).")

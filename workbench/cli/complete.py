@@ -1,0 +1,153 @@
+"""What a shell offers for a word that was begun, read from names of files and their text.
+
+A shell waits for this at the press of a key, so nothing that is slow to import may be imported here.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import typer
+
+import workbench
+from workbench.core import InputError
+from workbench.core.paths import models_folder
+from workbench.core.xml import parse_xml
+
+#: Names that commands take; the tests hold them against what there is.
+TASKS = ("reach", "pitch-in-place", "circular")
+VARIANTS = ("kin_only", "s3n_act", "s3n_full", "exact")
+LEGS = ("none", "leg_rand", "heavy_leg_rand")
+DEVICES = ("cpu", "cuda")
+RIGS = ("leg", "leg_on_plate", "actuator")
+EXPERIMENTS = {
+    "leg": (
+        *("chirp_hip", "chirp_knee", "multisine_sum", "multisine_diff", "slow", "validation"),
+        *("range_sweep", "dither", "steps", "ladder_hip", "ladder_knee", "work_and_rest"),
+    ),
+    "leg_on_plate": ("press", "step", "slide", "walk"),
+}
+
+_LARGEST = 2**20  # bytes of a model file that is read for the names of its axes
+
+
+def models(incomplete: str) -> list[str]:
+    """Shipped models, and model files in this folder; files elsewhere are the shell's to complete."""
+    if "/" in incomplete:
+        return []
+    shipped = sorted(p.stem for p in models_folder().glob("*.toml"))
+    here = sorted(p.name for p in Path().glob("*") if p.suffix in (".toml", ".xml") and _is_model(p))
+    return _begun(incomplete, [*shipped, *here])
+
+
+def effects(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Effects of the catalogue, each in every place on the model that was named."""
+    return _begun(incomplete, _places(_axes(ctx.params.get("model") or "")))
+
+
+def hidden(incomplete: str) -> list[str]:
+    """Effects that the virtual leg may hide."""
+    return _begun(incomplete, _places(("hip", "knee")))
+
+
+def values(ctx: typer.Context, incomplete: str) -> list[str]:
+    """The axis of an effect, where the shell has parted ``effect@axis`` at the ``@``, as bash does."""
+    axes = _axes(ctx.params.get("model") or "")
+    if incomplete == "@":
+        return [_AfterAt(axis) for axis in axes]
+    return _begun(incomplete, axes) if ctx.params.get("values") in (["@"], ("@",)) else []
+
+
+class _AfterAt(str):
+    """An axis behind an ``@`` that stays: typer drops what does not begin with the word it was asked for."""
+
+    def startswith(self, *_: Any) -> bool:
+        return True
+
+
+def tasks(incomplete: str) -> list[str]:
+    """Tasks of a training."""
+    return _begun(incomplete, TASKS)
+
+
+def variants(incomplete: str) -> list[str]:
+    """Variants of S3N."""
+    return _begun(incomplete, VARIANTS)
+
+
+def legs(incomplete: str) -> list[str]:
+    """Ranges that links are drawn from."""
+    return _begun(incomplete, LEGS)
+
+
+def devices(incomplete: str) -> list[str]:
+    """What trains."""
+    return _begun(incomplete, DEVICES)
+
+
+def rigs(incomplete: str) -> list[str]:
+    """Built-in rigs; a CAN file is the shell's to complete."""
+    return _begun(incomplete, RIGS)
+
+
+def experiments(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Experiments of a rig that were not named yet."""
+    named = ctx.params.get("experiments") or ()
+    known = EXPERIMENTS.get(ctx.params.get("rig") or "", ())
+    return _begun(incomplete, [name for name in known if name not in named])
+
+
+@cache
+def effect_names() -> dict[str, bool]:
+    """Every effect of the catalogue, and whether it acts on all axes at once.
+
+    An effect is one file of its name that says so; reading is far quicker than importing them.
+    """
+    found = {}
+    for file in sorted((Path(workbench.__file__).parent / "effects").glob("*.py")):
+        text = file.read_text(encoding="utf-8")
+        if re.search(rf'^    name = "{file.stem}"$', text, re.MULTILINE):
+            found[file.stem] = re.search(r'^    axes = "all"$', text, re.MULTILINE) is not None
+    return found
+
+
+def _places(axes: tuple[str, ...]) -> list[str]:
+    """``effect`` or ``effect@axis``, whichever the effect needs."""
+    found: list[str] = []
+    for name, on_all in effect_names().items():
+        found += [name] if on_all or not axes else [f"{name}@{axis}" for axis in axes]
+    return found
+
+
+def _axes(model: str) -> tuple[str, ...]:
+    """The axes that a model's file names; none where it does not say so plainly."""
+    given = Path(model)
+    file = given if given.is_file() else models_folder() / f"{given.stem}.toml"
+    try:
+        text = file.read_bytes()[:_LARGEST]
+        if file.suffix == ".xml":
+            joints = parse_xml(text, file).iter("joint")
+            names: Any = [j.get("name") for j in joints if j.get("type", "hinge") in ("hinge", "slide")]
+        else:
+            table: Any = tomllib.loads(text.decode())
+            names = table.get("axes") or table.get("transmission", {}).get("joints") or []
+    except (OSError, ValueError, AttributeError, InputError):
+        return ()
+    return tuple(name for name in names if isinstance(name, str))
+
+
+def _is_model(file: Path) -> bool:
+    """Whether a file's text looks like a model's; recordings and designs end in .toml as well."""
+    try:
+        text = file.read_bytes()[:_LARGEST]
+    except OSError:
+        return False
+    return (b"<mujoco" in text) if file.suffix == ".xml" else re.search(rb"(?m)^serial\s*=", text) is not None
+
+
+def _begun(incomplete: str, names: Any) -> list[str]:
+    return [name for name in names if name.startswith(incomplete)]
