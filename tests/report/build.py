@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from workbench.core import (
@@ -14,6 +16,7 @@ from workbench.core import (
     InverseDynamics,
     Recording,
     RecordingError,
+    Shape,
     Share,
     Step,
 )
@@ -133,6 +136,21 @@ def diagnosis(seconds: float = 12.0, rate: float = 500.0) -> Diagnosis:
         before=before,
         after=after,
     )
+
+
+def unexplained() -> Diagnosis:
+    """A stop on the hip and a tone on the knee that no effect explains."""
+    grid = np.linspace(-1.0, 1.0, 41)
+    stop = np.where(grid > 0.2, 2.0 * (grid - 0.2), 0.0)
+    seen = np.where(np.arange(41) == 7, np.nan, stop + 0.01)
+    spring = Shape("hip", ("position",), ("rad",), "N m", 0.973, grid, stop, np.full(41, 0.02), seen)
+    cycle = 0.3 * np.cos(2 * np.pi * 3.7 * (grid + 1.0))
+    tone = Shape(
+        "knee", ("time",), ("s",), "N m", 0.61, grid + 1.0, cycle, np.full(41, 0.03), cycle, frequency=3.7
+    )
+    both = replace(spring, axis="knee", quantities=("position", "the position of hip"), units=("rad", "rad"))
+    found = diagnosis()
+    return replace(found, verdict="unexplained", findings=(), shapes=(spring, tone, both), after=None)
 
 
 def improvement(seconds: float = 12.0, rate: float = 500.0) -> Improvement:

@@ -68,6 +68,16 @@ def test_it_says_what_is_missing_how_sure_and_what_else(diagnosis):
     assert "Thermal derating on all axes" in text and "friction at the drive and at the joint" in text
 
 
+def test_it_shows_the_shape_of_what_no_effect_explains():
+    page = Page(render_page(build.unexplained(), command=COMMAND))
+    assert "a shape to think about, no cause" in page.text and "hip: position 97 %" in page.text
+    assert "knee: a tone of 3.7 Hz 61 %" in page.text and "the position of hip at its median" in page.text
+    [words] = [a["alt"] for t, a in page.tags if t == "img" and "lacking" in (a["alt"] or "")]
+    least_and_most = "least 0 N m at −1 rad, most 1.60 N m at 1 rad, give or take 0.040 N m"
+    assert f"Torque lacking on hip against position: {least_and_most}." in words
+    assert "shape of what no effect" not in Page(render_page(build.diagnosis(), command=COMMAND)).text
+
+
 def test_the_truth_comes_last(improvement):
     text = Page(render_page(improvement, command=COMMAND, truth=build.TRUTH)).text
     assert text.index("How to reproduce this") < text.index("The truth", text.index("How to reproduce this"))
@@ -131,6 +141,9 @@ def test_it_is_written_whole_or_not_at_all(tmp_path, comparison):
 @pytest.mark.parametrize("what", ["a minute", "nasty"])
 def test_a_browser_draws_it_from_disk(tmp_path, what):
     result = build.improvement(60.0, 1000.0) if what == "a minute" else build.improvement()
+    shapes = build.unexplained().shapes
+    if what == "a minute":
+        result = replace(result, diagnosis=replace(result.diagnosis, shapes=shapes))
     if what == "nasty":
         first = replace(result.before, axes=(NASTY, "knee"))  # type: ignore[type-var]
         result = replace(
@@ -147,11 +160,12 @@ def test_a_browser_draws_it_from_disk(tmp_path, what):
     assert 'data-drawn="yes"' in dom
     parsed = Page(dom)
     drawn = [a for t, a in parsed.tags if "js-plotly-plot" in (a.get("class") or "")]
-    assert len(drawn) == 9 and all(a["aria-label"] for a in drawn)
-    assert dom.count("js-line") >= 9
-    fallback = next(a for _, a in parsed.tags if a.get("id") == "fallback")
-    assert "hidden" in fallback
-    assert [t for t, _ in parsed.tags].count("img") == 1
+    count = 9 + (len(shapes) if what == "a minute" else 0)
+    assert len(drawn) == count and all(a["aria-label"] for a in drawn)
+    assert dom.count("js-line") >= count
+    pictures = [a for t, a in parsed.tags if a.get("id") == "fallback" or a.get("class") == "fallback"]
+    assert all("hidden" in a for a in pictures)
+    assert [t for t, _ in parsed.tags].count("img") == len(pictures) == (2 if what == "a minute" else 1)
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")

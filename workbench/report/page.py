@@ -6,6 +6,8 @@ import base64
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from workbench.core import Comparison, Diagnosis, Improvement
 from workbench.core.files import check_free, write_whole
 
@@ -15,6 +17,7 @@ from .numbers import plain
 from .pack import plots, worst_view
 from .residuals import worst_window
 from .sections import sections
+from .shapes import shape_figure
 from .shell import plotly, reproduce, template
 
 
@@ -58,16 +61,19 @@ def render_page(
     """The page as HTML text; see `write_page`."""
     before, after = _comparisons(result)
     values, curves, fallback = None, "", None
+    parts = sections(result, before, after, truth)
     if before is not None and before.recordings and before.axes:
         values, curves = plots(before, after)
+        values["shapes"] = parts["shapes"]
         fallback = _fallback(before, after)
     return template("page.html.j2").render(
-        **sections(result, before, after, truth),
+        **parts,
         reproduce=reproduce(command, seeds, inputs),
         plots=values,
         curves=curves,
         plotly=plotly() if values else "",
         fallback=fallback,
+        shape_picture=_shape_picture(result) if parts["shapes"] else "",
     )
 
 
@@ -84,9 +90,17 @@ def _fallback(before: Comparison, after: Comparison | None) -> dict[str, str]:
     figure = overlay_figure(
         before, axis, recording=index, after=after, window=worst_window(before.recordings[index], axis)
     )
-    picture = base64.b64encode(figure_bytes(figure, "png", dpi=130)).decode("ascii")
     return {
-        "picture": picture,
+        "picture": _picture(figure),
         "axis": plain(axis),
         "recording": plain(before.recordings[index].recording.name),
     }
+
+
+def _shape_picture(result: Comparison | Diagnosis | Improvement) -> str:
+    diagnosis = result.diagnosis if isinstance(result, Improvement) else result
+    return _picture(shape_figure(diagnosis)) if isinstance(diagnosis, Diagnosis) else ""
+
+
+def _picture(figure: Figure) -> str:
+    return base64.b64encode(figure_bytes(figure, "png", dpi=130)).decode("ascii")

@@ -12,6 +12,7 @@ from .json import Truth
 from .ladder import log_axis, rungs
 from .numbers import interval, number, percent, plain, short
 from .scores import scores
+from .shapes import shape_rows
 from .truth import truth_rows
 
 Result = Comparison | Diagnosis | Improvement
@@ -42,6 +43,7 @@ def sections(
         "not_excited": [w.capital(p) for p in w.effect_phrases(diagnosis.not_excited)] if diagnosis else [],
         "where": _where(before.where if before else ()),
         "where_after": _where(_left(result, after)),
+        "shapes": shape_rows(diagnosis.shapes) if diagnosis else [],
         "rest": [plain(line) for line in diagnosis.evidence] if diagnosis else [],
         "scores": scores(before, after),
         "inverse": _inverse(before, after),

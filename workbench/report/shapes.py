@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
 from matplotlib.figure import Figure
 
 from workbench.core import Diagnosis, Shape
 from workbench.core.palette import COLOURS, LINES
 
 from .figures import house_style
-from .numbers import percent, plain
+from .numbers import number, percent, plain, short
 
 _MOST = 4
 
@@ -43,6 +47,47 @@ def shape_figure(result: Diagnosis) -> Figure:
             a.set_visible(False)
         figure.suptitle("Of what no effect explains; shapes, not causes", fontsize=10)
     return figure
+
+
+def shape_rows(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
+    """What the page draws and says of each: what removes most first, as plain text and numbers."""
+    rows = []
+    for shape in shapes[:_MOST]:
+        along, *others = (plain(q) for q in shape.quantities)
+        held = f", {others[0]} at its median" if others else ""
+        curve = {key: _short(getattr(shape, key)) for key in ("grid", "torque", "seen")}
+        edges = {
+            "low": _short(shape.torque - 2.0 * shape.std),
+            "high": _short(shape.torque + 2.0 * shape.std),
+        }
+        rows.append(
+            {
+                "title": f"{plain(shape.axis)}: {_titled(shape)}",
+                "share": percent(shape.share),
+                "remark": held.removeprefix(", "),
+                "x": f"{along} [{shape.units[0]}]",
+                "y": f"torque lacking [{shape.torque_unit}]",
+                "unit": shape.torque_unit,
+                "about": f"Torque lacking on {plain(shape.axis)} against {along}{held}: {_ends(shape)}.",
+                **curve,
+                **edges,
+            }
+        )
+    return rows
+
+
+def _ends(shape: Shape) -> str:
+    """Where a function is least and most, in words."""
+    unit, at = shape.torque_unit, (int(np.argmin(shape.torque)), int(np.argmax(shape.torque)))
+    ends = [
+        f"{word} {number(float(shape.torque[k]))} {unit} at {short(float(shape.grid[k]))} {shape.units[0]}"
+        for word, k in zip(("least", "most"), at, strict=True)
+    ]
+    return f"{', '.join(ends)}, give or take {number(2.0 * float(np.median(shape.std)), 2)} {unit}"
+
+
+def _short(values: np.ndarray) -> list[float | None]:
+    return [float(f"{v:.4g}") if np.isfinite(v) else None for v in values]
 
 
 def _titled(shape: Shape) -> str:

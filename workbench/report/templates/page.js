@@ -147,6 +147,15 @@
     }
   };
 
+  const drawShapes = () => data.shapes.forEach((s, i) => {
+    const { color } = line("before"), edge = { x: s.grid, type: "scatter", mode: "lines", line: { width: 0 }, hoverinfo: "skip" };
+    draw(`plot-shape-${i}`, [
+      { ...edge, y: s.low }, { ...edge, y: s.high, fill: "tonexty", fillcolor: clear(color, 0.2) },
+      { x: s.grid, y: s.seen, type: "scatter", mode: "markers", marker: { size: 6, color: colour("measured") }, hoverinfo: "skip" },
+      { x: s.grid, y: s.torque, type: "scatter", mode: "lines", line: line("before"), hovertemplate: `%{y:.3~g} ${s.unit}<extra></extra>` },
+    ], small(s.x, s.y), s.about);
+  });
+
   const look = (t0, t1) => {
     const end = data.recordings[state.recording].duration, width = Math.min(end, Math.max(t1 - t0, 0.02));
     const start = Math.min(Math.max(0, t0), end - width);
@@ -157,7 +166,7 @@
     in: (a, w) => [a + w / 4, a + (3 * w) / 4], out: (a, w) => [a - w / 2, a + 1.5 * w],
     left: (a, w) => [a - w / 2, a + w / 2], right: (a, w) => [a + w / 2, a + 1.5 * w], all: () => [0, Infinity],
   };
-  show(drawAll);
+  show(() => { drawAll(); drawShapes(); });
   document.querySelectorAll("[data-zoom]").forEach((button) => button.addEventListener("click", () => {
     const [a, b] = state.range || [0, data.recordings[state.recording].duration];
     look(...moves[button.dataset.zoom](a, b - a));

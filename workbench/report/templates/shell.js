@@ -34,7 +34,7 @@ const shell = (() => {
   // Draws in place of the picture, which comes back where that fails; again for another scheme, and for paper.
   const show = (drawAll) => {
     const swap = (drawn) => {
-      byId("fallback").hidden = drawn;
+      document.querySelectorAll("#fallback, .fallback").forEach((part) => { part.hidden = drawn; });
       document.querySelectorAll("#plots, figure.drawing").forEach((part) => { part.hidden = !drawn; });
     };
     swap(true);
