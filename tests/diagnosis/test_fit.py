@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from workbench.core import EffectKey, Estimate
+from workbench.diagnosis import fit as fit_module
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.fit import fit, race
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
@@ -40,6 +41,17 @@ def test_the_right_one_wins_and_the_hopeless_fall_behind(lacking: tuple[Data, Fi
     assert right is not None and wrong is None
     assert right.hypothesis.free[0].parameters["damping"].value == pytest.approx(0.15, rel=0.01)
     assert shares[0] == pytest.approx(1.0, abs=0.05) and shares[1] is not None and shares[1] < 0.5
+
+
+def test_a_loop_that_runs_away_takes_no_part_though_its_numbers_are_finite(
+    lacking: tuple[Data, Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data, _ = lacking
+    true = fit_module.respond
+    monkeypatch.setattr(
+        fit_module, "respond", lambda *told: [[1e200 * r for r in own] for own in true(*told)]
+    )
+    assert fit([having("viscous_damping", "knee", damping=0.05)], data) == [None]
 
 
 def test_what_never_runs_takes_no_part(lacking: tuple[Data, Fit]) -> None:

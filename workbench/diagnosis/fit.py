@@ -24,6 +24,7 @@ _TELLING = 0.6  # share of the error in the recordings of a race's first heats
 _HEATS = 3  # simulations of each hypothesis in them
 _BEHIND = 2.5  # what leaves this many times the best one's excess falls out
 _AT_ONCE = 20_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
+_RUNAWAY = 1e100  # noise levels of response to one unit; the square of much more is no number
 PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
 
@@ -152,7 +153,7 @@ def _linearise_together(works: list[_Work], data: Data) -> None:
     columns = [[c for a in w.best.free for c in s.derivatives(a)] for w, s in zip(works, scenes, strict=True)]
     responses = respond(scenes, columns, data)
     for work, own in zip(works, responses, strict=True):
-        if not all(np.isfinite(r).all() for r in own):
+        if not all(np.abs(r).max(initial=0.0) < _RUNAWAY for r in own):  # nor NaN
             work.value, work.done = np.inf, True  # the loop about this motion runs away: nothing to follow
             continue
         residuals = [data.residual(i, work.runs[i]) * data.weight for i in range(data.training)]
