@@ -121,6 +121,11 @@ class Chrome:
         self.send("Input.dispatchKeyEvent", type="keyDown", **common, **({"text": text} if text else {}))
         self.send("Input.dispatchKeyEvent", type="keyUp", **common)
 
+    def tap(self, x: float, y: float) -> None:
+        """Touch the window at a place [px]."""
+        self.send("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
+        self.send("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
     def picture(self, path: Path, *, whole: bool = True) -> None:
         """What the page looks like, as PNG."""
         data = self.send("Page.captureScreenshot", captureBeyondViewport=whole)["data"]

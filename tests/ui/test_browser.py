@@ -135,6 +135,50 @@ def test_the_motion_plays_and_moves_the_time_in_the_curves(server: tuple[str, Pa
     assert chrome.errors == []
 
 
+#: Width and height of what can be tapped and is smaller than a fingertip [px]; the small arrows of a number
+#: field are not all that moves it.
+_SMALL = """every('button:not(.bk-spin-btn), select, label:has(input), summary')
+  .filter((e) => e.getClientRects().length).map((e) => e.getBoundingClientRect())
+  .map((r) => [Math.round(r.width), Math.round(r.height)]).filter(([w, h]) => w < 44 || h < 44)"""
+#: Where a time and a row of the map are in the window, which is scrolled there.
+_CELL = """(() => {
+  const models = [...Bokeh.documents[0]._all_models.values()];
+  const view = Bokeh.index.find_one(models.find((m) => m.type === 'Figure' && m.y_range.type === 'FactorRange'));
+  view.el.scrollIntoView({ block: 'center' });
+  const box = view.el.getBoundingClientRect();
+  return [box.left + view.frame.x_scale.compute(TIME), box.top + view.frame.y_scale.compute('ROW')];
+})()"""
+
+
+def test_a_finger_on_the_map_looks_at_that_axis_and_time(server: tuple[str, Path], chrome: Chrome) -> None:
+    chrome.look(390, 800, dark=True)
+    chrome.send("Emulation.setTouchEmulationEnabled", enabled=True)
+    chrome.send(
+        "Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}]
+    )
+    chrome.open(server[0])
+    chrome.wait("document.documentElement.dataset.ready === 'yes' && words().includes('the noise')")
+    chrome.wait(
+        "[...Bokeh.documents[0]._all_models.values()].some((m) => m.factors?.includes('hip torque'))", 90
+    )
+    assert chrome.ask(_SMALL) == []
+    shown = "[...every('select')].map((s) => s.selectedOptions[0]?.textContent)"
+    for time, row, window in (
+        (2.2, "hip torque", "2.10 to 2.30 s"),
+        (0.01, "knee position", "0.00 to 0.20 s"),
+    ):
+        x, y = chrome.ask(_CELL.replace("TIME", str(time)).replace("ROW", row))
+        chrome.tap(x, y)
+        chrome.wait(f"document.getElementById('window').textContent === '{window}'")
+        axis = row.split()[0]
+        chrome.wait(f"{shown}.includes('{axis}')")
+        # what was asked for is in sight, below the strip of numbers
+        chrome.wait("document.getElementById('curves').getBoundingClientRect().top >= 0")
+        assert chrome.ask("document.getElementById('plots').getBoundingClientRect().top") < 600
+    chrome.send("Emulation.setTouchEmulationEnabled", enabled=False)
+    assert chrome.errors == []
+
+
 def test_strangers_are_not_let_in(server: tuple[str, Path]) -> None:
     address = server[0]
     page = urlopen(address).read().decode()

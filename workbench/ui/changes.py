@@ -82,7 +82,8 @@ class Changes:
                     value=estimate.value,
                     format="0.00000" if high - low < 0.01 else "0.0000",
                 )
-                for part in (slider._slider, slider._value_edit):  # what it is made of dresses by itself
+                # what it is made of dresses by itself
+                for part in (slider._label, slider._slider, slider._value_edit):
                     part.stylesheets = slider.stylesheets
                 slider.param.watch(lambda event, i=index, n=name: self._moved(i, n, event.new), "value")
                 slider.param.watch(lambda event: self._let_go(), "value_throttled")

@@ -14,9 +14,12 @@
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paint(page); stage.draw(); });
     stage.start(named("motion"), named("cursor"), timeOf(page));
     zoom(timeOf(page));
+    mapOf(page).on_event("tap", () => byId("curves").scrollIntoView({ behavior: calm ? "auto" : "smooth" }));
     document.documentElement.dataset.ready = "yes";
   }, 50);
 
+  const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  const mapOf = (page) => models(page).find((m) => m.type === "Figure" && m.y_range.type === "FactorRange");
   const models = (page) => [...page._all_models.values()];
   const timeOf = (page) => models(page).find((m) => m.type === "Figure" && m.tags.includes(page.get_model_by_name("motion"))).x_range;
 
