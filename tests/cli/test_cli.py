@@ -116,17 +116,6 @@ def test_inspect_sees_swapped_columns(data: Path, tmp_path: Path) -> None:
     assert "swap" in (tmp_path / "i.json").read_text()
 
 
-def test_help_of_every_command_has_an_example() -> None:
-    commands = (
-        "compare", "diagnose", "improve", "add", "inspect", "record", "demo", "check", "normalize", "import",
-        "can", "deploy", "fleet",
-    )  # fmt: skip
-    listing = run("--help").stdout
-    for command in commands:
-        assert command in listing
-        assert "Example: workbench" in run(command, "--help").stdout
-
-
 def test_add_takes_over_what_a_diagnosis_settled_of_the_model(tmp_path: Path) -> None:
     finding = {"effect": "coulomb_friction", "axis": "knee", "location": "actuator"}
     finding["parameters"] = {"torque": {"value": 0.25, "std": 0.001, "unit": "N*m"}}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,22 @@ def run(*words: object) -> Any:
     """The command line, in this process: what counts is what stands where."""
     load_commands()
     return CliRunner().invoke(app, [str(word) for word in words])
+
+
+def test_help_of_every_command_has_an_example_and_fits_a_terminal() -> None:
+    load_commands()
+    names = [name for name, _ in commands(typer.main.get_command(app))]
+    listing = run("--help").stdout
+    assert "..." not in listing.replace("[ARGS]...", "") and "Begin with: workbench demo" in listing
+    for name in names:
+        said = run(*name.split(), "--help").stdout
+        assert "Example: workbench" in said, name
+        assert max(map(len, said.splitlines())) <= 80, name
+        assert f"\n  {name.split()[0]} " in listing
+
+
+def test_the_program_says_its_version() -> None:
+    assert run("--version").stdout == f"workbench {metadata.version('workbench')}\n"
 
 
 @pytest.fixture

@@ -143,7 +143,8 @@ _SMALL = """every('button:not(.bk-spin-btn), select, label:has(input), summary')
 #: Where a time and a row of the map are in the window, which is scrolled there.
 _CELL = """(() => {
   const models = [...Bokeh.documents[0]._all_models.values()];
-  const view = Bokeh.index.find_one(models.find((m) => m.type === 'Figure' && m.y_range.type === 'FactorRange'));
+  const map = models.find((m) => m.type === 'Figure' && m.y_range.type === 'FactorRange');
+  const view = Bokeh.index.find_one(map);
   view.el.scrollIntoView({ block: 'center' });
   const box = view.el.getBoundingClientRect();
   return [box.left + view.frame.x_scale.compute(TIME), box.top + view.frame.y_scale.compute('ROW')];

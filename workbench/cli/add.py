@@ -42,7 +42,9 @@ def add(
         list[str] | None,
         typer.Argument(metavar="name=value...", help="Parameters, SI.", autocompletion=complete.values),
     ] = None,
-    output: Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The new model file.")] = "",
+    output: Annotated[
+        str, typer.Option("--output", "-o", metavar="NEW", help="The new model file.  [required]")
+    ] = "",
     diagnosis: Annotated[
         str | None,
         typer.Option(

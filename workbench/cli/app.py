@@ -4,20 +4,40 @@ from __future__ import annotations
 
 import os
 import sys
+from importlib import metadata
+from typing import Annotated
 
 import typer
 
+from .listing import Listing
+
 app = typer.Typer(
     name="workbench",
+    cls=Listing,
     help=(
         "Compare a robot model with measurements, find the physical effect that is missing, add it, "
-        "and watch the error fall."
+        "and watch the error fall.\n\nBegin with: workbench demo"
     ),
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        print(f"workbench {metadata.version('workbench')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _program(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit."),
+    ] = False,
+) -> None: ...
 
 
 def run() -> None:

@@ -15,6 +15,7 @@ import typer
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo
 from .hidden import HideOption, SetOption, hidden_effects
+from .listing import Listing
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 _AFTERWARDS = 2.0  # s that are logged after the host is gone: what the drives then do
 
 can = typer.Typer(
+    cls=Listing,
     no_args_is_help=True,
     help="Buses, drives and their limits, from a configuration. Example: workbench can load robot.toml",
 )

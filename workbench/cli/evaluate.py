@@ -17,7 +17,7 @@ from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, p
 def evaluate(
     bundle: Annotated[str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip).")],
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="FOLDER", help="Where recordings go.")
+        str, typer.Option("--output", "-o", metavar="FOLDER", help="Where recordings go.  [required]")
     ] = "",
     seconds: Annotated[float, typer.Option("--seconds", min=1.5, max=600.0, help="How long it runs.")] = 4.0,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the command and of the sensors' noise.")] = 0,

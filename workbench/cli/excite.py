@@ -33,7 +33,9 @@ def excite(
     model: ModelArgument,
     output: Annotated[
         str,
-        typer.Option("--output", "-o", metavar="DESIGN", help="The design's TOML file; tables beside it."),
+        typer.Option(
+            "--output", "-o", metavar="DESIGN", help="The design's TOML file; tables beside it.  [required]"
+        ),
     ] = "",
     kind: Annotated[Literal["multisine", "chirp"], typer.Option(help="What is played.")] = "multisine",
     drive: Annotated[

@@ -16,7 +16,9 @@ from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, w
 @app.command()
 def export(
     run: Annotated[str, typer.Argument(metavar="RUN", help="Folder of a run of `workbench train`.")],
-    output: Annotated[str, typer.Option("--output", "-o", metavar="BUNDLE", help="The new .zip file.")] = "",
+    output: Annotated[
+        str, typer.Option("--output", "-o", metavar="BUNDLE", help="The new .zip file.  [required]")
+    ] = "",
     json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,

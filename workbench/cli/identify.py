@@ -25,9 +25,11 @@ from .common import (
     read_recordings,
     write_result,
 )
+from .listing import Listing
 
 identify = typer.Typer(
     name="identify",
+    cls=Listing,
     help="Actuator and leg parameters from frequency responses, with intervals.",
     no_args_is_help=True,
     rich_markup_mode=None,

@@ -133,8 +133,10 @@ def import_(
 
     Example: workbench import run.csv --model arm.xml -o run.toml
 
-    Example: workbench import leg.sdf --drive hip --drive crank_pin --joint hip --joint knee
-    --loop coupler_end:rear_arm_end --foot foot --gear 9 --rotor-inertia 2e-4 -o my_leg.toml
+    \b
+    Example: workbench import leg.sdf --drive hip --drive crank_pin --joint hip
+    --joint knee --loop coupler_end:rear_arm_end --foot foot --gear 9
+    --rotor-inertia 2e-4 -o my_leg.toml
     """
     path = Path(file)
     check_outputs(json, force=force)

@@ -26,7 +26,9 @@ from .common import (
 @app.command()
 def normalize(
     model: ModelArgument,
-    output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="The new MJCF file.")] = "",
+    output: Annotated[
+        str, typer.Option("--output", "-o", metavar="FILE", help="The new MJCF file.  [required]")
+    ] = "",
     variant: Annotated[
         str | None,
         typer.Option(

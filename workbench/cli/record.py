@@ -42,7 +42,7 @@ def record(
         ),
     ] = None,
     output: Annotated[
-        str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.")
+        str, typer.Option("--output", "-o", metavar="FOLDER", help="Folder for the recordings.  [required]")
     ] = "",
     hide: HideOption = None,
     set_: SetOption = None,

@@ -36,7 +36,9 @@ def train(
             metavar="TASK", help="reach, pitch-in-place or circular.", autocompletion=complete.tasks
         ),
     ],
-    output: Annotated[str, typer.Option("--output", "-o", metavar="RUN", help="Folder of the run.")] = "",
+    output: Annotated[
+        str, typer.Option("--output", "-o", metavar="RUN", help="Folder of the run.  [required]")
+    ] = "",
     model: Annotated[
         str,
         typer.Option("--model", metavar="MODEL", help="The leg's model.", autocompletion=complete.models),
