@@ -2,13 +2,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from workbench.core import EffectKey, Estimate, Share
-from workbench.report import sentence
+from workbench.report import render_page, sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
-from workbench.report.wording import effect_phrase, effect_phrases, share_phrase
+from workbench.report.wording import effect_phrase, effect_phrases, loop_sentence, share_phrase
+
+from . import build
+from .browser import Page
 
 
 @pytest.mark.parametrize(
@@ -96,3 +100,13 @@ def test_places_of_one_effect_share_a_phrase() -> None:
 def test_a_loop_that_noise_blows_up_is_no_verdict_on_the_data(comparison) -> None:
     lost = replace(comparison, error=304.0, noise_error=345.0, consistent=False)
     assert "cannot run these loops" in sentence(lost) and "order of the axes" in sentence(lost)
+
+
+def test_it_is_said_why_no_motion_was_compared():
+    known = build.comparison(0.0)
+    assert loop_sentence(known) == ""
+    entries = [replace(known.recordings[0], position_rmse=np.full(2, np.nan)), known.recordings[1]]
+    unknown = replace(known, recordings=tuple(entries))
+    said = "How the loop of chirp_hip was closed is not known"
+    assert loop_sentence(unknown).startswith(said)
+    assert said in Page(render_page(unknown, command="workbench compare")).text

@@ -142,7 +142,9 @@ def import_(
     check_outputs(json, force=force)
     if path.suffix.lower() not in (".sdf", ".urdf", ".xml", ".xacro", ".world"):
         answers = read_answers(axis, column, unit, rate, counts, coordinates, kp, kd, period, model)
-        import_table(path, output, answers, episode=episode, yes=yes, json=json, force=force, quiet=quiet)
+        import_table(
+            path, output, answers, episode=episode, yes=yes, model=model, json=json, force=force, quiet=quiet
+        )
     elif not drive:
         show_contents(path, json, force, quiet)
     else:

@@ -28,6 +28,7 @@ def import_table(
     *,
     episode: int = 0,
     yes: bool = False,
+    model: str | None = None,
     json: str | None = None,
     force: bool = False,
     quiet: bool = False,
@@ -63,7 +64,7 @@ def import_table(
 
         report.print_table(proposal_tables(proposal, recording, found))
         echo(f"Wrote {' and '.join(str(f) for f in written)}.")
-        echo(f"Next: workbench compare MODEL {target}")
+        echo(f"Next: workbench compare {model or 'MODEL'} {target}")
 
 
 def default_output(path: Path) -> Path:

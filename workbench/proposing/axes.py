@@ -37,7 +37,8 @@ def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, lis
             continue
         columns[signal] = row
         short = [re.sub(r"^.*/(?=[^\[\](){}]*(\[\d+\])?$)", "", name) for name in row]
-        shown = ", ".join(short) if len(", ".join(short)) < 30 else f"{short[0]} ... {short[-1]}"
+        few = len(short) < 3 or len(", ".join(short)) < 30
+        shown = ", ".join(short) if few else f"{short[0]} ... {short[-1]}"
         draft.assume(signal, shown, signals.sure.get(signal, 0.97), signals.because.get(signal, "its name"))
     return axes, columns
 

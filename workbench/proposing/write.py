@@ -96,7 +96,7 @@ def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], li
         return table, [Assumption("controller", "pd", 1.0, "you said so")], at_rest
     law = find_law(recording, answers.transmission)
     if law is None:
-        because = "no logged command follows its reference"
+        because = "no logged command follows its reference; give --kp and --kd"
         if "velocity" in recording.derived:
             because = "the loop's speed is not logged; give --kp and --kd"
         if recording.get("position_reference") is None:

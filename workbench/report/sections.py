@@ -46,12 +46,17 @@ def sections(
         "shapes": shape_rows(diagnosis.shapes) if diagnosis else [],
         "rest": [plain(line) for line in diagnosis.evidence] if diagnosis else [],
         "scores": scores(before, after),
-        "inverse": _inverse(before, after),
-        "notes": [plain(n) for n in dict.fromkeys((*_of_data(result), *(before.notes if before else ())))],
+        "inverse": w.inverse_sentence(before, after),
+        "notes": _notes(result, before),
         "truth": truth_rows(result, truth)
         if truth is not None and not isinstance(result, Comparison)
         else None,
     }
+
+
+def _notes(result: Result, before: Comparison | None) -> list[str]:
+    of_comparison = (w.loop_sentence(before), *before.notes) if before else ()
+    return [plain(n) for n in dict.fromkeys((*_of_data(result), *of_comparison)) if n]
 
 
 def _of_data(result: Result) -> tuple[str, ...]:
@@ -232,23 +237,6 @@ def _where(shares: Iterable[Share]) -> list[dict[str, Any]]:
         )
     order = [q for q in _QUANTITIES if q in groups] + [q for q in groups if q not in _QUANTITIES]
     return [{"quantity": plain(q), "rows": groups[q][:6]} for q in order]
-
-
-def _inverse(before: Comparison | None, after: Comparison | None) -> str:
-    if before is None or before.inverse_dynamics is None:
-        return ""
-    inverse = before.inverse_dynamics
-    each = ", ".join(
-        f"{plain(a)} {percent(float(e))}"
-        for a, e in zip(before.axes, inverse.axis_relative_error, strict=False)
-    )
-    text = (
-        f"The torque that the model needs for the measured motion differs from the torque measured by "
-        f"{percent(inverse.relative_error)} ({each}; filter: {plain(inverse.filter)})."
-    )
-    if after is not None and after.inverse_dynamics is not None:
-        text += f" With the effects added: {percent(after.inverse_dynamics.relative_error)}."
-    return text
 
 
 def _width(share: float) -> str:

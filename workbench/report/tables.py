@@ -71,7 +71,8 @@ def compare_table(result: Comparison) -> Group:
                 f" ({result.inverse_dynamics.filter})."
             )
         )
-    parts += [_text(f"Note: {note}") for note in result.notes]
+    notes = [w.loop_sentence(result), *result.notes]
+    parts += [_text(f"Note: {note}") for note in notes if note]
     return Group(*parts)
 
 

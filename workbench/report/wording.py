@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
+
 from workbench.core import (
     HOPELESS,
     Comparison,
@@ -125,6 +127,36 @@ def comparison_sentence(result: Comparison) -> str:
         worst = _worst_signal(result)
         return f"The model does not explain the data: {worst}, though the error as a whole is at the floor."
     return f"The model does not explain the data: its error is {number(result.error)}{tail}."
+
+
+def loop_sentence(result: Comparison) -> str:
+    """Why no motion was compared, where that is so; else empty."""
+    names = [plain(e.recording.name) for e in result.recordings if np.isnan(e.position_rmse).all()]
+    if not names:
+        return ""
+    which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+    return (
+        f"How the loop of {which} was closed is not known, so that only the torque that the motion needs is "
+        "compared. Its gains go into [controller]."
+    )
+
+
+def inverse_sentence(before: Comparison | None, after: Comparison | None) -> str:
+    """How far the torque that the motion needs is off the recorded one; empty where it is not known."""
+    if before is None or before.inverse_dynamics is None:
+        return ""
+    inverse = before.inverse_dynamics
+    each = ", ".join(
+        f"{plain(a)} {percent(float(e))}"
+        for a, e in zip(before.axes, inverse.axis_relative_error, strict=False)
+    )
+    text = (
+        f"The torque that the model needs for the measured motion differs from the torque measured by "
+        f"{percent(inverse.relative_error)} ({each}; filter: {plain(inverse.filter)})."
+    )
+    if after is not None and after.inverse_dynamics is not None:
+        text += f" With the effects added: {percent(after.inverse_dynamics.relative_error)}."
+    return text
 
 
 def _worst_signal(result: Comparison) -> str:
