@@ -85,6 +85,8 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "a loop without gains": ({"controller": {"kind": "pd", "kp": 5.0}}, ("controller.kd", "give")),
     "a payload at no site": ({"payload": {"site": "toe"}}, ("toe", "payload.site", "foot")),
     "an unknown effect": (effect(effect="magic"), ("magic", "choose one of", "coulomb_friction")),
+    "an effect that is nearly there": (effect(effect="coulomb_frictoin"), ("did you mean coulomb_friction",)),
+    "a recording": ({"serial": None, "table": "run.csv"}, ("is a recording", "the model comes first")),
     "an effect on no axis": (effect(axis=None), ("coulomb_friction@hip",)),
     "an effect on an unknown axis": (effect(axis="ankle"), ("ankle", "hip, knee")),
     "an effect on an axis instead of all": (

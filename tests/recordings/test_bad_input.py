@@ -67,6 +67,22 @@ def test_a_table_handed_in_as_toml(tmp_path: Path) -> None:
     assert "TOML" in refused(path).remedy
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "remedy"),
+    [
+        ("run.csv", "t,q\n0,1\n", "workbench import run.csv"),
+        ("arm.xml", "<mujoco/>", "it is a model, which comes first"),
+        ("arm.toml", 'format = 1\nname = "arm"\nserial = "arm.xml"\n', "it is a model, which comes first"),
+    ],
+)
+def test_what_is_no_recording_is_told_what_to_do_with_it(
+    tmp_path: Path, name: str, text: str, remedy: str
+) -> None:
+    (tmp_path / name).write_text(text)
+    error = refused(tmp_path / name)
+    assert error.problem == "is no recording" and remedy in str(error)
+
+
 @pytest.mark.parametrize("version", [0, "1"])
 def test_other_format(tmp_path: Path, version: Any) -> None:
     error = refused_key(tmp_path, format=version)

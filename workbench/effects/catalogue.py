@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from pathlib import Path
 
 from workbench.core import EffectKey, InputError
@@ -87,12 +88,13 @@ def effect_named(name: str, file: Path | None = None) -> Effect:
     """The effect of this name; `file` is where it was named, for the error.
 
     Raises:
-        InputError: there is none; lists the catalogue.
+        InputError: there is none; says which are like it, or all.
     """
     if name not in _BY_NAME:
-        raise InputError(
-            f"no effect is called '{name}'", file=file, remedy=f"choose one of {', '.join(sorted(_BY_NAME))}"
-        )
+        known = sorted(_BY_NAME)
+        near = get_close_matches(name, known) or [n for n in known if name and name in n]
+        choice = f"did you mean {' or '.join(near)}?" if near else f"choose one of {', '.join(known)}"
+        raise InputError(f"no effect is called '{name}'", file=file, remedy=choice)
     return _BY_NAME[name]
 
 

@@ -44,6 +44,10 @@ def read_model(path: str | Path) -> Model:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"not a TOML file: {error}", file=file, remedy="correct the syntax") from error
     check_format(raw, 1, file)
+    if "table" in raw and "serial" not in raw:
+        raise InputError(
+            "is a recording, not a model", file=file, remedy="the model comes first: MODEL REC..."
+        )
     try:
         table = ModelTable.model_validate(raw)
     except ValidationError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -117,18 +118,32 @@ def read_description(path: Path) -> Description:
         reason = error.strerror or str(error)
         raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
     except UnicodeDecodeError as error:
-        remedy = "give the recording's TOML file, not its table"
-        raise InputError("is not a text file", file=path, remedy=remedy) from error
+        remedy = _other_kind(path, {}) or "give the recording's TOML file"
+        raise InputError("is no recording", file=path, remedy=remedy) from error
+    content: dict[str, Any] = {}
     try:
         content = tomllib.loads(text)
         check_format(content, 1, path)
+        if remedy := _other_kind(path, content):
+            raise InputError("is no recording", file=path, remedy=remedy)
         description = Description.model_validate(content)
     except tomllib.TOMLDecodeError as error:
+        if remedy := _other_kind(path, content):
+            raise InputError("is no recording", file=path, remedy=remedy) from error
         raise InputError(f"is not valid TOML: {error}", file=path, remedy="correct that line") from error
     except ValidationError as error:
         raise _explain(error, path) from error
     _check_names(description, path)
     return description
+
+
+def _other_kind(path: Path, content: Mapping[str, Any]) -> str:
+    """What to do where the file is a model or a table; empty where it may be a recording."""
+    if path.suffix == ".xml" or "serial" in content:
+        return "it is a model, which comes first: MODEL REC..."
+    if path.suffix != ".toml":
+        return f"make one of it: workbench import {path.name}"
+    return ""
 
 
 def _check_names(d: Description, path: Path) -> None:
