@@ -56,6 +56,10 @@ def test_it_says_how_to_reproduce_it(tmp_path, diagnosis):
     text = Page(render_page(diagnosis, command=COMMAND, seeds={"fit": 7}, inputs=[source])).text
     assert COMMAND in text and hashlib.sha256(b"format = 1").hexdigest() in text
     assert "seed of fit 7" in text and "numpy " + np.__version__ in text
+    twice = [source, tmp_path / "." / "chirp.toml", tmp_path / "x" / ".." / "chirp.toml"]
+    (tmp_path / "x").mkdir()
+    once = Page(render_page(diagnosis, command=COMMAND, inputs=twice)).text
+    assert once.count(hashlib.sha256(b"format = 1").hexdigest()) == 1
     with pytest.raises(InputError, match="cannot read"):
         render_page(diagnosis, command=COMMAND, inputs=[tmp_path / "gone.toml"])
 
@@ -125,6 +129,13 @@ def test_results_without_comparisons_or_torque_have_pages(diagnosis, improvement
     assert "nothing was added" in render_page(bare, command=COMMAND)
     assert "Measured and simulated" in render_page(without_torque, command=COMMAND)
     assert "<h1" in render_page(replace(without_torque, recordings=()), command=COMMAND)
+
+
+def test_motion_that_was_not_compared_is_not_drawn_as_if_it_fitted(comparison):
+    entries = [replace(e, position_rmse=np.full(2, np.nan)) for e in comparison.recordings]
+    values, _ = plots(replace(comparison, recordings=tuple(entries)), None)
+    assert all(r["axes"][1]["position"] is None and r["axes"][1]["torque"] for r in values["recordings"])
+    assert values["axes"][1]["position"]["against"]["speed"]["before"]["centre"] == []
 
 
 def test_it_is_written_whole_or_not_at_all(tmp_path, comparison):

@@ -52,8 +52,13 @@ def units(comparison: Comparison, axis: str) -> tuple[str, str]:
 
 
 def has(entry: RecordingError, name: str) -> bool:
-    """Whether a signal was both measured and simulated."""
-    return entry.recording.get(name) is not None and entry.simulated.get(name) is not None
+    """Whether a signal was both measured and simulated, and compared.
+
+    Where the loop is not known, the model follows the measured motion: its positions say nothing.
+    """
+    if entry.recording.get(name) is None or entry.simulated.get(name) is None:
+        return False
+    return not np.isnan(entry.position_rmse if name == "position" else entry.torque_rmse).all()
 
 
 def noise(entry: RecordingError, name: str, k: int) -> float:

@@ -24,11 +24,14 @@ def reproduce(command: str, seeds: Mapping[str, int] | None, inputs: Sequence[st
     Raises:
         InputError: an input cannot be read.
     """
+    once: dict[Path, str | Path] = {}
+    for path in inputs:
+        once.setdefault(Path(path).resolve(), path)
     return {
         "command": plain(command),
         "seeds": [(plain(k), v) for k, v in (seeds or {}).items()],
         "versions": list(versions([*PACKAGES, "plotly"]).items()),
-        "inputs": [(plain(p), digest(p)) for p in inputs],
+        "inputs": [(plain(p), digest(p)) for p in once.values()],
     }
 
 
