@@ -216,6 +216,8 @@ class Page:
             if lines
             else "<p>Nothing stands out of the noise.</p>"
         )
+        if loop := w.loop_sentence(comparison):
+            self.where.object += f"<p class=quiet>{safe(loop)}</p>"
 
     def _tapped(self, event: Any) -> None:
         """A cell of the map: look at its axis, and at its time."""
