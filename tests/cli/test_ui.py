@@ -30,7 +30,7 @@ def test_bad_files_are_named(tmp_path: Path) -> None:
     recording = write_recording(tmp_path)
     assert "axes" in refused("leg", recording)
     assert "twice" in refused("leg", recording, recording)
-    assert "serial" in refused(recording), "a recording is no model"
+    assert "is a recording, not a model" in refused(recording)
 
 
 def test_a_port_that_is_taken_is_said_to_be() -> None:
