@@ -244,6 +244,11 @@ def choose(
     known = [(c, f) for c, f in helpful if c in stated]
     done = [(c, f) for c, f in helpful if reached(f, data)]
     top, most = min(((c, f.judged) for c, f in helpful), key=lambda cj: cj[1])
+
+    def only_form(c: Candidate) -> bool:
+        """Whether the best explanation is this one refined; from there a fit may not find back to it."""
+        return contains(top.key, c.key) and len(effect_named(top.key.effect).contains) == 1
+
     basic = [
         (c, f)
         for c, f in helpful
@@ -251,6 +256,7 @@ def choose(
         and cost(c) <= cost(top)
         and before - f.judged > _BASIC * (before - most)
         and not (most < _NEAR_FLOOR * floor and f.judged > _FAR_WORSE * most)
+        and not (only_form(c) and f.judged - floor > _FAR_WORSE * max(most - floor, 0.0))
     ]
     pool = known or done or basic or helpful
     best = min(f.judged for _, f in pool)
