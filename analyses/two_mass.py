@@ -4,12 +4,14 @@
 
 A log of HoriFujimotoLab/FdiTools (MIT): 20 periods of a multisine, 11 to 250 Hz, on the motor current. Tops
 and dips are read off the response, a motor and a load on a spring are fitted to the motor's side alone, and
-the load's side, which the fit never saw, judges it.
+the load's side, which the fit never saw, judges it. Then the diagnosis is given both inertias as one rigid
+shaft, and of the motor's side two stretches of five periods: one to fit, one to judge. Torques are per ampere.
 """
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -17,10 +19,16 @@ import numpy as np
 import tomli_w
 from rich.table import Table
 
-from workbench import load_recordings, report
+from workbench import improve, load_model, load_recordings, report
+from workbench.core import Improvement, Recording
 from workbench.core.files import write_whole
 from workbench.frf import estimate, find_resonances, fit_two_mass
 
+_SHAFT = """<mujoco model="shaft"><worldbody><body>
+<joint name="motor" axis="0 0 1" armature="{motor:.9g}"/>
+<inertial pos="0 0 0" mass="1" diaginertia="{load:.9g} {load:.9g} {load:.9g}"/>
+</body></worldbody></mujoco>
+"""
 _PUBLISHED = {"antiresonance_hz": 53.0, "resonance_hz": 77.0, "inertia_ratio": 1.1}
 
 
@@ -38,10 +46,34 @@ def description(table: Path) -> str:
                 "position": "theta_mx",
                 "link_position": {"column": "theta_my", "scale": -1.0},
                 "current": "iq_adx",
+                "torque_measured": "iq_adx",
+                "torque_command": "iq_refx",
             },
+            "controller": {"kind": "none"},
+            "timing": {"initial_at_rest": False},
             "excitation": multisine,
         }
     )
+
+
+def half(recording: Recording, first: int) -> Recording:
+    """Every other stretch of five periods, from the first or the second on."""
+    rows = len(recording) // 4
+    part = slice((1 + 2 * first) * rows, (2 + 2 * first) * rows)
+    return replace(
+        recording,
+        name=f"{recording.name}_{first}",
+        time=recording.time[part] - recording.time[part][0],
+        signals={name: values[part] for name, values in recording.signals.items()},
+        valid=recording.valid[part],
+    )
+
+
+def diagnosed(recording: Recording, motor: float, load: float, folder: Path) -> Improvement:
+    """What a rigid shaft of both inertias [per ampere] is found to lack."""
+    write_whole(folder / "shaft.xml", _SHAFT.format(motor=motor, load=load), force=True)
+    model = load_model(str(folder / "shaft.xml"))
+    return improve(model, [half(recording, 0)], [half(recording, 1)])[0]
 
 
 def main() -> None:
@@ -86,6 +118,10 @@ def main() -> None:
         ax.set(title=title, xlabel="frequency [Hz]", ylabel="angle over current [dB rad/A]")
     axes[0].legend()
     report.save_figure(figure, arguments.output / "response.png", force=True)
+    found = diagnosed(recordings[0], p["inertia_motor"], p["inertia_load"], arguments.output)
+    report.print_table(report.improvement_table(found))
+    report.save_figure(report.ladder_figure(found), arguments.output / "error_falling.png", force=True)
+    print(f"stiffness by the response alone: {p['stiffness']:.4g} N m/rad per ampere")
 
 
 if __name__ == "__main__":
