@@ -5,7 +5,7 @@
 A log of HoriFujimotoLab/FdiTools (MIT): 20 periods of a multisine, 11 to 250 Hz, on the motor current. Tops
 and dips are read off the response, a motor and a load on a spring are fitted to the motor's side alone, and
 the load's side, which the fit never saw, judges it. Then the diagnosis is given both inertias as one rigid
-shaft, and of the motor's side two stretches of five periods: one to fit, one to judge. Torques are per ampere.
+shaft, and of the motor's side two stretches of five periods: one to fit, one to judge. All is per ampere.
 """
 
 from __future__ import annotations
