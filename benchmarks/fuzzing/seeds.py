@@ -332,14 +332,29 @@ def played(folder: Path) -> None:
     from workbench.can import Feedback, load_config, make_drive
     from workbench.can.candump import line
     from workbench.can.messages import Setpoint
+    from workbench.deployment import joints_of
+    from workbench.deployment.player import Player
+    from workbench.frf import load_design
 
     config = load_config(folder / "robot.toml")
-    lines = []
+    joints, (kp, kd) = joints_of(config), (np.array(gains) for gains in config.gains())
+    player = Player(load_design(folder / "design.toml"), 0, 0.003)
+    lines, torque = [], np.zeros(len(config.motor))
     for k in range(120):
+        seen = np.zeros((2, len(config.motor)))
         for i, motor in enumerate(config.motor):
             drive, stamp = make_drive(motor), 1e9 + 0.003 * k + 3e-4 * i
-            q = 0.1 * float(np.sin(0.05 * k + i))
-            lines.append(line(stamp, "can0", drive.command(Setpoint(0.0, 0.0, 0.0, 0.0, q))))
-            lines.append(line(stamp + 2e-4, "can0", drive.answer(Feedback(q, 0.0, q, 30.0, True))))
+            lines.append(line(stamp, "can0", drive.command(Setpoint(0.0, 0.0, 0.0, 0.0, torque[i]))))
+            q = float(player.reference[0, i]) + 0.02 * float(np.sin(0.05 * k + i))
+            answer = drive.answer(Feedback(q, 0.0, 0.0, 30.0, True))
+            lines.append(line(stamp + 2e-4, "can0", answer))
+            said = drive.decode(answer)
+            assert isinstance(said, Feedback)
+            seen[:, i] = said.position, said.velocity
+        # the loop's own law, on what was heard: it goes out with the next tick
+        row = max(k - 1, 0)
+        position, velocity = (joints.position(x) for x in seen)
+        asked = joints.torque(kp * (joints.within(player.reference[row]) - position) - kd * velocity)
+        torque = asked + player.feedforward[row] * (k > 0)
     (folder / "sum.log").write_text("".join(lines))
     (folder / "sum.begun").write_text(f"{1e9 + 0.003:.6f}\n")

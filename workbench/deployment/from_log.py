@@ -16,6 +16,7 @@ from .joints import joints_of
 from .limits import limits_of
 
 _FEW = 16  # rows; fewer are no recording
+_EARLY = 0.05  # of an exchange: by which a stamp may lie before its time
 _STEPS = 1e-3  # of a field's range: what a frame of twelve bits cannot tell apart
 
 
@@ -200,8 +201,11 @@ def _ranges(motor: MotorTable) -> tuple[float, float, float] | None:
 
 def _offset(stamps: np.ndarray, nominal: np.ndarray, gap: float) -> float:
     """By how much stamps (F,) lie behind the nominal times (N,) of their exchanges: median [s], or NaN."""
-    inside = stamps[(stamps >= nominal[0]) & (stamps < nominal[-1] + gap)]
-    return float(np.median((inside - nominal[0]) % gap)) if len(inside) else float("nan")
+    inside = stamps[(stamps >= nominal[0] - _EARLY * gap) & (stamps < nominal[-1] + gap)]
+    if not len(inside):
+        return float("nan")
+    # a stamp at the very time of its exchange must not count as one at the end of the one before
+    return float(np.median((inside - nominal[0] + _EARLY * gap) % gap)) - _EARLY * gap
 
 
 def _nearest(stamps: np.ndarray, wanted: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray]:

@@ -13,6 +13,7 @@ from .tables import compare_table, diagnosis_table, improvement_table, truth_tab
 from .verification import verification_table
 
 if TYPE_CHECKING:
+    from .check_sheet import verification_sheet
     from .figures import (
         house_style,
         ladder_figure,
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from .page import render_page, write_page
     from .shapes import shape_figure
     from .sheet import Sheet, render_sheet, write_sheet
-    from .verification_sheet import verification_sheet
 
 __all__ = [
     "Sheet",
@@ -66,7 +66,7 @@ _HOME = {
     "save_figure": "figures",
     "shape_figure": "shapes",
     "spectrum_figure": "figures",
-    "verification_sheet": "verification_sheet",
+    "verification_sheet": "check_sheet",
     "write_page": "page",
     "write_sheet": "sheet",
 }

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from workbench.core import Diagnosis, Shape
 from workbench.core.palette import COLOURS, LINES
 
-from .figures import house_style
 from .numbers import number, percent, plain, short
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _MOST = 4
 
@@ -23,6 +24,10 @@ def shape_figure(result: Diagnosis) -> Figure:
     Args:
         result: a diagnosis that has some.
     """
+    from matplotlib.figure import Figure  # slow to load, and most results are drawn elsewhere
+
+    from .figures import house_style
+
     shown = result.shapes[:_MOST]
     with house_style():
         figure = Figure(
