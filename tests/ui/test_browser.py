@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from http.client import HTTPConnection
 from pathlib import Path
+from time import sleep
 from urllib.request import urlopen
 
 import pytest
@@ -168,6 +169,7 @@ def test_a_finger_on_the_map_looks_at_that_axis_and_time(server: tuple[str, Path
         (2.2, "hip torque", "2.10 to 2.30 s"),
         (0.01, "knee position", "0.00 to 0.20 s"),
     ):
+        sleep(1.5)  # the page may still be scrolling to what was asked for before
         x, y = chrome.ask(_CELL.replace("TIME", str(time)).replace("ROW", row))
         chrome.tap(x, y)
         chrome.wait(f"document.getElementById('window').textContent === '{window}'")
