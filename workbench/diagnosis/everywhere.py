@@ -11,7 +11,7 @@ from workbench.core import EffectKey
 
 from .data import Data
 from .fit import fit, race
-from .hypothesis import Fit, Hypothesis
+from .hypothesis import Fit
 from .judging import (
     cancels,
     explains_most,
@@ -21,7 +21,7 @@ from .judging import (
     rejudged,
     witnessed,
 )
-from .refining import polished, settle, with_candidate
+from .refining import polished, settle, with_candidates
 from .screen import Candidate, Entry, equations, judge, limits_of
 from .sensitivity import Column, Scene
 from .stage import Stage
@@ -87,7 +87,7 @@ def on_every_axis(
     if not sets:
         return ()
     progress(f"fitting {'; '.join(' and '.join(names) for names, _ in sets)} on every axis")
-    tried = [_with_all(scene, chosen, start) for _, chosen in sets]
+    tried = [with_candidates(scene, chosen, start) for _, chosen in sets]
     raced = zip(sets, race(tried, start, data)[0], strict=True)
     fits = [_Fitted(names, f) for (names, _), f in raced if f is not None]
     floor = floor_of_judging(data)
@@ -156,13 +156,6 @@ def _columns(scene: Scene, candidates: Sequence[Candidate]) -> tuple[list[Column
         last = first + len(linear)
         entries.append(Entry(c.key, c.shape, list(range(first, last)), last if fixed else None, 1.0))
     return columns, entries
-
-
-def _with_all(scene: Scene, chosen: Sequence[Candidate], start: Fit) -> Hypothesis:
-    current = start
-    for candidate in chosen:
-        current = replace(current, hypothesis=with_candidate(scene, candidate, current))
-    return current.hypothesis
 
 
 def _stages(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> tuple[Stage, ...]:

@@ -16,7 +16,7 @@ from .fit import fit, race
 from .hypothesis import Fit
 from .judging import TIE, cancels, explains_most, floor_of_judging, margin_over, witnessed
 from .normal import Normal, total
-from .refining import polished, with_candidate
+from .refining import polished, with_candidates
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of
 from .sensitivity import Scene
 from .stage import Stage
@@ -60,10 +60,7 @@ def two_at_once(
     if not pairs:
         return None
     progress(f"fitting {', '.join(f'{a.key} with {b.key}' for a, b in pairs)}")
-    tried = []
-    for one, other in pairs:
-        alone = with_candidate(scene, one, start)
-        tried.append(with_candidate(scene, other, replace(start, hypothesis=alone)))
+    tried = [with_candidates(scene, pair, start) for pair in pairs]
     fits = [_Fitted(p, f) for p, f in zip(pairs, race(tried, start, data)[0], strict=True) if f is not None]
     for found in sorted(fits, key=lambda f: f.fit.judged):
         best = replace(found, fit=polished(found.fit, data))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -48,6 +49,13 @@ def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothes
     values, base = effect.to_parameters(coefficients, shape), effect.stated(base, shape)
     added = applied_effect(scene.model, AppliedEffect(candidate.key), values)
     return Hypothesis(base, (*(a for a in free if a not in given_up), added), current.hypothesis.stated)
+
+
+def with_candidates(scene: Scene, chosen: Sequence[Candidate], current: Fit) -> Hypothesis:
+    """The current model with several candidates, each in its turn as `with_candidate` has it."""
+    for candidate in chosen:
+        current = replace(current, hypothesis=with_candidate(scene, candidate, current))
+    return current.hypothesis
 
 
 def settle(found: Fit, data: Data, floor: float) -> Fit:

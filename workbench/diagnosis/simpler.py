@@ -11,9 +11,9 @@ from workbench.effects import contains, effect_named
 
 from .data import Data
 from .fit import fit
-from .hypothesis import Fit, Hypothesis
+from .hypothesis import Fit
 from .judging import TIE
-from .refining import polished, with_candidate
+from .refining import polished, with_candidates
 from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
@@ -56,7 +56,7 @@ def simpler(
     chosen = [c for c in candidates if contains(given_up.key, c.key)]
     for count in (2,) if last else (1, 2):
         sets = list(combinations(chosen, count))
-        fits = fit([_with(scene, each, rest) for each in sets], data)
+        fits = fit([with_candidates(scene, each, rest) for each in sets], data)
         enough = _enough(current.judged, rest.judged)
         good = [(s, f) for s, f in zip(sets, fits, strict=True) if f is not None and f.judged < enough]
         if good:
@@ -68,13 +68,6 @@ def simpler(
 def _enough(now: float, without: float) -> float:
     """Judged error up to which less will do: a tie, or no loss beside what the effect explains."""
     return max((1.0 + TIE) * now, min((1.0 + _LOSS) * now, now + _UNSEEN * (without - now)))
-
-
-def _with(scene: Scene, chosen: Sequence[Candidate], rest: Fit) -> Hypothesis:
-    current = rest
-    for candidate in chosen:
-        current = replace(current, hypothesis=with_candidate(scene, candidate, current))
-    return current.hypothesis
 
 
 def _stages(
