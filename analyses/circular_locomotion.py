@@ -3,9 +3,10 @@
     python analyses/circular_locomotion.py --out out/circular
 
 Each policy runs one lap, at 0.8 m/s and 0.8 rad/s from standing, on the virtual quadruped and in its
-simulator. A trial has its own noise and its own friction of the ground, 0.6 to 1.0. Rows are paired in time
-from the command's onset; E_phi averages the gap, divided by the command, over 72 bins of the lap's phase
-(Eqs. 31, 32), E_RMSE is from RMSE over the lap (Eq. 30).
+simulator. A trial has its own noise and its own friction of the ground, 0.6 to 1.0, and policies of several
+training seeds run all of them. Rows are paired in time from the command's onset; E_phi averages the gap,
+divided by the command, over 72 bins of the lap's phase (Eqs. 31, 32), E_RMSE is from RMSE over the lap
+(Eq. 30).
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from transfer_looks import LOOKS
 from transfer_plants import SETS
-from transfer_policies import METHODS, Job, Rollout, Simulators, build_all, rollout
+from transfer_policies import METHODS, TRAINED, Job, Rollout, Simulators, build_all, rollout
 from transfer_tables import show, spread, write_csv
 from transfer_trials import run_trials
 
@@ -41,13 +42,13 @@ _FRICTION = (0.6, 1.0)
 
 @dataclass(frozen=True)
 class Gap:
-    """One method on one set, a row a trial; NaN where the robot fell.
+    """One method on one set, policies of S training seeds in T trials each; NaN where the robot fell.
 
     Attributes:
-        forward, yaw: RMSE over the lap (T,) [m/s, rad/s].
-        whole: E_RMSE (T,) [%].
-        local: gap by phase (T, 72) [%]; its mean is E_phi.
-        again: E_phi of the hardware against its own first trial (T - 1,) [%]: what noise and ground leave.
+        forward, yaw: RMSE over the lap (S, T) [m/s, rad/s].
+        whole: E_RMSE (S, T) [%].
+        local: gap by phase (S, T, 72) [%]; its mean is E_phi.
+        again: E_phi of the hardware against its own first trial (S, T - 1) [%]: what noise and ground leave.
     """
 
     forward: np.ndarray
@@ -58,8 +59,8 @@ class Gap:
 
     @property
     def phase(self) -> np.ndarray:
-        """E_phi of each trial (T,) [%]."""
-        return self.local.mean(axis=1)
+        """E_phi of each trial (S, T) [%]."""
+        return self.local.mean(axis=-1)
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Gap]]:
@@ -67,28 +68,32 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Gap]]:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("out/circular"))
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--trials", type=int, default=5)
+    most = TRAINED["circular"]
+    parser.add_argument("--trials", type=int, default=5, help="of each policy")
+    parser.add_argument(
+        "--trained", type=int, default=most, choices=range(1, most + 1), help="training seeds"
+    )
     parser.add_argument("--models", type=Path, help="models that chirp_response.py identified; else anew")
     parser.add_argument("--set", choices=list(SETS), help="one of the sets; else all")
     parser.add_argument("--quick", action="store_true", help="two methods, a quarter of a lap, nothing found")
     given = parser.parse_args(arguments)
     sets = ["clean"] if given.quick else [given.set] if given.set else list(SETS)
     methods = ["Kin-Only", "S3N-Full"] if given.quick else list(METHODS)
-    trials, seconds = (1, 0.25 * _LAP_S) if given.quick else (given.trials, _LAP_S)
+    shape, seconds = ((1, 1), 0.25 * _LAP_S) if given.quick else ((given.trained, given.trials), _LAP_S)
     built = build_all(sets, given.seed, given.models, given.quick)
     results = {
-        which: evaluate_set(which, built[which], methods, seconds, given.seed, trials, given.quick)
+        which: evaluate_set(which, built[which], methods, seconds, given.seed, shape, given.quick)
         for which in sets
     }
     for which, mine in results.items():
         table(given.out, which, mine, built[which])
     rows = [
         {
-            "set": which, "method": name, "trial": k, "e_vx_m_s": float(g.forward[k]),
-            "e_wz_rad_s": float(g.yaw[k]), "E_RMSE_percent": float(g.whole[k]),
-            "E_phi_percent": float(g.phase[k]),
+            "set": which, "method": name, "training_seed": k[0], "trial": k[1],
+            "e_vx_m_s": float(g.forward[k]), "e_wz_rad_s": float(g.yaw[k]),
+            "E_RMSE_percent": float(g.whole[k]), "E_phi_percent": float(g.phase[k]),
         }
-        for which, mine in results.items() for name, g in mine.items() for k in range(trials)
+        for which, mine in results.items() for name, g in mine.items() for k in np.ndindex(shape)
     ]  # fmt: skip
     write_csv(given.out / "circular.csv", rows)
     for which, mine in results.items():
@@ -98,36 +103,42 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Gap]]:
 
 
 def evaluate_set(
-    which: str, built: Simulators, methods: Sequence[str], seconds: float, seed: int, trials: int, quick: bool
-) -> dict[str, Gap]:
-    """All methods on hardware that hides one set; a policy that two methods share runs there once."""
+    which: str, built: Simulators, methods: Sequence[str], seconds: float, seed: int, shape: tuple[int, int],
+    quick: bool,
+) -> dict[str, Gap]:  # fmt: skip
+    """All methods on hardware that hides one set, `shape` = (training seeds, trials).
+
+    A policy that two methods share runs there once.
+    """
+    trained, trials = shape
     policies = list(dict.fromkeys(METHODS[m][0] for m in methods))
     ground = np.random.default_rng([seed, 5]).uniform(*_FRICTION, trials)
-    jobs = [
-        Job("circular", p, seconds, seed + k, which, friction=float(ground[k]))
-        for p in policies
-        for k in range(trials)
-    ]
-    jobs += [
-        Job("circular", METHODS[m][0], seconds, seed, model=built.models[METHODS[m][1]]) for m in methods
-    ]
-    made = run_trials(rollout, jobs, serial=quick)
-    hardware = {p: made[i * trials : (i + 1) * trials] for i, p in enumerate(policies)}
-    simulated = dict(zip(methods, made[len(policies) * trials :], strict=True))
-    return {m: gap(hardware[METHODS[m][0]], simulated[m]) for m in methods}
+
+    def on_hardware(policy: str, s: int, k: int) -> Job:
+        friction = float(ground[k])
+        return Job("circular", policy, seconds, seed + k, which, friction=friction, trained=s)
+
+    def simulated(method: str, s: int) -> Job:
+        policy, model = METHODS[method]
+        return Job("circular", policy, seconds, seed, model=built.models[model], trained=s)
+
+    jobs = [on_hardware(p, s, k) for p in policies for s in range(trained) for k in range(trials)]
+    jobs += [simulated(m, s) for m in methods for s in range(trained)]
+    made = iter(run_trials(rollout, jobs, serial=quick))
+    hardware = {p: [[next(made) for _ in range(trials)] for _ in range(trained)] for p in policies}
+    return {m: gap(hardware[METHODS[m][0]], [next(made) for _ in range(trained)]) for m in methods}
 
 
-def gap(hardware: Sequence[Rollout], simulation: Rollout) -> Gap:
-    """The paper's metrics of each trial, and of each trial but the first against the first."""
-    forward, yaw, local = [], [], []
-    for run in hardware:
-        ahead, turn = apart(run, simulation)
-        forward.append(float(np.sqrt(np.mean(ahead**2))))
-        yaw.append(float(np.sqrt(np.mean(turn**2))))
-        local.append(by_phase(ahead, turn))
-    whole = 50.0 * (np.array(forward) / abs(CIRCLE[0]) + np.array(yaw) / abs(CIRCLE[2]))
-    again = [float(by_phase(*apart(run, hardware[0])).mean()) for run in hardware[1:]]
-    return Gap(np.array(forward), np.array(yaw), whole, np.array(local), np.array(again))
+def gap(hardware: Sequence[Sequence[Rollout]], simulation: Sequence[Rollout]) -> Gap:
+    """The paper's metrics: policies of S training seeds in T trials each, and their S simulations."""
+    pairs = [[apart(run, own) for run in runs] for runs, own in zip(hardware, simulation, strict=True)]
+    forward, yaw = (
+        np.array([[np.sqrt(np.mean(pair[i] ** 2)) for pair in runs] for runs in pairs]) for i in (0, 1)
+    )
+    local = np.array([[by_phase(*pair) for pair in runs] for runs in pairs])
+    again = [[by_phase(*apart(run, runs[0])).mean() for run in runs[1:]] for runs in hardware]
+    whole = 50.0 * (forward / abs(CIRCLE[0]) + yaw / abs(CIRCLE[2]))
+    return Gap(forward, yaw, whole, local, np.array(again))
 
 
 def apart(one: Rollout, other: Rollout) -> tuple[np.ndarray, np.ndarray]:
@@ -150,22 +161,39 @@ def table(folder: Path, which: str, results: dict[str, Gap], built: Simulators) 
     rows = []
     for name, g in results.items():
         paper = PAPER.get(name, ("",) * 4)
-        mine = spread(g.forward, 3), spread(g.yaw, 3), spread(g.whole, 2), spread(g.phase, 2)
+        mine = (
+            of_seeds(g.forward, 3), of_seeds(g.yaw, 3), of_seeds(g.whole, 2), of_seeds(g.phase, 2),
+        )  # fmt: skip
         cells = [cell for pair in zip(mine, paper, strict=True) for cell in pair]
-        rows.append((name, *cells, spread(g.again, 2)))
+        rows.append((name, *cells, within(g.phase), of_seeds(g.again, 2)))
     columns = (
         "method", "e_vx [m/s]", "paper", "e_wz [rad/s]", "paper", "E_RMSE [%]", "paper", "E_phi [%]", "paper",
-        "hardware again [%]",
+        "E_phi from trial to trial ± [%]", "hardware again [%]",
     )  # fmt: skip
-    trials = len(next(iter(results.values())).forward)
-    title = f"Circular locomotion, {which}: {trials} trials, mean ± sample standard deviation"
+    trained, trials = next(iter(results.values())).forward.shape
+    title = (
+        f"Circular locomotion, {which}: mean ± sample standard deviation over {trained} training seeds, "
+        f"{trials} trials of each"
+    )
     text = show(folder, which.replace(" ", "_"), title, columns, rows)
     print(built.about)
     return text
 
 
+def of_seeds(values: np.ndarray, digits: int) -> str:
+    """Mean over trials of each training seed (S, T), and how the seeds scatter."""
+    return spread([x[np.isfinite(x)].mean() for x in values if np.isfinite(x).any()], digits)
+
+
+def within(values: np.ndarray) -> str:
+    """Sample standard deviation of trials (S, T) about their own training seed's mean."""
+    if values.shape[1] < 2:
+        return "–"
+    return f"{np.sqrt(np.nanmean(np.nanvar(values, axis=1, ddof=1))):.2f}"
+
+
 def polar(which: str, results: dict[str, Gap]) -> Figure:
-    """The gap over the phase of the lap, a panel a method; thin lines are trials."""
+    """The gap over the phase of the lap, a panel a method; thin lines are laps."""
     with report.house_style():
         figure = Figure(figsize=(2.3 * len(results), 2.75), layout="constrained")
         axes = np.atleast_1d(
@@ -173,22 +201,23 @@ def polar(which: str, results: dict[str, Gap]) -> Figure:
         )
         most = max(np.nanmax(g.local) for g in results.values())
         for a, (name, g) in zip(axes, results.items(), strict=True):
-            angle = (np.arange(g.local.shape[1]) + 0.5) * 2 * np.pi / _BINS
-            whole = g.local.shape[1] == _BINS  # close the circle of a whole lap
+            laps = g.local.reshape(-1, g.local.shape[-1])
+            angle = (np.arange(laps.shape[1]) + 0.5) * 2 * np.pi / _BINS
+            whole = laps.shape[1] == _BINS  # close the circle of a whole lap
 
             def closed(x: np.ndarray, whole: bool = whole) -> np.ndarray:
                 return np.append(x, x[0]) if whole else x
 
-            for trial in g.local:
+            for trial in laps:
                 a.plot(closed(angle), closed(trial), color=LOOKS[name].light, lw=0.6, alpha=0.35)
-            a.plot(closed(angle), closed(np.nanmean(g.local, axis=0)), color=LOOKS[name].light, lw=1.8)
+            a.plot(closed(angle), closed(np.nanmean(laps, axis=0)), color=LOOKS[name].light, lw=1.8)
             a.set_ylim(0.0, 1.05 * most)
             a.set_theta_zero_location("N")
             a.set_xticks(np.radians([0, 90, 180, 270]))
             a.tick_params(labelsize=7, pad=-1)
             a.set_rlabel_position(135)
             a.yaxis.set_major_locator(MaxNLocator(3))
-            a.set_title(f"{name}\n$E_\\phi$ = {spread(g.phase, 1)} %", loc="center")
+            a.set_title(f"{name}\n$E_\\phi$ = {of_seeds(g.phase, 1)} %", loc="center")
         figure.suptitle(
             f"Gap between simulation and hardware over the lap, % of the command; {which}", fontsize=9.5
         )

@@ -39,7 +39,7 @@ def test_pitch_in_place(tmp_path: Path) -> None:
 def test_circular_locomotion(tmp_path: Path) -> None:
     results = circular_locomotion.main(["--quick", "--out", str(tmp_path)])["clean"]
     for gap in results.values():
-        assert 0.2 < gap.phase[0] < 15.0 and gap.local.shape == (1, 18)
+        assert 0.2 < gap.phase[0, 0] < 15.0 and gap.local.shape == (1, 1, 18)
 
 
 def test_the_whole_way_round(tmp_path: Path) -> None:
@@ -54,12 +54,15 @@ def test_the_circle_s_metrics_are_those_of_the_equations() -> None:
     still = np.zeros_like(t)
     simulation = Rollout(still + 0.8, still + 0.8, still, still, None)
     hardware = Rollout(still + 0.72, 0.8 + 0.16 * np.sign(np.sin(40.0 * t)), still, still, None)
-    gap = circular_locomotion.gap([hardware, hardware], simulation)
-    assert gap.local.shape == (2, 72) and gap.again.tolist() == [0.0]
-    assert gap.phase[0] == pytest.approx(15.0, rel=5e-3)  # half of 10 % and 20 %
-    assert gap.whole[0] == pytest.approx(15.0, rel=5e-3) and gap.forward[0] == pytest.approx(0.08)
+    gap = circular_locomotion.gap([[hardware, hardware], [simulation, hardware]], [simulation, simulation])
+    assert gap.local.shape == (2, 2, 72) and gap.again[0].tolist() == [0.0]
+    np.testing.assert_allclose(gap.phase, [[15.0, 15.0], [0.0, 15.0]], rtol=5e-3)  # half of 10 % and 20 %
+    np.testing.assert_allclose(gap.whole, gap.phase, rtol=1e-2)
+    assert gap.forward[0, 0] == pytest.approx(0.08) and gap.again[1, 0] == pytest.approx(gap.phase[0, 0])
+    assert circular_locomotion.of_seeds(gap.phase, 0) == "11 ± 5"
+    assert float(circular_locomotion.within(gap.phase)) == pytest.approx(7.5, abs=0.05)
     fallen = Rollout(still, still, still, still, 0.5)
-    assert np.isnan(circular_locomotion.gap([fallen, hardware], simulation).phase[0])
+    assert np.isnan(circular_locomotion.gap([[fallen, hardware]], [simulation]).phase[0, 0])
 
 
 def test_a_shift_in_phase_is_a_gap_and_a_whole_cycle_is_none() -> None:
