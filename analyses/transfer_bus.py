@@ -14,10 +14,9 @@ from workbench.bundle import PolicyBundle
 from workbench.can import CanConfig, Wire, load_config
 from workbench.can.candump import line, read_candump
 from workbench.core import Excitation, Recording
-from workbench.deployment import Host, SimulatedNetwork, Target, joints_of
+from workbench.deployment import Controller, Host, SimulatedNetwork, Target, joints_of
 from workbench.deployment.deploy import controller_of
 from workbench.deployment.from_log import Played, recording
-from workbench.deployment.host import Controller
 from workbench.rigs import HiddenEffect, MotorBank
 
 _ROBOT = """

@@ -1,7 +1,8 @@
 """Experiments and policies on hardware over CAN: safety, the loop, recorder and runner."""
 
+from .controller import Controller, Target
 from .feedback import Feedback
-from .host import Controller, Host, Operator, Target
+from .host import Host, Operator
 from .joints import Joints, joints_of
 from .limits import Limits, limits_of
 from .network import Arrival, Network

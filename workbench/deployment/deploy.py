@@ -15,7 +15,8 @@ from workbench.can.realtime import realtime
 from workbench.core import InputError
 from workbench.rigs import MotorBank
 
-from .host import Controller, Host
+from .controller import Controller
+from .host import Host
 from .joints import Joints, joints_of
 from .network import Network
 from .policies import PolicyController, Tracker, check_bundle, reach_between

@@ -8,14 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil
-from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from workbench.can import CanConfig, Frame, FrameError, Setpoint
 from workbench.core import WorkbenchError
 
-from .base import BaseMotion
+from .controller import Controller
 from .feedback import Feedback
 from .joints import Joints
 from .limits import Limits, limits_of
@@ -27,37 +26,6 @@ from .verify import Verified, verify
 _ASK_AGAIN, _GIVE_UP = 0.6, 0.85  # parts of an exchange
 _AWAY = 1.5  # periods without a look, after which the loop itself was held up
 _ENABLING = 4  # ticks that drives get to say that they are enabled
-
-
-class Target(NamedTuple):
-    """What a controller wants of the joints.
-
-    Attributes:
-        reference: (n,) [rad].
-        feedforward: on top of the feedback, axis coordinates (n,) [N m].
-        made: when it was decided [s].
-    """
-
-    reference: np.ndarray
-    feedforward: np.ndarray
-    made: float
-
-
-class Controller(Protocol):
-    """Decides where the joints go."""
-
-    def target(
-        self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
-    ) -> Target | None:
-        """Once a tick.
-
-        Args:
-            now: nominal time of the tick [s].
-            phase: of safety.
-            position, velocity: of the joints (n,) [rad, rad/s].
-            base: how it turns and where down is, as far as that is known.
-        """
-        ...
 
 
 @dataclass

@@ -8,7 +8,7 @@ from workbench.core import InputError
 from workbench.frf import Design
 
 from .base import BaseMotion
-from .host import Target
+from .controller import Target
 
 
 class Player:

@@ -12,7 +12,7 @@ from workbench.can import CanConfig
 from workbench.core import InputError
 
 from .base import BaseMotion
-from .host import Target
+from .controller import Target
 from .joints import Joints
 from .observe import Reach, Sight, check_layout, observe
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -97,7 +98,7 @@ class Response:
         return Response(empty, offset=(new_mean - mean) * motion.gain, tap=new_at - at)
 
 
-class Effect:
+class Effect(ABC):
     """A physical effect that can be added to a model; one subclass and one file each.
 
     Subclasses set the class attributes and implement `response` and `install`.
@@ -210,11 +211,11 @@ class Effect:
         """How far one step of a fit may move the values of a shape: half of themselves."""
         return {name: 0.5 * abs(value) + 1e-5 for name, value in shape.items()}
 
+    @abstractmethod
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
     ) -> Response:
         """The effect's torque along a motion, given the nonlinear parameters in `shape`."""
-        raise NotImplementedError
 
     def before(self, motion: Motion, place: Placement | None, values: Mapping[str, float]) -> Motion:
         """The motion as the chain saw it before this effect was installed with these values."""
@@ -237,11 +238,11 @@ class Effect:
         linear = [values[p.name] for p in self.parameters if p.name not in self.nonlinear]
         return np.array(linear, float), {name: values[name] for name in self.nonlinear}
 
+    @abstractmethod
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
     ) -> None:
         """Put the effect into the MuJoCo spec and torque chain of `build`."""
-        raise NotImplementedError
 
     def free(self, model: Model) -> int:
         """Number of parameters that the data have to determine in this model."""

@@ -1,0 +1,97 @@
+"""Recordings whose loops are known: every model runs the way they were made."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.effects import Motion, Plant, effect_named
+from workbench.models import Model
+from workbench.simulation import (
+    Disturbance,
+    Loop,
+    Run,
+    Track,
+    linearise,
+    motion_of,
+    prepare,
+    propagate,
+    simulate,
+    smooth_track,
+)
+
+from .counted_rows import settled
+from .noise import DRAWS, NoiseModel, noise_seeds
+from .simulated import Simulated
+
+
+def with_loops(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Recordings from where they have settled, with the model's loop where they know none."""
+    return tuple(
+        replace(r, controller=model.controller) if r.controller.kind == "unknown" else r
+        for r in map(settled, recordings)
+    )
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """Every model runs the way the recordings were made; position and torque are scored."""
+
+    recordings: tuple[Recording, ...]
+    noise: NoiseModel
+    on_ground: ClassVar[bool] = False
+
+    def shows(self, effect: str) -> bool:
+        """Off the ground, all but contacts with it."""
+        return not effect_named(effect).of_ground
+
+    def like(self, model: Model, recordings: Sequence[Recording]) -> ClosedLoop:
+        """The same for other recordings."""
+        return ClosedLoop(with_loops(model, recordings), self.noise)
+
+    def only(self, chosen: Sequence[int]) -> ClosedLoop:
+        """The same for some of the recordings."""
+        return replace(self, recordings=tuple(self.recordings[i] for i in chosen))
+
+    def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
+        """All models on all recordings in one batch."""
+        part = self.recordings[:first]
+        count = len(part)
+        made = simulate([Run(m, r) for m in models for r in part], strict=False)
+        return [tuple(made[k * count : (k + 1) * count]) for k in range(len(models))]
+
+    def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
+        """Noise goes round the sampled loop.
+
+        Raises:
+            SimulationError: the model is unstable in a recording's loop.
+        """
+        runs = [Run(model, r) for r in self.recordings]
+        for seeds in noise_seeds(len(self.recordings), draws, seed):
+            runs += [Run(model, r, self.noise.draw(s)) for r, s in zip(self.recordings, seeds, strict=True)]
+        made, count = simulate(runs), len(self.recordings)
+        noisy = tuple(tuple(made[count * (d + 1) : count * (d + 2)]) for d in range(draws))
+        return Simulated(self.recordings, tuple(made[:count]), noisy, self.noise)
+
+    def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
+        """The run, corrected by what the sensors say of it."""
+        r, levels = self.recordings[index], self.noise.levels
+        to_actuator = prepare(r, plant.model).to_actuator
+        usable = run if np.isfinite(run.position).all() else None
+        track = smooth_track(r, usable, to_actuator, levels.position_std, levels.velocity_std)
+        return motion_of(track, r, plant, to_actuator)
+
+    def loop(self, plant: Plant, index: int, motion: Motion) -> Loop:
+        """The loop linearised about the motion."""
+        track = Track(motion.position, motion.velocity, motion.acceleration)
+        return linearise(plant, prepare(self.recordings[index], plant.model), track, motion.gain)
+
+    def propagate(
+        self, loops: Sequence[Any], disturbances: Sequence[Disturbance]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Round the sampled loops, side by side."""
+        return propagate(loops, disturbances)

@@ -1,0 +1,139 @@
+"""Recordings whose loops are unknown: every model follows the motion that was measured."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+
+from workbench.core import Recording, SimulationError
+from workbench.effects import Motion, Plant, compile_plant, effect_named
+from workbench.models import Model
+from workbench.simulation import Disturbance, SensorNoise
+
+from .band import corner_hz
+from .counted_rows import moving
+from .inverse import cutoff_hz
+from .measured_motion import Follower, Reading, noisy, quiet, read_motion
+from .noise import DRAWS, NoiseModel, noise_seeds
+from .simulated import Simulated
+
+
+def followed(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Recordings with their loops unknown; where one was open, a note says why."""
+    return tuple(map(_along, recordings))
+
+
+def _along(recording: Recording) -> Recording:
+    note = "Nothing holds the machine, and its run drifts: the torque along the measured motion is compared."
+    notes = (*recording.notes, note) if recording.controller.kind == "none" else recording.notes
+    return replace(recording, controller=replace(recording.controller, kind="unknown"), notes=notes)
+
+
+class MeasuredMotion:
+    """Every model follows the motion that was measured; the torque that it needs is scored.
+
+    The position is taken from the recording, so that it says nothing of the model. Rows at the edges, where
+    differentiating errs, and axes while they stand still, where dry friction takes any value, do not count.
+    """
+
+    on_ground: ClassVar[bool] = False
+
+    def __init__(
+        self, recordings: tuple[Recording, ...], noise: NoiseModel, model: Model, corner: float | None = None
+    ) -> None:
+        self.recordings, self.noise, self._transmission = recordings, noise, model.transmission
+        plant = compile_plant(model)
+        self._corner = corner or min(corner_hz(r, plant, noise.levels) for r in recordings)
+        first = [self._reading(r) for r in recordings]
+        smooth = [self._reading(quiet(r)) for r in first]
+        again = self._seen(smooth, [noise.draw(k) for k in range(len(smooth))])
+        wobbles = [a.track.velocity - s.track.velocity for a, s in zip(again, smooth, strict=True)]
+        counts = moving(first, wobbles, self._transmission)
+        self._read, self._smooth = (
+            [replace(r, counts=c) for r, c in zip(each, counts, strict=True)] for each in (first, smooth)
+        )
+        self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
+
+    def shows(self, effect: str) -> bool:
+        """Off the ground, all but contacts with it."""
+        return not effect_named(effect).of_ground
+
+    def like(self, model: Model, recordings: Sequence[Recording]) -> MeasuredMotion:
+        """The same, with the same filter, for other recordings of the same kind."""
+        return MeasuredMotion(followed(recordings), self.noise, model, self._corner)
+
+    def only(self, chosen: Sequence[int]) -> MeasuredMotion:
+        """The same for some of the recordings."""
+        part = copy.copy(self)
+        part.recordings = tuple(self.recordings[i] for i in chosen)
+        part._read, part._smooth = ([each[i] for i in chosen] for each in (self._read, self._smooth))
+        part._drawn = {}
+        return part
+
+    def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
+        """The recordings with the torque that each model needs in place of that measured."""
+        plants = [_compiled(m) for m in models]
+        return [tuple(reading.run(p) for reading in self._read[:first]) for p in plants]
+
+    def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
+        """Noise of position, velocity and torque goes through differentiation, model and filter.
+
+        Raises:
+            SimulationError: a model that no body can be.
+        """
+        plant = compile_plant(model)
+        clean = tuple(reading.run(plant) for reading in self._read)
+        still = [s.residual(plant) for s in self._smooth]
+        noisy = []
+        generator = np.random.default_rng([seed, 5])
+        for draw in self._draws(seed, draws):
+            runs = []
+            for base, quiet_rest, seen in zip(clean, still, draw, strict=True):
+                moved = base.signals[seen.name] + seen.residual(plant) - quiet_rest + seen.slack(generator)
+                runs.append(base.with_signals(**{seen.name: moved}))
+            noisy.append(tuple(runs))
+        return Simulated(self.recordings, clean, tuple(noisy), self.noise)
+
+    def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
+        """The motion that was measured, whatever the run."""
+        del run
+        return self._read[index].motion(plant)
+
+    def loop(self, plant: Plant, index: int, motion: Motion) -> Follower:
+        """What a torque along the motion changes."""
+        return Follower(self._read[index], plant, motion)
+
+    def propagate(
+        self, loops: Sequence[Follower], disturbances: Sequence[Disturbance]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Through the filter, and nothing else."""
+        return [loop.respond(d) for loop, d in zip(loops, disturbances, strict=True)]
+
+    def _reading(self, recording: Recording) -> Reading:
+        corner = min(self._corner, cutoff_hz(recording))
+        return read_motion(recording, self._transmission, self.noise.levels, corner)
+
+    def _seen(self, smooth: Sequence[Reading], noises: Sequence[SensorNoise]) -> list[Reading]:
+        """Smooth readings as noisy sensors would have shown them."""
+        seen = [self._reading(noisy(s.recording, n, s.name)) for s, n in zip(smooth, noises, strict=True)]
+        return [replace(r, counts=s.counts) for r, s in zip(seen, smooth, strict=True)]
+
+    def _draws(self, seed: int, draws: int) -> list[list[Reading]]:
+        if (seed, draws) not in self._drawn:
+            self._drawn[seed, draws] = [
+                self._seen(self._smooth, [self.noise.draw(s) for s in seeds])
+                for seeds in noise_seeds(len(self.recordings), draws, seed)
+            ]
+        return self._drawn[seed, draws]
+
+
+def _compiled(model: Model) -> Plant | None:
+    """None where MuJoCo refuses the model."""
+    try:
+        return compile_plant(model)
+    except SimulationError:
+        return None
