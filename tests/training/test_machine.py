@@ -8,7 +8,7 @@ import pytest
 
 from workbench.core import Controller, EffectKey, Estimate, InputError
 from workbench.effects import load_model
-from workbench.models import AppliedEffect
+from workbench.models import AppliedEffect, Model
 from workbench.training.control import drive_torque
 from workbench.training.environment import Environment
 from workbench.training.machine import POLICY_STEPS, STEP_S, make_machine
@@ -134,3 +134,50 @@ def test_a_delay_between_steps_is_refused() -> None:
     model = load_model("leg")
     with pytest.raises(InputError, match="no whole number"):
         make_machine("leg", replace(model, actuators=replace(model.actuators, delay_s=0.004)))
+
+
+def _on_its_ground(**effects: dict[str, Estimate]) -> Model:
+    leg = load_model("leg_on_plate")
+    added = tuple(AppliedEffect(EffectKey(name, None), p) for name, p in effects.items())
+    return replace(leg, effects=(*leg.effects, *added))
+
+
+def test_friction_of_the_ground_that_was_found_is_under_all_feet() -> None:
+    found = _on_its_ground(ground_friction={"coefficient": Estimate(0.31, 0.02, "1")})
+    made = make_machine("quadruped", found)
+    assert made.left_out == ()
+    np.testing.assert_allclose(made.mujoco.pair_friction[:, :2], 0.31)
+    drawn = world_fields(made, Randomisation(), 64, 0)["pair_friction"][:, :, 0]
+    assert drawn.shape == (64, 4) and np.ptp(drawn, axis=1).max() == 0.0
+    assert drawn.mean() == pytest.approx(0.31, abs=0.01) and 0.01 < drawn.std() < 0.03
+    # a foot that is dragged feels it
+    m, data = made.mujoco, mujoco.MjData(made.mujoco)
+    data.qpos[3], data.qpos[2], data.qpos[made.places] = 1.0, made.height - 0.002, made.posture
+    data.qvel[0] = 1.0
+    mujoco.mj_forward(m, data)
+    force, total = np.zeros(6), np.zeros(3)
+    for k in range(data.ncon):
+        mujoco.mj_contactForce(m, data, k, force)
+        total += force[:3]
+    assert data.ncon == 4 and np.hypot(*total[1:]) == pytest.approx(0.31 * total[0], rel=0.02)
+
+
+def test_a_floor_that_gives_way_is_laid_where_the_step_is_short_enough_for_it() -> None:
+    soft = {"stiffness": Estimate(1500.0, 0.0, "N/m"), "damping": Estimate(5.0, 0.0, "N*s/m")}
+    made = make_machine("quadruped", _on_its_ground(contact_compliance=soft))
+    assert made.left_out == ()
+    m, data = made.mujoco, mujoco.MjData(made.mujoco)
+    data.qpos[3], data.qpos[made.places] = 1.0, made.posture
+    # held in its posture, it sinks in by its weight over four stiffnesses
+    weight = 9.81 * m.body_subtreemass[0]
+    data.qpos[2] = made.height - weight / (4 * 1500.0)
+    mujoco.mj_forward(m, data)
+    force, pressed = np.zeros(6), []
+    for k in range(data.ncon):
+        mujoco.mj_contactForce(m, data, k, force)
+        pressed.append(force[0])
+    assert sum(pressed) == pytest.approx(weight, rel=0.05)
+    hard = {"stiffness": Estimate(2e5, 0.0, "N/m"), "damping": Estimate(50.0, 0.0, "N*s/m")}
+    assert make_machine("quadruped", _on_its_ground(contact_compliance=hard)).left_out == (
+        "contact_compliance",
+    )

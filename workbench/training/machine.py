@@ -19,6 +19,7 @@ from workbench.models import Model, load_mjcf
 from workbench.s3n import normalise
 from workbench.s3n.mjcf import exact_xml
 
+from .floor import lay_floor
 from .rotors import Rotors, rotors_of
 
 LEGS = ("fl", "fr", "rl", "rr")
@@ -114,7 +115,7 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
             f"a delay of {model.actuators.delay_s:g} s is no whole number of {STEP_S:g} s steps",
             file=model.source, column="actuators.delay_s", remedy="round it",
         )  # fmt: skip
-    # four legs under a trunk stand on the task's floor, not on that of one leg's stand
+    # four legs under a trunk stand on the task's floor; what is known of the leg's is put there later
     ground = model.ground if kind == "leg" else None
     prompt = replace(model, actuators=replace(model.actuators, delay_s=0.0), ground=ground)
     tree = normalise(prompt, variant)
@@ -123,6 +124,9 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
     leg.option.iterations, leg.option.ls_iterations = _SOLVER
     spec = leg if kind == "leg" else _quadruped(leg, model)
     spec.compile()
+    floor: tuple[str, ...] = ()
+    if kind == "quadruped":
+        floor = lay_floor(spec, model, [f"{leg}_sphere" for leg in LEGS], "ground")
     xml = exact_xml(spec)
     compiled = mujoco.MjModel.from_xml_string(xml)
     own = model.joints if kind == "leg" else ("abduction", *model.joints)
@@ -155,7 +159,7 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
         limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
         height=0.0 if kind == "leg" else _height(compiled, joints, posture, legs),
         rotors=rotors_of(compiled, joints),
-        left_out=tuple(str(key) for key in tree.left_out),
+        left_out=(*(str(key) for key in tree.left_out), *floor),
     )
 
 

@@ -20,7 +20,7 @@ _FIELDS = (
     *("body_mass", "body_inertia", "body_ipos", "body_iquat", "body_gravcomp"),
     *("dof_armature", "dof_damping", "dof_frictionloss", "jnt_stiffness"),
     *("tendon_armature", "tendon_damping", "tendon_frictionloss", "tendon_stiffness"),
-    *("actuator_gainprm", "actuator_biasprm"),
+    *("actuator_gainprm", "actuator_biasprm", "pair_friction", "pair_solref"),
 )
 
 
@@ -52,7 +52,7 @@ class Randomisation:
 
     Attributes:
         legs: name in `LEG_RANDOMISATION`.
-        friction: of the feet on the ground, lowest and highest.
+        friction: of the feet on the ground, lowest and highest; not where an effect says it.
         base_mass: lowest and highest addition to the trunk's mass [kg].
         base_centre: largest offset of the trunk's centre of mass, each way and axis [m].
         push: largest sudden change of the base's horizontal velocity [m/s], each way.
