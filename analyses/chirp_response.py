@@ -19,6 +19,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from transfer_chirp import NAMES, Task, Trial, reduction, run_trial
+from transfer_identification import AXES
 from transfer_looks import LOOKS
 from transfer_plants import SETS, other_leg, reference_leg
 from transfer_tables import show, spread, write_csv
@@ -26,6 +27,7 @@ from transfer_trials import run_trials
 
 from workbench import report
 from workbench.core.palette import COLOURS, LINES
+from workbench.identification import actuator_figure
 from workbench.models import write_model
 
 PAPER = {
@@ -64,6 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> list[tuple[str, Trial]]:
                 reference[0].models[variant], folder / "models" / f"{slug}_{variant}.toml", force=True
             )
         report.save_figure(curves(reference[0]), folder / f"{slug}_curves.png", force=True)
+        for axis, drive in zip(AXES, reference[0].known.drives, strict=True):
+            report.save_figure(actuator_figure(drive), folder / f"{slug}_drive_{axis}.png", force=True)
     write_csv(folder / "chirp.csv", [row for which, t in results for row in numbers(which, t)])
     report.save_figure(summary(results), folder / "summary.png", force=True)
     print(f"Wrote {folder}.")

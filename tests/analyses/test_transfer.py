@@ -25,7 +25,7 @@ def test_the_contact_free_leg(tmp_path: Path) -> None:
     np.testing.assert_allclose(trial.position["found"], trial.position["noise"], rtol=0.15)
     np.testing.assert_allclose(trial.torque["found"], trial.torque["noise"], rtol=0.15)
     files = {p.name for p in tmp_path.iterdir()}
-    assert {"clean_reference_leg.md", "clean_curves.png", "summary.png", "chirp.csv"} <= files
+    assert {"clean_reference_leg.md", "clean_curves.png", "clean_drive_hip.png", "chirp.csv"} <= files
 
 
 def test_pitch_in_place(tmp_path: Path) -> None:

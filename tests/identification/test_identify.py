@@ -8,6 +8,7 @@ import pytest
 
 from workbench.core import Estimate, Excitation, InputError, Recording
 from workbench.identification import (
+    actuator_figure,
     actuator_sheet,
     check_physical,
     identify_actuator,
@@ -52,6 +53,23 @@ def test_the_actuator_is_table_one() -> None:
     for estimate, truth in ((found.inertia, 0.0162), (found.damping, 0.0972), (found.delay, 3e-3)):
         np.testing.assert_allclose(estimate.value, truth, rtol=0.01)
         assert inside(estimate, truth)
+
+
+def test_the_picture_shows_what_each_parameter_would_change() -> None:
+    found = identify_actuator(bench())
+    f, fit = found.frf.frequency, np.abs(found.fit.responses[0][:, 0, 0])
+    magnitude, phase = np.array(actuator_figure(found).axes).reshape(2, 3)
+    drawn = [{line.get_label(): line for line in ax.lines} for ax in magnitude]
+    ratio = [{k: lines[k].get_ydata() / fit for k in ("half", "twice")} for lines in drawn]
+    low, high = f < 0.3, f > 90.0  # 0.0162 kg m^2 and 0.0972 N m s/rad turn at 0.95 Hz
+    np.testing.assert_allclose(ratio[0]["half"][high], 1.0, atol=1e-3)
+    np.testing.assert_allclose(ratio[0]["twice"][low], 0.5, atol=0.03)
+    np.testing.assert_allclose(ratio[1]["half"][high], 2.0, atol=1e-3)
+    np.testing.assert_allclose(ratio[1]["twice"][low], 1.0, atol=0.1)
+    np.testing.assert_allclose(ratio[2]["twice"], 1.0, atol=1e-9)
+    fitted, half, twice = (line.get_ydata()[-1] for line in phase[2].lines[1:])
+    assert half - fitted == pytest.approx(360 * 0.0015 * f[-1], rel=0.02)
+    assert fitted - twice == pytest.approx(360 * 0.003 * f[-1], rel=0.02)
 
 
 def test_the_legs_total_inertia() -> None:

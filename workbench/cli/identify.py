@@ -67,7 +67,12 @@ def actuator(
     Example: workbench identify actuator bench/multisine.toml --model leg_kin_only -o with_actuator.toml
     """
     from workbench import report
-    from workbench.identification import actuator_sheet, fit_figure, identify_actuator, with_actuator
+    from workbench.identification import (
+        actuator_figure,
+        actuator_sheet,
+        identify_actuator,
+        with_actuator,
+    )
     from workbench.models import read_model, write_model
 
     from .identify_output import actuator_dict, actuator_table
@@ -83,7 +88,7 @@ def actuator(
     if html:
         deliver_sheet(actuator_sheet(found), html, files=files_of(base, data), force=force)
     if figure:
-        report.save_figure(fit_figure(found.fit), Path(figure), force=force)
+        report.save_figure(actuator_figure(found), Path(figure), force=force)
     if not quiet and json != "-":
         report.print_table(actuator_table(found))
         if output:

@@ -3,12 +3,13 @@
 from .build import check_physical, serial_form, with_actuator, with_leg
 from .identify import identify_actuator, identify_leg
 from .page import actuator_sheet, leg_sheet, readable
-from .picture import fit_figure
+from .picture import actuator_figure, fit_figure
 from .result import ActuatorIdentification, LegIdentification
 
 __all__ = [
     "ActuatorIdentification",
     "LegIdentification",
+    "actuator_figure",
     "actuator_sheet",
     "check_physical",
     "fit_figure",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,8 +14,11 @@ from workbench.report.numbers import interval, number
 from workbench.report.response import response_panel
 from workbench.report.sheet import Drawing, Section, Sheet, SheetTable
 
-from .picture import fit_figure
+from .picture import actuator_figure, fit_figure
 from .result import ActuatorIdentification, LegIdentification
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _DRAWN = 6  # postures
 
@@ -31,7 +35,9 @@ def actuator_sheet(found: ActuatorIdentification) -> Sheet:
     table = SheetTable("Estimates, with 95 % intervals", ("Parameter", ">Estimate"), rows)
     said = ", ".join(f"{name.lower()} {text}" for name, text in rows)
     axis = found.frf.inputs[0].axis
-    return _sheet(axis, f"The drive has {said} (95 %)", rows, table, found.fit, (found.frf,))
+    about = "Measured response with its 95 % band, the fit, and what other parameters would give."
+    picture = actuator_figure(found), about
+    return _sheet(axis, f"The drive has {said} (95 %)", rows, table, found.fit, (found.frf,), picture)
 
 
 def leg_sheet(found: LegIdentification, built: Model) -> Sheet:
@@ -57,14 +63,15 @@ def leg_sheet(found: LegIdentification, built: Model) -> Sheet:
     )
     key = tuple((name, interval(v)) for name, v in totals)
     said = ", ".join(f"{name} {text}" for name, text in key)
-    return _sheet(
-        built.name, f"The leg has a total inertia of {said} (95 %)", key, table, found.fit, found.frfs
-    )
+    said = f"The leg has a total inertia of {said} (95 %)"
+    picture = fit_figure(found.fit), "Measured response with its 95 % band, and the fit."
+    return _sheet(built.name, said, key, table, found.fit, found.frfs, picture)
 
 
 def _sheet(
-    name: str, said: str, key: Sequence[tuple[str, str]], table: SheetTable, fit: Fit, frfs: Sequence[Frf]
-) -> Sheet:
+    name: str, said: str, key: Sequence[tuple[str, str]], table: SheetTable, fit: Fit, frfs: Sequence[Frf],
+    picture: tuple[Figure, str],
+) -> Sheet:  # fmt: skip
     j = fit.judgement
     judged = SheetTable(
         "What the fit leaves, weighted by the measured covariances, beside what a true model would leave",
@@ -97,7 +104,7 @@ def _sheet(
             *_responses(fit, frfs),
             *_notes(frfs),
         ),
-        picture=(fit_figure(fit), "Measured response with its 95 % band, and the fit."),
+        picture=picture,
     )  # fmt: skip
 
 

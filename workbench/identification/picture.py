@@ -1,4 +1,4 @@
-"""A measured response and the model fitted to it."""
+"""A measured response and the model fitted to it; a drive's, beside what other parameters would give."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ import numpy as np
 from workbench.core.palette import COLOURS, LINES
 from workbench.frf import Fit
 
+from .result import ActuatorIdentification
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _FIT = LINES["fit"].drawn()
+_LOW, _HIGH = LINES["before"].drawn(), LINES["s3n_act"].drawn()
 _DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
 
 
@@ -38,6 +41,49 @@ def fit_figure(fit: Fit) -> Figure:
     axes[1, 0].set_ylabel("phase [deg]")
     axes[0, 0].legend(frameon=False, fontsize=8)
     return figure
+
+
+def actuator_figure(found: ActuatorIdentification) -> Figure:
+    """Measured and fitted response of a drive, and what half and twice of each parameter would give.
+
+    A column a parameter, magnitude over phase (as in the paper's figure of the actuator): damping shows at
+    low frequency, inertia in the roll-off, the delay in the phase. A delay of less than a row is drawn a row
+    less and a row more instead.
+    """
+    from matplotlib.figure import Figure
+
+    frf, fit = found.frf, found.fit
+    own = found.inertia.value, found.damping.value, found.delay.value
+    row = 1.0 / frf.rate_hz
+    delays = (0.5 * own[2], 2.0 * own[2]) if own[2] > row else (own[2] - row, own[2] + row)
+    names = ("half", "twice") if own[2] > row else ("a row less", "a row more")
+    others = (
+        ("damping", ("half", "twice"), [(own[0], f * own[1], own[2]) for f in (0.5, 2.0)]),
+        ("inertia", ("half", "twice"), [(f * own[0], own[1], own[2]) for f in (0.5, 2.0)]),
+        ("delay", names, [(own[0], own[1], delay) for delay in delays]),
+    )
+    measured, std, model = frf.response[:, 0, 0], frf.std[:, 0, 0], fit.responses[0][:, 0, 0]
+    figure = Figure(figsize=(9.6, 4.6), layout="constrained")
+    axes = figure.subplots(2, len(others), sharex=True, sharey="row")
+    for k, (name, labels, values) in enumerate(others):
+        _entry(axes[0, k], axes[1, k], frf.frequency, measured, std, model)
+        for label, look, theta in zip(labels, (_LOW, _HIGH), values, strict=True):
+            # the hold of the sampled command is in both, so that a ratio of continuous models will do
+            there = model * _drive(frf.frequency, *theta) / _drive(frf.frequency, *own)
+            axes[0, k].loglog(frf.frequency, np.abs(there), **look, label=label)
+            axes[1, k].semilogx(frf.frequency, np.degrees(np.unwrap(np.angle(there))), **look)
+        axes[0, k].set_title(f"other {name}", fontsize=9, loc="left")
+        axes[0, k].legend(frameon=False, fontsize=7)
+        axes[1, k].set_xlabel("frequency [Hz]")
+    out, into = frf.outputs[0], frf.inputs[0]
+    axes[0, 0].set_ylabel(f"magnitude [{out.unit} / ({into.unit})]")
+    axes[1, 0].set_ylabel("phase [deg]")
+    return figure
+
+
+def _drive(frequency: np.ndarray, inertia: float, damping: float, delay: float) -> np.ndarray:
+    s = 2j * np.pi * frequency
+    return np.exp(-s * delay) / (inertia * s + damping)
 
 
 def _entry(
