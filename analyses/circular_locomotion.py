@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from transfer_looks import LOOKS
 from transfer_plants import SETS
-from transfer_policies import METHODS, TRAINED, Job, Rollout, Simulators, build_all, rollout
+from transfer_policies import TRAINED, Job, Rollout, Simulators, build_all, methods_of, rollout
 from transfer_tables import show, spread, write_csv
 from transfer_trials import run_trials
 
@@ -78,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Gap]]:
     parser.add_argument("--quick", action="store_true", help="two methods, a quarter of a lap, nothing found")
     given = parser.parse_args(arguments)
     sets = ["clean"] if given.quick else [given.set] if given.set else list(SETS)
-    methods = ["Kin-Only", "S3N-Full"] if given.quick else list(METHODS)
+    methods = ["Kin-Only", "S3N-Full"] if given.quick else None
     shape, seconds = ((1, 1), 0.25 * _LAP_S) if given.quick else ((given.trained, given.trials), _LAP_S)
     built = build_all(sets, given.seed, given.models, given.quick)
     results = {
@@ -103,15 +103,17 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Gap]]:
 
 
 def evaluate_set(
-    which: str, built: Simulators, methods: Sequence[str], seconds: float, seed: int, shape: tuple[int, int],
-    quick: bool,
+    which: str, built: Simulators, methods: Sequence[str] | None, seconds: float, seed: int,
+    shape: tuple[int, int], quick: bool,
 ) -> dict[str, Gap]:  # fmt: skip
-    """All methods on hardware that hides one set, `shape` = (training seeds, trials).
+    """These methods (all) on hardware that hides one set, `shape` = (training seeds, trials).
 
     A policy that two methods share runs there once.
     """
     trained, trials = shape
-    policies = list(dict.fromkeys(METHODS[m][0] for m in methods))
+    known = methods_of("circular", which)
+    methods = methods or list(known)
+    policies = list(dict.fromkeys(known[m][0] for m in methods))
     ground = np.random.default_rng([seed, 5]).uniform(*_FRICTION, trials)
 
     def on_hardware(policy: str, s: int, k: int) -> Job:
@@ -119,14 +121,14 @@ def evaluate_set(
         return Job("circular", policy, seconds, seed + k, which, friction=friction, trained=s)
 
     def simulated(method: str, s: int) -> Job:
-        policy, model = METHODS[method]
+        policy, model = known[method]
         return Job("circular", policy, seconds, seed, model=built.models[model], trained=s)
 
     jobs = [on_hardware(p, s, k) for p in policies for s in range(trained) for k in range(trials)]
     jobs += [simulated(m, s) for m in methods for s in range(trained)]
     made = iter(run_trials(rollout, jobs, serial=quick))
     hardware = {p: [[next(made) for _ in range(trials)] for _ in range(trained)] for p in policies}
-    return {m: gap(hardware[METHODS[m][0]], [next(made) for _ in range(trained)]) for m in methods}
+    return {m: gap(hardware[known[m][0]], [next(made) for _ in range(trained)]) for m in methods}
 
 
 def gap(hardware: Sequence[Sequence[Rollout]], simulation: Sequence[Rollout]) -> Gap:

@@ -19,7 +19,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from transfer_looks import LOOKS
 from transfer_plants import SETS
-from transfer_policies import METHODS, TRAINED, Job, Rollout, Simulators, build_all, rollout
+from transfer_policies import TRAINED, Job, Rollout, Simulators, build_all, methods_of, rollout
 from transfer_tables import show, spread, write_csv
 from transfer_trials import run_trials
 
@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Result]]
     parser.add_argument("--quick", action="store_true", help="two methods, four cycles, clean, nothing found")
     given = parser.parse_args(arguments)
     sets = ["clean"] if given.quick else [given.set] if given.set else list(SETS)
-    methods = ["Kin-Only", "S3N-Full"] if given.quick else list(METHODS)
+    methods = ["Kin-Only", "S3N-Full"] if given.quick else None
     cycles, trials = (4, 1) if given.quick else (_CYCLES, given.trials)
     built = build_all(sets, given.seed, given.models, given.quick)
     results = {
@@ -87,21 +87,24 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, dict[str, Result]]
 
 
 def evaluate_set(
-    which: str, built: Simulators, methods: Sequence[str], cycles: int, seed: int, trials: int, quick: bool
-) -> dict[str, Result]:
-    """All methods on hardware that hides one set; a policy that two methods share runs there once."""
+    which: str, built: Simulators, methods: Sequence[str] | None, cycles: int, seed: int, trials: int,
+    quick: bool,
+) -> dict[str, Result]:  # fmt: skip
+    """These methods (all) on hardware that hides one set; a policy that two methods share runs there once."""
     seconds = (_SETTLE + cycles + 0.5) / PITCH_HZ
-    policies = list(dict.fromkeys(METHODS[m][0] for m in methods))
+    known = methods_of("pitch-in-place", which)
+    methods = methods or list(known)
+    policies = list(dict.fromkeys(known[m][0] for m in methods))
 
     def job(policy: str, k: int, model: Model | None = None) -> Job:
         return Job("pitch-in-place", policy, seconds, seed + k, which, model=model, trained=k)
 
     jobs = [job(p, k) for p in policies for k in range(trials)]
-    jobs += [job(METHODS[m][0], k, built.models[METHODS[m][1]]) for m in methods for k in range(trials)]
+    jobs += [job(known[m][0], k, built.models[known[m][1]]) for m in methods for k in range(trials)]
     made = run_trials(rollout, jobs, serial=quick)
     each = [made[i : i + trials] for i in range(0, len(made), trials)]
     hardware, simulated = dict(zip(policies, each, strict=False)), each[len(policies) :]
-    return {m: result(hardware[METHODS[m][0]], s, cycles) for m, s in zip(methods, simulated, strict=True)}
+    return {m: result(hardware[known[m][0]], s, cycles) for m, s in zip(methods, simulated, strict=True)}
 
 
 def result(hardware: Sequence[Rollout], simulated: Sequence[Rollout], cycles: int) -> Result:

@@ -11,4 +11,5 @@ LOOKS: dict[str, Line] = {
     "S3N-Act": LINES["s3n_act"],
     "S3N-Full": LINES["s3n_full"],
     "S3N + found effects": Line("ink", (), 1.1),
+    "trained with found effects": Line("quiet", (3.0, 1.2), 1.3),
 }

@@ -31,9 +31,18 @@ METHODS = {
     "S3N-Full": ("s3n_full", "s3n_full"),
     "S3N + found effects": ("s3n_full", "found"),
 }
+#: Sets with policies that were trained in the simulator with found effects, of recordings of seed 0, by task.
+RETRAINED = {"pitch-in-place": ("hidden effects", "no play"), "circular": ("hidden effects",)}
 #: Training seeds of the shipped policies, by task.
 TRAINED = {"pitch-in-place": 3, "circular": 3}
 _SIMULATION_SEED = 10_000  # of the inertial unit's noise, which no other run draws
+
+
+def methods_of(task: str, which: str) -> dict[str, tuple[str, str]]:
+    """`METHODS`, and on a set that has one a policy that was trained with what was found there."""
+    if which not in RETRAINED[task]:
+        return METHODS
+    return METHODS | {"trained with found effects": (f"found_{which.replace(' ', '_')}", "found")}
 
 
 @dataclass(frozen=True)
