@@ -10,6 +10,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 
+from .beside import named_beside, special_case
 from .data import Data
 from .fit import fit, race
 from .giving import pins_of, what_gives_way
@@ -104,6 +105,9 @@ def next_stage(
     if not helpful:
         return None
     candidate, found, rivals = choose(helpful, stated, current.judged, data, scene.model)
+    candidate, found = special_case(scene, candidate, found, helpful)
+    wider = named_beside(scene, candidates, candidate, found, current, data)
+    rivals = (*rivals, *(c.key for c, _ in wider))
     kept, dropped = prune(found, candidate.key, data, current)
     kept = polished(kept, data)
     if cancels(scene, kept):
@@ -125,9 +129,9 @@ def next_stage(
         rivals=(*rivals, *(k for k in dropped if not contains(candidate.key, k))),
         others=tuple(
             (c.key, f.hypothesis.model)
-            for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
+            for c, f in sorted([*helpful, *wider], key=lambda cf: cf[1].judged)
             if c is not candidate
-            and not contains(c.key, candidate.key)
+            and (c.key in rivals or not contains(c.key, candidate.key))
             and not contains(candidate.key, c.key)
         ),
         dropped=tuple(a.key for a in current.hypothesis.added if a.key not in left),

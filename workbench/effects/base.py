@@ -196,6 +196,16 @@ class Effect(ABC):
         del motions, place, values
         return True
 
+    def differs(
+        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
+    ) -> bool:
+        """Whether with these values it is another machine than its special cases, and no refinement of one.
+
+        Where it explains the same data as well, it is then named beside the special case.
+        """
+        del motions, place, values
+        return False
+
     def blur(
         self, values: Mapping[str, float], position_noise: float, torque_noise: float
     ) -> dict[str, float]:

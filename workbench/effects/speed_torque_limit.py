@@ -15,6 +15,7 @@ from .base import Door, Effect, Parameter, Response
 from .chain import Build
 from .motion import Motion, at_tap, torque_bounds
 
+_FLAT = 5.0  # times the fastest speed: a line that ends beyond hardly falls
 _SIMPLEX = np.array([[0.0, 0.0], [0.05, 0.0], [0.0, 0.05]])  # in the logarithm of both
 
 
@@ -83,6 +84,14 @@ class SpeedTorqueLimit(Effect):
         stall[place.index], no_load[place.index] = shape["stall_torque"], shape["no_load_speed"]
         full = bool(shape.get("full_braking", motion.line.full_braking))
         return Response.passed(motion, replace(motion.line, stall=stall, no_load=no_load, full_braking=full))
+
+    def differs(
+        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
+    ) -> bool:
+        """Where the line falls steeply: a limit that was reached at one speed may be either's."""
+        assert place is not None
+        fastest = max(float(np.abs(m.velocity[:, place.index]).max()) for m in motions)
+        return values["no_load_speed"] < _FLAT * fastest
 
     def blur(
         self, values: Mapping[str, float], position_noise: float, torque_noise: float

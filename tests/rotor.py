@@ -1,0 +1,44 @@
+"""A rotor with a drive that has limits, in a PD loop: an own simulation of a few lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import Controller, Recording
+
+ROTOR = """<mujoco><worldbody><body><joint name="m" axis="0 -1 0" armature="0.004" damping="0.01"/>
+<inertial pos="0.05 0 0" mass="0.4" diaginertia="0.0002 0.0006 0.0006"/></body></worldbody></mujoco>"""
+_STEP = 0.002
+
+
+def pushed(
+    folder: Path, reference: np.ndarray, gains: tuple[float, float], *, limit: float = 1e9,
+    stall: float = 1e9, fastest: float = 1e9, noise: float = 0.01, seed: int = 0, name: str = "r",
+) -> Recording:  # fmt: skip
+    """The rotor in `folder` / rotor.xml along a reference (N,) at 500 Hz; limit and line clip the torque."""
+    (folder / "rotor.xml").write_text(ROTOR)
+    generator = np.random.default_rng(seed)
+    kp, kd = gains
+    q = w = 0.0
+    rows = []
+    for r in reference:
+        asked = kp * (r - q) - kd * w
+        ceiling = np.clip(stall * (1.0 - np.sign(asked) * w / fastest), 0.0, stall)
+        given = float(np.clip(asked, -min(limit, ceiling), min(limit, ceiling)))
+        rows.append((q, w, asked, given + noise * generator.standard_normal(), r))
+        for _ in range(20):
+            w += _STEP / 20 * (given - 0.01 * w - 0.4 * 9.81 * 0.05 * np.cos(q)) / 0.0056
+            q += _STEP / 20 * w
+    names = ("position", "velocity", "torque_command", "torque_measured", "position_reference")
+    signals = {name: column[:, None] for name, column in zip(names, np.array(rows).T, strict=True)}
+    loop = Controller("pd", "actuator", kp=(kp,), kd=(kd,), period_s=_STEP)
+    time = np.arange(len(reference)) * _STEP
+    return Recording(name, ("m",), "actuator", time, signals, ("rad",), controller=loop)
+
+
+def torn(count: int = 3000) -> np.ndarray:
+    """A reference that takes 50 times the torque of the drive, to and fro."""
+    t = np.arange(count) * _STEP
+    return np.sin(2.0 * np.pi * 3.0 * t) * np.minimum(t, 1.0)

@@ -1,0 +1,61 @@
+"""Effects and their special cases: which is named, and what is named beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from workbench.effects import Effect, contains, effect_named
+from workbench.models import Placement
+
+from .data import Data
+from .fit import race
+from .hypothesis import Fit
+from .judging import TIE
+from .refining import with_candidate
+from .screen import Candidate
+from .sensitivity import Scene
+
+
+def named_beside(
+    scene: Scene, candidates: Sequence[Candidate], chosen: Candidate, found: Fit, current: Fit, data: Data
+) -> list[tuple[Candidate, Fit]]:
+    """Effects with the chosen one as a special case that explain all as well and are no refinement of it.
+
+    A special case always comes first; beside it they are named where motions do not settle which it is, as of
+    a limit that was reached at one speed only. Only effects that can say so are fitted.
+    """
+    wider = [
+        c
+        for c in candidates
+        if contains(c.key, chosen.key) and type(effect_named(c.key.effect)).differs is not Effect.differs
+    ]
+    if not wider:
+        return []
+    fits, _ = race([with_candidate(scene, c, current) for c in wider], current, data)
+    return [
+        (c, f)
+        for c, f in zip(wider, fits, strict=True)
+        if f is not None
+        and f.judged <= found.judged * (1.0 + TIE)
+        and f.trained <= found.trained * (1.0 + TIE)
+        and _differs(scene, f)
+    ]
+
+
+def special_case(
+    scene: Scene, chosen: Candidate, found: Fit, helpful: Sequence[tuple[Candidate, Fit]]
+) -> tuple[Candidate, Fit]:
+    """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
+    if _can_say(chosen) and not _differs(scene, found):
+        return next(((c, f) for c, f in helpful if contains(chosen.key, c.key)), (chosen, found))
+    return chosen, found
+
+
+def _can_say(candidate: Candidate) -> bool:
+    return type(effect_named(candidate.key.effect)).differs is not Effect.differs
+
+
+def _differs(scene: Scene, fit: Fit) -> bool:
+    last = fit.hypothesis.free[-1]
+    place = Placement.of(fit.hypothesis.model, last.key)
+    return effect_named(last.key.effect).differs(scene.motions, place, last.values)
