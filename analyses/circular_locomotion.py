@@ -133,20 +133,21 @@ def evaluate_set(
 
 def gap(hardware: Sequence[Sequence[Rollout]], simulation: Sequence[Rollout]) -> Gap:
     """The paper's metrics: policies of S training seeds in T trials each, and their S simulations."""
-    pairs = [[apart(run, own) for run in runs] for runs, own in zip(hardware, simulation, strict=True)]
+    rows = max(len(run.yaw) for runs in (*hardware, simulation) for run in runs)
+    pairs = [[apart(run, own, rows) for run in runs] for runs, own in zip(hardware, simulation, strict=True)]
     forward, yaw = (
         np.array([[np.sqrt(np.mean(pair[i] ** 2)) for pair in runs] for runs in pairs]) for i in (0, 1)
     )
     local = np.array([[by_phase(*pair) for pair in runs] for runs in pairs])
-    again = [[by_phase(*apart(run, runs[0])).mean() for run in runs[1:]] for runs in hardware]
+    again = [[by_phase(*apart(run, runs[0], rows)).mean() for run in runs[1:]] for runs in hardware]
     whole = 50.0 * (forward / abs(CIRCLE[0]) + yaw / abs(CIRCLE[2]))
     return Gap(forward, yaw, whole, local, np.array(again))
 
 
-def apart(one: Rollout, other: Rollout) -> tuple[np.ndarray, np.ndarray]:
-    """How far forward velocity and yaw rate are apart, row by row (N,) each; NaN where one of them fell."""
+def apart(one: Rollout, other: Rollout, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """How far forward velocity and yaw rate are apart, (rows,) each; NaN where one of them fell."""
     if one.fell_s is not None or other.fell_s is not None:
-        nothing = np.full(max(len(one.yaw), len(other.yaw)), np.nan)
+        nothing = np.full(rows, np.nan)
         return nothing, nothing
     return np.abs(one.forward - other.forward), np.abs(one.yaw - other.yaw)
 
@@ -167,10 +168,11 @@ def table(folder: Path, which: str, results: dict[str, Gap], built: Simulators) 
             of_seeds(g.forward, 3), of_seeds(g.yaw, 3), of_seeds(g.whole, 2), of_seeds(g.phase, 2),
         )  # fmt: skip
         cells = [cell for pair in zip(mine, paper, strict=True) for cell in pair]
-        rows.append((name, *cells, within(g.phase), of_seeds(g.again, 2)))
+        fell = int(np.sum(~np.isfinite(g.whole)))
+        rows.append((name, *cells, within(g.phase), of_seeds(g.again, 2), str(fell)))
     columns = (
         "method", "e_vx [m/s]", "paper", "e_wz [rad/s]", "paper", "E_RMSE [%]", "paper", "E_phi [%]", "paper",
-        "E_phi from trial to trial ± [%]", "hardware again [%]",
+        "E_phi from trial to trial ± [%]", "hardware again [%]", "fell",
     )  # fmt: skip
     trained, trials = next(iter(results.values())).forward.shape
     title = (

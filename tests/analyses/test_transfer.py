@@ -61,8 +61,12 @@ def test_the_circle_s_metrics_are_those_of_the_equations() -> None:
     assert gap.forward[0, 0] == pytest.approx(0.08) and gap.again[1, 0] == pytest.approx(gap.phase[0, 0])
     assert circular_locomotion.of_seeds(gap.phase, 0) == "11 ± 5"
     assert float(circular_locomotion.within(gap.phase)) == pytest.approx(7.5, abs=0.05)
-    fallen = Rollout(still, still, still, still, 0.5)
-    assert np.isnan(circular_locomotion.gap([[fallen, hardware]], [simulation]).phase[0, 0])
+    short = still[:200]
+    fallen = Rollout(short, short, short, short, 0.5)
+    for own in (simulation, fallen):
+        gap = circular_locomotion.gap([[fallen, hardware], [hardware, hardware]], [own, simulation])
+        assert np.isnan(gap.phase[0, 0]) and gap.local.shape == (2, 2, 72)
+        assert np.isnan(gap.phase[0, 1]) == (own is fallen) and np.isfinite(gap.phase[1]).all()
 
 
 def test_a_shift_in_phase_is_a_gap_and_a_whole_cycle_is_none() -> None:

@@ -25,7 +25,7 @@ from .inverse import inverse_dynamics
 from .lines import line_shares
 from .noise import DRAWS, NoiseModel
 from .replay import replay_of
-from .score import Scale, normalised, pooled, scored_signals, squares
+from .score import Scale, immaterial, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 from .standing import check_ground, on_ground
 from .where import locate
@@ -173,7 +173,7 @@ def concluded(
     draws_ms = np.stack([pooled([p.noise[k] for p in parts], counts) for k in range(len(parts[0].noise))])
     floors = np.array([normalised(ms, scale) for ms in draws_ms])
     error, floor, spread = normalised(error_ms, scale), float(floors.mean()), float(floors.std(ddof=1))
-    fine = consistent(error_ms, draws_ms, error, floors)
+    fine = consistent(error_ms, draws_ms, error, floors, immaterial(scale))
     return Comparison(
         model=model.name,
         axes=model.axes,
@@ -189,7 +189,13 @@ def concluded(
 
 
 def consistent(
-    error_ms: np.ndarray, draws_ms: np.ndarray, error: float, floors: np.ndarray, *, by_signal: bool = True
+    error_ms: np.ndarray,
+    draws_ms: np.ndarray,
+    error: float,
+    floors: np.ndarray,
+    allowed: np.ndarray | float = 0.0,
+    *,
+    by_signal: bool = True,
 ) -> bool:
     """Whether the score is no larger than noise makes it, and (`by_signal`) no single signal's error either.
 
@@ -198,6 +204,7 @@ def consistent(
         draws_ms: the same of each noise draw, (draws, 2, n).
         error: the score.
         floors: the score of each noise draw, (draws,).
+        allowed: mean squares (2, n) of a signal that mean nothing, whatever its noise.
         by_signal: look at each axis and kind by itself too, which finds effects that the score, ruled by
             the noisiest signal, would hide.
     """
@@ -212,7 +219,7 @@ def consistent(
     scatter = np.sqrt(draws_ms / floor).std(axis=0, ddof=1)
     shared = np.sqrt(np.mean(np.nan_to_num(scatter) ** 2, axis=1, keepdims=True))
     limit = np.maximum(_MARGIN_SIGNAL, 1.1 + 3.0 * shared)
-    return not by_signal or bool(np.all(~(np.sqrt(error_ms / floor) > limit)))
+    return not by_signal or bool(np.all(~(np.sqrt(error_ms / (floor + allowed)) > limit)))
 
 
 def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:

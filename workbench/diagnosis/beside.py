@@ -15,6 +15,8 @@ from .refining import with_candidate
 from .screen import Candidate
 from .sensitivity import Scene
 
+_MORE = 2.0  # times the error, which a fit of one parameter more may have gained by chance
+
 
 def named_beside(
     scene: Scene, candidates: Sequence[Candidate], chosen: Candidate, found: Fit, current: Fit, data: Data
@@ -47,7 +49,8 @@ def special_case(
 ) -> tuple[Candidate, Fit]:
     """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
     if _can_say(chosen) and not _differs(scene, found):
-        return next(((c, f) for c, f in helpful if contains(chosen.key, c.key)), (chosen, found))
+        special = [(c, f) for c, f in helpful if contains(chosen.key, c.key)]
+        return next(((c, f) for c, f in special if f.judged < _MORE * found.judged), (chosen, found))
     return chosen, found
 
 

@@ -12,6 +12,7 @@ from workbench.comparison import (
     Replay,
     Scale,
     Simulated,
+    immaterial,
     normalised,
     replay_of,
     scored_signals,
@@ -42,7 +43,8 @@ class Data:
         recordings: all of them.
         training: number of those used for fitting.
         replay: how models are run on them.
-        floor: mean squares that a perfect model leaves, per recording, (R, 2, n): position, torque.
+        floor: mean squares that a perfect model leaves, per recording, (R, 2, n): position, torque; noise,
+            and what two right simulations of one machine differ by.
         draws: noisy minus noise-free runs that `floor` is the mean of, per draw and recording,
             (N, 2, n) each; used for the scatter of estimates.
         weight: one over the deviation that residuals are divided by, (2, n); 0 for absent signals.
@@ -168,6 +170,8 @@ def floor_of(replay: Replay, training: int, simulated: Simulated) -> Data:
     floor = np.stack(
         [np.mean([np.mean(draw[i] ** 2, axis=0) for draw in draws], axis=0) for i in range(len(recordings))]
     )
+    # beside its noise, a signal has what two right simulations differ by
+    floor = floor + np.nan_to_num(immaterial(Scale.of(recordings[:training])))
     n = len(recordings[0].axes)
     return Data(recordings, training, replay, floor, draws, np.ones((2, n)))
 

@@ -11,6 +11,7 @@ from workbench.core import EffectKey, Recording
 from workbench.effects import effect_named, places
 from workbench.models import AppliedEffect, Placement
 
+from .channel import by_channel
 from .data import Data
 from .hypothesis import applied_effect
 from .normal import Normal, normal, total
@@ -84,7 +85,7 @@ def screen(
                 best[entry.key] = candidate
     apart = (*on_the_ground(scene, data), *_not_shown(scene))
     taken = {applied.key for applied in free}
-    found = [*best.values(), *(c for c in apart if c.key not in taken)]
+    found = [*by_channel(scene, best.values(), without or 0.0), *(c for c in apart if c.key not in taken)]
     return sorted(found, key=lambda c: c.judged), without or 0.0
 
 

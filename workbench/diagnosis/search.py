@@ -17,7 +17,7 @@ from .sensitivity import Scene
 from .simpler import simpler
 from .stage import Search
 from .step import Progress
-from .ways import Quest, Way, holds, is_consistent, onwards, otherwise, wanders, with_stages
+from .ways import Quest, Way, fewer, holds, is_consistent, onwards, otherwise, wanders, with_stages
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
 
@@ -64,6 +64,8 @@ def search(
         way = onwards(way, quest)
         if not holds(way, quest) and limit > 1:
             way = otherwise(way, quest)
+        elif limit > 1:
+            way = fewer(way, quest)
     way = _simplified(way, seed, progress)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from workbench.comparison import Scale, Simulated, normalised
+from workbench.comparison import Scale, Simulated, immaterial, normalised
 from workbench.comparison.compare import consistent
 from workbench.effects import effect_named
 
@@ -24,6 +24,7 @@ from .judging import (
     mostly_explained,
     nearly_at_floor,
     overshadowed,
+    reached,
     rejudged,
     unseen_on_held_out,
 )
@@ -130,6 +131,25 @@ def otherwise(way: Way, quest: Quest) -> Way:
     return way
 
 
+def fewer(way: Way, quest: Quest) -> Way:
+    """Two causes with fewer parameters in place of those found one by one; `way` where none explain as well.
+
+    Where what was found first had rivals, what came after may only mend the choice.
+    """
+    size = _parameters(way)
+    if len(way.stages) < 2 or size < 3 or not any(s.rivals for s in way.stages[:-1]):
+        return way
+    stages = two_at_once(quest.scene, quest.data, quest.start, quest.progress)
+    if stages is None:
+        return way
+    other = with_stages(Way(quest.start, quest.data), stages, quest.seed)
+    return other if _parameters(other) < size and reached(other.current, other.data) else way
+
+
+def _parameters(way: Way) -> int:
+    return sum(len(a.parameters) for a in way.current.hypothesis.free)
+
+
 def _boldly(way: Way, quest: Quest) -> Way | None:
     """From where the search stands, the effect that explains most of the rest of the training recordings.
 
@@ -199,7 +219,9 @@ def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = Tru
     draws = np.stack([data.pool(np.stack([np.mean(x**2, axis=0) for x in draw])) for draw in data.draws])
     pooled = data.pool(mean_squares)
     floors = np.array([normalised(d, scale) for d in draws])
-    return consistent(pooled, draws, normalised(pooled, scale), floors, by_signal=by_signal)
+    return consistent(
+        pooled, draws, normalised(pooled, scale), floors, immaterial(scale), by_signal=by_signal
+    )
 
 
 def wanders(found: Fit) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from workbench.models import Model, Placement
 from .base import INF, Door, Effect, Parameter, Response, single
 from .chain import Build
 from .motion import Motion
+
+_FAR = 10.0  # spans of the motion: the torque of a spring that rests beyond hardly changes
 
 
 class ParallelSpring(Effect):
@@ -47,6 +49,14 @@ class ParallelSpring(Effect):
     def to_coefficients(self, values: Mapping[str, float]) -> tuple[np.ndarray, dict[str, float]]:
         """k and k q0."""
         return np.array([values["stiffness"], values["stiffness"] * values["rest"]]), {}
+
+    def differs(
+        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
+    ) -> bool:
+        """Where it does not rest so far away that it is a constant torque."""
+        assert place is not None
+        positions = np.concatenate([m.along(place)[0] for m in motions])
+        return bool(abs(values["rest"] - positions.mean()) < _FAR * np.ptp(positions))
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
