@@ -39,6 +39,7 @@ AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
 _NEAR_FLOOR = 2.0  # the same, below which an explanation is not passed over for a basic one ...
 _FAR_WORSE = 4.0  # ... that leaves this many times as much
+_BLIND = 1.25  # times the judged error, within which judging sees no difference
 _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
 
 
@@ -236,6 +237,7 @@ def choose(
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
     """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
     floor = floor_of_judging(data)
+    helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
 
     def cost(c: Candidate) -> tuple[int, int]:
         effect = effect_named(c.key.effect)
@@ -273,6 +275,18 @@ def choose(
         and c not in stated
     )
     return candidate, found, rivals
+
+
+def _refined(one: tuple[Candidate, Fit], all_: Sequence[tuple[Candidate, Fit]], data: Data) -> bool:
+    """Whether a refinement explains what this one plainly leaves of the training, unseen by judging."""
+    floor, (special, found) = _floor(data), one
+    return found.trained > _NEAR_FLOOR * floor and any(
+        contains(c.key, special.key)
+        and f.judged < _BLIND * found.judged
+        and f.trained < _NEAR_FLOOR * floor
+        and found.trained - floor > _FAR_WORSE * (f.trained - floor)
+        for c, f in all_
+    )
 
 
 def margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]) -> float:
