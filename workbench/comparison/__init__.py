@@ -4,7 +4,7 @@ from .compare import check_recordings, compare, evaluate, simulate_with_noise
 from .long import compare_logs
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
-from .score import Scale, immaterial, normalised, score_runs, scored_signals
+from .score import Scale, normalised, score_runs, scored_signals
 from .simulated import Simulated
 
 __all__ = [
@@ -17,7 +17,6 @@ __all__ = [
     "compare",
     "compare_logs",
     "evaluate",
-    "immaterial",
     "needs_inverse",
     "normalised",
     "replay_of",

@@ -28,6 +28,8 @@ from .counted_rows import settled
 from .noise import DRAWS, NoiseModel, noise_seeds
 from .simulated import Simulated
 
+_SHIFT, _LONGEST = 0.05, 0.002  # of a period; s
+
 
 def with_loops(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """Recordings from where they have settled, with the model's loop where they know none."""
@@ -35,6 +37,13 @@ def with_loops(model: Model, recordings: Sequence[Recording]) -> tuple[Recording
         replace(r, controller=model.controller) if r.controller.kind == "unknown" else r
         for r in map(settled, recordings)
     )
+
+
+def _shifted(model: Model, recording: Recording) -> Model:
+    """The same machine a fraction of a tick later: where in a step torque acts, simulators do not agree."""
+    period = min(recording.controller.period_s or recording.period, recording.period, _LONGEST)
+    later = model.actuators.delay_s + _SHIFT * period
+    return replace(model, actuators=replace(model.actuators, delay_s=later))
 
 
 @dataclass(frozen=True)
@@ -75,7 +84,8 @@ class ClosedLoop:
             runs += [Run(model, r, self.noise.draw(s)) for r, s in zip(self.recordings, seeds, strict=True)]
         made, count = simulate(runs), len(self.recordings)
         noisy = tuple(tuple(made[count * (d + 1) : count * (d + 2)]) for d in range(draws))
-        return Simulated(self.recordings, tuple(made[:count]), noisy, self.noise)
+        late = simulate([Run(_shifted(model, r), r) for r in self.recordings], strict=False)
+        return Simulated(self.recordings, tuple(made[:count]), noisy, self.noise, tuple(late))
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
         """The run, corrected by what the sensors say of it."""

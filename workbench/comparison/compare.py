@@ -25,7 +25,7 @@ from .inverse import inverse_dynamics
 from .lines import line_shares
 from .noise import DRAWS, NoiseModel
 from .replay import replay_of
-from .score import Scale, immaterial, normalised, pooled, scored_signals, squares
+from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 from .standing import check_ground, on_ground
 from .where import locate
@@ -116,6 +116,7 @@ class Sums:
         error: sums of squares (2, n) of measured minus simulated.
         noise: the same of each noise draw, (draws, 2, n).
         count: rows.
+        immaterial: sums of squares (2, n) by which two right simulations may differ.
         covers: as of `RecordingError`.
         force: mean squares of the force on the feet (3 F,), measured minus simulated and of the noise.
     """
@@ -125,6 +126,7 @@ class Sums:
     error: np.ndarray
     noise: np.ndarray
     count: int
+    immaterial: np.ndarray
     covers: float | None = None
     force: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -135,8 +137,9 @@ class Sums:
         names = scored_signals(r)
         noise = np.stack([squares(draw[index], clean, names) for draw in simulated.noisy])
         return Sums(
-            r, clean, squares(r, clean), noise, int(np.sum(r.valid)), force=force_squares(simulated, index)
-        )
+            r, clean, squares(r, clean), noise, int(np.sum(r.valid)), simulated.immaterial(index),
+            force=force_squares(simulated, index),
+        )  # fmt: skip
 
 
 def concluded(
@@ -173,7 +176,8 @@ def concluded(
     draws_ms = np.stack([pooled([p.noise[k] for p in parts], counts) for k in range(len(parts[0].noise))])
     floors = np.array([normalised(ms, scale) for ms in draws_ms])
     error, floor, spread = normalised(error_ms, scale), float(floors.mean()), float(floors.std(ddof=1))
-    fine = consistent(error_ms, draws_ms, error, floors, immaterial(scale))
+    allowed = pooled([p.immaterial for p in parts], counts)
+    fine = consistent(error_ms, draws_ms, error, floors, allowed)
     return Comparison(
         model=model.name,
         axes=model.axes,

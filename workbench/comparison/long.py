@@ -109,6 +109,7 @@ class _Part:
     def __init__(self, source: Recording | Log, replay: Replay, scale: Scale, every: int) -> None:
         self.source, self.replay, self.scale = source, replay, scale
         self.error, self.noise, self.count = np.zeros(()), np.zeros(()), 0
+        self.immaterial = np.zeros(())
         self.torque: np.ndarray | None = None
         self.worst: _Worst | None = None
         self.excess = Excess(every)
@@ -119,7 +120,7 @@ class _Part:
         made = self.replay.like(model, [piece.recording]).with_noise(model, seed, draws)
         counted = _after(made.recordings[0], piece.lead)
         noisy = tuple((replace(draw[0], valid=counted.valid),) for draw in made.noisy)
-        made = Simulated((counted,), made.clean, noisy, made.noise)
+        made = Simulated((counted,), made.clean, noisy, made.noise, made.shifted)
         count = int(np.sum(counted.valid))
         self.share = (piece.start + counted.duration) / max(self.source.duration, 1e-9)
         if not count:
@@ -130,6 +131,7 @@ class _Part:
             self.noise + own.noise,
             self.count + count,
         )
+        self.immaterial = self.immaterial + own.immaterial
         self.stretches += 1
         if scored_torque(counted) is not None and model.size:
             levels = made.noise.levels
@@ -145,7 +147,8 @@ class _Part:
         assert self.worst is not None
         covers = self.source.duration if isinstance(self.source, Log) else None
         shown = replace(self.worst.recording, name=self.source.name)
-        return Sums(shown, self.worst.simulated, self.error, self.noise, self.count, covers)
+        worst = self.worst.simulated
+        return Sums(shown, worst, self.error, self.noise, self.count, self.immaterial, covers)
 
 
 def _after(recording: Recording, lead: int) -> Recording:

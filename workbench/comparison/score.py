@@ -22,9 +22,6 @@ def follows_motion(recording: Recording) -> bool:
     return recording.controller.kind == "unknown"
 
 
-_NUMERICS = 5e-4  # of a signal's deviation
-
-
 @dataclass(frozen=True)
 class Scale:
     """Standard deviation of each measured signal, pooled over recordings; NaN where it never moves.
@@ -43,11 +40,6 @@ class Scale:
     def stack(self) -> np.ndarray:
         """Both kinds, (2, n)."""
         return np.stack([self.position, self.torque])
-
-
-def immaterial(scale: Scale) -> np.ndarray:
-    """Mean squares (2, n) by which right simulations of one machine differ: how and how finely they step."""
-    return (_NUMERICS * scale.stack()) ** 2
 
 
 def pooled_std(recordings: Sequence[Recording], kind: str) -> np.ndarray:

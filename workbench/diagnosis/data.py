@@ -12,7 +12,6 @@ from workbench.comparison import (
     Replay,
     Scale,
     Simulated,
-    immaterial,
     normalised,
     replay_of,
     scored_signals,
@@ -43,8 +42,8 @@ class Data:
         recordings: all of them.
         training: number of those used for fitting.
         replay: how models are run on them.
-        floor: mean squares that a perfect model leaves, per recording, (R, 2, n): position, torque; noise,
-            and what two right simulations of one machine differ by.
+        floor: mean squares that a perfect model leaves, per recording, (R, 2, n): position, torque.
+        immaterial: mean squares by which two right simulations may differ, (R, 2, n).
         draws: noisy minus noise-free runs that `floor` is the mean of, per draw and recording,
             (N, 2, n) each; used for the scatter of estimates.
         weight: one over the deviation that residuals are divided by, (2, n); 0 for absent signals.
@@ -55,6 +54,7 @@ class Data:
     training: int
     replay: Replay
     floor: np.ndarray
+    immaterial: np.ndarray
     draws: tuple[tuple[np.ndarray, ...], ...]
     weight: np.ndarray
     silent: bool = False
@@ -91,6 +91,7 @@ class Data:
             training=len(chosen),
             replay=self.replay.only(chosen),
             floor=self.floor[list(chosen)],
+            immaterial=self.immaterial[list(chosen)],
             draws=tuple(tuple(draw[i] for i in chosen) for draw in self.draws),
         )
 
@@ -126,6 +127,10 @@ class Data:
         part = slice(self.training, None) if held_out else slice(0, self.training)
         counts = np.array([int(np.sum(r.valid)) for r in self.recordings])[part]
         return np.average(mean_squares[part], axis=0, weights=counts)
+
+    def least(self, held_out: bool = False) -> np.ndarray:
+        """Pooled mean squares (2, n) that a perfect model leaves: noise, and how right simulations differ."""
+        return self.pool(self.floor + self.immaterial, held_out)
 
     def objective(self, pooled: np.ndarray) -> float:
         """Weighted mean square of pooled residuals (2, n)."""
@@ -170,10 +175,10 @@ def floor_of(replay: Replay, training: int, simulated: Simulated) -> Data:
     floor = np.stack(
         [np.mean([np.mean(draw[i] ** 2, axis=0) for draw in draws], axis=0) for i in range(len(recordings))]
     )
-    # beside its noise, a signal has what two right simulations differ by
-    floor = floor + np.nan_to_num(immaterial(Scale.of(recordings[:training])))
     n = len(recordings[0].axes)
-    return Data(recordings, training, replay, floor, draws, np.ones((2, n)))
+    counts = [max(int(np.sum(r.valid)), 1) for r in recordings]
+    apart = np.stack([np.nan_to_num(simulated.immaterial(i)) / c for i, c in enumerate(counts)])
+    return Data(recordings, training, replay, floor, apart, draws, np.ones((2, n)))
 
 
 def _difference(noisy: Recording, clean: Recording, measured: Recording) -> np.ndarray:

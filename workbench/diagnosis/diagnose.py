@@ -190,8 +190,9 @@ def _clues_of_rest(verdict: Verdict, found: Search) -> Clues | None:
 def _comparison(model: Model, runs: Simulated, found: Search) -> Comparison:
     count = found.start_data.training
     part = Simulated(
-        runs.recordings[:count], runs.clean[:count], tuple(d[:count] for d in runs.noisy), runs.noise
-    )
+        runs.recordings[:count], runs.clean[:count], tuple(d[:count] for d in runs.noisy), runs.noise,
+        runs.shifted[:count],
+    )  # fmt: skip
     return evaluate(model, part)
 
 

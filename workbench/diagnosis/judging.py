@@ -44,8 +44,8 @@ _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping 
 
 
 def floor_of_judging(data: Data) -> float:
-    """Judged error that a perfect model would have."""
-    return data.objective(data.pool(data.floor, held_out=data.held_out_judges))
+    """Judged error that a perfect model would have, of noise and of what right simulations differ by."""
+    return data.objective(data.least(held_out=data.held_out_judges))
 
 
 def rejudged(old: Fit, data: Data) -> Fit:
@@ -176,7 +176,7 @@ def nearly_at_floor(found: Fit, data: Data) -> bool:
 
 def _floor(data: Data) -> float:
     """Fitted error that a perfect model would have."""
-    return data.objective(data.pool(data.floor))
+    return data.objective(data.least())
 
 
 def reached(found: Fit, data: Data, times: float = AT_FLOOR) -> bool:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from workbench.comparison import Scale, Simulated, immaterial, normalised
+from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.compare import consistent
 from workbench.effects import effect_named
 
@@ -218,10 +218,9 @@ def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = Tru
     scale = Scale.of(data.recordings[: data.training])
     draws = np.stack([data.pool(np.stack([np.mean(x**2, axis=0) for x in draw])) for draw in data.draws])
     pooled = data.pool(mean_squares)
-    floors = np.array([normalised(d, scale) for d in draws])
-    return consistent(
-        pooled, draws, normalised(pooled, scale), floors, immaterial(scale), by_signal=by_signal
-    )
+    error, floors = normalised(pooled, scale), np.array([normalised(d, scale) for d in draws])
+    allowed = data.pool(data.immaterial)
+    return consistent(pooled, draws, error, floors, allowed, by_signal=by_signal)
 
 
 def wanders(found: Fit) -> bool:
