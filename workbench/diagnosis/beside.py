@@ -10,12 +10,12 @@ from workbench.models import Placement
 from .data import Data
 from .fit import race
 from .hypothesis import Fit
-from .judging import TIE
+from .judging import TIE, floor_of_judging
 from .refining import with_candidate
 from .screen import Candidate
 from .sensitivity import Scene
 
-_MORE = 2.0  # times the error, which a fit of one parameter more may have gained by chance
+_MORE = 2.0  # times the error or the noise, which one parameter more may have gained by chance
 
 
 def named_beside(
@@ -45,12 +45,13 @@ def named_beside(
 
 
 def special_case(
-    scene: Scene, chosen: Candidate, found: Fit, helpful: Sequence[tuple[Candidate, Fit]]
+    scene: Scene, chosen: Candidate, found: Fit, helpful: Sequence[tuple[Candidate, Fit]], data: Data
 ) -> tuple[Candidate, Fit]:
     """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
     if _can_say(chosen) and not _differs(scene, found):
-        special = [(c, f) for c, f in helpful if contains(chosen.key, c.key)]
-        return next(((c, f) for c, f in special if f.judged < _MORE * found.judged), (chosen, found))
+        enough = _MORE * max(found.judged, floor_of_judging(data))
+        special = [(c, f) for c, f in helpful if contains(chosen.key, c.key) and f.judged < enough]
+        return special[0] if special else (chosen, found)
     return chosen, found
 
 

@@ -105,7 +105,7 @@ def next_stage(
     if not helpful:
         return None
     candidate, found, rivals = choose(helpful, stated, current.judged, data, scene.model)
-    candidate, found = special_case(scene, candidate, found, helpful)
+    candidate, found = special_case(scene, candidate, found, helpful, data)
     wider = named_beside(scene, candidates, candidate, found, current, data)
     rivals = (*rivals, *(c.key for c, _ in wider))
     kept, dropped = prune(found, candidate.key, data, current)
