@@ -1,5 +1,6 @@
 """What is wrong with a configuration is said in one line; a bus that is too full is refused."""
 
+import json
 from pathlib import Path
 
 import cantools.database
@@ -35,7 +36,8 @@ def test_a_full_bus_is_refused(tmp_path: Path, count: int, code: int) -> None:
 def test_a_dbc_is_written(tmp_path: Path) -> None:
     path = written(tmp_path, table([motor("hip", 1), motor("knee", 2)]))
     out = tmp_path / "robot.dbc"
-    assert CliRunner().invoke(app, ["can", "dbc", str(path), "-o", str(out)]).exit_code == 0
+    told = CliRunner().invoke(app, ["can", "dbc", str(path), "-o", str(out), "--json", "-"])
+    assert told.exit_code == 0 and json.loads(told.stdout)["file"] == str(out)
     names = {m.name for m in cantools.database.load_file(out).messages}
     assert names == {"command_hip", "command_knee", "feedback_11", "feedback_12"}
 

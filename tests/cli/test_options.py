@@ -17,7 +17,7 @@ from workbench.cli.app import app, load_commands
 from workbench.core import InputError
 
 # they run until they are interrupted, or write a file that is itself for programs
-_OTHERS = {"ui", "can bus", "can motors", "can virtual", "can log", "can dbc"}
+_OTHERS = {"ui", "can bus", "can motors", "can virtual", "can log"}
 
 
 def commands(command: Any, name: str = "") -> Iterator[tuple[str, Any]]:

@@ -13,7 +13,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo
+from .common import (
+    ForceOption,
+    JsonOption,
+    QuietOption,
+    SeedOption,
+    check_outputs,
+    echo,
+    write_result,
+)
 from .hidden import HideOption, SetOption, hidden_effects
 from .listing import Listing
 
@@ -74,7 +82,9 @@ def _table(loads: Sequence[BusLoad]) -> Table:
 def dbc(
     config: ConfigArgument,
     output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="The DBC file.")],
+    json: JsonOption = None,
     force: ForceOption = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Write a DBC of the drives, so that other tools can read the logs.
 
@@ -85,10 +95,16 @@ def dbc(
     from workbench.can.imu import IMUS
     from workbench.core.files import write_whole
 
+    check_outputs(output, json, force=force)
     loaded = load_config(config)
     imu = IMUS[loaded.imu.protocol](loaded.imu.id) if loaded.imu else None
     drives = {motor.axis: make_drive(motor) for motor in loaded.motor}
     write_whole(output, text(drives, imu), force=force)
+    if json:
+        made = {"format": 1, "file": output, "drives": list(drives), "imu": imu is not None}
+        write_result(made, json, files=[Path(config)], force=force)
+    if not quiet and json != "-":
+        echo(f"Wrote {output}: the frames of {len(drives)} drive(s).")
 
 
 @can.command()
