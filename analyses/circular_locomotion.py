@@ -191,9 +191,9 @@ def of_seeds(values: np.ndarray, digits: int) -> str:
 
 def within(values: np.ndarray) -> str:
     """Sample standard deviation of trials (S, T) about their own training seed's mean."""
-    if values.shape[1] < 2:
-        return "–"
-    return f"{np.sqrt(np.nanmean(np.nanvar(values, axis=1, ddof=1))):.2f}"
+    upright = [x[np.isfinite(x)] for x in values]
+    variances = [x.var(ddof=1) for x in upright if len(x) > 1]
+    return f"{np.sqrt(np.mean(variances)):.2f}" if variances else "–"
 
 
 def polar(which: str, results: dict[str, Gap]) -> Figure:

@@ -189,8 +189,10 @@ def figure(results: dict[str, dict[str, Result]]) -> Figure:
             a.set_xticks([0, 90, 180, 270, 360])
         for a in axes[-1, :2]:
             a.set_xlabel("phase of the command [°]")
-        handles, labels = axes[0, 0].get_legend_handles_labels()
-        made.legend(handles, labels, loc="outside upper left", ncols=6)
+        entries = {
+            label: h for a in axes[:, 0] for h, label in zip(*a.get_legend_handles_labels(), strict=True)
+        }
+        made.legend(entries.values(), entries.keys(), loc="outside upper left", ncols=4)
     return made
 
 
