@@ -16,7 +16,8 @@ def test_every_shipped_policy_is_whole(file: Path) -> None:
     bundle = read_bundle(file)
     policy = Policy(bundle)
     assert np.isfinite(policy(np.zeros(policy.size))).all()
-    assert file.stem.startswith(f"{bundle.task}_{bundle.variant}")
+    found = b"[[effects]]" in bundle.files["model/model.toml"]
+    assert file.stem.startswith(f"{bundle.task}_{'found' if found else bundle.variant}")
     assert bundle.manifest["training"]["onnx_against_torch"] < 1e-6
 
 
