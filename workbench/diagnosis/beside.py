@@ -26,11 +26,7 @@ def named_beside(
     A special case always comes first; beside it they are named where motions do not settle which it is, as of
     a limit that was reached at one speed only. Only effects that can say so are fitted.
     """
-    wider = [
-        c
-        for c in candidates
-        if contains(c.key, chosen.key) and type(effect_named(c.key.effect)).differs is not Effect.differs
-    ]
+    wider = [c for c in candidates if contains(c.key, chosen.key) and _can_say(c)]
     if not wider:
         return []
     fits, _ = race([with_candidate(scene, c, current) for c in wider], current, data)

@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.core import EffectKey
 
+from .choosing import margin_over
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
@@ -16,7 +17,6 @@ from .judging import (
     cancels,
     explains_most,
     floor_of_judging,
-    margin_over,
     overshadowed,
     rejudged,
     witnessed,

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from workbench.core import EffectKey
-from workbench.effects import contains, effect_named
-from workbench.models import Model, Placement
+from workbench.effects import effect_named
+from workbench.models import Placement
 
 from .data import Data
 from .hypothesis import Fit
-from .screen import Candidate
 from .sensitivity import Column, Scene, combine
 
 HELPS = 0.05  # share of the excess that an effect must remove on data it was not fitted on
@@ -37,10 +34,7 @@ _OVERSHADOWED = 1.5  # squared error over the noise's in training, over the same
 _SHOWN = 0.02  # share of its excess by which a recording's squared error changes if it shows an effect at all
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
-_NEAR_FLOOR = 2.0  # the same, below which an explanation is not passed over for a basic one ...
-_FAR_WORSE = 4.0  # ... that leaves this many times as much
-_BLIND = 1.25  # times the judged error, within which judging sees no difference
-_BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
+NEAR_FLOOR = 2.0  # squared error over the noise's, below which hardly more than noise is left
 
 
 def floor_of_judging(data: Data) -> float:
@@ -126,7 +120,7 @@ def mostly_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
 
 def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
     """Whether even a perfect further effect could not lower the whole error by enough."""
-    if current.trained > _PLAIN * _floor(data) and current.judged > _PLAIN * floor_of_judging(data):
+    if current.trained > _PLAIN * floor_of_fitting(data) and current.judged > _PLAIN * floor_of_judging(data):
         return False
     if data.score(data.floor) > (1.0 - _LATER) * data.score(current.mean_squares):
         return True
@@ -161,7 +155,7 @@ def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
 def explains_most(found: Fit, current: Fit, data: Data, left: float = 0.25) -> bool:
     """Whether no more than a share is `left` of a rest that is plain to see, fitted and judged."""
     pairs = (
-        (current.trained, found.trained, _floor(data)),
+        (current.trained, found.trained, floor_of_fitting(data)),
         (current.judged, found.judged, floor_of_judging(data)),
     )
     return all(
@@ -171,10 +165,12 @@ def explains_most(found: Fit, current: Fit, data: Data, left: float = 0.25) -> b
 
 def nearly_at_floor(found: Fit, data: Data) -> bool:
     """Whether hardly more than the noise is left, fitted and judged."""
-    return found.trained < _NEAR_FLOOR * _floor(data) and found.judged < _NEAR_FLOOR * floor_of_judging(data)
+    return found.trained < NEAR_FLOOR * floor_of_fitting(
+        data
+    ) and found.judged < NEAR_FLOOR * floor_of_judging(data)
 
 
-def _floor(data: Data) -> float:
+def floor_of_fitting(data: Data) -> float:
     """Fitted error that a perfect model would have."""
     return data.objective(data.least())
 
@@ -184,7 +180,9 @@ def reached(found: Fit, data: Data, times: float = AT_FLOOR) -> bool:
 
     Held-out motion that hardly shows what is lacking is explained by anything.
     """
-    return found.judged < times * floor_of_judging(data) and found.trained < _NEAR_FLOOR * _floor(data)
+    return found.judged < times * floor_of_judging(data) and found.trained < NEAR_FLOOR * floor_of_fitting(
+        data
+    )
 
 
 def helps(found: Fit, current: Fit, excess: float) -> bool:
@@ -226,79 +224,3 @@ def cancels(scene: Scene, found: Fit) -> bool:
         return float(np.sqrt(sum(np.sum(t**2) for t in column.torque)))
 
     return sum(map(size, totals)) > _CANCELLING * size(combine(totals, [1.0] * len(totals)))
-
-
-def choose(
-    helpful: list[tuple[Candidate, Fit]],
-    stated: Sequence[Candidate],
-    before: float,
-    data: Data,
-    model: Model,
-) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
-    """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
-    floor = floor_of_judging(data)
-    helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
-
-    def cost(c: Candidate) -> tuple[int, int]:
-        effect = effect_named(c.key.effect)
-        return effect.free(model), effect.tier
-
-    known = [(c, f) for c, f in helpful if c in stated]
-    done = [(c, f) for c, f in helpful if reached(f, data)]
-    top, most = min(((c, f.judged) for c, f in helpful), key=lambda cj: cj[1])
-
-    def only_form(c: Candidate) -> bool:
-        """Whether the best explanation is this one refined; from there a fit may not find back to it."""
-        return contains(top.key, c.key) and len(effect_named(top.key.effect).contains) == 1
-
-    basic = [
-        (c, f)
-        for c, f in helpful
-        if effect_named(c.key.effect).basic
-        and cost(c) <= cost(top)
-        and before - f.judged > _BASIC * (before - most)
-        and not (most < _NEAR_FLOOR * floor and f.judged > _FAR_WORSE * most)
-        and not (only_form(c) and f.judged - floor > _FAR_WORSE * max(most - floor, 0.0))
-    ]
-    pool = known or done or basic or helpful
-    best = min(f.judged for _, f in pool)
-    ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + TIE)]
-    ties.sort(key=lambda cf: (cost(cf[0]), cf[1].judged))
-    candidate, found = ties[0]
-    # whatever does as well is a rival, wherever it came from, unless it merely contains the choice
-    rivals = tuple(
-        c.key
-        for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
-        if c is not candidate
-        and f.judged <= found.judged * (1.0 + TIE)
-        and not contains(c.key, candidate.key)
-        and c not in stated
-    )
-    return candidate, found, rivals
-
-
-def _refined(one: tuple[Candidate, Fit], all_: Sequence[tuple[Candidate, Fit]], data: Data) -> bool:
-    """Whether a refinement explains what this one plainly leaves of the training, unseen by judging."""
-    floor, (special, found) = _floor(data), one
-    return found.trained > _NEAR_FLOOR * floor and any(
-        contains(c.key, special.key)
-        and f.judged < _BLIND * found.judged
-        and f.trained < _NEAR_FLOOR * floor
-        and found.trained - floor > _FAR_WORSE * (f.trained - floor)
-        for c, f in all_
-    )
-
-
-def margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]) -> float:
-    """How much worse the best other explanation is, leaving out those that contain this one."""
-    others = [
-        f.judged
-        for c, f in fits
-        if c is not chosen and not contains(c.key, chosen.key) and not contains(chosen.key, c.key)
-    ]
-    return margin_over(found, others)
-
-
-def margin_over(found: Fit, others: Sequence[float]) -> float:
-    """The least of the others' judged errors over a fit's."""
-    return min(others, default=float("inf")) / max(found.judged, 1e-12)

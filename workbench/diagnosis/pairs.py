@@ -11,10 +11,11 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 
+from .choosing import margin_over
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
-from .judging import TIE, cancels, explains_most, floor_of_judging, margin_over, reached, witnessed
+from .judging import TIE, cancels, explains_most, floor_of_judging, reached, witnessed
 from .normal import Normal, total
 from .refining import polished, with_candidates
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of

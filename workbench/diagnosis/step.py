@@ -11,6 +11,7 @@ from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 
 from .beside import named_beside, special_case
+from .choosing import choose, margin
 from .data import Data
 from .fit import fit, race
 from .giving import pins_of, what_gives_way
@@ -19,12 +20,10 @@ from .judging import (
     HELPS,
     LATER_SHARE,
     cancels,
-    choose,
     explains_fitted,
     floor_of_judging,
     helps,
     lowers_error,
-    margin,
     reached,
     witnessed,
 )

@@ -1,0 +1,95 @@
+"""Which of the explanations that are accepted is taken, and how far the others are behind."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from workbench.core import EffectKey
+from workbench.effects import contains, effect_named
+from workbench.models import Model
+
+from .data import Data
+from .hypothesis import Fit
+from .judging import NEAR_FLOOR, TIE, floor_of_fitting, floor_of_judging, reached
+from .screen import Candidate
+
+# An explanation near the floor is not passed over for a basic one that leaves this many times as much.
+_FAR_WORSE = 4.0
+_BLIND = 1.25  # times the judged error, within which judging sees no difference
+_BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
+
+
+def choose(
+    helpful: list[tuple[Candidate, Fit]],
+    stated: Sequence[Candidate],
+    before: float,
+    data: Data,
+    model: Model,
+) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
+    """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
+    floor = floor_of_judging(data)
+    helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
+
+    def cost(c: Candidate) -> tuple[int, int]:
+        effect = effect_named(c.key.effect)
+        return effect.free(model), effect.tier
+
+    known = [(c, f) for c, f in helpful if c in stated]
+    done = [(c, f) for c, f in helpful if reached(f, data)]
+    top, most = min(((c, f.judged) for c, f in helpful), key=lambda cj: cj[1])
+
+    def only_form(c: Candidate) -> bool:
+        """Whether the best explanation is this one refined; from there a fit may not find back to it."""
+        return contains(top.key, c.key) and len(effect_named(top.key.effect).contains) == 1
+
+    basic = [
+        (c, f)
+        for c, f in helpful
+        if effect_named(c.key.effect).basic
+        and cost(c) <= cost(top)
+        and before - f.judged > _BASIC * (before - most)
+        and not (most < NEAR_FLOOR * floor and f.judged > _FAR_WORSE * most)
+        and not (only_form(c) and f.judged - floor > _FAR_WORSE * max(most - floor, 0.0))
+    ]
+    pool = known or done or basic or helpful
+    best = min(f.judged for _, f in pool)
+    ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + TIE)]
+    ties.sort(key=lambda cf: (cost(cf[0]), cf[1].judged))
+    candidate, found = ties[0]
+    # whatever does as well is a rival, wherever it came from, unless it merely contains the choice
+    rivals = tuple(
+        c.key
+        for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
+        if c is not candidate
+        and f.judged <= found.judged * (1.0 + TIE)
+        and not contains(c.key, candidate.key)
+        and c not in stated
+    )
+    return candidate, found, rivals
+
+
+def _refined(one: tuple[Candidate, Fit], all_: Sequence[tuple[Candidate, Fit]], data: Data) -> bool:
+    """Whether a refinement explains what this one plainly leaves of the training, unseen by judging."""
+    floor, (special, found) = floor_of_fitting(data), one
+    return found.trained > NEAR_FLOOR * floor and any(
+        contains(c.key, special.key)
+        and f.judged < _BLIND * found.judged
+        and f.trained < NEAR_FLOOR * floor
+        and found.trained - floor > _FAR_WORSE * (f.trained - floor)
+        for c, f in all_
+    )
+
+
+def margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]) -> float:
+    """How much worse the best other explanation is, leaving out those that contain this one."""
+    others = [
+        f.judged
+        for c, f in fits
+        if c is not chosen and not contains(c.key, chosen.key) and not contains(chosen.key, c.key)
+    ]
+    return margin_over(found, others)
+
+
+def margin_over(found: Fit, others: Sequence[float]) -> float:
+    """The least of the others' judged errors over a fit's."""
+    return min(others, default=float("inf")) / max(found.judged, 1e-12)
