@@ -46,3 +46,11 @@ def test_an_effect_without_unknowns_needs_no_solution() -> None:
     equations = normal(np.zeros((10, 2, 1, 0)), np.ones((10, 2, 1)))
     assert solve(equations, np.zeros(0), np.zeros(0)).shape == (0,)
     assert equations.square == 20.0
+
+
+def test_what_may_not_move_stays_however_large_it_is() -> None:
+    random = np.random.default_rng(2)
+    response = random.standard_normal((30, 2, 1, 2))
+    equations = normal(response, response @ [1.0, 2.0])
+    found = solve(equations, np.array([-np.inf, -4e4]), np.array([np.inf, -4e4]))
+    assert np.isclose(found[1], -4e4)

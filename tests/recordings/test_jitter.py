@@ -69,6 +69,18 @@ def test_a_late_stamp_is_no_gap_and_a_missing_row_is_one(tmp_path: Path) -> None
         load_recording(log(tmp_path / "gap", clock, stamped))
 
 
+def test_a_logger_that_paused_for_part_of_a_row_lost_none(tmp_path: Path) -> None:
+    late = 1.0 + 0.2 * (
+        np.random.default_rng(3).random(ROWS) < 0.4
+    )  # polls of a controller in fifths of a row
+    late[1500] = 1.6
+    stamped = PERIOD * np.concatenate([[0.0], np.cumsum(late)[:-1]])
+    assert load_recording(log(tmp_path, stamped, stamped)).valid is not None
+    stamped[1501:] += PERIOD
+    with pytest.raises(InputError, match=r"time jumps by 2\.6 periods"):
+        load_recording(log(tmp_path / "gap", stamped, stamped))
+
+
 @settings(max_examples=25, deadline=None)
 @example(phase=0.001, size=0.0, loop=0.002)
 @given(phase=st.floats(0.0, 2.9e-3), size=st.floats(0.0, 0.3), loop=st.sampled_from([0.002, 0.003, 0.005]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol, TypeVar
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
@@ -78,6 +79,35 @@ def _refined(one: tuple[Candidate, Fit], all_: Sequence[tuple[Candidate, Fit]], 
         and found.trained - floor > _FAR_WORSE * (f.trained - floor)
         for c, f in all_
     )
+
+
+class Fitted(Protocol):
+    """Something with its fit."""
+
+    @property
+    def fit(self) -> Fit:
+        """Its fit."""
+        ...
+
+
+_F = TypeVar("_F", bound=Fitted)
+
+
+def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[_F]:
+    """By what they leave, but those that do as well as any by their number of parameters.
+
+    `worth`: share of the excess that more parameters have to remove to be better at all.
+    """
+    floor = floor_of_judging(data)
+    least = min((f.fit.judged for f in found), default=0.0)
+    enough = max((1.0 + TIE) * least, floor + (least - floor) / (1.0 - worth))
+
+    def rank(one: _F) -> tuple[bool, int, float]:
+        behind = one.fit.judged > enough and not reached(one.fit, data)
+        size = sum(len(a.parameters) for a in one.fit.hypothesis.free)
+        return behind, 0 if behind else size, one.fit.judged
+
+    return sorted(found, key=rank)
 
 
 def margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]) -> float:

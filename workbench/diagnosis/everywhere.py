@@ -9,14 +9,17 @@ import numpy as np
 
 from workbench.core import EffectKey
 
-from .choosing import margin_over
+from .choosing import margin_over, simplest_first
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
 from .judging import (
+    LATER_SHARE,
     cancels,
     explains_most,
     floor_of_judging,
+    helps_an_axis,
+    nearly_at_floor,
     overshadowed,
     rejudged,
     witnessed,
@@ -91,7 +94,7 @@ def on_every_axis(
     raced = zip(sets, race(tried, start, data)[0], strict=True)
     fits = [_Fitted(names, f) for (names, _), f in raced if f is not None]
     floor = floor_of_judging(data)
-    for found in sorted(fits, key=lambda f: f.fit.judged):
+    for found in simplest_first(fits, data, LATER_SHARE):
         best = replace(found, fit=polished(_needed(settle(found.fit, data, floor), data), data))
         if len(best.fit.hypothesis.free) < 2 or not explains_most(best.fit, start, data):
             continue
@@ -100,13 +103,20 @@ def on_every_axis(
     return ()
 
 
-def _needed(found: Fit, data: Data) -> Fit:
-    """The fit with only those effects without any of which much would be left."""
+def _needed(whole: Fit, data: Data) -> Fit:
+    """The fit with only those effects without any of which more would be left than the whole fit leaves."""
+    found = whole
     while len(found.hypothesis.free) > 1:
         free = found.hypothesis.free
         others = [tuple(b for b in free if b is not a) for a in free]
         without = fit([replace(found.hypothesis, free=rest) for rest in others], data, iterations=3)
-        idle = [f for f in without if f is not None and not explains_most(found, f, data)]
+        idle = [
+            f
+            for f in without
+            if f is not None
+            and not explains_most(whole, f, data)
+            and (nearly_at_floor(f, data) or not helps_an_axis(whole, f, data))
+        ]
         if not idle:
             break
         found = min(idle, key=lambda f: f.judged)

@@ -66,7 +66,10 @@ def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
 
 
 def room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-    """How far each unknown may move: to its physical bound, nonlinear ones by as much as a step may."""
+    """How far each unknown may move: to its physical bound, nonlinear ones by as much as a step may.
+
+    What begins beyond a bound has to come back by as much.
+    """
     low, high = [np.zeros(0)], [np.zeros(0)]
     for applied, _ in blocks(hypothesis):
         effect = effect_named(applied.key.effect)
@@ -79,7 +82,7 @@ def room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
         floor = np.array([limits[name][0] for name in effect.nonlinear])
         ceiling = np.array([limits[name][1] for name in effect.nonlinear])
         low += [lower - coefficients, np.maximum(-reach, floor - now)]
-        high += [upper - coefficients, np.minimum(reach, ceiling - now)]
+        high += [upper - coefficients, np.maximum(np.minimum(reach, ceiling - now), low[-1])]
     return np.concatenate(low), np.concatenate(high)
 
 

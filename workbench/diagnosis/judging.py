@@ -148,6 +148,19 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     return True
 
 
+def helps_an_axis(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether a fit lowers the whole error of one axis, fitted and judged."""
+    better = np.ones(len(data.recordings[0].axes), bool)
+    for held_out in {False, data.held_out_judges}:
+        before, after, floor = (
+            np.sum(data.pool(ms, held_out) * data.weight**2, axis=0)
+            for ms in (current.mean_squares, found.mean_squares, data.floor)
+        )
+        better &= np.sqrt(after) < (1.0 - _LATER) * np.sqrt(before)
+        better &= before - after > LATER_SHARE * (before - floor)
+    return bool(better.any())
+
+
 def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
     return explains_most(found, current, data, _LITTLE)
 

@@ -11,11 +11,11 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 
-from .choosing import margin_over
+from .choosing import margin_over, simplest_first
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
-from .judging import TIE, cancels, explains_most, floor_of_judging, reached, witnessed
+from .judging import TIE, cancels, explains_most, floor_of_judging, witnessed
 from .normal import Normal, total
 from .refining import polished, with_candidates
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of
@@ -63,7 +63,7 @@ def two_at_once(
     progress(f"fitting {', '.join(f'{a.key} with {b.key}' for a, b in pairs)}")
     tried = [with_candidates(scene, pair, start) for pair in pairs]
     fits = [_Fitted(p, f) for p, f in zip(pairs, race(tried, start, data)[0], strict=True) if f is not None]
-    for found in _simplest_first(fits, data):
+    for found in simplest_first(fits, data):
         best = replace(found, fit=polished(found.fit, data))
         sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
         if not sound or not explains_most(best.fit, start, data):
@@ -73,18 +73,6 @@ def two_at_once(
         if all(s is not None and explains_most(best.fit, s, data) for s in singles):
             return _stages(best, [s for s in singles if s is not None], fits, data, start)
     return None
-
-
-def _simplest_first(fits: Sequence[_Fitted], data: Data) -> list[_Fitted]:
-    """By what they leave, but those that do as well as any by their number of parameters."""
-    least = min((f.fit.judged for f in fits), default=0.0)
-
-    def rank(found: _Fitted) -> tuple[bool, int, float]:
-        behind = found.fit.judged > (1.0 + TIE) * least and not reached(found.fit, data)
-        size = sum(len(a.parameters) for a in found.fit.hypothesis.free)
-        return behind, 0 if behind else size, found.fit.judged
-
-    return sorted(fits, key=rank)
 
 
 def _stages(

@@ -43,7 +43,7 @@ def search(
         held_out: recordings for judging; without them, or where they show nothing of what is lacking,
             folds of the training data judge.
         seed: of the noise simulations.
-        limit: most effects to add.
+        limit: most effects to add one by one.
         progress: told what is being done.
     """
     progress("simulating the model and its noise")

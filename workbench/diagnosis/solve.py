@@ -9,6 +9,7 @@ from scipy.optimize import lsq_linear
 from .normal import Normal
 
 _RIDGE = 1e-7  # of each unknown's own information
+_APART = 1e-12
 
 
 def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: float = 0.0) -> np.ndarray:
@@ -35,6 +36,8 @@ def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: floa
         low = np.where(scale > 0, lower / np.where(scale > 0, scale, 1.0), -np.inf)
         high = np.where(scale > 0, upper / np.where(scale > 0, scale, 1.0), np.inf)
     if np.any(free < low) or np.any(free > high):
-        high = np.where(high > low, high, low + 1e-12)
+        held = ~(high > low)
+        high = np.where(held, low, high)
+        high[held] += _APART * np.maximum(1.0, np.abs(low[held]))  # solvers want an interval
         free = lsq_linear(root.T, target, bounds=(low, high), method="bvls").x
     return free * scale

@@ -45,7 +45,7 @@ class Quest:
         data: the recordings with its noise.
         scene: its linearised loops.
         screened: every effect in every place, as a first one.
-        limit: most effects in a row.
+        limit: most effects to add one by one.
         seed: of the noise simulations.
         progress: told what is being done.
     """
@@ -76,7 +76,8 @@ def onwards(way: Way, quest: Quest, *, through: bool = False) -> Way:
     """
     current, data, stages, done = way.current, way.data, list(way.stages), way.done
     start, progress = quest.start, quest.progress
-    while not done and len(stages) < quest.limit and not (stages and as_good_as_done(current, start, data)):
+    most = len(stages) + quest.limit
+    while not done and len(stages) < most and not (stages and as_good_as_done(current, start, data)):
         progress(f"screening effects, step {len(stages) + 1}")
         scene, candidates = _screened(current, data, quest) if stages else (quest.scene, quest.screened)
         stage = next_stage(scene, candidates, current, data, progress, later=bool(stages))
@@ -112,14 +113,19 @@ def otherwise(way: Way, quest: Quest) -> Way:
     neither of them; and boldly on from where the first way ended.
     """
     start, data = quest.start, quest.data
-    for begin in (_by_training, partial(on_every_axis, quest.screened), two_at_once):
+    beginnings = (
+        (_by_training, _sure),
+        (partial(on_every_axis, quest.screened), holds),  # one of a dozen, not of thousands
+        (two_at_once, _sure),
+    )
+    for begin, enough in beginnings:
         stages = begin(quest.scene, data, start, quest.progress)
         if not stages:
             continue
         other = with_stages(Way(start, data), stages, quest.seed)
         if not nearly_at_floor(other.current, other.data):
             other = onwards(other, quest)
-        if _sure(other, quest):
+        if enough(other, quest):
             return other
     bold = _boldly(way, quest)
     if bold is not None:

@@ -21,6 +21,7 @@ from .motion import Motion
 _RATE = 120.0  # rad/s: how fast the state follows the torque that passed
 _MEAN = 4  # rows
 _SETTLING = 25  # means
+_BLOWN_UP = 1e300  # left by what cannot be followed at all; infinities have no differences
 _SIMPLEX = np.array([[0.0, 0.0], [0.4, 0.0], [0.0, 0.2]])  # of logarithms
 
 
@@ -141,8 +142,8 @@ def _left(pieces: Sequence[_Passage], inertia: float, values: np.ndarray) -> np.
         for p in pieces:
             error = np.empty_like(p.load)
             _observe(p.load, p.passed, p.step, inertia, gap, stiffness, _RATE, error)
-            with np.errstate(over="ignore", invalid="ignore"):  # what blows up leaves infinitely much
-                total[k] += float(np.nan_to_num(np.sum(_means(error) ** 2), nan=np.inf))
+            with np.errstate(over="ignore", invalid="ignore"):
+                total[k] += float(np.nan_to_num(np.sum(_means(error) ** 2), nan=_BLOWN_UP, posinf=_BLOWN_UP))
     return total
 
 

@@ -11,6 +11,7 @@ from workbench.core import InputError
 
 _MISSING = 1.5  # an increment longer than this many periods hides a row,
 _USUAL = 1.3  # and longer than this many of those that are long but usual where a clock is not even
+_ROW_LATE = 0.75  # later rows that are late by this many periods lack a row
 _SURELY = 2.5  # a stamp later than this hides rows, whatever those after it say [periods]
 _MOST_HIDDEN = 20  # a log of which one row in so many is there says nothing; and a clock has to fit in memory
 _STRAIGHT = 1e-3  # rows this close to a uniform clock, in periods, are on it
@@ -71,7 +72,7 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
     period = float(np.median(step))
     widest = max(_MISSING * period, _USUAL * float(np.quantile(step, 0.95)))
     wide = np.flatnonzero(step > widest)
-    if valid is None and len(gaps := _gaps(t, period, wide)):
+    if valid is None and len(gaps := _gaps(t, float(step[step <= widest].mean()), wide)):
         bad = int(gaps[0])
         raise InputError(
             f"time jumps by {step[bad] / period:.4g} periods, from {t[bad]:.6g} s to {t[bad + 1]:.6g} s",
@@ -113,7 +114,10 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
 
 
 def _gaps(t: np.ndarray, period: float, wide: np.ndarray) -> np.ndarray:
-    """Of increments that are wide, those that hide rows: all later rows are late, not one stamp."""
+    """Of increments that are wide, those that hide rows: all later rows are a row late, not one stamp.
+
+    Where all later rows are late by a part of a row, the logger paused and lost nothing.
+    """
     place = t - period * np.arange(len(t))
     around = 20
     missing = [
@@ -121,7 +125,7 @@ def _gaps(t: np.ndarray, period: float, wide: np.ndarray) -> np.ndarray:
         for k in wide
         if t[k + 1] - t[k] > _SURELY * period
         or np.median(place[k + 1 : k + 1 + around]) - np.median(place[max(0, k + 1 - around) : k + 1])
-        > 0.5 * period
+        > _ROW_LATE * period
     ]
     return np.array(missing, int)
 
