@@ -37,4 +37,4 @@ figure = report.ladder_figure(result)
 # %%
 assert result.error_after < 0.3 * result.error_before
 dynamics = wb.compare(better, recordings).inverse_dynamics
-assert dynamics is not None and dynamics.relative_error < 0.035
+assert dynamics is not None and dynamics.relative_error < 0.031

@@ -70,4 +70,7 @@ def test_names_in_the_pages_exist() -> None:
         text = page.read_text(encoding="utf-8")
         for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
-    assert (models_folder() / "leg_kin_only.toml").is_file()
+    listed = re.search(r"of a shipped one \((.*?)\)", Path(ROOT / "docs/commands.md").read_text(), re.DOTALL)
+    assert listed
+    shipped = {file.stem for file in models_folder().glob("*.toml")}
+    assert set(re.findall(r"`(\w+)`", listed[1])) == shipped

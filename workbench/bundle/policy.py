@@ -27,7 +27,8 @@ class Policy:
             import onnxruntime
         except ImportError as error:
             raise InputError(
-                "policies need ONNX Runtime", remedy="install the extra: pip install 'workbench[training]'"
+                "policies need ONNX Runtime",
+                remedy="install the extra: pip install -e '.[training]' in the checkout",
             ) from error
         check_network(bundle.policy, bundle.source)
         options = onnxruntime.SessionOptions()

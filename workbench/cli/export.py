@@ -34,7 +34,8 @@ def export(
         from workbench.training.learn import CHECKPOINT, CONFIG
     except ImportError as error:
         raise InputError(
-            f"export needs {error.name}", remedy="install the extra: pip install 'workbench[training]'"
+            f"export needs {error.name}",
+            remedy="install the extra: pip install -e '.[training]' in the checkout",
         ) from error
     check_outputs(output, json, force=force)
     path = write(run, output, force=force)

@@ -141,7 +141,8 @@ def train(
         from workbench.training.learn import learn
     except ImportError as error:
         raise InputError(
-            f"training needs {error.name}", remedy="install the extra: pip install 'workbench[training]'"
+            f"training needs {error.name}",
+            remedy="install the extra: pip install -e '.[training]' in the checkout",
         ) from error
     folder = Path(output)
     last: list[Progress] = []

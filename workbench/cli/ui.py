@@ -42,7 +42,9 @@ def ui(
     Example: workbench ui leg recordings/*.toml --holdout recordings/validation.toml
     """
     if importlib.util.find_spec("panel") is None:
-        raise InputError("the live workbench needs Panel", remedy="install it: pip install 'workbench[ui]'")
+        raise InputError(
+            "the live workbench needs Panel", remedy="install it: pip install -e '.[ui]' in the checkout"
+        )
     from workbench.ui import Bench, Shelf
 
     names = list(recordings or [])

@@ -129,7 +129,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class EffectKey:
-    """Names an effect and the axis it acts on (None: all axes)."""
+    """Names an effect, the axis it acts on (None: all axes), and whether at its drive or its joint."""
 
     effect: str
     axis: str | None

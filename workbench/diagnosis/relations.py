@@ -158,8 +158,8 @@ def relations(missing: Missing, axis: str, *, seed: int = 0) -> tuple[Relation, 
         seed: of the shuffles.
 
     Returns:
-        At most two, the larger first; the second explains part of what the first leaves. None where nothing
-        stands out of shuffled blocks.
+        At most two, the larger first; the second explains part of what the first leaves. Empty where
+        nothing stands out of shuffled blocks.
     """
     block = round(_BLOCK_S / missing.step)
     k = missing.axes.index(axis)

@@ -100,7 +100,7 @@ def share_phrase(share: Share) -> str:
 
 
 def range_phrase(share: Share) -> str:
-    """Where, as an adverbial: ``"at speeds from −1 to 1 rad/s"``."""
+    """Where, as an adverbial: ``"at speeds of −1 to 1 rad/s"``."""
     low, high = share.range
     unit = plain(share.unit)
     span = f"{short(low)} to {short(high)} {unit}"

@@ -16,7 +16,6 @@ from .plots import figure, set_range
 
 _BINS = 24
 _FEWEST = 12
-QUANTITIES = ("time", "speed", "position")
 _COLUMNS = ("x", "row", "ratio", "text", "range", "width")
 #: Ratio of what is left to the noise at which the colour is full.
 FULL = 100.0

@@ -19,7 +19,7 @@ from ..table import Series, Table
 
 _WIDE = 64  # numbers of one array in a message; more is a picture, not a joint
 _QUANTITIES = (("position", "position"), ("velocity", "velocity"), ("effort", "effort"))
-_NEEDS = "install it with: pip install 'workbench[logs]'"
+_NEEDS = "install it with: pip install -e '.[logs]' in the checkout"
 
 #: Topic, log time [ns], message.
 Messages = Iterator[tuple[str, int, Any]]
