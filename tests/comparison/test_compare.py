@@ -278,6 +278,11 @@ def test_what_cannot_be_compared_is_refused() -> None:
         compare(LEG, [])
     with pytest.raises(InputError, match=r"'ankle'.*hip, knee"):
         compare(LEG, [replace(log, axes=("hip", "ankle"))])
+    with pytest.raises(InputError, match=r"'knee' of model 'leg' turns.*a length.*\"rad\""):
+        compare(LEG, [replace(log, units=("rad", "m"))])
+    one = {name: values[:, :1] for name, values in log.signals.items()}
+    with pytest.raises(InputError, match=r"'slide' of model 'emps' moves along a line.*an angle.*\"mm\""):
+        compare(load_model("emps"), [replace(log, axes=("slide",), units=("rad",), signals=one)])
     bare = without(with_unknown_loop(log), "torque_measured", "torque_command")
     with pytest.raises(InputError, match="neither the loop nor a torque"):
         compare(UNKNOWN, [bare])

@@ -111,6 +111,11 @@ def _at_joints(serial: Path, joints: tuple[str, ...]) -> tuple[np.ndarray, np.nd
 
 def joint_kinds(model: Model) -> tuple[str, ...]:
     """``hinge`` or ``slide`` per serial joint."""
-    spec = load_mjcf(model.serial)
+    return _kinds(model.serial, tuple(model.joints))
+
+
+@lru_cache(maxsize=64)
+def _kinds(serial: Path, joints: tuple[str, ...]) -> tuple[str, ...]:
+    spec = load_mjcf(serial)
     slide = mujoco.mjtJoint.mjJNT_SLIDE
-    return tuple("slide" if spec.joint(name).type == slide else "hinge" for name in model.joints)
+    return tuple("slide" if spec.joint(name).type == slide else "hinge" for name in joints)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from workbench.core import Controller, InputError, Recording
-from workbench.models import Model
+from workbench.models import Model, joint_kinds
 from workbench.recordings.resample import looks_held
 
 #: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
@@ -156,12 +156,13 @@ def scored_torque(recording: Recording) -> str | None:
 
 
 def check_axes(recording: Recording, model: Model) -> None:
-    """Check that a recording's axes are the model's, in the model's order.
+    """Check that a recording's axes are the model's, in the model's order, and turn or slide as they do.
 
     Raises:
-        InputError: an axis is unknown, missing, or out of order.
+        InputError: an axis is unknown, missing, out of order, or in the other kind's unit.
     """
     if tuple(recording.axes) == tuple(model.axes):
+        _check_units(recording, model)
         return
     unknown = [axis for axis in recording.axes if axis not in model.axes]
     problem = (
@@ -173,6 +174,25 @@ def check_axes(recording: Recording, model: Model) -> None:
         problem, file=recording.source, column="axes",
         remedy=f"the model has {', '.join(model.axes)}, in this order",
     )  # fmt: skip
+
+
+def _check_units(recording: Recording, model: Model) -> None:
+    kinds = joint_kinds(model)
+    for i, axis in enumerate(recording.axes):
+        ways = np.abs(np.eye(model.size)[i] if recording.coordinates == "joint" else model.transmission[i])
+        moved = {kind for kind, way in zip(kinds, ways, strict=True) if way > 0}
+        if len(moved) > 1 or not np.isclose(ways.max(), 1.0):
+            continue  # a screw's drive turns and its nut slides: the drive's unit is its own
+        slides = moved == {"slide"}
+        if slides != (recording.units[i] == "m"):
+            moves = "moves along a line" if slides else "turns"
+            taken = "a length" if recording.units[i] == "m" else "an angle"
+            example = '"m" or "mm"' if slides else '"rad" or "deg"'
+            raise InputError(
+                f"axis '{axis}' of model '{model.name}' {moves}, but its position is recorded as {taken}",
+                file=recording.source, column="units.position",
+                remedy=f"give a unit an axis, {example} for this one",
+            )  # fmt: skip
 
 
 def _start(
