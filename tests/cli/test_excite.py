@@ -89,6 +89,26 @@ def test_mistakes_are_one_clear_line(words, part, tmp_path: Path, monkeypatch) -
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (("--drive", "position", "--amplitude", "0.01"), "no loop that follows a position reference"),
+        (("--posture", "z=0.1"), "no loop that holds a posture"),
+        ((), "0 m at rest, not inside position of z"),
+    ],
+)
+def test_a_machine_without_a_loop_is_told_to_state_one(words, part, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("bare.xml").write_text(
+        '<mujoco><worldbody><body><joint name="z" type="slide" limited="true" range="0 0.25"/>'
+        '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></worldbody></mujoco>'
+    )
+    done = run("bare.xml", "-o", "x.toml", *words)
+    assert isinstance(done.exception, InputError) and part in str(done.exception)
+    assert "[controller]" in str(done.exception)
+    assert [p.name for p in tmp_path.iterdir()] == ["bare.xml"]
+
+
 def test_periods_fit_the_ticks() -> None:
     leg, slide = load_model("leg"), load_model("emps")
     assert whole_period(leg, 5.0, 1000.0) == pytest.approx(5.001)

@@ -43,7 +43,8 @@ class InputError(WorkbenchError):
         self.problem, self.file, self.column, self.row = problem, file, column, row
         self.remedy = remedy
         where = [str(file)] if file is not None else []
-        where += [f"column '{column}'"] if column is not None else []
+        named = "option" if column and column.startswith("--") else "column"
+        where += [f"{named} '{column}'"] if column is not None else []
         where += [f"row {row}"] if row is not None else []
         text = f"{', '.join(where)}: {problem}" if where else problem
         text = f"{text}; {remedy}" if remedy else text

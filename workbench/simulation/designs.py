@@ -25,8 +25,7 @@ def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
     """
     if model.controller.kind not in ("pd", "cascade_pv"):
         if asked:
-            problem = f"model '{model.name}' has no loop that holds a posture"
-            raise InputError(problem, column="--posture", remedy="leave the posture out")
+            raise _without_loop(model, "holds a posture", "--posture")
         return ()
     joint = model.controller.coordinates == "joint"
     names = model.joints if joint else model.axes
@@ -37,6 +36,15 @@ def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
     middle = np.array([0.5 * (low + high) if low > -np.inf else 0.0 for low, high in joint_limits(model)])
     middle = middle if joint else model.transmission @ middle
     return tuple(float(asked.get(n, m)) for n, m in zip(names, middle, strict=True))
+
+
+def _without_loop(model: Model, what: str, asked_by: str) -> InputError:
+    remedy = "copy the [controller] of a recording into the model's .toml"
+    return InputError(f"{_called(model)} has no loop that {what}", column=asked_by, remedy=remedy)
+
+
+def _called(model: Model) -> str:
+    return f"model '{model.source.name if model.source else model.name}'"
 
 
 def joint_limits(model: Model) -> list[tuple[float, float]]:
@@ -104,13 +112,19 @@ def predictor(model: Model, limits: Sequence[Limit]) -> Callable[[Design], Mappi
 
 
 def as_recording(model: Model, design: Design, experiment: int) -> Recording:
-    """An experiment of a design as a recording to be simulated: at rest in its posture, nothing measured."""
+    """An experiment of a design as a recording to be simulated: at rest in its posture, nothing measured.
+
+    Raises:
+        InputError: the design drives a reference, and the model has no loop that follows it.
+    """
     time, signals = design.play(experiment)
     hold = np.array(design.hold) if design.hold else np.zeros(model.size)
     actuator = model.transmission @ hold if model.controller.coordinates == "joint" else hold
     rest = np.tile(actuator, (len(time), 1))
     held = model.controller.kind in ("pd", "cascade_pv")
     if not held:
+        if "torque_feedforward" not in signals:
+            raise _without_loop(model, "follows a position reference", "--drive")
         signals = {"torque_command": signals["torque_feedforward"]}
     return Recording(
         name=design.trials[experiment].name,
