@@ -188,4 +188,5 @@ def improvement(seconds: float = 12.0, rate: float = 500.0) -> Improvement:
         before=found.before,
         after=found.after,
         diagnosis=found,
+        holdout_noise_error=0.0303,
     )

@@ -82,6 +82,13 @@ def test_it_shows_the_shape_of_what_no_effect_explains():
     assert "shape of what no effect" not in Page(render_page(build.diagnosis(), command=COMMAND)).text
 
 
+def test_held_out_errors_stand_beside_their_own_floor(improvement):
+    text = Page(render_page(improvement, command=COMMAND)).text
+    assert "on the held-out recordings that is 0.0303" in text
+    bare = replace(improvement, holdout_noise_error=None)
+    assert "on the held-out recordings that" not in Page(render_page(bare, command=COMMAND)).text
+
+
 def test_the_truth_comes_last(improvement):
     text = Page(render_page(improvement, command=COMMAND, truth=build.TRUTH)).text
     assert text.index("How to reproduce this") < text.index("The truth", text.index("How to reproduce this"))

@@ -65,6 +65,8 @@ def test_verdicts(comparison, diagnosis, improvement):
         replace(improvement, verdict="unexplained", error_after=3 * improvement.noise_error)
     )
     assert "nothing was added" in sentence(replace(improvement, steps=()))
+    off = replace(improvement, after=replace(improvement.after, consistent=False))
+    assert "to the noise as a whole (the " in sentence(off) and "times its own noise): " in sentence(off)
 
 
 def test_shares_say_where():

@@ -173,6 +173,7 @@ class Diagnosis(Shown):
         model: the model's name.
         verdict: ``missing_effect``, ``consistent`` or ``unexplained``.
         error, noise_error: of the model as given, on the recordings used for fitting.
+        holdout_noise_error: the noise floor of held-out recordings; None where there are none.
         findings: effects to add, best first; empty unless the verdict is ``missing_effect``.
         unexplained_fraction: share of squared error above the noise that stays (0 to 1).
         where: where that rest sits.
@@ -205,6 +206,7 @@ class Diagnosis(Shown):
     settled: Mapping[str, float] = field(default_factory=dict)
     used: float = 1.0
     notes: tuple[str, ...] = ()
+    holdout_noise_error: float | None = None
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Improvement:
-    """The whole way from a model to one that explains the data; `used` and `notes` as of its diagnosis."""
+    """The whole way from a model to one that explains the data; what its diagnosis has too is as there."""
 
     model: str
     steps: tuple[Step, ...]
@@ -238,3 +240,4 @@ class Improvement:
     diagnosis: Diagnosis | None = None
     used: float = 1.0
     notes: tuple[str, ...] = ()
+    holdout_noise_error: float | None = None

@@ -21,6 +21,7 @@ from workbench.core import (
 from workbench.effects import effect_named
 from workbench.models import Model
 
+from .data import Data
 from .evidence import Clues, finding_lines
 from .judging import EXPLAINED
 from .next_experiment import next_experiment
@@ -99,6 +100,7 @@ def improve(
         before=diagnosis.before,
         after=diagnosis.after,
         diagnosis=diagnosis,
+        holdout_noise_error=diagnosis.holdout_noise_error,
     )
     better = end.hypothesis.model
     return improvement, replace(better, name=f"{model.name}_improved") if stages else model
@@ -146,7 +148,13 @@ def _diagnosis(found: Search) -> Diagnosis:
         before=before,
         after=after,
         settled=_settled(found) if named else {},
+        holdout_noise_error=_held_out_floor(found.final_data if named else found.start_data),
     )
+
+
+def _held_out_floor(data: Data) -> float | None:
+    there = data.training < len(data.recordings)
+    return data.score(data.floor, held_out=True) if there else None
 
 
 def _settled(found: Search) -> dict[str, float]:

@@ -172,7 +172,8 @@ def ladder_figure(result: Improvement | Diagnosis | Comparison) -> Figure:
     """The error falling step by step beside the noise floor, on a log axis."""
     steps = rungs(result)
     floor = result.noise_error
-    scale = log_axis([floor, *(r.error for r in steps), *(r.holdout for r in steps)])
+    held_floor = None if isinstance(result, Comparison) else result.holdout_noise_error
+    scale = log_axis([floor, held_floor, *(r.error for r in steps), *(r.holdout for r in steps)])
     with mpl.rc_context(_RC):
         figure, axes = _grid(1, 1, (7.2, 1.4 + 0.42 * len(steps)))
         a = axes[0, 0]
@@ -184,6 +185,9 @@ def ladder_figure(result: Improvement | Diagnosis | Comparison) -> Figure:
         if held:
             x, y = zip(*held, strict=True)
             a.plot(x, y, "--D", color=BEFORE, mfc="white", ms=5, lw=1.0, label="error on held-out data")
+        if held and held_floor is not None:
+            label = f"its noise floor {number(held_floor)}"
+            a.axvline(held_floor, color=BEFORE, lw=1.2, ls=(0, (1, 2.4)), label=label)
         a.set_xscale("log")
         a.set(
             xlim=(scale.low, scale.high),

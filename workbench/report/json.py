@@ -71,6 +71,7 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "settled": dict(result.settled),
             "model": result.model,
             "ranking": [{**key_dict(key), "share": share} for key, share in result.ranking],
+            "holdout_noise_error": result.holdout_noise_error,
             "used": result.used,
             "notes": list(result.notes),
         }
@@ -94,6 +95,7 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
         "holdout_error_after": result.holdout_error_after,
         "noise_error": result.noise_error,
         "verdict": result.verdict,
+        "holdout_noise_error": result.holdout_noise_error,
         "model": result.model,
         "used": result.used,
         "notes": list(result.notes),

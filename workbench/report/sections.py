@@ -146,7 +146,8 @@ def _ladder(result: Result) -> dict[str, Any] | None:
     steps = rungs(result)
     if len(steps) < 2:
         return None
-    scale = log_axis([result.noise_error, *(r.error for r in steps), *(r.holdout for r in steps)])
+    held_floor = None if isinstance(result, Comparison) else result.holdout_noise_error
+    scale = log_axis([result.noise_error, held_floor, *(r.error for r in steps), *(r.holdout for r in steps)])
 
     def at(value: float | None) -> str | None:
         share = scale.place(value)
@@ -174,6 +175,8 @@ def _ladder(result: Result) -> dict[str, Any] | None:
         "noise": number(result.noise_error),
         "noise_at": at(result.noise_error),
         "holdout": any(r.holdout is not None for r in steps),
+        "held_noise": None if held_floor is None else number(held_floor),
+        "held_noise_at": at(held_floor),
     }
 
 

@@ -123,7 +123,7 @@ def improvement_table(result: Improvement) -> Group:
         "Noise floor",
         number(result.noise_error),
         "1",
-        *([""] if held else []),
+        *(["" if result.holdout_noise_error is None else number(result.holdout_noise_error)] if held else []),
         _bar(result.noise_error, steps[0].error),
     )
     return Group(

@@ -198,7 +198,9 @@ def improvement_sentence(result: Improvement) -> str:
     added = any_of([effect_phrase(s.key) for s in result.steps], "and") if len(result.steps) < 4 else ""
     added = added or f"{_count(len(result.steps))} effects"
     if result.verdict == "consistent":
-        return f"With {added}, the model explains the data to the noise: {fall}."
+        after = result.after
+        but = f" as a whole ({_worst_signal(after)})" if after is not None and not after.consistent else ""
+        return f"With {added}, the model explains the data to the noise{but}: {fall}."
     times = times_noise(result.error_after, result.noise_error)
     rest = f", still {times} the noise floor" if times else ""
     return f"With {added}, {fall}{rest}."
