@@ -98,3 +98,20 @@ def test_json_on_standard_output_stands_there_alone_and_a_file_of_it_beside_the_
     if case != "add":
         again = run(*words, "--json", told)
         assert isinstance(again.exception, InputError) and "--force" in str(again.exception)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("add", "leg", "torque_bias@hip", "torque=0.1"),
+        ("improve", "leg", "recording.toml"),
+        ("identify", "leg", "sum.toml", "difference.toml"),
+        ("identify", "actuator", "chirp.toml"),
+    ],
+    ids=lambda words: " ".join(words[:2]),
+)
+def test_a_model_is_written_under_a_name_by_which_it_can_be_read(words, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = run(*words, "-o", "better.xml")
+    assert isinstance(done.exception, InputError) and "call it .toml" in str(done.exception)
+    assert not list(tmp_path.iterdir())

@@ -20,6 +20,7 @@ from .common import (
     JsonOption,
     ModelArgument,
     QuietOption,
+    check_model_output,
     check_outputs,
     echo,
     files_of,
@@ -67,7 +68,8 @@ def add(
         raise InputError("no output file", remedy="say where the new model goes: -o NEW")
     if effect is None and diagnosis is None:
         raise InputError("no effect", remedy="name one, e.g. coulomb_friction@knee, or give --from DIAGNOSIS")
-    check_outputs(output, json, force=force)
+    check_model_output(output, force=force)
+    check_outputs(json, force=force)
     loaded = load_model(model)
     wanted = parse_place(effect) if effect else None
     found = read_findings(diagnosis) if diagnosis else []

@@ -108,6 +108,14 @@ def check_outputs(*paths: str | None, force: bool) -> None:
             check_free(path, force=force)
 
 
+def check_model_output(path: str | None, *, force: bool) -> None:
+    """Refuse a model file that exists, or that would not read back by its name."""
+    if path and Path(path).suffix.lower() != ".toml":
+        remedy = "call it .toml; `workbench normalize` writes a plain MJCF"
+        raise InputError("a model with effects is written as TOML", file=path, remedy=remedy)
+    check_outputs(path, force=force)
+
+
 @contextmanager
 def progress(quiet: bool) -> Iterator[Any]:
     """A line that says what is being done, for how long, and how long yet; silent where no one watches.

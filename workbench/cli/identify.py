@@ -18,6 +18,7 @@ from .common import (
     JsonOption,
     QuietOption,
     RecordingsArgument,
+    check_model_output,
     check_outputs,
     deliver_sheet,
     echo,
@@ -77,7 +78,8 @@ def actuator(
 
     from .identify_output import actuator_dict, actuator_table
 
-    check_outputs(output or None, json, html, figure, force=force)
+    check_model_output(output, force=force)
+    check_outputs(json, html, figure, force=force)
     base = read_model(model) if output else None
     data = read_recordings(recordings)
     found = identify_actuator(data)
@@ -131,7 +133,8 @@ def leg(
 
     from .identify_output import leg_dict, leg_table
 
-    check_outputs(output or None, json, html, figure, force=force)
+    check_model_output(output, force=force)
+    check_outputs(json, html, figure, force=force)
     base = read_model(model)
     alone = read_recordings(actuator) if actuator else []
     if alone:

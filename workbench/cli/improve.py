@@ -18,6 +18,7 @@ from .common import (
     RecordingsArgument,
     SeedOption,
     WholeOption,
+    check_model_output,
     check_outputs,
     deliver,
     echo,
@@ -49,7 +50,8 @@ def improve(
     from workbench.effects import load_model
     from workbench.models import write_model
 
-    check_outputs(output, json, html, force=force)
+    check_model_output(output, force=force)
+    check_outputs(json, html, force=force)
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
