@@ -19,7 +19,7 @@ from workbench.comparison import (
 from workbench.core import Recording
 from workbench.models import Model
 
-_BLOCKS = 5  # contiguous folds of a lone recording
+_BLOCKS = 5  # contiguous folds of a lone recording; a recording of half of all rows has half as many
 # Where a model cannot reach the noise, a signal with little noise would rule alone; this share of its
 # present error counts as noise when signals are weighed against each other.
 _TOLERANCE = 0.03
@@ -77,11 +77,17 @@ class Data:
 
     @property
     def folds(self) -> tuple[Fold, ...]:
-        """Training recordings, or contiguous blocks where there is only one."""
-        if self.training > 1:
-            return tuple(Fold(i, slice(0, len(self.recordings[i]))) for i in range(self.training))
-        edges = np.linspace(0, len(self.recordings[0]), _BLOCKS + 1).astype(int)
-        return tuple(Fold(0, slice(a, b)) for a, b in pairwise(edges))
+        """Training recordings, those that are a large part of all in contiguous blocks.
+
+        What only one long recording shows is judged by a part of it from the others.
+        """
+        rows = [len(r) for r in self.recordings[: self.training]]
+        out: list[Fold] = []
+        for i, length in enumerate(rows):
+            blocks = max(1, round(_BLOCKS * length / sum(rows)))
+            edges = np.linspace(0, length, blocks + 1).astype(int)
+            out += [Fold(i, slice(a, b)) for a, b in pairwise(edges)]
+        return tuple(out)
 
     def part(self, chosen: Sequence[int]) -> Data:
         """Only these training recordings, none held out; weights as here."""

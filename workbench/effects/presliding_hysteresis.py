@@ -53,6 +53,15 @@ class PreslidingHysteresis(Effect):
         position, _, _ = motion.along(place)
         return Response(single(place, -wound(position, shape["ratio"]), motion)[None])
 
+    def witnessed(
+        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
+    ) -> bool:
+        """Where it slides: what only ever winds up is a spring."""
+        assert place is not None
+        positions = [m.along(place)[0] for m in motions]
+        way = max(float(np.ptp(p)) for p in positions)
+        return values["stiffness"] * way > values["torque"]
+
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
         """No negative friction."""
         return np.zeros(1), np.full(1, INF)
