@@ -14,6 +14,7 @@ import pytest
 
 import workbench.fleet.run
 import workbench.fleet.task
+from tests.models.make import leg_in_pieces
 from workbench.core import InputError
 from workbench.effects import load_model
 from workbench.fleet import Robot, files_read, find_robots, fleet_dict, run_fleet, summarise
@@ -84,6 +85,19 @@ def test_a_result_depends_on_every_file_that_its_robot_was_read_from(logs: Path,
         file.write_bytes(kept + b"\n")
         assert fingerprint(robot, 0) != before
         file.write_bytes(kept)
+    assert fingerprint(robot, 0) == before
+
+
+def test_a_result_depends_on_what_the_mjcf_draws_in(logs: Path, tmp_path: Path) -> None:
+    robot = Robot("leg-1", str(leg_in_pieces(tmp_path)), (logs / "leg-1.toml",))
+    before = fingerprint(robot, 0)
+    for name in ("parts/option.xml", "meshes/thin/link.obj", "meshes/wide/link.obj"):
+        file = tmp_path / "tree" / name
+        assert file in files_read([robot])
+        kept = file.read_text()
+        file.write_text(f"{kept}\n")
+        assert fingerprint(robot, 0) != before
+        file.write_text(kept)
     assert fingerprint(robot, 0) == before
 
 
