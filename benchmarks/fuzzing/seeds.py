@@ -291,7 +291,6 @@ def run(folder: Path) -> None:
     """The folder of a training run, its bundle, and a verification record, without having trained."""
     import torch
 
-    from workbench.core.provenance import digest
     from workbench.effects import load_model
     from workbench.training.checkpoint import save
     from workbench.training.export import export
@@ -317,7 +316,7 @@ def run(folder: Path) -> None:
     save(own / CHECKPOINT, {"iteration": 2, "seconds": 1.0, "learner": {"actor_state_dict": state}})
     export(own, folder / "reach.zip")
     record = {
-        "format": 1, "model": "leg", "variant": "exact", "files": {f.name: digest(f) for f in leg.files},
+        "format": 1, "model": "leg", "variant": "exact", "files": leg.digests(),
         "checks": [{"name": "mass matrix", "passed": True}], "passed": True,
         "recordings": [{"name": "run", "error": 0.1, "noise_error": 0.1, "sha256": None}],
         "error": 0.1, "noise_error": 0.1, "consistent": True, "versions": {},

@@ -31,6 +31,8 @@ def test_a_full_bus_is_refused(tmp_path: Path, count: int, code: int) -> None:
     done = CliRunner().invoke(app, ["can", "load", str(path)])
     assert done.exit_code == code, done.output
     assert f"{54 if code == 0 else 108} %" in done.output
+    told = CliRunner().invoke(app, ["can", "load", str(path), "--json", "-"])
+    assert [each["file"] for each in json.loads(told.stdout)["provenance"]["inputs"]] == [path.name]
 
 
 def test_a_dbc_is_written(tmp_path: Path) -> None:

@@ -70,6 +70,38 @@ def test_chirps_and_machines_without_limits(tmp_path: Path) -> None:
     assert slide.exit_code == 0 and "no limits" in slide.output
 
 
+CHIRP = ("--kind", "chirp", "--drive", "position", "--amplitude", 0.05, "--f-max", 10, "--period", 2, *HOLD)
+
+
+def test_a_chirp_takes_what_a_sweep_can_have(tmp_path: Path) -> None:
+    plain, asked = tmp_path / "plain.toml", tmp_path / "asked.toml"
+    assert run("leg", "-o", plain, *CHIRP).exit_code == 0
+    design = load_design(plain)
+    assert (design.periods, design.transient_periods) == (1, 0)
+    assert [t.mode for t in design.trials] == ["single", "single"]
+    more = ("--periods", 4, "--transient", 2, "--mixing", "orthogonal")
+    done = run("leg", "-o", asked, *CHIRP, *more)
+    assert done.exit_code == 0, done.output
+    design = load_design(asked)
+    assert (design.periods, design.transient_periods) == (4, 2)
+    assert [t.mode for t in design.trials] == ["sum", "difference"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--grid", "full"), ("--per-decade", 8), ("--phases", "random"), ("--realisations", 2), ("--seed", 0),
+        ("--grid", "odd", "--seed", 3),
+    ],
+)  # fmt: skip
+def test_a_chirp_refuses_what_only_a_multisine_has(words: tuple, tmp_path: Path) -> None:
+    done = run("leg", "-o", tmp_path / "c.toml", *CHIRP, *words)
+    named = ", ".join(word for word in words if str(word).startswith("--"))
+    assert isinstance(done.exception, InputError) and done.exception.exit_code == 2
+    assert f"a chirp has no {named};" in str(done.exception)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("words", "part"),
     [

@@ -72,6 +72,10 @@ def test_a_bundle_that_fits_runs(tmp_path: Path) -> None:
     said = json.loads((tmp_path / "run.json").read_text())
     assert said["fault"] is None and said["ticks"] > 500 and said["skipped"] == 0
     assert said["round_trip_ms"]["p99"] < 1.0
+    made = said["provenance"]
+    assert made["seeds"] == {"run": 0} and made["versions"]["workbench"]
+    read = [each["file"] for each in made["inputs"]]
+    assert read == ["robot.toml", "reach.zip", "leg.toml", "leg.xml", "leg.sdf"]
 
 
 @pytest.mark.parametrize(

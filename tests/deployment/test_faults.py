@@ -14,7 +14,8 @@ import pytest
 from tests.deployment.robot import TICK, Robot
 from workbench.can import Feedback as Said
 from workbench.can import Frame, Setpoint
-from workbench.deployment import Feedback, VerifyError
+from workbench.core import SimulationError
+from workbench.deployment import Feedback, Target, VerifyError
 from workbench.deployment.network import Arrival
 from workbench.rigs import VirtualMotor
 
@@ -245,6 +246,38 @@ def test_a_policy_that_is_late_damps(robot: Robot) -> None:
     damped = robot.until_damped()
     assert 0.036 < damped - robot.controller.stuck <= 0.036 + TICK
     assert robot.host.state.fault == "the policy is late"
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (ZeroDivisionError("no\nmass"), "ZeroDivisionError: no mass"),
+        (SimulationError("the network gives no number"), "the network gives no number"),
+    ],
+)
+def test_a_controller_that_fails_damps_and_says_with_what(robot: Robot, error: Exception, said: str) -> None:
+    swings = robot.controller.target
+
+    def fails(*args: object) -> Target:
+        raise error
+
+    robot.controller.target = fails
+    begin = robot.network.now()
+    assert robot.until_damped() - begin <= 2 * TICK
+    assert robot.host.state.fault == f"the controller failed: {said}"
+    robot.controller.target = swings
+    robot.run(0.05)
+    assert robot.host.state.fault == f"the controller failed: {said}", "it latches"
+    robot.arm()
+    assert robot.host.state.phase == "run"
+
+
+def test_a_controller_that_fails_while_arming_is_not_waited_for(tmp_path: Path) -> None:
+    robot = Robot(tmp_path)
+    robot.host.verify()
+    robot.controller.target = lambda *args: math.sqrt(-1.0)
+    robot.arm()
+    assert robot.host.state.phase == "damp" and "math domain error" in str(robot.host.state.fault)
 
 
 # The host is gone.

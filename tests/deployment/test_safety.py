@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from workbench.deployment import Limits, SafetyState, Seen, Setpoints, Wanted, initial, step
@@ -105,6 +105,33 @@ def test_torque_changes_no_faster_than_its_rate(ticks) -> None:
         room = LIMITS.torque_rate * later + 1e-9
         assert (np.abs(out.torque - last)[inside] <= room[inside]).all() or state.phase == "damp"
         assert (out.torque[q >= LIMITS.high] <= 0).all() and (out.torque[q <= LIMITS.low] >= 0).all()
+
+
+BEYOND = st.floats(1e-6, 0.04)  # rad outside a limit, short of a fault
+
+
+@given(
+    st.tuples(st.sampled_from(["low", "high"]), BEYOND),
+    st.tuples(st.sampled_from(["low", "high"]), BEYOND),
+    st.tuples(NEAR, NEAR),
+    st.tuples(st.floats(0.1, 600.0), st.floats(0.1, 600.0)),
+    st.tuples(st.floats(-20.0, 20.0), st.floats(-20.0, 20.0)),
+)
+@example(("high", 0.04), ("high", 0.04), (1.0, 2.0), (500.0, 500.0), (0.0, 0.0))
+def test_beyond_a_position_limit_the_torque_limit_still_holds(first, second, aim, kp, torque) -> None:
+    state, now = running()
+    sides = [(side == "high", apart) for side, apart in (first, second)]
+    q = np.array(
+        [LIMITS.high[k] + apart if high else LIMITS.low[k] - apart for k, (high, apart) in enumerate(sides)]
+    )
+    back = np.array([-1.0 if high else 1.0 for high, _ in sides])
+    for _ in range(20):  # the rate lets the whole torque through
+        now += TICK
+        state, out = step(LIMITS, state, seen(now, position=q), wanted(torque, aim, kp))
+        assert state.phase == "run"
+        total = out.torque + out.kp * (out.position - q)
+        assert (np.abs(total) <= LIMITS.torque * (1 + 1e-9)).all()
+        assert (total * back >= -1e-9).all(), "and leads back"
 
 
 @pytest.mark.parametrize("kp", [0.0, 300.0])

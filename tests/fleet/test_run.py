@@ -7,6 +7,7 @@ import shutil
 import signal
 from collections.abc import Iterator
 from dataclasses import replace
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ import pytest
 
 import workbench.fleet.run
 import workbench.fleet.task
+from tests.models.make import leg_in_pieces
 from workbench.core import InputError
 from workbench.effects import load_model
 from workbench.fleet import Robot, files_read, find_robots, fleet_dict, run_fleet, summarise
-from workbench.fleet.store import fingerprint, keep, result_file
+from workbench.fleet.store import fingerprint, keep, result_file, stored
 from workbench.fleet.task import diagnose_robot
 from workbench.recordings import save_recording
 from workbench.report.json import dumps
@@ -85,6 +87,34 @@ def test_a_result_depends_on_every_file_that_its_robot_was_read_from(logs: Path,
         assert fingerprint(robot, 0) != before
         file.write_bytes(kept)
     assert fingerprint(robot, 0) == before
+
+
+def test_a_result_depends_on_what_the_mjcf_draws_in(logs: Path, tmp_path: Path) -> None:
+    robot = Robot("leg-1", str(leg_in_pieces(tmp_path)), (logs / "leg-1.toml",))
+    before = fingerprint(robot, 0)
+    for name in ("parts/option.xml", "meshes/thin/link.obj", "meshes/wide/link.obj"):
+        file = tmp_path / "tree" / name
+        assert file in files_read([robot])
+        kept = file.read_text()
+        file.write_text(f"{kept}\n")
+        assert fingerprint(robot, 0) != before
+        file.write_text(kept)
+    assert fingerprint(robot, 0) == before
+
+
+@pytest.mark.parametrize("library", ["workbench", "mujoco", "scipy"])
+def test_a_result_depends_on_the_versions_it_was_worked_out_with(
+    library: str, robots: list[Robot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before, known = fingerprint(robots[0], 0), metadata.version
+    monkeypatch.setattr(metadata, "version", lambda name: "99.0" if name == library else known(name))
+    assert fingerprint(robots[0], 0) != before
+
+
+def test_a_result_that_cannot_be_read_says_why(tmp_path: Path) -> None:
+    result_file(tmp_path, "a").mkdir()
+    with pytest.raises(InputError, match=r"cannot be read .*directory"):
+        stored(tmp_path, "a")
 
 
 def killed_once() -> Any:

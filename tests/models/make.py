@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.data_helpers import write_toml
+from workbench.core.paths import models_folder
 
 #: Three joints, of two kinds, with everything that a user's file may hold and a recording replaces.
 MACHINE_XML = """
@@ -86,3 +87,19 @@ def machine_file(folder: Path) -> Path:
     path = folder / "machine.xml"
     path.write_text(MACHINE_XML)
     return path
+
+
+def leg_in_pieces(folder: Path) -> Path:
+    """The reference leg with an MJCF that includes a file and has two meshes of one name; gives its path."""
+    own = folder / "tree"
+    for name, edge in (("thin", 0.1), ("wide", 0.2)):
+        (own / "meshes" / name).mkdir(parents=True)
+        corners = "".join(f"v {x} {y} {z}\n" for x, y, z in [(0, 0, 0), (edge, 0, 0), (0, 1, 0), (0, 0, 1)])
+        (own / "meshes" / name / "link.obj").write_text(f"{corners}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    (own / "parts").mkdir()
+    (own / "parts" / "option.xml").write_text('<mujoco><option timestep="0.002"/></mujoco>')
+    meshes = "".join(f'<mesh name="{name}" file="{name}/link.obj"/>' for name in ("thin", "wide"))
+    drawn = f'<compiler meshdir="meshes"/><include file="parts/option.xml"/><asset>{meshes}</asset>'
+    text = (models_folder() / "serial" / "leg.xml").read_text()
+    (own / "leg.xml").write_text(text.replace("<worldbody>", f"{drawn}<worldbody>", 1))
+    return leg_file(folder, serial="tree/leg.xml")

@@ -8,6 +8,7 @@ from rich.console import Console
 
 from workbench.core import EffectKey
 from workbench.report import compare_table, diagnosis_table, improvement_table, print_table, truth_table
+from workbench.report.truth import truth_rows
 
 from . import build
 
@@ -65,6 +66,17 @@ def test_truth_tells_found_from_lookalike_and_missed(improvement):
     text = " ".join(printed(truth_table(replace(improvement, steps=(step,)), hidden), width=160).split())
     assert "not found" in text and "named as a look-alike of torque gain on the hip drive" in text
     assert "0.931 ± 0.008 yes" in text
+
+
+def test_a_pin_and_a_drive_are_two_places(improvement):
+    knee = {"effect": "coulomb_friction", "axis": "knee", "parameters": {"torque": 0.255}}
+    (drive,) = truth_rows(improvement, [{**knee, "location": "actuator"}])
+    assert (drive.outcome, drive.inside) == ("found", "yes")
+    (pin,) = truth_rows(improvement, [{**knee, "location": "joint"}])
+    assert (pin.outcome, pin.found) == ("named as a look-alike of Coulomb friction on the knee drive", "")
+    alone = replace(improvement.steps[0], indistinguishable_from=())
+    (pin,) = truth_rows(replace(improvement, steps=(alone,)), [{**knee, "location": "joint"}])
+    assert pin.outcome == "not found"
 
 
 def test_names_of_strangers_are_printed_as_they_are(comparison):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.core import Excitation, InputError, Recording, SimulationError
+from workbench.core import EffectKey, Excitation, InputError, Recording, SimulationError
 from workbench.rigs import EFFECTS, OUTSIDERS, PERFECT, Experiment, HiddenEffect, VirtualLeg
 from workbench.rigs.experiments import HOLD
 from workbench.rigs.hidden import AT_JOINTS
@@ -268,6 +268,15 @@ def test_a_random_walk_repeats_with_its_seed_and_has_its_size() -> None:
 def test_what_cannot_be_hidden_is_refused(arguments: tuple, said: str) -> None:
     with pytest.raises(InputError, match=said):
         HiddenEffect(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("axis", "location", "called"),
+    [("hip", "joint", "actuator"), ("hip", "actuator", "actuator"), ("knee", "joint", "joint")],
+)
+def test_it_is_called_what_a_finding_would_be(axis: str, location: str, called: str) -> None:
+    hidden = HiddenEffect("coulomb_friction", axis, location, {"torque": 0.3})
+    assert hidden.key == EffectKey("coulomb_friction", axis, called)
 
 
 def test_wrong_parameters_and_too_many_frictions_are_refused() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,13 +10,19 @@ from pathlib import Path
 import pytest
 import torch
 
+from tests.models.make import leg_in_pieces
 from workbench.core import InputError
+from workbench.effects import load_model
+from workbench.models import load_mjcf
 from workbench.training.checkpoint import load
 from workbench.training.curve import read_curve
 from workbench.training.export import export
-from workbench.training.learn import CHECKPOINT, CONFIG
+from workbench.training.learn import CHECKPOINT, CONFIG, MODEL, learn
+from workbench.training.machine import make_machine
+from workbench.training.settings import Settings
+from workbench.training.tasks import TASKS
 
-from .make import run
+from .make import machine, run
 
 
 def weights(folder: Path) -> dict[str, torch.Tensor]:
@@ -54,12 +61,6 @@ def test_a_run_that_is_stopped_loses_one_interval_at_most(tmp_path: Path) -> Non
 
 
 def test_a_policy_learns_to_reach(tmp_path: Path) -> None:
-    from workbench.training.learn import learn
-    from workbench.training.settings import Settings
-    from workbench.training.tasks import TASKS
-
-    from .make import machine
-
     settings = Settings(worlds=64, iterations=25, threads=1)
     learn(TASKS["reach"], machine("leg"), settings, tmp_path / "run", extra={"record": None})
     rewards = [row["reward"] for row in read_curve(tmp_path / "run")]
@@ -74,6 +75,19 @@ def test_the_run_writes_down_what_it_was(tmp_path: Path) -> None:
     assert {"leg.toml", "leg.xml", "leg.sdf"} == set(config["model"]["files"])
     assert all(len(digest) == 64 for digest in config["model"]["files"].values())
     assert sum(entry["size"] for entry in config["observations"]) == 18
+
+
+def test_the_run_s_model_reads_back_with_all_that_its_mjcf_draws_in(tmp_path: Path) -> None:
+    model = load_model(leg_in_pieces(tmp_path / "own"))
+    leg, settings = make_machine("leg", model, "s3n_full"), Settings(worlds=2, iterations=0, threads=1)
+    learn(TASKS["reach"], leg, settings, tmp_path / "run", extra={"record": None})
+    shutil.rmtree(tmp_path / "own")
+    copied = load_model(tmp_path / "run" / MODEL / "model.toml")
+    assert load_mjcf(copied.serial).compile().nmesh == 2
+    config = json.loads((tmp_path / "run" / CONFIG).read_text())
+    drawn = {"meshes/thin/link.obj", "meshes/wide/link.obj", "parts/option.xml"}
+    assert {"model.toml", "leg.xml", *drawn} == set(copied.digests())
+    assert {"made.toml", "leg.xml", *drawn} == set(config["model"]["files"])
 
 
 def test_runs_are_neither_overwritten_nor_mixed(tmp_path: Path) -> None:

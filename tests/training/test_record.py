@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.models.make import leg_in_pieces
 from workbench.effects import load_model
 from workbench.models import write_model
 from workbench.rigs import VirtualLeg, demo_experiments
@@ -32,6 +33,19 @@ def test_a_model_that_explains_the_data_may_train(recordings: list, tmp_path: Pa
     assert objections(record, load_model(str(tmp_path / "mine.toml")), "exact") == [
         "the record is stale: mine.toml changed since"
     ]
+
+
+def test_a_record_is_stale_where_a_file_that_the_mjcf_draws_in_changed(
+    recordings: list, tmp_path: Path
+) -> None:
+    model = load_model(leg_in_pieces(tmp_path))
+    record = make_record(model, recordings, samples=5)
+    assert objections(record, model, "exact") == []
+    for name in ("parts/option.xml", "meshes/thin/link.obj"):
+        file = tmp_path / "tree" / name
+        file.write_text(file.read_text() + "\n")
+    (why,) = objections(record, model, "exact")
+    assert why == "the record is stale: meshes/thin/link.obj, parts/option.xml changed since"
 
 
 def test_a_model_that_does_not_explain_the_data_may_not(recordings: list) -> None:

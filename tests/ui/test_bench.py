@@ -1,12 +1,13 @@
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from tests.data_helpers import write_recording
 from workbench import compare, load_model, load_recordings
-from workbench.core import EffectKey, Estimate, InputError, SimulationError
+from workbench.core import Diagnosis, EffectKey, Estimate, InputError, SimulationError
 from workbench.models import AppliedEffect
 from workbench.ui import Bench, Shelf
 
@@ -116,6 +117,31 @@ def test_the_report_says_how_to_make_it_again(bench: Bench, leg_folder: Path) ->
     page = bench.save_report("report", result).read_text()
     assert "workbench compare leg slow.toml validation.toml" in page
     assert "does not explain the data" in page
+
+
+def test_the_report_names_every_file_that_was_read(bench: Bench) -> None:
+    assert bench.chosen is not None
+    page = bench.save_report("report", bench.compare(bench.model, bench.chosen)).read_text()
+    tables = [f"{name}.{end}" for name in ("slow", "validation") for end in ("toml", "csv.gz")]
+    for name in ("leg.toml", "leg.xml", "leg.sdf", *tables):
+        assert re.search(rf"{re.escape(name)}</th><td><code>[0-9a-f]{{64}}<", page), name
+
+
+def test_the_report_of_a_changed_model_claims_no_command_for_the_file_s(bench: Bench) -> None:
+    assert bench.chosen is not None
+    plain = bench.compare(bench.model, bench.chosen)
+    bench.diagnosed = bench.model
+    bench.add(friction(0.2))
+    assert bench.command(plain) == (
+        "workbench compare CHANGED.toml slow.toml validation.toml"
+        "  # save the model first: this result is of leg with changes"
+    )
+    found = Diagnosis("leg", "consistent", 0.1, 0.1, (), 0.0, (), None, ())
+    assert bench.command(found) == "workbench diagnose leg slow.toml --holdout validation.toml"
+    bench.diagnosed = bench.model
+    assert bench.command(found).startswith("workbench diagnose CHANGED.toml slow.toml --holdout")
+    bench.history.undo()
+    assert bench.command(plain) == "workbench compare leg slow.toml validation.toml"
 
 
 def test_unknown_loops_are_compared_too(leg_folder: Path, tmp_path: Path) -> None:

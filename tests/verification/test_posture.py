@@ -88,6 +88,14 @@ def test_limits_that_the_mechanism_cannot_reach(tmp_path: Path) -> None:
     assert "cannot be closed" in next(c.hint for c in result.checks if not c.passed)
 
 
+def test_states_that_the_mechanism_cannot_be_in_are_counted(tmp_path: Path) -> None:
+    model = read_model(made(tmp_path, ("toml", "[-2.0, -1.2]", "[-2.6, -1.2]")))
+    subject, result = Subject.of(model, 40, 0, 1e-9), verify(model, samples=40)
+    assert 0 < subject.unreached < 20 and len(subject.states) == 40 - subject.unreached
+    left = f"{subject.unreached} of 40 random states within the limits"
+    assert f"{left}: the closed chain cannot be in them" in result.not_checked
+
+
 def test_without_limits_the_terms_are_compared_all_the_same(tmp_path: Path) -> None:
     file = made(tmp_path, ("toml", "limits = [[0.4, 1.4], [-2.0, -1.2]]", ""))
     result = verify(read_model(file), samples=8)

@@ -80,6 +80,15 @@ def test_without_a_closed_chain_two_engines_are_left() -> None:
     assert any("closed chain" in line for line in result.not_checked)
 
 
+def test_a_free_base_that_cannot_be_looked_at_is_said(leg: Verification, tmp_path: Path) -> None:
+    turned = '<pose rotation_format="quat_xyzw">0 0 -0.08 0 0 0 1</pose>'  # which Drake alone reads
+    result = broken(tmp_path, sdf=("<pose>0 0 -0.08 0 0 0</pose>", turned))
+    assert result.passed, failures(result)
+    assert "free_base_mass" in leg.facts and not leg.not_checked and not result.facts
+    (line,) = result.not_checked
+    assert line.startswith("the exact variant on a free base: ") and "leg.sdf" in line
+
+
 def test_a_wrong_sign_in_the_transmission(tmp_path: Path) -> None:
     result = broken(tmp_path, ("matrix = [[1.0, 0.0], [1.0, 1.0]]", "matrix = [[1.0, 0.0], [-1.0, 1.0]]"))
     assert failures(result) == {"transmission"}

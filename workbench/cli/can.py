@@ -53,13 +53,14 @@ def load(
     Example: workbench can load robot.toml
     """
     from workbench.can import MOST, bus_load, load_config
-    from workbench.report import print_table, write_json
+    from workbench.report import print_table
 
     check_outputs(json, force=force)
     loads = bus_load(load_config(config))
     if json:
         buses = [{**vars(each), "fits": each.fits} for each in loads]
-        write_json({"format": 1, "most": MOST, "buses": buses}, json, force=force)
+        made = {"format": 1, "most": MOST, "buses": buses}
+        write_result(made, json, files=[Path(config)], force=force)
     if not quiet and json != "-":
         print_table(_table(loads))
     full = [each.bus for each in loads if not each.fits]

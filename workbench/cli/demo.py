@@ -60,7 +60,7 @@ def demo(
         result, better = improve(model, training, judging, seed=seed, progress=staged(tell))
     write_model(replace(better, name="leg_improved"), folder / "improved.toml", force=force)
     truth = [
-        {"effect": h.effect, "axis": h.axis, "location": h.location, "parameters": dict(h.parameters)}
+        {"effect": h.effect, "axis": h.axis, "location": h.key.location, "parameters": dict(h.parameters)}
         for h in hidden
     ]
     page = str(folder / "report.html")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,7 +12,7 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo
+from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
 
 
 @app.command()
@@ -42,7 +43,7 @@ def deploy(
     from workbench.bundle import read_bundle
     from workbench.can import load_config
     from workbench.deployment.deploy import deploy as run
-    from workbench.report import write_json
+    from workbench.models import read_model
 
     check_outputs(json, force=force)
     robot = load_config(config)
@@ -54,7 +55,9 @@ def deploy(
         raise InputError("a velocity is no number", remedy="give three: --velocity 0.8 0 0.8")
     result = run(robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, cpu=cpu, say=say)
     if json:
-        write_json({"format": 1, **result}, json, force=force)
+        read = [Path(config), *([Path(bundle)] if policy else [])]
+        read += [file for leg in robot.mechanism for file in read_model(leg.model).files]
+        write_result({"format": 1, **result}, json, files=read, seeds={"run": seed}, force=force)
     if not quiet and json != "-":
         trip = result["round_trip_ms"]
         echo(

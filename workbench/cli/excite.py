@@ -27,9 +27,13 @@ from .common import (
 if TYPE_CHECKING:
     from workbench.frf import Scaled
 
+#: Options that draw or shape a multisine, and say nothing of a sweep.
+_OF_MULTISINES = "grid", "per_decade", "phases", "realisations", "seed"
+
 
 @app.command()
 def excite(
+    ctx: typer.Context,
     model: ModelArgument,
     output: Annotated[
         str,
@@ -51,8 +55,8 @@ def excite(
     f_min: Annotated[float, typer.Option(help="Lowest frequency [Hz].")] = 0.2,
     f_max: Annotated[float, typer.Option(help="Highest frequency [Hz].")] = 60.0,
     period: Annotated[float, typer.Option(help="Period, or length of a sweep [s].")] = 5.0,
-    periods: Annotated[int, typer.Option(help="Periods that count.")] = 4,
-    transient: Annotated[int, typer.Option(help="Periods before these.")] = 1,
+    periods: Annotated[int, typer.Option(help="Periods that count; of a chirp 1, if not said.")] = 4,
+    transient: Annotated[int, typer.Option(help="Periods before these; of a chirp 0, if not said.")] = 1,
     rate: Annotated[float, typer.Option(help="Rows per second.")] = 1000.0,
     grid: Annotated[
         Literal["full", "odd", "odd_random"],
@@ -66,7 +70,10 @@ def excite(
     ] = "schroeder",
     realisations: Annotated[int, typer.Option(help="Sets with new random phases each.")] = 1,
     mixing: Annotated[
-        Literal["orthogonal", "single"], typer.Option(help="All axes in every experiment, or one at a time.")
+        Literal["orthogonal", "single"],
+        typer.Option(
+            help="All axes in every experiment, or one at a time; the latter in a chirp, if not said."
+        ),
     ] = "orthogonal",
     posture: Annotated[
         list[str] | None,
@@ -94,6 +101,10 @@ def excite(
 
     if not output:
         raise InputError("no output file", remedy="say where the design goes: -o DESIGN.toml")
+    given = {name for name in ctx.params if _given(ctx, name)}
+    if kind == "chirp" and (idle := [name for name in _OF_MULTISINES if name in given]):
+        said = ", ".join(f"--{name.replace('_', '-')}" for name in idle)
+        raise InputError(f"a chirp has no {said}", remedy="leave that out, or take --kind multisine")
     check_outputs(output, json, force=force)
     loaded = load_model(model)
     asked = {name: value.value for name, value in parse_values(posture or []).items()}
@@ -132,7 +143,9 @@ def excite(
             **common,
             duration_s=length,
             amplitude=size if len(size) > 1 else size[0],
-            mixing="single",
+            mixing=mixing if "mixing" in given else "single",
+            periods=periods if "periods" in given else 1,
+            transient_periods=transient if "transient" in given else 0,
             driven=driven,
         )
     with progress(quiet) as say:
@@ -163,6 +176,12 @@ def excite(
             f"{kept} the amplitude asked for: tightest is the {scaled.binding}, of whose room {share:.3g} % "
             "is used."
         )
+
+
+def _given(ctx: typer.Context, name: str) -> bool:
+    """Whether an option was given, be it with the value that it has anyway."""
+    source = ctx.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
 
 
 def _summary(scaled: Scaled, files: Sequence[Path]) -> dict[str, Any]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.can import CanConfig, Frame, FrameError, Setpoint
 from workbench.core import WorkbenchError
+from workbench.core.text import plain
 
 from .controller import Controller
 from .feedback import Feedback
@@ -223,12 +224,14 @@ class Host:
             now = self._looked
         self._bus_ok &= all(self._network.ok(bus) for bus in set(self._bus))
         self._prepare()
+        wanted, failed = self._wanted(now)
         seen = Seen(
             now, f.position, f.velocity, f.temperature, f.age(now), f.faulty, self._bus_ok,
             self.operator.stop, self.operator.arm and self._enabling == 0, self._verified, f.base.age(now),
+            failed,
         )  # fmt: skip
         self._bus_ok = True
-        self.state, out = step(self._limits, self.state, seen, self._wanted(now))
+        self.state, out = step(self._limits, self.state, seen, wanted)
         try:
             self._next = self._encode(out)
         except FrameError:
@@ -253,18 +256,21 @@ class Host:
             for action in ("clear", "enable"):
                 self._network.send(self._bus[index], drive.act(action))
 
-    def _wanted(self, now: float) -> Wanted | None:
-        """What the controller asks for, as setpoints of the drives."""
+    def _wanted(self, now: float) -> tuple[Wanted | None, str | None]:
+        """What the controller asks for, as setpoints of the drives, and what it failed with."""
         f, joints = self.feedback, self._joints
         position, velocity = joints.position(f.position), joints.position(f.velocity)
         if self.state.phase == "arm":
             self._start = position
         try:
             target = self._controller.target(self.time, self.state.phase, position, velocity, f.base.motion)
-        except (WorkbenchError, ArithmeticError, ValueError):
-            return None
+        except WorkbenchError as error:
+            return None, f"the controller failed: {error}"
+        except (ArithmeticError, ValueError) as error:
+            said = plain(" ".join(str(error).split()))  # several lines, or none, with some
+            return None, f"the controller failed: {type(error).__name__}: {said}"
         if target is None:
-            return None
+            return None, None
         reference = (
             joints.within(target.reference)
             if joints.sane(target.reference)
@@ -280,7 +286,7 @@ class Host:
         else:
             torque = joints.torque(self._kp * (reference - position) - self._kd * velocity)
             setpoints = Setpoints(f.position, zero, zero, zero, torque + target.feedforward)
-        return Wanted(setpoints, now - target.made)
+        return Wanted(setpoints, now - target.made), None
 
     def _encode(self, out: Setpoints) -> list[Frame]:
         """One frame a motor, in the drives' own coordinates."""

@@ -32,6 +32,7 @@ class Seen:
         arm: the operator asks for motion.
         verified: every drive was asked who it is, and said what it had to.
         base_age: of what is known of the base [s]; 0 where there is no base to know of.
+        failed: what the controller failed with; None where it did not.
     """
 
     now: float
@@ -45,6 +46,7 @@ class Seen:
     arm: bool = True
     verified: bool = True
     base_age: float = 0.0
+    failed: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +137,7 @@ def _phase(limits: Limits, state: SafetyState, seen: Seen, wanted: Wanted | None
         if anew and problem is None and seen.verified:
             return to("arm")
         return replace(state, fault=problem or state.fault) if anew else state
-    problem = problem or (_wish(limits, wanted) if wanted or state.phase != "arm" else None)
+    problem = problem or seen.failed or (_wish(limits, wanted) if wanted or state.phase != "arm" else None)
     if problem is not None:
         return to("damp", problem)
     if not seen.arm:

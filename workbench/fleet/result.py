@@ -76,7 +76,7 @@ def summarise(robots: Sequence[Mapping[str, Any]]) -> Fleet:
     found: dict[EffectKey, dict[str, Mapping[str, Any]]] = {}
     for robot in done:
         for finding in robot["diagnosis"]["findings"]:
-            found.setdefault(_key(finding), {})[robot["rig"]] = finding
+            found.setdefault(key_of(finding), {})[robot["rig"]] = finding
     effects = []
     for key, by_robot in found.items():
         names = list(dict.fromkeys(n for f in by_robot.values() for n in f["parameters"]))
@@ -93,7 +93,7 @@ def summarise(robots: Sequence[Mapping[str, Any]]) -> Fleet:
             for r in done
             if r["rig"] not in by_robot
             and any(
-                key == _key(other)
+                key == key_of(other)
                 for f in r["diagnosis"]["findings"]
                 for other in f["indistinguishable_from"]
             )
@@ -101,7 +101,7 @@ def summarise(robots: Sequence[Mapping[str, Any]]) -> Fleet:
         unseen = [
             r["rig"]
             for r in done
-            if r["rig"] not in by_robot and any(key == _key(k) for k in r["diagnosis"]["not_excited"])
+            if r["rig"] not in by_robot and any(key == key_of(k) for k in r["diagnosis"]["not_excited"])
         ]
         effects.append(
             Shared(key, tuple(by_robot), tuple(perhaps), tuple(unseen), parameters, _spreads(parameters))
@@ -119,7 +119,8 @@ def _spreads(parameters: Mapping[str, Mapping[str, Estimate]]) -> dict[str, Spre
     return out
 
 
-def _key(entry: Mapping[str, Any]) -> EffectKey:
+def key_of(entry: Mapping[str, Any]) -> EffectKey:
+    """Effect and place of a finding, as it was kept."""
     return EffectKey(entry["effect"], entry["axis"], entry.get("location", "actuator"))
 
 

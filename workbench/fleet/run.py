@@ -35,7 +35,7 @@ def run_fleet(
     """Improve the model of every robot with its own recordings.
 
     Every result is kept in `folder` as soon as it is there. A robot whose result is there, of the same model,
-    recordings and seed, is not run again, so that a run that was stopped goes on.
+    recordings, seed and versions, is not run again, so that a run that was stopped goes on.
 
     Args:
         robots: of `find_robots`.
@@ -62,7 +62,8 @@ def run_fleet(
         if kept is None or kept["inputs"] != prints[robot.name]:
             if kept is not None and not force:
                 raise InputError(
-                    f"holds the result of '{robot.name}' from other recordings, another model or seed",
+                    f"holds the result of '{robot.name}' from other recordings, another model or seed, or "
+                    "other versions of workbench and its libraries",
                     file=result_file(folder, robot.name), remedy="choose another folder, or add --force",
                 )  # fmt: skip
             waiting.append(robot)

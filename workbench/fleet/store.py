@@ -12,7 +12,7 @@ from typing import Any
 from workbench.core import FORMAT, InputError
 from workbench.core.files import write_whole
 from workbench.core.formats import check_format
-from workbench.core.provenance import digest
+from workbench.core.provenance import PACKAGES, digest, versions
 from workbench.models import read_model
 from workbench.recordings import source_files
 from workbench.report.json import dumps
@@ -21,12 +21,14 @@ from .robots import Robot
 
 
 def fingerprint(robot: Robot, seed: int) -> str:
-    """Hash of all that a robot's result depends on: model, recordings with their tables, roles and seed.
+    """Hash of all that a robot's result depends on: model, recordings with their tables, roles and seed, and
+    the versions of what works it out.
 
     Raises:
         InputError: the model cannot be read.
     """
-    parts: list[Any] = [FORMAT, robot.name, seed, *(_digest(x) for x in read_model(robot.model).files)]
+    parts: list[Any] = [FORMAT, robot.name, seed, versions(PACKAGES)]
+    parts += [_digest(file) for file in read_model(robot.model).files]
     for role, files in (("training", robot.training), ("held out", robot.held_out)):
         for file in files:
             parts += [role, file.stem, *(_digest(each) for each in source_files(file))]
@@ -63,7 +65,7 @@ def stored(folder: Path, name: str) -> dict[str, Any] | None:
     """A robot's result as it was kept; None where there is none.
 
     Raises:
-        InputError: the file is something else.
+        InputError: the file cannot be read, or is something else.
     """
     file = result_file(folder, name)
     if not file.exists():
@@ -73,7 +75,10 @@ def stored(folder: Path, name: str) -> dict[str, Any] | None:
         check_format(content, FORMAT, file)
         if content["rig"] == name and "inputs" in content:
             return content
-    except (OSError, ValueError, KeyError, TypeError):
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"cannot be read ({reason})", file=file, remedy="check the path") from error
+    except (ValueError, KeyError, TypeError):
         pass
     raise InputError(f"is no result of robot '{name}'", file=file, remedy="choose another folder")
 

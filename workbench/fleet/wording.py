@@ -10,7 +10,7 @@ from workbench.core import Estimate
 from workbench.report.numbers import interval, number, plain
 from workbench.report.wording import any_of, capital, effect_phrase, parameter_name, times_noise
 
-from .result import Fleet, Shared
+from .result import Fleet, Shared, key_of
 
 _SHOWN = 4  # names in a sentence
 _DIFFER = 0.01  # p-value below which scatter is more than the intervals'
@@ -64,8 +64,7 @@ def findings(robot: Mapping[str, Any]) -> list[str]:
             f"{parameter_name(n)} {interval(Estimate(p['value'], p['std'] or 0.0, p['unit']))}"
             for n, p in f["parameters"].items()
         )
-        place = "" if f["axis"] is None else f"@{f['axis']}"
-        lines.append(plain(f"{f['effect']}{place}" + (f": {values}" if values else "")))
+        lines.append(plain(f"{key_of(f)}: {values}" if values else str(key_of(f))))
     return lines
 
 

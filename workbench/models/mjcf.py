@@ -13,14 +13,19 @@ _MOST = 100  # files that include each other
 _LARGEST = 256 * 2**20  # bytes of an asset
 
 
-def check_mjcf(file: Path) -> None:
+def check_mjcf(file: Path) -> list[Path]:
     """Look through an MJCF file and all that it includes, before MuJoCo does what it says.
+
+    Returns:
+        The files that MuJoCo reads, each once, this one first: then those it includes, then meshes, height
+        fields and textures, by the paths that they are named by. Of an asset that lies in several of the
+        folders that may be meant, all.
 
     Raises:
         InputError: it is no XML, has a plugin, or names a file outside of its folder, or one that includes
             itself.
     """
-    folder, seen, left = file.parent, set[Path](), [file]
+    folder, seen, left, read = file.parent, set[Path](), [file], [file]
     roots: list[tuple[Path, ElementTree.Element]] = []
     while left:
         each = left.pop()
@@ -35,6 +40,7 @@ def check_mjcf(file: Path) -> None:
         roots.append((each, parse_xml(raw, each, problem="MuJoCo cannot read this MJCF")))
         for node in roots[-1][1].iter("include"):
             left.append(check_inside(node.get("file", ""), folder, each, "include"))
+            read.append(folder / node.get("file", ""))
     folders = [folder]
     for each, root in roots:
         for node in root.iter():
@@ -44,7 +50,8 @@ def check_mjcf(file: Path) -> None:
         for node in root.iter():
             for key, name in node.attrib.items():
                 if key.startswith("file") and node.tag != "include":
-                    _check_asset(name, key, folders, each)
+                    read += _check_asset(name, key, folders, each)
+    return list(dict.fromkeys(read))
 
 
 def check_mjcf_text(text: str, file: Path | None) -> None:
@@ -65,9 +72,16 @@ def _refuse_plugin(node: ElementTree.Element, file: Path | None) -> None:
         raise InputError("it has a plugin", file=file, column=node.tag, remedy="describe bodies alone")
 
 
-def _check_asset(name: str, key: str, folders: list[Path], file: Path) -> None:
+def _check_asset(name: str, key: str, folders: list[Path], file: Path) -> list[Path]:
+    """The files that may be meant; MuJoCo leaves a path's folders out where it is told to strip it."""
+    found = []
     for base in folders:
-        check_inside(name, base, file, key)
-        if (base / name).is_file() and (base / name).stat().st_size > _LARGEST:
-            problem = f"'{name}' is larger than {_LARGEST >> 20} MiB"
-            raise InputError(problem, file=file, column=key, remedy="simplify the mesh")
+        for each in (name, Path(name).name):
+            check_inside(each, base, file, key)
+            if not (base / each).is_file():
+                continue
+            if (base / each).stat().st_size > _LARGEST:
+                problem = f"'{each}' is larger than {_LARGEST >> 20} MiB"
+                raise InputError(problem, file=file, column=key, remedy="simplify the mesh")
+            found.append(base / each)
+    return found

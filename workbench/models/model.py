@@ -9,7 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import Controller, EffectKey, Estimate, Mechanism
+from workbench.core.provenance import digest
 from workbench.core.shown import Shown
+
+from .mjcf import check_mjcf
 
 #: Structural effects that each S3N variant already contains (paper, Sec. III).
 VARIANTS: Mapping[str, tuple[str, ...]] = {
@@ -132,9 +135,30 @@ class Model(Shown):
 
     @property
     def files(self) -> list[Path]:
-        """What the model was read from: its own file, the serial tree, the closed chain."""
+        """What the model was read from: its own file, the serial tree, the closed chain, and all that the
+        serial tree includes or names.
+
+        Raises:
+            InputError: the serial tree cannot be read any more.
+        """
+        return [*self._named, *check_mjcf(self.serial)[1:]]
+
+    @property
+    def _named(self) -> list[Path]:
         chain = self.closed_chain.file if self.closed_chain else None
         return [path for path in (self.source, self.serial, chain) if path is not None]
+
+    def place(self, file: Path) -> Path:
+        """Where one of `files` goes in a folder with them all, so that the serial tree finds its own."""
+        return Path(file.name) if file in self._named else file.relative_to(self.serial.parent)
+
+    def digests(self) -> dict[str, str]:
+        """SHA-256 of each of `files`, hexadecimal, by its `place`.
+
+        Raises:
+            InputError: a file cannot be read.
+        """
+        return {self.place(file).as_posix(): digest(file) for file in self.files}
 
     @property
     def size(self) -> int:

@@ -31,8 +31,9 @@ def truth_rows(result: Improvement | Diagnosis, truth: Truth) -> tuple[TruthRow,
 
     Args:
         result: what was found.
-        truth: mappings with ``effect``, ``axis`` and ``parameters``: name to a number, to
-            ``{"value", "unit"}``, or to an `Estimate`.
+        truth: mappings with ``effect``, ``axis``, ``location`` (the drive if not said) and ``parameters``:
+            name to a number, to ``{"value", "unit"}``, or to an `Estimate`. The place is named as a finding
+            would name it.
     """
     found = result.steps if isinstance(result, Improvement) else result.findings
     rows: list[TruthRow] = []
@@ -62,13 +63,12 @@ def _row(title: str, outcome: str, name: str, value: Any, estimate: Estimate | N
 
 
 def _match(key: EffectKey, found: Iterable[Step | Finding]) -> tuple[str, Mapping[str, Estimate]]:
-    same = (key.effect, key.axis)
     entries = list(found)
     for entry in entries:
-        if (entry.key.effect, entry.key.axis) == same:
+        if entry.key == key:
             return "found", entry.parameters
     for entry in entries:
-        if same in [(k.effect, k.axis) for k in entry.indistinguishable_from]:
+        if key in entry.indistinguishable_from:
             return f"named as a look-alike of {effect_phrase(entry.key)}", {}
     return "not found", {}
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Literal
 
-from workbench.core import InputError
+from workbench.core import EffectKey, InputError
 
 from . import hidden_drive as drive
 from . import hidden_flexible as flexible
@@ -59,6 +59,11 @@ class HiddenEffect:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return HiddenEffect, (self.effect, self.axis, self.location, dict(self.parameters))
+
+    @property
+    def key(self) -> EffectKey:
+        """What a finding calls it: at the hip the pin and the drive are one place, the drive."""
+        return EffectKey(self.effect, self.axis, "actuator" if self.axis == "hip" else self.location)
 
     @property
     def place(self) -> Place:

@@ -228,9 +228,12 @@ def _open_folder(folder: Path, config: dict[str, Any], machine: Machine, resume:
 
 
 def _copy_model(model: Model, folder: Path) -> None:
-    """The leg's model as a file, with the files that it names."""
-    folder.mkdir(exist_ok=True)
-    copied = {path: shutil.copyfile(path, folder / path.name) for path in model.files[1:]}
+    """The leg's model as a file, with the files that it names, and those that they name."""
+    copied: dict[Path, Path] = {}
+    for path in replace(model, source=None).files:  # its own is written anew
+        copied[path] = folder / model.place(path)
+        copied[path].parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, copied[path])
     chain = model.closed_chain
     own = replace(
         model,

@@ -81,7 +81,7 @@ def make_record(
         "format": FORMAT,
         "model": model.name,
         "variant": model.variant,
-        "files": {path.name: digest(path) for path in model.files},
+        "files": model.digests(),
         "checks": [{"name": c.name, "passed": c.passed} for c in checked.checks],
         "passed": checked.passed,
         "recordings": [
@@ -130,7 +130,7 @@ def objections(record: dict[str, Any] | None, model: Model, variant: str) -> lis
     if record is None:
         return ["the model has no verification record"]
     found = []
-    now = {path.name: digest(path) for path in model.files}
+    now = model.digests()
     stale = sorted(name for name in {*now, *record["files"]} if now.get(name) != record["files"].get(name))
     if stale:
         found.append(f"the record is stale: {', '.join(stale)} changed since")

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from workbench.core.provenance import digest, versions
+from workbench.core.provenance import versions
 
 from .machine import POLICY_STEPS, STEP_S, Machine
 from .randomisation import LEG_RANDOMISATION, Randomisation
@@ -83,7 +83,7 @@ def resolved(task: Task, machine: Machine, settings: Settings, extra: Mapping[st
             "effects": [str(e.key) for e in machine.model.effects],
             "left_out": list(machine.left_out),
             "mjcf_sha256": machine.digest,
-            "files": {path.name: digest(path) for path in machine.model.files},
+            "files": machine.model.digests(),
         },
         "versions": library_versions(),
         **extra,

@@ -24,10 +24,13 @@ from workbench.core import (
 from workbench.core.files import check_free
 from workbench.effects import check_effect, with_settled
 from workbench.models import AppliedEffect, Model, write_model
+from workbench.recordings import source_files
 from workbench.report.numbers import plain
 
 from .history import History
 from .shelf import Shelf
+
+_CHANGED = "CHANGED.toml"  # a model that no file holds yet
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,7 @@ class Bench:
         seed: of the noise simulations.
         chosen, history: None until something is chosen.
         diagnosis: of the model as it was when it was asked for.
+        diagnosed: that model.
     """
 
     shelf: Shelf
@@ -75,6 +79,7 @@ class Bench:
     chosen: Chosen | None = None
     history: History | None = None
     diagnosis: Diagnosis | None = None
+    diagnosed: Model | None = None
 
     def read(self, model: str, recordings: Sequence[str], held_out: str | None = None) -> Chosen:
         """Read what was chosen, without choosing it yet; slow where files are large.
@@ -102,7 +107,7 @@ class Bench:
         self.chosen = chosen
         if not same or self.history is None:
             self.history = History(chosen.model)
-        self.diagnosis = None
+        self.diagnosis = self.diagnosed = None
 
     @property
     def model(self) -> Model:
@@ -227,33 +232,39 @@ class Bench:
         """Write the report page of a comparison or diagnosis into the folder.
 
         Raises:
-            InputError: as `save_model`.
+            InputError: as `save_model`, or a file that was read cannot be read any more.
         """
         target = self._target(name, ".html", force)
         chosen = self.chosen
         assert chosen is not None
-        files = [self.shelf.models[chosen.model_label], *(self.shelf.recordings[n] for n in chosen.labels)]
+        files = list(chosen.model.files)
+        for label in chosen.labels:
+            files += source_files(self.shelf.recordings[label])
         report.write_page(
             result,
             target,
             command=self.command(result),
             seeds={"noise": self.seed},
-            inputs=[p for p in files if p.is_file()],
+            inputs=files,
             force=force,
         )
         return target
 
     def command(self, result: Comparison | Diagnosis) -> str:
-        """The command line that makes the same result."""
+        """The command line that makes the same result; of a changed model, once that has been saved."""
         assert self.chosen is not None
         chosen, shelf = self.chosen, self.shelf
-        model = shelf.typed[shelf.models[chosen.model_label]]
+        model, note = shelf.typed[shelf.models[chosen.model_label]], ""
+        made_of = self.diagnosed if isinstance(result, Diagnosis) else self.model
+        if made_of is not self._history.given:
+            note = f"  # save the model first: this result is of {model} with changes"
+            model = _CHANGED
         typed = {label: shelf.typed[shelf.recordings[label]] for label in chosen.labels}
         names = list(typed.values())
         if isinstance(result, Comparison):
-            return " ".join(["workbench compare", model, *names])
+            return " ".join(["workbench compare", model, *names]) + note
         held = ["--holdout", typed[chosen.held_out]] if chosen.held_out else []
-        return " ".join(["workbench diagnose", model, *(n for n in names if n not in held), *held])
+        return " ".join(["workbench diagnose", model, *(n for n in names if n not in held), *held]) + note
 
     def _target(self, name: str, ending: str, force: bool) -> Path:
         name = name.strip()

@@ -70,7 +70,7 @@ class Live(Following):
         model = self.bench.model
 
         def done(result: Diagnosis) -> None:
-            self.bench.diagnosis = result
+            self.bench.diagnosis, self.bench.diagnosed = result, model
             self.tell("diagnosis")
 
         self._work("starting", diagnose, (model, *chosen.split()), done)

@@ -30,6 +30,7 @@ class Subject:
         chain: the closed chain in Drake, where the model names one.
         left_out: effects that were taken out.
         tolerance: largest relative difference between what identification gave and the closed chain.
+        unreached: number of states that were drawn too, and that the closed chain cannot be in.
     """
 
     model: Model
@@ -37,6 +38,7 @@ class Subject:
     chain: ClosedChain | None
     left_out: tuple[str, ...]
     tolerance: float
+    unreached: int = 0
 
     @staticmethod
     def of(model: Model, samples: int, seed: int, tolerance: float) -> Subject:
@@ -54,8 +56,10 @@ class Subject:
                 file=model.source, column="closed_chain.drives", remedy="name one drive an axis",
             )  # fmt: skip
         middle = np.zeros(model.size) if chain is None else chain.start[1]
-        states = _reachable(chain, random_states(model, samples, seed, middle))
-        return Subject(replace(model, effects=inside), states, chain, out, tolerance)
+        drawn = random_states(model, samples, seed, middle)
+        states = _reachable(chain, drawn)
+        unreached = len(drawn) - len(states)
+        return Subject(replace(model, effects=inside), states, chain, out, tolerance, unreached)
 
     @cached_property
     def tree(self) -> SerialTree:
