@@ -11,6 +11,7 @@ from workbench.core import InputError
 from workbench.core.paths import models_folder
 from workbench.importing import contents_of
 from workbench.models import load_mjcf, read_model
+from workbench.models.mjcf import check_mjcf
 from workbench.s3n.sdf import read_sdf
 
 LEG = (models_folder() / "serial" / "leg.xml").read_text()
@@ -38,6 +39,8 @@ def with_(text: str, content: str) -> str:
         ('<include file="../out.xml"/>', "leads out of its folder"),
         ('<include file="leg.xml"/>', "included by itself"),
         ('<include file="link.xml"/>', "leads out of its folder"),
+        ('<asset><model name="m" file="leg.xml"/></asset>', "included by itself"),
+        ('<asset><model name="m" file="../out.xml"/></asset>', "leads out of its folder"),
         ('<asset><mesh name="m" file="../out.stl"/></asset>', "leads out of its folder"),
         ('<asset><mesh name="m" file="/dev/zero"/></asset>', "no path from here"),
         ('<compiler meshdir="../"/><asset><mesh name="m" file="a.stl"/></asset>', "leads out of its folder"),
@@ -61,6 +64,16 @@ def test_files_beside_and_below_may_be_included(tmp_path: Path) -> None:
     (tmp_path / "parts" / "option.xml").write_text('<mujoco><option timestep="0.002"/></mujoco>')
     (tmp_path / "leg.xml").write_text(with_(LEG, '<include file="parts/option.xml"/>'))
     assert load_mjcf(tmp_path / "leg.xml").option.timestep == 0.002
+
+
+def test_a_model_that_is_attached_may_no_more_than_the_first(tmp_path: Path) -> None:
+    (tmp_path / "leg.xml").write_text(with_(LEG, '<asset><model name="c" file="child.xml"/></asset>'))
+    (tmp_path / "child.xml").write_text("<mujoco/>")
+    assert tmp_path / "child.xml" in check_mjcf(tmp_path / "leg.xml")
+    (tmp_path / "child.xml").write_text(
+        '<mujoco><extension><plugin plugin="mujoco.pid"/></extension></mujoco>'
+    )
+    refused(tmp_path / "leg.xml", "plugin")
 
 
 @pytest.mark.parametrize("entities", [LAUGHS, OUTSIDE])

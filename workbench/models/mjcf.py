@@ -13,8 +13,12 @@ _MOST = 100  # files that include each other
 _LARGEST = 256 * 2**20  # bytes of an asset
 
 
-def check_mjcf(file: Path) -> list[Path]:
+def check_mjcf(file: Path, within: frozenset[Path] = frozenset()) -> list[Path]:
     """Look through an MJCF file and all that it includes, before MuJoCo does what it says.
+
+    Args:
+        file: the MJCF.
+        within: files that it is attached to, as a model of its own.
 
     Returns:
         The files that MuJoCo reads, each once, this one first: then those it includes, then meshes, height
@@ -25,7 +29,7 @@ def check_mjcf(file: Path) -> list[Path]:
         InputError: it is no XML, has a plugin, or names a file outside of its folder, or one that includes
             itself.
     """
-    folder, seen, left, read = file.parent, set[Path](), [file], [file]
+    folder, seen, left, read = file.parent, set(within), [file], [file]
     roots: list[tuple[Path, ElementTree.Element]] = []
     while left:
         each = left.pop()
@@ -41,6 +45,9 @@ def check_mjcf(file: Path) -> list[Path]:
         for node in roots[-1][1].iter("include"):
             left.append(check_inside(node.get("file", ""), folder, each, "include"))
             read.append(folder / node.get("file", ""))
+        for node in roots[-1][1].iter("model"):
+            child = check_inside(node.get("file", ""), folder, each, "file")
+            read += check_mjcf(child, frozenset(seen))
     folders = [folder]
     for each, root in roots:
         for node in root.iter():
@@ -49,7 +56,7 @@ def check_mjcf(file: Path) -> list[Path]:
     for each, root in roots:
         for node in root.iter():
             for key, name in node.attrib.items():
-                if key.startswith("file") and node.tag != "include":
+                if key.startswith("file") and node.tag not in ("include", "model"):
                     read += _check_asset(name, key, folders, each)
     return list(dict.fromkeys(read))
 

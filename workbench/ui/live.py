@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from workbench.core import Diagnosis, EffectKey
@@ -73,7 +74,7 @@ class Live(Following):
             self.bench.diagnosis, self.bench.diagnosed = result, model
             self.tell("diagnosis")
 
-        self._work("starting", diagnose, (model, *chosen.split()), done)
+        self._work("starting", partial(diagnose, seed=self.bench.seed), (model, *chosen.split()), done)
 
     def fit(self, key: EffectKey) -> None:
         """Fit an effect to the recordings and add it."""
