@@ -59,10 +59,10 @@ def import_(
     ] = "",
     kp: Annotated[
         list[float] | None,
-        typer.Option("--kp", help="Table: the loop's gain [N m/rad], one or each."),
+        typer.Option("--kp", help="Table: the loop's gain [N m/rad; N/m of a slide], one or each."),
     ] = None,
     kd: Annotated[
-        list[float] | None, typer.Option("--kd", help="Table: the loop's damping [N m s/rad].")
+        list[float] | None, typer.Option("--kd", help="Table: the loop's damping [N m s/rad; N s/m].")
     ] = None,
     period: Annotated[
         float | None, typer.Option("--period", metavar="S", help="Table: the loop's period.")

@@ -156,14 +156,10 @@ def _model_axes(model: str | None) -> tuple[tuple[str, ...], tuple[bool, ...], n
     """Axes, which of them move along a line, and the transmission where it is not the identity."""
     if model is None:
         return (), (), None
-    import mujoco
-
-    from workbench.effects import load_model
+    from workbench.effects import axis_units, load_model
 
     loaded = load_model(model)
-    spec = mujoco.MjSpec.from_file(str(loaded.serial))
-    kinds = {joint.name: joint.type for joint in spec.joints}
-    slides = tuple(kinds.get(name) == mujoco.mjtJoint.mjJNT_SLIDE for name in loaded.joints)
+    slides = tuple(unit == "m" for unit in axis_units(loaded))
     plain = np.array_equal(loaded.transmission, np.eye(loaded.size))
     return loaded.axes, slides, None if plain else loaded.transmission
 
