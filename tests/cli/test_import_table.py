@@ -84,7 +84,16 @@ def test_on_a_terminal_it_asks(tmp_path: Path) -> None:
     [
         (["--column", "position=nowhere,pos_knee"], "nowhere"),
         (["--column", "position"], "NAME=VALUE"),
-        (["--unit", "torque=furlong"], "no unit of torque"),
+        (["--unit", "torque=furlong"], "no unit of torque; e.g. --unit torque=N*m"),
+        (["--unit", "torque"], "e.g. --unit position=deg,deg,mm,deg"),
+        (
+            ["--unit", "position=deg,deg,mm"],
+            "3 units of position for 2 axes; give one, or one an axis: --unit",
+        ),
+        (
+            ["--unit", "position=deg", "--unit", "position=rad"],
+            "--unit position is given twice; give it once",
+        ),
         (["--rate", "-3"], "positive"),
         (["--coordinates", "moon"], "actuator"),
         (["-o", "run.csv"], "exists"),
@@ -96,3 +105,7 @@ def test_wrong_answers_end_in_one_line(tmp_path: Path, words: list[str], said: s
     done = run("import", "run.csv", *words, cwd=tmp_path)
     assert done.returncode == 2 and said in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "run.toml").exists()
+
+
+def test_help_shows_one_unit_an_axis() -> None:
+    assert "position=deg,deg,mm,deg" in run("import", "--help", columns=200).stdout

@@ -35,8 +35,8 @@ def test_each_axis_keeps_the_unit_of_its_names(tmp_path: Path) -> None:
 
 
 def test_the_models_slide_is_a_length_where_no_name_says_so(tmp_path: Path) -> None:
-    data = {k: v for k, v in mixed(LOG).items() if "drive" not in k}
-    bare = {name.split(" [")[0].replace("act", "pos"): values for name, values in data.items()}
+    data = {k: v for k, v in mixed(LOG, units=False).items() if "drive" not in k}
+    bare = {name.replace("act", "pos"): values for name, values in data.items()}
     units = propose(open_table(put(tmp_path, bare)), SLIDE).description["units"]
     assert units["position"] == ["deg", "mm"] and units["velocity"] == ["deg/s", "mm/s"]
 
@@ -82,3 +82,13 @@ def test_one_unit_for_axes_that_move_differently_is_refused(tmp_path: Path) -> N
     with pytest.raises(InputError, match="'z', which moves along a line") as caught:
         propose(table, Answers(units={"position": "rad"}))
     assert caught.value.remedy == "give one an axis: --unit position=rad,mm"
+
+
+def test_the_user_says_one_unit_an_axis(tmp_path: Path) -> None:
+    data = {k: v for k, v in mixed(LOG, units=False).items() if "drive" not in k}
+    table = open_table(put(tmp_path, {k.replace("act", "pos"): v for k, v in data.items()}))
+    said = {"position": "deg,mm", "velocity": "deg/s, mm/s"}
+    proposal = propose(table, Answers(units=said))
+    units = proposal.description["units"]
+    assert units["position"] == ["deg", "mm"] and units["velocity"] == ["deg/s", "mm/s"]
+    assert [a.word for a in proposal.assumptions if a.what == "unit of position"] == ["stated"]

@@ -45,7 +45,11 @@ def import_(
     ] = None,
     unit: Annotated[
         list[str] | None,
-        typer.Option("--unit", metavar="KIND=UNIT", help="Table: unit of time, position, velocity, torque."),
+        typer.Option(
+            "--unit",
+            metavar="KIND=UNIT",
+            help="Table: unit of time, position, velocity, torque; or one an axis: position=deg,deg,mm,deg.",
+        ),
     ] = None,
     rate: Annotated[
         float | None,

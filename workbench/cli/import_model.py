@@ -10,6 +10,8 @@ from workbench.core import InputError
 
 from .common import echo, write_result
 
+_EXAMPLES = {"--limits": "0.35:2.6", "--start": "1.2"}
+
 
 @dataclass(frozen=True)
 class MechanismOptions:
@@ -117,7 +119,9 @@ def _pairs(texts: Sequence[str], option: str) -> dict[str, str]:
     for text in texts:
         name, equals, value = text.partition("=")
         if not (name and equals and value):
-            raise InputError(f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} knee=...")
+            raise InputError(
+                f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} knee={_EXAMPLES[option]}"
+            )
         out[name] = value
     return out
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from workbench.inspection import Inspection
     from workbench.proposing import Answers, Proposal, Question
 
+_EXAMPLES = {"--column": "position=q1,q2", "--unit": "position=deg,deg,mm,deg"}
 _ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
 
 
@@ -169,7 +170,12 @@ def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:
     for text in texts or []:
         name, equals, value = text.partition("=")
         if not (name and equals and value):
-            raise InputError(f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} position=...")
+            raise InputError(
+                f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} {_EXAMPLES[option]}"
+            )
+        if name.strip() in out:
+            remedy = f"give it once, one value an axis: {option} {_EXAMPLES[option]}"
+            raise InputError(f"{option} {name.strip()} is given twice", remedy=remedy)
         out[name.strip()] = value.strip()
     return out
 
