@@ -92,3 +92,29 @@ def test_the_user_says_one_unit_an_axis(tmp_path: Path) -> None:
     units = proposal.description["units"]
     assert units["position"] == ["deg", "mm"] and units["velocity"] == ["deg/s", "mm/s"]
     assert [a.word for a in proposal.assumptions if a.what == "unit of position"] == ["stated"]
+
+
+@pytest.mark.parametrize("speed", [True, False])
+def test_names_count_without_units(tmp_path: Path, speed: bool) -> None:
+    data = {k: v for k, v in mixed(LOG, units=False).items() if speed or "speed" not in k}
+    proposal = propose(open_table(put(tmp_path, data)), SLIDE)
+    found, units = proposal.description["columns"], proposal.description["units"]
+    assert found["position"] == ["A1 act", "Z act"] and found["position_reference"] == ["A1 set", "Z set"]
+    assert found["torque_command"] == ["A1 drive out", "Z drive out"]
+    assert found["torque_measured"] == ["A1 drive meas", "Z drive meas"]
+    assert units["position"] == ["deg", "mm"] and units["torque"] == ["N*m", "N"]
+    assert not any(note.startswith("Not used") for note in proposal.notes)
+    taken = next(a for a in proposal.assumptions if a.what == "torque_measured")
+    assert "taken for torque" in taken.because and taken.word == "likely"
+
+
+def test_the_loop_is_found_without_units(tmp_path: Path) -> None:
+    _, recording = imported(put(tmp_path, mixed(LOG, units=False)), SLIDE)
+    assert np.allclose(recording.controller.kp, KP, rtol=0.01)
+
+
+def test_a_held_axis_keeps_its_reference(tmp_path: Path) -> None:
+    data = mixed(LOG)
+    data["Z set [mm]"] = np.full(len(LOG.t), 0.0)
+    found = propose(open_table(put(tmp_path, data))).description["columns"]
+    assert found["position_reference"] == ["A1 set [deg]", "Z set [mm]"]
