@@ -118,3 +118,15 @@ def test_a_held_axis_keeps_its_reference(tmp_path: Path) -> None:
     data["Z set [mm]"] = np.full(len(LOG.t), 0.0)
     found = propose(open_table(put(tmp_path, data))).description["columns"]
     assert found["position_reference"] == ["A1 set [deg]", "Z set [mm]"]
+
+
+def test_a_log_in_which_nothing_moves_yet_keeps_its_references(tmp_path: Path) -> None:
+    data = {k: v[:20].copy() for k, v in mixed(LOG).items()}
+    for i, name in enumerate(("A1 set [deg]", "Z set [mm]")):
+        seen = name.replace("set", "act")
+        data[name] = np.full(20, 10.0 + i)
+        data[seen] = 10.0 + i + 0.01 * np.sin(np.arange(20))
+    found = propose(open_table(put(tmp_path, data))).description["columns"]
+    assert found["position_reference"] == ["A1 set [deg]", "Z set [mm]"]
+    far = {k: v + 40.0 * ("set" in k) for k, v in data.items()}
+    assert "position_reference" not in propose(open_table(put(tmp_path, far))).description["columns"]
