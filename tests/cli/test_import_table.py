@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.cli.here import run
-from tests.proposing.make import columns, log, text
+from tests.proposing.make import columns, log, mixed, text
 from workbench.recordings import load_recording
 
 LOG = log(600)
@@ -109,3 +109,25 @@ def test_wrong_answers_end_in_one_line(tmp_path: Path, words: list[str], said: s
 
 def test_help_shows_one_unit_an_axis() -> None:
     assert "position=deg,deg,mm,deg" in run("import", "--help", columns=200).stdout
+
+
+def test_a_log_too_short_is_written_and_said_to_be(tmp_path: Path) -> None:
+    whole = mixed(LOG)
+    (tmp_path / "run.csv").write_text(text({k: v[300:320] for k, v in whole.items()}))
+    done = run("import", "run.csv", cwd=tmp_path, columns=200)
+    assert done.returncode == 0, done.stderr
+    assert "20 rows, 0.095 s: too short for a comparison. The reference is in it." in done.stdout
+    assert "too few rows to tell" in done.stdout and "Next: import a longer log." in done.stdout
+    assert "workbench compare" not in done.stdout and (tmp_path / "run.toml").exists()
+
+
+def test_a_problem_ends_with_how_to_mend_it(tmp_path: Path) -> None:
+    data = mixed(LOG)
+    data["A1 drive meas [Nm]"] = -data["A1 drive meas [Nm]"]
+    (tmp_path / "run.csv").write_text(text(data))
+    done = run("import", "run.csv", cwd=tmp_path, columns=200)
+    last = done.stdout.strip().splitlines()[-1]
+    assert "problem:" in done.stdout and "workbench compare" not in done.stdout
+    assert "{column = 'A1 drive meas [Nm]', scale = -1.0}" in last and last.endswith(
+        "workbench inspect run.toml"
+    )

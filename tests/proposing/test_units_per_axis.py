@@ -130,3 +130,8 @@ def test_a_log_in_which_nothing_moves_yet_keeps_its_references(tmp_path: Path) -
     assert found["position_reference"] == ["A1 set [deg]", "Z set [mm]"]
     far = {k: v + 40.0 * ("set" in k) for k, v in data.items()}
     assert "position_reference" not in propose(open_table(put(tmp_path, far))).description["columns"]
+    proposal, _ = imported(tmp_path / "run.csv")
+    assert any("20 rows" in n and "too short" in n and "reference" not in n for n in proposal.notes)
+    put(tmp_path, data)
+    proposal, _ = imported(tmp_path / "run.csv")
+    assert any("20 rows" in n and "too short" in n and "reference is in it" in n for n in proposal.notes)

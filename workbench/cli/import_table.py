@@ -61,11 +61,16 @@ def import_table(
     if json:
         report.write_json(proposal_dict(proposal, written, found), json, force=force)
     if not quiet and json != "-":
+        from workbench.inspection.inspect import FEW
+
+        from .import_next import next_step
         from .import_tables import proposal_tables
 
         report.print_table(proposal_tables(proposal, recording, found))
         echo(f"Wrote {' and '.join(str(f) for f in written)}.")
-        echo(f"Next: workbench compare {model or 'MODEL'} {target}")
+        remarks = found.recordings[0].remarks
+        short = len(recording) < FEW
+        echo(next_step(proposal.description, remarks, target, model, short=short))
 
 
 def default_output(path: Path) -> Path:
