@@ -131,3 +131,10 @@ def test_a_problem_ends_with_how_to_mend_it(tmp_path: Path) -> None:
     assert "{column = 'A1 drive meas [Nm]', scale = -1.0}" in last and last.endswith(
         "workbench inspect run.toml"
     )
+
+
+def test_a_model_is_not_imported(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text("<mujoco model='arm'><worldbody/></mujoco>")
+    done = run("import", "arm.xml", cwd=tmp_path)
+    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
+    assert "a model already" in done.stderr and "workbench compare arm.xml RUN.toml" in done.stderr

@@ -10,7 +10,7 @@ import typer
 from . import complete
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs
-from .import_model import MechanismOptions, import_mechanism, show_contents
+from .import_model import MechanismOptions, import_mechanism, refuse_model, show_contents
 from .import_table import import_table, read_answers
 
 
@@ -149,7 +149,9 @@ def import_(
         import_table(
             path, output, answers, episode=episode, yes=yes, model=model, json=json, force=force, quiet=quiet
         )
-    elif not drive:
+        return
+    refuse_model(path)
+    if not drive:
         show_contents(path, json, force, quiet)
     else:
         asked = MechanismOptions(

@@ -31,6 +31,25 @@ class MechanismOptions:
     delay: float
 
 
+def refuse_model(path: Path) -> None:
+    """An MJCF needs no import.
+
+    Raises:
+        InputError: the file is one.
+    """
+    from workbench.core.xml import parse_xml
+
+    if not path.is_file():
+        return  # said where it is opened
+    remedy = "give an SDF or URDF file"
+    if parse_xml(path.read_bytes(), path, problem="not an XML file", remedy=remedy).tag == "mujoco":
+        raise InputError(
+            "it is an MJCF, which is a model already",
+            file=path,
+            remedy=f"use it as it is: workbench import LOG --model {path}, workbench compare {path} RUN.toml",
+        )
+
+
 def show_contents(path: Path, json: str | None, force: bool, quiet: bool) -> None:
     """Say which joints and frames a file has.
 
