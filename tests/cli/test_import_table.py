@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.cli.here import run
-from tests.proposing.make import columns, log, text
+from tests.proposing.make import columns, log, mixed, text
 from workbench.recordings import load_recording
 
 LOG = log(600)
@@ -84,7 +84,16 @@ def test_on_a_terminal_it_asks(tmp_path: Path) -> None:
     [
         (["--column", "position=nowhere,pos_knee"], "nowhere"),
         (["--column", "position"], "NAME=VALUE"),
-        (["--unit", "torque=furlong"], "no unit of torque"),
+        (["--unit", "torque=furlong"], "no unit of torque; e.g. --unit torque=N*m"),
+        (["--unit", "torque"], "e.g. --unit position=deg,deg,mm,deg"),
+        (
+            ["--unit", "position=deg,deg,mm"],
+            "3 units of position for 2 axes; give one, or one an axis: --unit",
+        ),
+        (
+            ["--unit", "position=deg", "--unit", "position=rad"],
+            "--unit position is given twice; give it once",
+        ),
         (["--rate", "-3"], "positive"),
         (["--coordinates", "moon"], "actuator"),
         (["-o", "run.csv"], "exists"),
@@ -96,3 +105,36 @@ def test_wrong_answers_end_in_one_line(tmp_path: Path, words: list[str], said: s
     done = run("import", "run.csv", *words, cwd=tmp_path)
     assert done.returncode == 2 and said in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "run.toml").exists()
+
+
+def test_help_shows_one_unit_an_axis() -> None:
+    assert "position=deg,deg,mm,deg" in run("import", "--help", columns=200).stdout
+
+
+def test_a_log_too_short_is_written_and_said_to_be(tmp_path: Path) -> None:
+    whole = mixed(LOG)
+    (tmp_path / "run.csv").write_text(text({k: v[300:320] for k, v in whole.items()}))
+    done = run("import", "run.csv", cwd=tmp_path, columns=200)
+    assert done.returncode == 0, done.stderr
+    assert "20 rows, 0.095 s: too short for a comparison. The reference is in it." in done.stdout
+    assert "too few rows to tell" in done.stdout and "Next: import a longer log." in done.stdout
+    assert "workbench compare" not in done.stdout and (tmp_path / "run.toml").exists()
+
+
+def test_a_problem_ends_with_how_to_mend_it(tmp_path: Path) -> None:
+    data = mixed(LOG)
+    data["A1 drive meas [Nm]"] = -data["A1 drive meas [Nm]"]
+    (tmp_path / "run.csv").write_text(text(data))
+    done = run("import", "run.csv", cwd=tmp_path, columns=200)
+    last = done.stdout.strip().splitlines()[-1]
+    assert "problem:" in done.stdout and "workbench compare" not in done.stdout
+    assert "{column = 'A1 drive meas [Nm]', scale = -1.0}" in last and last.endswith(
+        "workbench inspect run.toml"
+    )
+
+
+def test_a_model_is_not_imported(tmp_path: Path) -> None:
+    (tmp_path / "arm.xml").write_text("<mujoco model='arm'><worldbody/></mujoco>")
+    done = run("import", "arm.xml", cwd=tmp_path)
+    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
+    assert "a model already" in done.stderr and "workbench compare arm.xml RUN.toml" in done.stderr

@@ -96,3 +96,25 @@ def same(recording: Recording, of: Log, *, rows: slice = slice(None), tolerance:
         found = recording.signals[signal]
         assert found.shape == truth[rows].shape, signal
         assert np.abs(found - truth[rows]).max() < tolerance * np.ptp(truth), signal
+
+
+def mixed(of: Log, *, units: bool = True, **named: str) -> dict[str, np.ndarray]:
+    """Columns of the same log, its first joint in degrees and its second a slide in millimetres.
+
+    Args:
+        of: the log; what is rad and N m there, is m and N for the slide.
+        units: whether names state units.
+        named: a quantity's unit in the names of the turning axis, where it differs from that of its numbers.
+    """
+    out = {"Stamp" + " [ms]" * units: of.t * 1e3}
+    for i, (axis, size) in enumerate((("A1", np.pi / 180), ("Z", 1e-3))):
+        q, v, tau = ("mm", "mm/s", "N") if i else (named.get("q", "deg"), named.get("v", "deg/s"), "Nm")
+        for name, values, unit in (
+            ("set", of.ref[:, i] / size, q),
+            ("act", of.q[:, i] / size, q),
+            ("speed", of.v[:, i] / size, v),
+            ("drive out", of.cmd[:, i], tau),
+            ("drive meas", of.tau[:, i], tau),
+        ):
+            out[f"{axis} {name}" + f" [{unit}]" * units] = values
+    return out

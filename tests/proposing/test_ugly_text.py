@@ -224,6 +224,13 @@ def test_the_models_axes_by_name_and_by_order(tmp_path: Path) -> None:
     assert [q.key for q in by_order.questions] == ["axes"] and "hip is first" in by_order.questions[0].text
 
 
+def test_the_axis_without_a_position_is_named(tmp_path: Path) -> None:
+    data = {k: v for k, v in columns(LOG).items() if k != "pos_knee"}
+    with pytest.raises(InputError, match="has no position of knee_pitch") as caught:
+        propose(open_table(put(tmp_path, text(data))), Answers(model_axes=("knee_pitch", "hip_pitch")))
+    assert "--column 'position=NAME,pos_hip'" in str(caught.value.remedy)
+
+
 def test_a_law_in_the_joints_is_found_behind_a_transmission(tmp_path: Path) -> None:
     belt = np.array([[1.0, 0.0], [1.0, 1.0]])
     data = {"t": LOG.t}

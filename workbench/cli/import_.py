@@ -10,7 +10,7 @@ import typer
 from . import complete
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs
-from .import_model import MechanismOptions, import_mechanism, show_contents
+from .import_model import MechanismOptions, import_mechanism, refuse_model, show_contents
 from .import_table import import_table, read_answers
 
 
@@ -45,7 +45,11 @@ def import_(
     ] = None,
     unit: Annotated[
         list[str] | None,
-        typer.Option("--unit", metavar="KIND=UNIT", help="Table: unit of time, position, velocity, torque."),
+        typer.Option(
+            "--unit",
+            metavar="KIND=UNIT",
+            help="Table: unit of time, position, velocity, torque; or one an axis: position=deg,deg,mm,deg.",
+        ),
     ] = None,
     rate: Annotated[
         float | None,
@@ -59,10 +63,10 @@ def import_(
     ] = "",
     kp: Annotated[
         list[float] | None,
-        typer.Option("--kp", help="Table: the loop's gain [N m/rad], one or each."),
+        typer.Option("--kp", help="Table: the loop's gain [N m/rad; N/m of a slide], one or each."),
     ] = None,
     kd: Annotated[
-        list[float] | None, typer.Option("--kd", help="Table: the loop's damping [N m s/rad].")
+        list[float] | None, typer.Option("--kd", help="Table: the loop's damping [N m s/rad; N s/m].")
     ] = None,
     period: Annotated[
         float | None, typer.Option("--period", metavar="S", help="Table: the loop's period.")
@@ -145,7 +149,9 @@ def import_(
         import_table(
             path, output, answers, episode=episode, yes=yes, model=model, json=json, force=force, quiet=quiet
         )
-    elif not drive:
+        return
+    refuse_model(path)
+    if not drive:
         show_contents(path, json, force, quiet)
     else:
         asked = MechanismOptions(

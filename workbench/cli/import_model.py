@@ -10,6 +10,8 @@ from workbench.core import InputError
 
 from .common import echo, write_result
 
+_EXAMPLES = {"--limits": "0.35:2.6", "--start": "1.2"}
+
 
 @dataclass(frozen=True)
 class MechanismOptions:
@@ -27,6 +29,25 @@ class MechanismOptions:
     rotor_damping: list[float] | None
     torque_limit: list[float] | None
     delay: float
+
+
+def refuse_model(path: Path) -> None:
+    """An MJCF needs no import.
+
+    Raises:
+        InputError: the file is one.
+    """
+    from workbench.core.xml import parse_xml
+
+    if not path.is_file():
+        return  # said where it is opened
+    remedy = "give an SDF or URDF file"
+    if parse_xml(path.read_bytes(), path, problem="not an XML file", remedy=remedy).tag == "mujoco":
+        raise InputError(
+            "it is an MJCF, which is a model already",
+            file=path,
+            remedy=f"use it as it is: workbench import LOG --model {path}, workbench compare {path} RUN.toml",
+        )
 
 
 def show_contents(path: Path, json: str | None, force: bool, quiet: bool) -> None:
@@ -117,7 +138,9 @@ def _pairs(texts: Sequence[str], option: str) -> dict[str, str]:
     for text in texts:
         name, equals, value = text.partition("=")
         if not (name and equals and value):
-            raise InputError(f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} knee=...")
+            raise InputError(
+                f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} knee={_EXAMPLES[option]}"
+            )
         out[name] = value
     return out
 

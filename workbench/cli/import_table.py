@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from workbench.inspection import Inspection
     from workbench.proposing import Answers, Proposal, Question
 
+_EXAMPLES = {"--column": "position=q1,q2", "--unit": "position=deg,deg,mm,deg"}
 _ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
 
 
@@ -60,11 +61,16 @@ def import_table(
     if json:
         report.write_json(proposal_dict(proposal, written, found), json, force=force)
     if not quiet and json != "-":
+        from workbench.inspection.inspect import FEW
+
+        from .import_next import next_step
         from .import_tables import proposal_tables
 
         report.print_table(proposal_tables(proposal, recording, found))
         echo(f"Wrote {' and '.join(str(f) for f in written)}.")
-        echo(f"Next: workbench compare {model or 'MODEL'} {target}")
+        remarks = found.recordings[0].remarks
+        short = len(recording) < FEW
+        echo(next_step(proposal.description, remarks, target, model, short=short))
 
 
 def default_output(path: Path) -> Path:
@@ -156,14 +162,10 @@ def _model_axes(model: str | None) -> tuple[tuple[str, ...], tuple[bool, ...], n
     """Axes, which of them move along a line, and the transmission where it is not the identity."""
     if model is None:
         return (), (), None
-    import mujoco
-
-    from workbench.effects import load_model
+    from workbench.effects import axis_units, load_model
 
     loaded = load_model(model)
-    spec = mujoco.MjSpec.from_file(str(loaded.serial))
-    kinds = {joint.name: joint.type for joint in spec.joints}
-    slides = tuple(kinds.get(name) == mujoco.mjtJoint.mjJNT_SLIDE for name in loaded.joints)
+    slides = tuple(unit == "m" for unit in axis_units(loaded))
     plain = np.array_equal(loaded.transmission, np.eye(loaded.size))
     return loaded.axes, slides, None if plain else loaded.transmission
 
@@ -173,7 +175,12 @@ def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:
     for text in texts or []:
         name, equals, value = text.partition("=")
         if not (name and equals and value):
-            raise InputError(f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} position=...")
+            raise InputError(
+                f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} {_EXAMPLES[option]}"
+            )
+        if name.strip() in out:
+            remedy = f"give it once, one value an axis: {option} {_EXAMPLES[option]}"
+            raise InputError(f"{option} {name.strip()} is given twice", remedy=remedy)
         out[name.strip()] = value.strip()
     return out
 

@@ -36,7 +36,8 @@ AXIS_SIGNALS: Mapping[str, str] = MappingProxyType(
 class Controller:
     """How the loop was closed while the recording was made.
 
-    ``pd``: torque = kp (q_ref - q) + kd (v_ref - v) in `coordinates`, kp [N m/rad], kd [N m s/rad].
+    ``pd``: torque = kp (q_ref - q) + kd (v_ref - v) in `coordinates`, kp [N m/rad], kd [N m s/rad]
+    (of a linear axis N/m and N s/m).
     ``cascade_pv``: volts = kv (kp (q_ref - q) - v), clipped at `limit` [V]; torque = gain * volts,
     kp [1/s], kv [V s/m or V s/rad], gain [N/V or N m/V]. ``none``: open loop, `torque_command` is the
     input. ``unknown``: the loop cannot be simulated; only inverse dynamics can be compared.

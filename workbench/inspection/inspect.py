@@ -16,7 +16,7 @@ from .motion import remark_on_motion
 from .result import Inspection, RecordingInspection, Remark
 from .torque import remark_on_command_limits, remark_on_torque
 
-_FEW = 200  # rows below which nothing is compared
+FEW = 200  # rows below which nothing is compared
 
 
 def inspect(recordings: Sequence[Recording], *, transmission: np.ndarray | None = None) -> Inspection:
@@ -39,7 +39,7 @@ def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> Recor
     excited = excited_axes(recording, noise)
     held = np.array([e.held for e in excited])
     remarks = [Remark("note", "reader", None, note) for note in recording.notes]
-    if len(recording) >= _FEW:
+    if len(recording) >= FEW:
         remarks += remark_on_motion(recording, held)
         remarks += remark_on_control(recording, transmission)
         remarks += remark_on_torque(recording, noise)

@@ -25,8 +25,7 @@ def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, lis
             file=draft.table.file,
             remedy=f"name them: --column position=A,B; the columns are {shown}",
         )
-    joints = list(positions)
-    joints, axes = _axes(joints, draft)
+    joints, axes = _axes(positions, draft)
     columns: dict[str, list[str]] = {}
     for signal, by_joint in signals.columns.items():
         row = _in_order(by_joint, joints, list(positions))
@@ -43,8 +42,9 @@ def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, lis
     return axes, columns
 
 
-def _axes(joints: list[str], draft: Draft) -> tuple[list[str], list[str]]:
-    """Joints in the order of the axes, and the axes' names."""
+def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]]:
+    """Joints in the order of the axes, and the axes' names; `positions` are joint -> column."""
+    joints = list(positions)
     own = [_readable(j, k, len(joints)) for k, j in enumerate(joints)]
     wanted = list(draft.answers.axes or draft.answers.model_axes)
     if not wanted:
@@ -59,6 +59,14 @@ def _axes(joints: list[str], draft: Draft) -> tuple[list[str], list[str]]:
         if left:
             draft.notes.append(f"Not among the axes: {', '.join(left)}.")
         return [m for m in matched if m is not None], wanted
+    missing = [axis for axis in wanted if found[axis] is None]
+    if len(joints) < len(wanted) and len(missing) == len(wanted) - len(joints):
+        names = ",".join(positions[found[a] or ""] if found[a] else "NAME" for a in wanted)
+        raise InputError(
+            f"has no position of {', '.join(missing)}",
+            file=draft.table.file,
+            remedy=f"log it, or name its column: --column 'position={names}'",
+        )
     if len(wanted) != len(joints):
         names = ",".join(["NAME"] * len(wanted))
         raise InputError(

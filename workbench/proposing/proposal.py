@@ -62,7 +62,7 @@ class Answers:
     Attributes:
         axes: names of the axes, in order.
         columns: signal -> the table's columns, one an axis (``time``: one).
-        units: kind -> unit.
+        units: kind -> unit, or one an axis with commas between.
         coordinates: ``actuator`` or ``joint``.
         rate_hz: rows a second, where there is no time column.
         counts: encoder counts per turn.
@@ -93,13 +93,13 @@ class Answers:
         if kind == "unit":
             return replace(self, units={**self.units, name: value})
         if kind == "column":
-            return replace(self, columns={**self.columns, name: _listed(value)})
+            return replace(self, columns={**self.columns, name: listed(value)})
         if kind == "coordinates":
             if value not in ("actuator", "joint"):
                 raise ValueError(value)
             return replace(self, coordinates=value)
         if kind == "axes":
-            return replace(self, axes=_listed(value))
+            return replace(self, axes=listed(value))
         number = float(value)
         return replace(self, rate_hz=number) if kind == "rate" else replace(self, counts=number)
 
@@ -123,5 +123,6 @@ class Proposal:
     notes: tuple[str, ...]
 
 
-def _listed(value: str) -> tuple[str, ...]:
+def listed(value: str) -> tuple[str, ...]:
+    """The parts of a text with commas."""
     return tuple(part.strip() for part in value.split(",") if part.strip())

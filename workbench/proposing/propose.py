@@ -15,12 +15,18 @@ from .clean import Clean, clean
 from .clock import find_time, rate_question
 from .draft import FALLBACK_RATE, Draft
 from .names import name_joints, role_of
-from .proposal import Answers, Proposal, Question
-from .settle import settle_signs, settle_units
+from .proposal import Answers, Proposal, Question, listed
+from .scaling import settle_scales
+from .settle import settle_units
 from .signals import Signals, read_signals
+from .stated import EXAMPLES
 from .table import Table
 from .units import pint_unit
 from .velocities import derivatives, uncross
+
+#: Kinds whose unit can be stated, and an example of each.
+UNITS = {"time": "ms", **{kind: turning for kind, (turning, _) in EXAMPLES.items()}}
+UNITS |= {"current": "A", "voltage": "V", "temperature": "degC"}
 
 
 def propose(table: Table, answers: Answers | None = None) -> Proposal:
@@ -54,11 +60,14 @@ def _check_answers(table: Table, answers: Answers) -> None:
                 raise InputError(
                     "there is no such column", file=table.file, column=name, remedy=f"it has: {shown}"
                 )
-    for kind, unit in answers.units.items():
-        if not pint_unit(unit, kind):
+    for kind, text in answers.units.items():
+        wrong = [unit for unit in listed(text) or ("",) if not pint_unit(unit, kind)]
+        if kind not in UNITS or (kind == "time" and len(listed(text)) > 1) or wrong:
+            known = kind if kind in UNITS else "position"
             raise InputError(
-                f"'{unit}' is no unit of {kind}", file=table.file, remedy=f"e.g. --unit {kind}=..."
-            )
+                f"'{wrong[0] if wrong else text}' is no unit of {kind}", file=table.file,
+                remedy=f"e.g. --unit {known}={UNITS[known]}",
+            )  # fmt: skip
 
 
 def _drafted(draft: Draft) -> Proposal:
@@ -71,8 +80,8 @@ def _drafted(draft: Draft) -> Proposal:
     period_raw = float(np.median(np.diff(rows.columns[time or "t"])))
     columns = uncross(draft, rows, columns, axes)
     relations = derivatives(rows, columns)
-    units = settle_units(draft, rows, columns, time, period_raw, relations)
-    scales = settle_signs(draft, columns, axes, relations)
+    units = settle_units(draft, rows, columns, axes, time, period_raw, relations)
+    scales = settle_scales(draft, columns, axes, units, relations)
     description = _description(draft, axes, columns, units, scales, rows, time)
     named = {n for names in columns.values() for n in names}
     unused = [n for n in table.columns if n not in named and n != time]
@@ -134,7 +143,7 @@ def _description(
     draft: Draft,
     axes: Sequence[str],
     columns: dict[str, list[str]],
-    units: dict[str, str],
+    units: dict[str, tuple[str, ...]],
     scales: dict[str, list[float]],
     rows: Clean,
     time: str | None,
@@ -162,7 +171,7 @@ def _description(
         "coordinates": coordinates,
         "axes": list(axes),
         "columns": out,
-        "units": {k: u for k, u in units.items() if u},
+        "units": {kind: each[0] if len(set(each)) == 1 else list(each) for kind, each in units.items()},
     }
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
-from .units import is_linear, scale
+from .units import scale
 
 _SPREAD = 0.04  # by how much a measured factor may miss the right one
 _FLOOR = 1e-6  # weight of a reading that the factor contradicts
@@ -21,36 +21,73 @@ class Told:
     sure: float
 
 
-def weigh(
-    time: dict[str, float], position: dict[str, float], velocity: dict[str, float], factor: float | None
-) -> dict[str, Told]:
-    """The likeliest units.
+@dataclass(frozen=True)
+class Motion:
+    """Axes of one unit, and what that unit may be.
+
+    Attributes:
+        position, velocity: unit -> weight by statement or size; velocity is empty where there is none.
+        factor: velocity over the derivative of position, both in the table's own units; None where unknown.
+    """
+
+    position: Mapping[str, float]
+    velocity: Mapping[str, float]
+    factor: float | None
+
+
+def weigh(time: Mapping[str, float], motions: Sequence[Motion]) -> tuple[Told, list[dict[str, Told]]] | None:
+    """The likeliest units: of the one clock, and of each group of axes.
 
     Args:
-        time, position, velocity: unit -> weight by name and size; velocity is empty where there is none.
-        factor: velocity over the derivative of position, both in the table's own units; None where unknown.
+        time: unit -> weight by name and size.
+        motions: the groups.
 
     Returns:
-        ``time``, ``position`` and, where there is one, ``velocity``.
+        Time, and of each group ``position`` and, where there is one, ``velocity``; None where no unit makes
+        such numbers likely.
     """
-    marginal: dict[str, dict[str, float]] = {"time": {}, "position": {}, "velocity": {}}
-    for (t, wt), (p, wp), (v, wv) in product(time.items(), position.items(), (velocity or {"": 1.0}).items()):
-        weight = wt * wp * wv
-        if v and p != "counts":
-            if is_linear(p, "position") != is_linear(v, "velocity"):
-                continue
-            if factor:
-                expected = scale(p, "position") / (scale(t, "time") * scale(v, "velocity"))
-                miss = np.log(abs(factor) / expected) / _SPREAD
-                weight *= float(np.exp(-0.5 * min(miss * miss, 1400.0))) + _FLOOR
-        elif v and factor:
-            weight *= _FLOOR**0.5
-        for kind, unit in (("time", t), ("position", p), ("velocity", v)):
-            marginal[kind][unit] = marginal[kind].get(unit, 0.0) + weight
+    clocks = list(time)
+    readings = [[_readings(t, motion) for t in clocks] for motion in motions]
+    sums = np.array([[sum(each.values()) for each in row] for row in readings])
+    if not np.all(sums.max(axis=1, initial=0.0) > 0):
+        return None
+    # each by its largest: many groups that contradict a clock must not come to nothing
+    whole = np.array([time[t] for t in clocks]) * np.prod(sums / sums.max(axis=1, keepdims=True), axis=0)
+    if not whole.sum() > 0:
+        return None
+    out = []
+    for row, total in zip(readings, sums, strict=True):
+        marginal: dict[str, dict[str, float]] = {"position": {}, "velocity": {}}
+        for share, each, norm in zip(whole, row, total, strict=True):
+            for (p, v), weight in each.items():
+                for kind, unit in (("position", p), ("velocity", v)):
+                    if unit and norm > 0:
+                        marginal[kind][unit] = marginal[kind].get(unit, 0.0) + share * weight / norm
+        out.append({kind: _likeliest(weights) for kind, weights in marginal.items() if weights})
+    return _likeliest(dict(zip(clocks, whole.tolist(), strict=True))), out
+
+
+def expected(time: str, position: str, velocity: str) -> float:
+    """Velocity over the derivative of position that these units make."""
+    return scale(position, "position") / (scale(time, "time") * scale(velocity, "velocity"))
+
+
+def _readings(time: str, motion: Motion) -> dict[tuple[str, str], float]:
+    """Weight of each pair of units, given the clock's."""
     out = {}
-    for kind, weights in marginal.items():
-        total = sum(weights.values())
-        if total > 0 and (kind != "velocity" or velocity):
-            best = max(weights, key=lambda u: weights[u])
-            out[kind] = Told(best, min(0.999, weights[best] / total))
+    for p, wp in motion.position.items():
+        for v, wv in (motion.velocity or {"": 1.0}).items():
+            weight = wp * wv
+            if v and motion.factor:
+                if p == "counts":
+                    weight *= _FLOOR**0.5
+                else:
+                    miss = np.log(abs(motion.factor) / expected(time, p, v)) / _SPREAD
+                    weight *= float(np.exp(-0.5 * min(miss * miss, 1400.0))) + _FLOOR
+            out[p, v] = weight
     return out
+
+
+def _likeliest(weights: Mapping[str, float]) -> Told:
+    best = max(weights, key=lambda u: weights[u])
+    return Told(best, min(0.999, weights[best] / sum(weights.values())))

@@ -1,8 +1,10 @@
-"""Units and signs: what is sure is noted as an assumption, what is not becomes a question."""
+"""Units: what is sure is noted as an assumption, what is not becomes a question."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -10,139 +12,189 @@ from workbench.core import InputError
 
 from .clean import Clean
 from .clock import time_weights
+from .disagree import is_near, note_clock, note_factors, note_size
 from .draft import FALLBACK_RATE, Draft
 from .match import Relation
 from .proposal import ASK, Question
-from .scales import Told, weigh
-from .units import by_size, is_linear, pint_unit, scale
+from .scales import Motion, Told, expected, weigh
+from .stated import Stated, header_unit, signals_of, stated_units
+from .units import by_size
 
-_POSITION_KINDS = ("position", "position_reference", "link_position")
+_CHOICES = {
+    "time": (("s", "ms", "us", "ns"), ()),
+    "position": (("rad", "deg"), ("m", "mm")),
+    "velocity": (("rad/s", "deg/s", "rpm"), ("m/s", "mm/s")),
+    "torque": (("N*m", "mN*m", "N*mm"), ("N",)),
+}
+_TIE = "velocity over slope of position"
+
+
+@dataclass
+class _Told:
+    """A unit of one axis, as it was told."""
+
+    unit: str
+    sure: float
+    because: str
 
 
 def settle_units(
     draft: Draft,
     rows: Clean,
     columns: dict[str, list[str]],
+    axes: Sequence[str],
     time: str | None,
     step: float,
     relations: list[Relation],
-) -> dict[str, str]:
-    """Kind -> unit of the columns, by their names, their sizes, and velocity against position.
+) -> dict[str, tuple[str, ...]]:
+    """Kind -> unit of each axis (of time: one), by names, joints, sizes, and velocity against position.
 
     Args:
         draft: takes what is assumed, asked and noted.
         rows: of the columns that are used.
         columns: signal -> its columns, one an axis.
+        axes: names of the axes.
         time: the column of time, if there is one.
         step: median step of time [its unit].
         relations: of velocity to position, one an axis.
 
     Raises:
-        InputError: no unit makes such numbers likely.
+        InputError: no unit makes such numbers likely, or a stated one is none of its axis.
     """
+    stated = stated_units(draft, columns, axes)
     by_time: dict[str, float] = {"s": 1.0}
     why_time = "you said so"
     if time is not None:
         by_time, why_time = time_weights(draft.table.columns[time], draft.roles[time], draft.answers)
-    by_position, why_position = _weights(draft, "position", rows, columns["position"])
-    by_velocity, why_velocity = {}, ""
-    if "velocity" in columns:
-        by_velocity, why_velocity = _weights(draft, "velocity", rows, columns["velocity"])
-    good = [r for r in relations if r.likeness > 0.9]
     # per row to per unit of time
-    factor = float(np.median([abs(r.factor) for r in good])) * step if good else None
-    told = weigh(by_time, by_position, by_velocity, factor)
-    for kind in ("time", "position"):
-        if kind not in told:  # no unit makes such numbers likely
-            raise InputError(
-                f"the unit of {kind} cannot be told from such numbers", file=draft.table.file,
-                remedy=f"say it: --unit {kind}=UNIT",
-            )  # fmt: skip
-    if factor and "velocity" in told and told["position"].unit != "counts":
-        expected = scale(told["position"].unit, "position") / (
-            scale(told["time"].unit, "time") * scale(told["velocity"].unit, "velocity")
-        )
-        if abs(factor / expected - 1) < 0.1:
-            tie = "velocity over slope of position"
-            why_position, why_velocity = _and(why_position, tie), _and(why_velocity, tie)
-            why_time = _and(why_time, tie)
-        elif time is None and draft.answers.rate_hz is None:
-            _ask_rate(draft, expected / factor)
-        else:
-            ratio = factor / expected
-            draft.notes.append(
-                f"Velocity is {ratio:.4g} times the derivative of position in these units: "
-                "a gear ratio, or a wrong unit?"
-            )
-    units = {}
+    factors = {i: abs(r.factor) * step for i, r in enumerate(relations) if r.likeness > 0.9}
+    clock, motion = _motion(draft, rows, columns, stated, by_time, factors)
+    taken = {kind: [t.unit for t in told] for kind, told in motion.items()}
+    ratios = {
+        i: f / expected(clock.unit, taken["position"][i], taken["velocity"][i])
+        for i, f in factors.items()
+        if taken["position"][i] != "counts"
+    }
+    ratio = float(np.median(list(ratios.values()))) if ratios else 1.0
+    if time is None and draft.answers.rate_hz is None and abs(ratio - 1) >= 0.1:
+        _ask_rate(draft, 1.0 / ratio)
+        ratios = {}
+    near = [i for i, ratio in ratios.items() if is_near(ratio)]
+    for told in (motion[kind][i] for kind in motion for i in near):
+        told.because = _and(told.because, _TIE)
+    note_factors(draft, columns, axes, clock.unit, taken, ratios)
+    units: dict[str, tuple[str, ...]] = {}
     if time is not None:
-        units["time"] = _settle(draft, "time", told["time"], why_time)
-    units["position"] = _settle(draft, "position", told["position"], why_position)
-    if "velocity" in told:
-        units["velocity"] = _settle(draft, "velocity", told["velocity"], why_velocity)
-    torques = [n for s, names in columns.items() if s.startswith("torque") for n in names]
-    if torques:
-        weights, why = _weights(
-            draft, "torque", rows, torques, linear=is_linear(_or_rad(units["position"]), "position")
-        )
-        best = max(weights, key=lambda u: weights[u])
-        units["torque"] = _settle(draft, "torque", Told(best, weights[best] / sum(weights.values())), why)
-    for kind in ("current", "voltage", "temperature"):
+        note_clock(draft, time, by_time, why_time, clock.unit)
+        why_time = _and(why_time, _TIE) if near else why_time
+        units["time"] = _settle(draft, "time", [_Told(clock.unit, clock.sure, why_time)], (False,))
+    note_size(draft, columns, rows, taken["position"], stated)
+    if signals_of("torque", columns):
+        motion["torque"] = _torques(rows, columns, stated)
+    for kind, told in motion.items():
+        units[kind] = _settle(draft, kind, told, stated.linear)
+    for kind, usual in (("current", "A"), ("voltage", "V"), ("temperature", "degC")):
         if kind in columns:
-            hint = pint_unit(draft.roles[columns[kind][0]].unit, kind)
-            units[kind] = hint or {"current": "A", "voltage": "V", "temperature": "degC"}[kind]
+            units[kind] = tuple(header_unit(draft, name, kind) or usual for name in columns[kind])
     return units
 
 
+def _motion(
+    draft: Draft,
+    rows: Clean,
+    columns: dict[str, list[str]],
+    stated: Stated,
+    by_time: dict[str, float],
+    factors: Mapping[int, float],
+) -> tuple[Told, dict[str, list[_Told]]]:
+    """The clock's unit, and those of ``position`` and, where it was logged, ``velocity``, one an axis."""
+    kinds = [kind for kind in ("position", "velocity") if kind in columns]
+    groups: dict[tuple, list[int]] = {}
+    for i, linear in enumerate(stated.linear):
+        groups.setdefault((linear, *(stated.units[kind][i] for kind in kinds)), []).append(i)
+    weights = [
+        {kind: _weights(kind, rows, columns, stated, which) for kind in kinds} for which in groups.values()
+    ]
+    motions = []
+    for which, by in zip(groups.values(), weights, strict=True):
+        good = [factors[i] for i in which if i in factors]
+        factor = float(np.median(good)) if good else None
+        motions.append(Motion(by["position"][0], by.get("velocity", ({}, ""))[0], factor))
+    told = weigh(by_time, motions)
+    if told is None:
+        raise InputError(
+            "the unit of position cannot be told from such numbers", file=draft.table.file,
+            remedy="say it: --unit position=deg (or rad, mm, ...; one, or one an axis)",
+        )  # fmt: skip
+    clock, each = told
+    out: dict[str, list[_Told]] = {kind: [_Told("", 0.0, "")] * len(stated.linear) for kind in kinds}
+    for which, by, found in zip(groups.values(), weights, each, strict=True):
+        for kind in kinds:
+            for i in which:
+                out[kind][i] = _Told(found[kind].unit, found[kind].sure, by[kind][1])
+    return clock, out
+
+
+def _torques(rows: Clean, columns: dict[str, list[str]], stated: Stated) -> list[_Told]:
+    groups: dict[tuple[bool, str], list[int]] = {}
+    for i, linear in enumerate(stated.linear):
+        groups.setdefault((linear, stated.units["torque"][i]), []).append(i)
+    out = [_Told("", 0.0, "")] * len(stated.linear)
+    for which in groups.values():
+        weights, why = _weights("torque", rows, columns, stated, which)
+        best = max(weights, key=lambda u: weights[u])
+        for i in which:
+            out[i] = _Told(best, weights[best] / sum(weights.values()), why)
+    return out
+
+
 def _weights(
-    draft: Draft, kind: str, rows: Clean, names: list[str], linear: bool | None = None
+    kind: str, rows: Clean, columns: dict[str, list[str]], stated: Stated, which: Sequence[int]
 ) -> tuple[dict[str, float], str]:
-    stated = draft.answers.units.get(kind)
-    if stated:
-        return {pint_unit(stated, kind): 1.0}, "you said so"
-    if kind == "position" and draft.answers.counts:
-        return {"turn": 1.0}, "you said so"
-    hints = {pint_unit(draft.roles[n].unit, kind) for n in names if draft.roles[n].unit} - {""}
-    by = by_size(kind, np.column_stack([rows.columns[n] for n in names]))
-    if linear is None:
-        linear = bool(draft.answers.linear) and all(draft.answers.linear)
-    if linear:
-        by = {
-            "position": {"m": 1.0, "mm": 0.03},
-            "velocity": {"m/s": 1.0, "mm/s": 0.03},
-            "torque": {"N": 1.0},
-        }[kind]
-    by = {u: w for u, w in by.items() if w > 0}
-    if len(hints) == 1:
-        hint = hints.pop()
-        return {**{u: 1e-4 * w for u, w in by.items()}, hint: 1.0}, "its name says so"
-    top = float(np.nanmax(np.abs(np.column_stack([rows.columns[n] for n in names]))))
-    return by, f"numbers up to {top:.3g}"
+    """Weights of the units of some axes that are alike, and what they rest on."""
+    first = which[0]
+    if unit := stated.units[kind][first]:
+        return {unit: 1.0}, stated.because[kind][first]
+    signals = signals_of(kind, columns) if kind == "torque" else [kind]
+    values = np.column_stack([rows.columns[columns[s][i]] for s in signals for i in which])
+    by = {u: w for u, w in by_size(kind, values, stated.linear[first]).items() if w > 0}
+    if stated.linear[first] and stated.modelled[first]:
+        return by, "a slide in the model"
+    return by, f"numbers up to {np.nanmax(np.abs(values)):.3g}"
 
 
-def _settle(draft: Draft, kind: str, told: Told, because: str) -> str:
+def _settle(draft: Draft, kind: str, told: list[_Told], linear: Sequence[bool]) -> tuple[str, ...]:
     """Note a unit; where it is not sure, ask."""
-    name = f"unit of {kind}"
+    name, units = f"unit of {kind}", tuple(t.unit for t in told)
     if kind in draft.answers.units:
-        draft.assume(name, told.unit, 1.0, "you said so")
-        return told.unit
-    if told.unit == "counts":
+        draft.assume(name, _shown(units), 1.0, "you said so")
+        return units
+    if "counts" in units:
         text = "Positions are whole numbers, encoder counts it seems. How many make a turn?"
-        draft.questions.append(Question("counts", text, (), "", "--counts N (or --unit position=UNIT)"))
-        return "turn"
-    draft.assume(name, told.unit, told.sure, because)
-    if told.sure < ASK:
-        choices = {
-            "time": ("s", "ms", "us", "ns"),
-            "position": ("rad", "deg"),
-            "velocity": ("rad/s", "deg/s", "rpm"),
-        }
-        options = choices.get(kind, ("N*m", "mN*m", "N*mm"))
+        draft.questions.append(Question("counts", text, (), "", "--counts N (or --unit position=deg)"))
+        return tuple("turn" if u == "counts" else u for u in units)
+    because = "; ".join(dict.fromkeys(part for t in told for part in t.because.split("; ")))
+    draft.assume(name, _shown(units), min(t.sure for t in told), because)
+    unsure = [i for i, t in enumerate(told) if t.sure < ASK]
+    if unsure:
+        options = _options(kind, units, unsure, linear)
         text = f"What is the unit of {kind}: {' or '.join(options)} ({because})?"
-        draft.questions.append(
-            Question(f"unit.{kind}", text, options, told.unit, f"--unit {kind}={told.unit}")
-        )
-    return told.unit
+        best = units[0] if len(set(units)) == 1 else ",".join(units)
+        draft.questions.append(Question(f"unit.{kind}", text, options, best, f"--unit {kind}={best}"))
+    return units
+
+
+def _options(
+    kind: str, units: Sequence[str], unsure: Sequence[int], linear: Sequence[bool]
+) -> tuple[str, ...]:
+    """Every choice for the axes that are not sure, one for those that move alike; the rest as they are."""
+    moves = list(dict.fromkeys(linear[i] for i in unsure))
+    out = []
+    for choice in product(*(_CHOICES[kind][m] for m in moves)):
+        by = dict(zip(moves, choice, strict=True))
+        each = [by[linear[i]] if i in unsure else unit for i, unit in enumerate(units)]
+        out.append(each[0] if len(set(each)) == 1 else ",".join(each))
+    return tuple(out)
 
 
 def _ask_rate(draft: Draft, period: float) -> None:
@@ -153,30 +205,9 @@ def _ask_rate(draft: Draft, period: float) -> None:
     draft.questions.append(Question("rate", text, (), f"{rate:.4g}", f"--rate {rate:.4g}"))
 
 
-def settle_signs(
-    draft: Draft,
-    columns: dict[str, list[str]],
-    axes: Sequence[str],
-    relations: list[Relation],
-) -> dict[str, list[float]]:
-    """Factors on columns: velocities counted the other way, counts per turn."""
-    scales: dict[str, list[float]] = {}
-    if draft.answers.counts:
-        scales = {s: [1.0 / draft.answers.counts] * len(axes) for s in _POSITION_KINDS if s in columns}
-    backward = [i for i, r in enumerate(relations) if r.likeness > 0.9 and r.factor < 0]
-    if backward:
-        scales["velocity"] = [-1.0 if i in backward else 1.0 for i in range(len(axes))]
-        which = ", ".join(axes[i] for i in backward)
-        draft.assume("sign of velocity", f"reversed: {which}", 0.95, "it falls where position rises")
-        draft.notes.append(
-            f"Velocity of {which} has the sign against position; it is turned. Is the encoder?"
-        )
-    return scales
-
-
 def _and(first: str, second: str) -> str:
     return second if first.startswith("numbers") or first == "rows a second" else f"{first}; {second}"
 
 
-def _or_rad(unit: str) -> str:
-    return unit or "rad"
+def _shown(units: Sequence[str]) -> str:
+    return units[0] if len(set(units)) == 1 else ", ".join(units)

@@ -8,6 +8,7 @@ import numpy as np
 
 from .match import derivative, follows, held_share
 from .names import Role
+from .roles import drives, is_held_reference, is_reference, pairs
 from .table import Table
 
 _ALIKE = 0.9
@@ -47,12 +48,18 @@ class Signals:
 def read_signals(table: Table, roles: dict[str, Role], time: str | None) -> Signals:
     """Assign columns by their names, and by their numbers where names leave it open."""
     out = Signals()
-    data = {n: v for n, v in table.columns.items() if n != time and _moves(v)}
+    data = {n: v for n, v in table.columns.items() if n != time and (_moves(v) or _may_hold(v, roles[n]))}
     _by_name(out, data, roles)
+    _held_references(out, data)
+    moving = {n: v for n, v in data.items() if _moves(v)}
+    if "position" not in out.columns:
+        _by_role(out, data, roles)
+    data = moving
     if "position" not in out.columns:
         _by_derivative(out, data, roles)
     _reference_for_velocity(out, data)
     _commands(out, data, roles)
+    _drives(out, data, roles)
     _torques(out, data)
     if "position_reference" not in out.columns:
         _unnamed_references(out, data, roles)
@@ -62,6 +69,42 @@ def read_signals(table: Table, roles: dict[str, Role], time: str | None) -> Sign
 def _moves(values: np.ndarray) -> bool:
     finite = values[np.isfinite(values)]
     return len(finite) > 8 and bool(np.ptp(finite) > 0)
+
+
+def _may_hold(values: np.ndarray, role: Role) -> bool:
+    """Whether a column that never changes may be the reference of an axis that is held."""
+    return role.role == "reference" and role.kind in ("position", "") and bool(np.isfinite(values).sum() > 8)
+
+
+def _held_references(out: Signals, data: dict[str, np.ndarray]) -> None:
+    """References of which none moves are some, only where positions are held at them."""
+    asked, seen = out.columns.get("position_reference", {}), out.columns.get("position", {})
+    if any(_moves(data[column]) for column in asked.values()):
+        return
+    if not all(
+        joint in seen and is_held_reference(_filled(data[column]), _filled(data[seen[joint]]))
+        for joint, column in asked.items()
+    ):
+        out.drop("position_reference")
+
+
+def _by_role(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
+    """Positions and references of which the names say no more than that they are measured and asked for."""
+    filled = {n: _filled(v) for n, v in data.items() if n not in out.used()}
+    for joint, (seen, asked) in pairs(filled, roles).items():
+        out.put("position", joint, seen, f"its name; it follows '{asked}'", 0.95)
+        if "position_reference" not in out.columns or joint not in out.columns["position_reference"]:
+            out.put("position_reference", joint, asked, f"its name; '{seen}' follows it", 0.95)
+
+
+def _drives(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
+    """What drives gave or were asked for, where nothing else is a torque."""
+    if any(signal.startswith("torque") for signal in out.columns):
+        return
+    free = [n for n in data if n not in out.used()]
+    for signal, joint, column in drives(free, roles, list(out.columns.get("position", {}))):
+        if joint not in out.columns.get(signal, {}):
+            out.put(signal, joint, column, "a drive's by its name; taken for torque", 0.91)
 
 
 def _by_name(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
@@ -177,6 +220,13 @@ def _commands(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role])
 def _unnamed_references(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
     """Columns without a meaning that a position follows, one a joint."""
     free = [n for n in data if n not in out.used() and not roles[n].kind]
+    by_name = {roles[n].joint: n for n in free if roles[n].role == "reference"}
+    positions = out.columns.get("position", {})
+    alike = [j for j, n in by_name.items() if j in positions and _follows(data, n, positions[j])]
+    if positions and len(alike) == len(positions):
+        for joint in alike:
+            out.put("position_reference", joint, by_name[joint], "its name; the position follows it", 0.96)
+        return
     found: dict[str, tuple[float, str]] = {}
     for joint, column in out.columns.get("position", {}).items():
         for name in free:
@@ -186,6 +236,10 @@ def _unnamed_references(out: Signals, data: dict[str, np.ndarray], roles: dict[s
     if found and len(found) == len(out.columns["position"]) == len({name for _, name in found.values()}):
         for joint, (_, name) in found.items():
             out.put("position_reference", joint, name, "the position follows it", 0.93)
+
+
+def _follows(data: dict[str, np.ndarray], asked: str, seen: str) -> bool:
+    return is_reference(_filled(data[asked]), _filled(data[seen]))
 
 
 def _torques(out: Signals, data: dict[str, np.ndarray]) -> None:

@@ -86,14 +86,21 @@ def is_linear(unit: str, kind: str) -> bool:
     return to_si(unit, kind)[2] in ("m", "m/s", "N")
 
 
-def by_size(kind: str, values: np.ndarray) -> dict[str, float]:
+def by_size(kind: str, values: np.ndarray, linear: bool) -> dict[str, float]:
     """Weights of the units that numbers of this size may have.
 
     Args:
         kind: ``position``, ``velocity`` or ``torque``.
         values: all columns of the kind, shape (N, n).
+        linear: whether they are of axes that move along a line.
     """
     top = float(np.nanmax(np.abs(values), initial=0.0))
+    if linear:
+        return {
+            "position": {"m": _falls(top, 5.0, 3.0), "mm": _rises(top, 5.0, 3.0)},
+            "velocity": {"m/s": _falls(top, 5.0, 2.0), "mm/s": _rises(top, 5.0, 2.0)},
+            "torque": {"N": 1.0},
+        }[kind]
     if kind == "position":
         whole = bool(np.all(values[np.isfinite(values)] == np.round(values[np.isfinite(values)])))
         spread = float(np.nanmax(np.ptp(np.nan_to_num(values), axis=0), initial=0.0))

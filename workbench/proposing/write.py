@@ -18,6 +18,7 @@ import tomli_w
 
 from workbench.core import InputError, Recording
 from workbench.core.files import write_all
+from workbench.inspection.inspect import FEW
 from workbench.recordings import load_recording
 
 from .law import find_law
@@ -53,6 +54,8 @@ def complete(proposal: Proposal, table: Table, answers: Answers) -> tuple[Propos
             )
             write(proposal)
             recording = load_recording(toml)
+            if len(recording) < FEW:
+                proposal = replace(proposal, notes=(*proposal.notes, _short(recording)))
         except InputError as error:
             shown = table.file if str(error.file) in (str(data), str(toml)) else error.file
             raise InputError(
@@ -84,6 +87,11 @@ def write(proposal: Proposal, table: Table, output: Path, *, force: bool = False
     )
 
 
+def _short(recording: Recording) -> str:
+    logged = "" if recording.get("position_reference") is None else " The reference is in it."
+    return f"{len(recording)} rows, {recording.duration:.3g} s: too short for a comparison.{logged}"
+
+
 def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], list[Assumption], bool]:
     """The ``[controller]`` table, what it rests on, and whether the run starts at rest."""
     n = len(recording.axes)
@@ -99,6 +107,8 @@ def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], li
         because = "no logged command follows its reference; give --kp and --kd"
         if "velocity" in recording.derived:
             because = "the loop's speed is not logged; give --kp and --kd"
+        if len(recording) < FEW:
+            because = "too few rows to tell; give --kp and --kd"
         if recording.get("position_reference") is None:
             because = "no reference is logged"
         return {}, [Assumption("controller", "unknown", 0.98, because)], at_rest

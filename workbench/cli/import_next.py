@@ -1,0 +1,52 @@
+"""What to do after an import: compare, or first mend what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from workbench.inspection import Remark
+
+
+def next_step(
+    description: Mapping[str, Any], remarks: Sequence[Remark], target: Path, model: str | None, *, short: bool
+) -> str:
+    """The last line of an import.
+
+    Args:
+        description: the recording's TOML.
+        remarks: what its inspection says.
+        target: where it was written.
+        model: the model that was named, if one was.
+        short: whether it has too few rows to be compared.
+    """
+    wrong = [remark for remark in remarks if remark.severity == "problem"]
+    if wrong:
+        ways = dict.fromkeys(_way(remark, description) for remark in wrong)
+        return f"Next: {'; '.join(ways)}. Then: workbench inspect {target}"
+    if short:
+        return "Next: import a longer log."
+    return f"Next: workbench compare {model or 'MODEL'} {target}"
+
+
+def _way(remark: Remark, description: Mapping[str, Any]) -> str:
+    """How one problem is mended."""
+    column = _column(remark, description)
+    if remark.topic == "sign":
+        return f"turn what counts the other way, e.g. {{column = '{column}', scale = -1.0}} in [columns]"
+    if remark.topic == "swap":
+        return "exchange the swapped names in [columns], or give --column with --force"
+    if remark.topic == "unit":
+        return f"give the right unit in [units], or a factor, e.g. {{column = '{column}', scale = 2.0}}"
+    return "mend the log, or what [columns], [units] and [controller] say of it"
+
+
+def _column(remark: Remark, description: Mapping[str, Any]) -> str:
+    """The column that a remark is most likely about."""
+    columns, axes = description["columns"], list(description["axes"])
+    said = remark.text.lower()
+    about = remark.value.get("signal") or ("torque_measured" if "torque" in said else "velocity")
+    names = columns.get(about) or columns["position"]
+    name = names[axes.index(remark.axis) if remark.axis in axes else 0]
+    return name["column"] if isinstance(name, dict) else name

@@ -1,0 +1,148 @@
+"""What is stated of units, axis by axis: by the user, by the header, by the model's joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from workbench.core import AXIS_SIGNALS, InputError
+
+from .draft import Draft
+from .proposal import Answers, listed
+from .units import is_linear, pint_unit
+
+#: Quantities whose unit depends on how an axis moves, and an example of each: turning, along a line.
+EXAMPLES = {"position": ("deg", "mm"), "velocity": ("deg/s", "mm/s"), "torque": ("N*m", "N")}
+
+
+@dataclass(frozen=True)
+class Stated:
+    """What is known of units before numbers are looked at; one entry an axis.
+
+    Attributes:
+        linear: whether the axis moves along a line.
+        modelled: whether only the model says so.
+        units: kind -> units, ``""`` where nobody states one.
+        because: kind -> where the unit is from.
+    """
+
+    linear: tuple[bool, ...]
+    modelled: tuple[bool, ...]
+    units: dict[str, tuple[str, ...]]
+    because: dict[str, tuple[str, ...]]
+
+
+def signals_of(kind: str, columns: dict[str, list[str]]) -> list[str]:
+    """The signals of a kind that there are, what was measured of a motion first."""
+    return [s for s, k in AXIS_SIGNALS.items() if k == kind and s in columns]
+
+
+def header_unit(draft: Draft, column: str, kind: str) -> str:
+    """The unit in a column's name, ``""`` where there is none of this kind."""
+    unit = draft.roles[column].unit
+    return pint_unit(unit, kind) if unit else ""
+
+
+def stated_units(draft: Draft, columns: dict[str, list[str]], axes: Sequence[str]) -> Stated:
+    """Units by what the user says, else by each axis' headers, else by the headers of axes that move alike.
+
+    Raises:
+        InputError: another number of units than axes, or one unit for axes of which it can be no unit.
+    """
+    n = len(axes)
+    said = {kind: _said(draft, kind, n) for kind in EXAMPLES}
+    headers = {kind: [_header(draft, columns, kind, i) for i in range(n)] for kind in EXAMPLES}
+    modelled = _by_model(draft.answers, axes)
+    each = {kind: units if len(units) == n else [""] * n for kind, units in said.items()}
+    known = [_first(_moves(each, i), _moves(headers, i)) for i in range(n)]
+    _check_model(draft, axes, known, modelled)
+    found = [_first(k, m) for k, m in zip(known, modelled, strict=True)]
+    one = {kind: units * n for kind, units in said.items() if len(units) == 1}
+    rest = {f for f in found if f is not None}
+    alike = rest.pop() if len(rest) == 1 else False
+    linear = tuple(bool(_first(f, _moves(one, i), alike)) for i, f in enumerate(found))
+    from_model = tuple(k is None and m is not None for k, m in zip(known, modelled, strict=True))
+    for kind, same in one.items():
+        _check_one(draft, kind, same[0], axes, linear)
+    units: dict[str, tuple[str, ...]] = {}
+    because: dict[str, tuple[str, ...]] = {}
+    for kind in EXAMPLES:
+        told = [_unit(draft, kind, i, said[kind], headers[kind], linear) for i in range(n)]
+        units[kind] = tuple(unit for unit, _ in told)
+        because[kind] = tuple(why for _, why in told)
+    return Stated(linear, from_model, units, because)
+
+
+def _unit(
+    draft: Draft, kind: str, i: int, said: list[str], headers: list[str], linear: Sequence[bool]
+) -> tuple[str, str]:
+    if said:
+        return said[i if len(said) > 1 else 0], "you said so"
+    if kind == "position" and draft.answers.counts and not linear[i]:
+        return "turn", "you said so"
+    if headers[i]:
+        return headers[i], "its name says so"
+    others = {u for u, line in zip(headers, linear, strict=True) if u and line == linear[i]}
+    return (others.pop(), "as other axes' names say") if len(others) == 1 else ("", "")
+
+
+def _said(draft: Draft, kind: str, n: int) -> list[str]:
+    """What the user says: nothing, one unit, or one an axis."""
+    units = [pint_unit(u, kind) for u in listed(draft.answers.units.get(kind, ""))]
+    if len(units) not in (0, 1, n):
+        turning, line = EXAMPLES[kind]
+        example = ",".join([turning] * (n - 1) + [line])
+        raise InputError(
+            f"{len(units)} units of {kind} for {n} axes",
+            file=draft.table.file,
+            remedy=f"give one, or one an axis: --unit {kind}={example}",
+        )
+    return units
+
+
+def _check_model(
+    draft: Draft, axes: Sequence[str], known: Sequence[bool | None], modelled: Sequence[bool | None]
+) -> None:
+    """Say where a stated unit is none of the model's joint; it is kept."""
+    for axis, stated, joint in zip(axes, known, modelled, strict=True):
+        if None not in (stated, joint) and stated != joint:
+            is_, but = ("a length", "a hinge") if stated else ("an angle", "a slide")
+            draft.notes.append(
+                f"'{axis}' is {is_} by its unit, but {but} in the model: is it the right model, "
+                "and are the axes in its order?"
+            )
+
+
+def _check_one(draft: Draft, kind: str, unit: str, axes: Sequence[str], linear: Sequence[bool]) -> None:
+    """One unit for all axes has to be a unit of each."""
+    wrong = [a for a, line in zip(axes, linear, strict=True) if line != is_linear(unit, kind)]
+    if not wrong:
+        return
+    right = [unit if line == is_linear(unit, kind) else EXAMPLES[kind][line] for line in linear]
+    moves = "turns" if is_linear(unit, kind) else "moves along a line"
+    raise InputError(
+        f"'{unit}' is no unit of {kind} of '{wrong[0]}', which {moves}",
+        file=draft.table.file,
+        remedy=f"give one an axis: --unit {kind}={','.join(right)}",
+    )
+
+
+def _header(draft: Draft, columns: dict[str, list[str]], kind: str, i: int) -> str:
+    units = [header_unit(draft, columns[s][i], kind) for s in signals_of(kind, columns)]
+    return next((u for u in units if u), "")
+
+
+def _first(*options: bool | None) -> bool | None:
+    return next((o for o in options if o is not None), None)
+
+
+def _moves(units: dict[str, list[str]], i: int) -> bool | None:
+    """Whether an axis' units are those of a line; None where there are none."""
+    return next((is_linear(u[i], kind) for kind, u in units.items() if u[i]), None)
+
+
+def _by_model(answers: Answers, axes: Sequence[str]) -> list[bool | None]:
+    known = dict(zip(answers.model_axes, answers.linear, strict=False))
+    if axes and all(a in known for a in axes):
+        return [known[a] for a in axes]
+    return list(answers.linear) if len(answers.linear) == len(axes) else [None] * len(axes)
