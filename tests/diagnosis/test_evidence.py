@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 
 from workbench.comparison import NoiseModel, simulate_with_noise
 from workbench.core import EffectKey
+from workbench.diagnosis.evidence import finding_lines
 from workbench.diagnosis.relations import Missing, missing_torque, relation_lines, relations
 from workbench.diagnosis.responses import (
     COMPLIANT,
@@ -31,6 +33,7 @@ from workbench.diagnosis.responses import (
 )
 from workbench.effects import effect_named, load_model
 from workbench.frf import multisine as design_multisine
+from workbench.models import AppliedEffect
 from workbench.recordings import load_recording
 from workbench.rigs import Experiment, HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep
 from workbench.rigs.experiments import HOLD
@@ -251,3 +254,15 @@ def test_it_costs_little() -> None:
         return time.process_time() - start
 
     assert min(cost() for _ in range(3)) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [(0.50, "next best, asymmetric_friction@knee, removes 50.0 %"), (0.66, "simpler than ")],
+)
+def test_a_richer_explanation_that_removes_more_is_no_next_best(share: float, said: str) -> None:
+    key, other = EffectKey("coulomb_friction", "knee"), EffectKey("asymmetric_friction", "knee")
+    ranking = ((other, share), (key, 0.632))
+    stage = SimpleNamespace(by_held_out=True, folds=(1, 1), removed_share=0.632, ranking=ranking, rivals=())
+    lines = finding_lines(stage, AppliedEffect(key, {}))  # type: ignore[arg-type]
+    assert any(line.startswith(said) for line in lines)

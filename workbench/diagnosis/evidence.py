@@ -142,7 +142,8 @@ def finding_lines(stage: Stage, applied: AppliedEffect) -> tuple[str, ...]:
     others = [(k, s) for k, s in stage.ranking if k != applied.key and k not in stage.rivals]
     if others:
         key, share = others[0]
-        lines.append(f"next best, {key}, removes {100 * max(share, 0.0):.1f} %")
+        beside = f"simpler than {key}, which" if share > stage.removed_share else f"next best, {key},"
+        lines.append(f"{beside} removes {100 * max(share, 0.0):.1f} %")
     lines.append(f"where to see it: {effect_named(applied.key.effect).shows}")
     return tuple(lines)
 
