@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.effects import effect_named
-from workbench.models import Placement
+from workbench.models import AppliedEffect, Model, Placement
 
 from .data import Data
 from .hypothesis import Fit
@@ -219,12 +219,23 @@ def lowers_error(found: Fit, current: Fit, data: Data) -> bool:
 
 
 def witnessed(scene: Scene, found: Fit) -> bool:
-    """Whether the recorded motions show each effect whole enough to be named."""
+    """Whether the recorded motions show each effect whole enough to be named, none larger than can be."""
     model = found.hypothesis.model
     return all(
         effect_named(a.key.effect).witnessed(scene.motions, Placement.of(model, a.key), a.values)
+        and not _at_its_limit(model, a)
         for a in found.hypothesis.free
     )
+
+
+def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
+    """Whether an effect would have to be larger than physics allows: then it stands in for another."""
+    effect = effect_named(applied.key.effect)
+    coefficients, _ = effect.to_coefficients(applied.values)
+    lower, upper = effect.bounds(model, Placement.of(model, applied.key))
+    # what grows without limit ends at nothing, which a machine may well have
+    limits = np.where(np.isfinite(upper) & (np.array([lower, upper]) != 0.0), [lower, upper], np.nan)
+    return bool(np.isclose(coefficients, limits, rtol=1e-6, atol=0.0).any())
 
 
 def cancels(scene: Scene, found: Fit) -> bool:
