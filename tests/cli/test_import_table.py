@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import pty
@@ -37,6 +38,8 @@ def test_a_recording_is_written_and_read(tmp_path: Path) -> None:
     assert (tmp_path / "run.csv").read_bytes() == before
     said = json.loads((tmp_path / "said.json").read_text())
     assert said["recording"]["controller"]["kind"] == "pd"
+    [made_of] = said["provenance"]["inputs"]
+    assert made_of == {"file": "run.csv", "sha256": hashlib.sha256(before).hexdigest()}
     assert all(0 < a["probability"] <= 1 for a in said["assumptions"])
     again = run("import", "run.csv", cwd=tmp_path)
     assert again.returncode == 2 and "--force" in again.stderr

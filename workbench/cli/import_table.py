@@ -12,7 +12,7 @@ import typer
 
 from workbench.core import InputError
 
-from .common import echo
+from .common import echo, write_result
 
 if TYPE_CHECKING:
     from workbench.inspection import Inspection
@@ -42,6 +42,7 @@ def import_table(
     from workbench import report
     from workbench.core.files import check_free
     from workbench.inspection import inspect
+    from workbench.models import read_model
     from workbench.proposing import complete, open_table, propose, write
 
     target = Path(output) if output else default_output(path)
@@ -59,7 +60,9 @@ def import_table(
     written = write(proposal, table, target, force=force)
     found = inspect([recording])
     if json:
-        report.write_json(proposal_dict(proposal, written, found), json, force=force)
+        read = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+        read += read_model(model).files if model else []
+        write_result(proposal_dict(proposal, written, found), json, files=read, force=force)
     if not quiet and json != "-":
         from workbench.inspection.inspect import FEW
 
