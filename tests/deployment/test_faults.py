@@ -134,6 +134,19 @@ def test_late_frames_are_stale_by_their_stamp(robot: Robot) -> None:
     assert robot.host.feedback.counts["old"] > 0 and robot.host.state.phase == "damp"
 
 
+def test_feedback_from_the_future_changes_nothing(robot: Robot) -> None:
+    arrivals = []
+    robot.network.tamper = lambda a: (arrivals.append(a), [(a.stamp, a)])[1]
+    robot.run(0.01)
+    feedback, now = robot.host.feedback, robot.network.now() + 0.001
+    before, old = known(robot), feedback.counts["old"]
+    feedback.take(arrivals[-1]._replace(stamp=now + 0.01), now)
+    assert feedback.counts["old"] == old + 1
+    assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(before, known(robot), strict=True))
+    feedback.take(arrivals[-1]._replace(stamp=now), now)
+    assert feedback.counts["old"] == old + 1, "the same is taken when its time has come"
+
+
 def test_frames_repeated_and_out_of_order_change_nothing(robot: Robot) -> None:
     robot.network.tamper = lambda a: [(a.stamp, a), (a.stamp, a), (a.stamp + 0.004, a)]
     before = robot.host.feedback.counts["feedback"]
