@@ -108,6 +108,29 @@ def check_outputs(*paths: str | None, force: bool) -> None:
             check_free(path, force=force)
 
 
+def named_values(texts: Sequence[str] | None, option: str, example: str) -> dict[str, str]:
+    """What an option that may be repeated gives each name.
+
+    Args:
+        texts: ``NAME=VALUE`` each.
+        option, example: for the error, as ``--unit`` and ``position=deg``.
+
+    Raises:
+        InputError: one has no name or no value, or a name stands twice.
+    """
+    out: dict[str, str] = {}
+    for text in texts or ():
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise InputError(f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} {example}")
+        if name in out:
+            raise InputError(
+                f"{option} {name} is given twice", remedy=f"give it once, e.g. {option} {example}"
+            )
+        out[name] = value
+    return out
+
+
 def check_model_output(path: str | None, *, force: bool) -> None:
     """Refuse a model file that exists, or that would not read back by its name."""
     if path and Path(path).suffix.lower() != ".toml":

@@ -8,9 +8,7 @@ from pathlib import Path
 
 from workbench.core import InputError
 
-from .common import echo, write_result
-
-_EXAMPLES = {"--limits": "0.35:2.6", "--start": "1.2"}
+from .common import echo, named_values, write_result
 
 
 @dataclass(frozen=True)
@@ -82,7 +80,10 @@ def import_mechanism(
     contents = contents_of(path)
     if not output:
         raise InputError("no output file", remedy="say where the new model goes: -o MODEL.toml")
-    stated = {**contents.limits, **{k: _range(v) for k, v in _pairs(asked.limits, "--limits").items()}}
+    stated = {
+        **contents.limits,
+        **{k: _range(v) for k, v in named_values(asked.limits, "--limits", "knee=0.35:2.6").items()},
+    }
     known = [name for name in serial if name in stated]
     if known and len(known) < len(serial):
         missing = next(name for name in serial if name not in stated)
@@ -95,7 +96,7 @@ def import_mechanism(
         joints=serial,
         loops=tuple(_frames(pair) for pair in asked.loops),
         foot=asked.foot,
-        start=tuple((k, _number(v)) for k, v in _pairs(asked.start, "--start").items()),
+        start=tuple((k, _number(v)) for k, v in named_values(asked.start, "--start", "knee=1.2").items()),
         limits=tuple(stated[name] for name in serial) if known else (),
     )
     count = len(asked.drives)
@@ -131,18 +132,6 @@ def import_mechanism(
             + "."
         )
     echo(f"Next: workbench check {output}")
-
-
-def _pairs(texts: Sequence[str], option: str) -> dict[str, str]:
-    out = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise InputError(
-                f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} knee={_EXAMPLES[option]}"
-            )
-        out[name] = value
-    return out
 
 
 def _frames(text: str) -> tuple[str, str]:

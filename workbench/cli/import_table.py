@@ -12,13 +12,12 @@ import typer
 
 from workbench.core import InputError
 
-from .common import echo, write_result
+from .common import echo, named_values, write_result
 
 if TYPE_CHECKING:
     from workbench.inspection import Inspection
     from workbench.proposing import Answers, Proposal, Question
 
-_EXAMPLES = {"--column": "position=q1,q2", "--unit": "position=deg,deg,mm,deg"}
 _ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
 
 
@@ -144,11 +143,11 @@ def read_answers(
         if value is not None and not 0 < value < float("inf"):
             raise InputError(f"{option} must be positive", remedy="give a finite number above zero")
     names, linear, transmission = _model_axes(model)
-    columns = {k: tuple(v.split(",")) for k, v in _pairs(column, "--column").items()}
+    columns = {k: tuple(v.split(",")) for k, v in named_values(column, "--column", "position=q1,q2").items()}
     return Answers(
         axes=tuple(axis or ()),
         columns={k: tuple(part.strip() for part in v) for k, v in columns.items()},
-        units=_pairs(unit, "--unit"),
+        units=named_values(unit, "--unit", "position=deg,deg,mm,deg"),
         coordinates=coordinates,
         rate_hz=rate,
         counts=counts,
@@ -171,21 +170,6 @@ def _model_axes(model: str | None) -> tuple[tuple[str, ...], tuple[bool, ...], n
     slides = tuple(unit == "m" for unit in axis_units(loaded))
     plain = np.array_equal(loaded.transmission, np.eye(loaded.size))
     return loaded.axes, slides, None if plain else loaded.transmission
-
-
-def _pairs(texts: list[str] | None, option: str) -> dict[str, str]:
-    out = {}
-    for text in texts or []:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise InputError(
-                f"{option} '{text}' is not NAME=VALUE", remedy=f"e.g. {option} {_EXAMPLES[option]}"
-            )
-        if name.strip() in out:
-            remedy = f"give it once, one value an axis: {option} {_EXAMPLES[option]}"
-            raise InputError(f"{option} {name.strip()} is given twice", remedy=remedy)
-        out[name.strip()] = value.strip()
-    return out
 
 
 def proposal_dict(proposal: Proposal, written: list[Path], found: Inspection) -> dict[str, Any]:
