@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from workbench.effects import Effect, contains, effect_named
 from workbench.models import Placement
 
+from .choosing import Explanation
 from .data import Data
 from .fit import race
 from .hypothesis import Fit
@@ -20,7 +21,7 @@ _MORE = 2.0  # times the error or the noise, which one parameter more may have g
 
 def named_beside(
     scene: Scene, candidates: Sequence[Candidate], chosen: Candidate, found: Fit, current: Fit, data: Data
-) -> list[tuple[Candidate, Fit]]:
+) -> list[Explanation]:
     """Effects with the chosen one as a special case that explain all as well and are no refinement of it.
 
     A special case always comes first; beside it they are named where motions do not settle which it is, as of
@@ -41,8 +42,8 @@ def named_beside(
 
 
 def special_case(
-    scene: Scene, chosen: Candidate, found: Fit, helpful: Sequence[tuple[Candidate, Fit]], data: Data
-) -> tuple[Candidate, Fit]:
+    scene: Scene, chosen: Candidate, found: Fit, helpful: Sequence[Explanation], data: Data
+) -> Explanation:
     """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
     if _can_say(chosen) and not _differs(scene, found):
         enough = _MORE * max(found.judged, floor_of_judging(data))

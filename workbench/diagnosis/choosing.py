@@ -14,6 +14,9 @@ from .hypothesis import Fit
 from .judging import NEAR_FLOOR, TIE, floor_of_fitting, floor_of_judging, reached
 from .screen import Candidate
 
+#: An effect in a place that was simulated, with its fit.
+Explanation = tuple[Candidate, Fit]
+
 # An explanation near the floor is not passed over for a basic one that leaves this many times as much.
 _FAR_WORSE = 4.0
 _BLIND = 1.25  # times the judged error, within which judging sees no difference
@@ -21,7 +24,7 @@ _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping 
 
 
 def choose(
-    helpful: list[tuple[Candidate, Fit]],
+    helpful: list[Explanation],
     stated: Sequence[Candidate],
     before: float,
     data: Data,
@@ -69,7 +72,7 @@ def choose(
     return candidate, found, rivals
 
 
-def _refined(one: tuple[Candidate, Fit], all_: Sequence[tuple[Candidate, Fit]], data: Data) -> bool:
+def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
     """Whether a refinement explains what this one plainly leaves of the training, unseen by judging."""
     floor, (special, found) = floor_of_fitting(data), one
     return found.trained > NEAR_FLOOR * floor and any(
@@ -110,7 +113,7 @@ def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[
     return sorted(found, key=rank)
 
 
-def margin(chosen: Candidate, found: Fit, fits: Sequence[tuple[Candidate, Fit]]) -> float:
+def margin(chosen: Candidate, found: Fit, fits: Sequence[Explanation]) -> float:
     """How much worse the best other explanation is, leaving out those that contain this one."""
     others = [
         f.judged

@@ -16,7 +16,7 @@ from .screen import screen
 from .sensitivity import Scene
 from .simpler import simpler
 from .stage import Search
-from .step import Progress
+from .trying import Progress
 from .ways import Quest, Way, fewer, holds, is_consistent, onwards, otherwise, wanders, with_stages
 
 LIMIT = 6  # effects in a row; data that need more need a better model first

@@ -3,43 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
+from workbench.models import Model
 
 from .beside import named_beside, special_case
-from .choosing import choose, margin
+from .choosing import Explanation, choose, margin
 from .data import Data
-from .fit import fit, race
-from .giving import pins_of, what_gives_way
+from .giving import pins_of
 from .hypothesis import Fit
-from .judging import (
-    HELPS,
-    LATER_SHARE,
-    cancels,
-    explains_fitted,
-    floor_of_judging,
-    helps,
-    lowers_error,
-    reached,
-    witnessed,
-)
-from .refining import polished, prune, settle, with_candidate
+from .judging import cancels, explains_fitted, helps, lowers_error, witnessed
+from .refining import polished, prune
 from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
+from .trying import Progress, Standing, Tried, try_in_order
 
-# What the rest must be above, in floors, for springs and gaps to be looked for: after a first effect, more.
-_MOST_OF_IT = 1.5
-_ALL_OF_IT = 1.04  # judged error over the noise's, below which nothing more is looked for
-_WORTH = 3.0  # times what the best rigid explanation leaves: more is not worth a simulation
-_CLOSE = 1.5  # times what the best leaves: where how friction sets in may decide
-_SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
 
-Progress = Callable[[str], None]
+@dataclass(frozen=True)
+class _Choice:
+    """The effect that is taken.
+
+    Attributes:
+        candidate: what was screened.
+        found: its fit, as it was simulated beside the others.
+        kept: the same polished, without what it made needless.
+        rivals: effects that do as well, those that no data can tell from it included.
+        needless: effects that were found before, which it contains or replaces.
+        explanations: all candidates that may be named, with their fits.
+    """
+
+    candidate: Candidate
+    found: Fit
+    kept: Fit
+    rivals: tuple[EffectKey, ...]
+    needless: tuple[EffectKey, ...]
+    explanations: tuple[Explanation, ...]
+
+    @property
+    def key(self) -> EffectKey:
+        """The effect."""
+        return self.candidate.key
 
 
 def next_stage(
@@ -61,102 +69,80 @@ def next_stage(
     Boldly, an effect is taken that explains most of what was fitted, whatever the folds say: causes that are
     still missing may set them against it. Only what such a step leads to can justify it.
     """
-    floor = floor_of_judging(data)
-    excess = max(current.judged - floor, 1e-12)
     fitted = {a.key for a in current.hypothesis.free}
-    candidates = [c for c in candidates if c.key not in fitted]
-    stated = [c for c in candidates if effect_named(c.key.effect).free(scene.model) == 0 and not c.shape]
-    needed = 0.5 * (LATER_SHARE if later else HELPS) * excess
-    free = [c for c in candidates if c not in stated and c.judged < current.judged - needed]
-    # a first estimate leaves what the linearisation misses; only clear losers go unsimulated
-    best_left = max(min((c.judged for c in free), default=0.0) - floor, 0.0)
-    free = [c for c in free if c.judged - floor <= 10.0 * best_left + 0.05 * excess]
-    tiers = [[c for c in free if effect_named(c.key.effect).tier == t] for t in (0, 1)]
-    fits: list[tuple[Candidate, Fit]] = []
-    removed: dict[EffectKey, float] = {}
-    for tier, most in ((stated, len(stated)), (tiers[0], _SIMPLE), (tiers[1], _REFINED)):
-        chosen = tier[:most]
-        done = any(reached(f, data) for _, f in fits)
-        settled = tier is tiers[1] and any(c in stated for c, f in fits if helps(f, current, excess))
-        if not chosen or done or settled:
-            continue
-        own, behind = _fitted(scene, chosen, current, data, progress)
-        removed |= behind
-        # how friction sets in matters where the choice is made, not for those that are far behind
-        fits += [
-            (c, settle(f, data, floor) if f.trained < _CLOSE * own[0][1].trained else f) for c, f in own[:2]
-        ]
-        fits += own[2:]
-    structural = any(c in stated for c, f in fits if helps(f, current, excess))
-    full = _MOST_OF_IT if later else _ALL_OF_IT
-    if not structural and not any(reached(f, data, full) for _, f in fits):
-        # dear to simulate, and hardly ever asked for where all is rigid
-        progress("looking for springs and gaps")
-        best = min((f.judged for _, f in fits), default=np.inf)
-        late = what_gives_way(scene, data.training, current.judged)
-        late = [c for c in late if c.judged < _WORTH * best]
-        if late:
-            own, behind = _fitted(scene, late, current, data, progress)
-            fits, removed = [*fits, *own], removed | behind
-    enough = explains_fitted if bold else helps
-    helpful = [(c, f) for c, f in fits if enough(f, current, excess) and lowers_error(f, current, data)]
-    helpful = [(c, f) for c, f in helpful if witnessed(scene, f)]
+    new = tuple(c for c in candidates if c.key not in fitted)
+    at = Standing(scene, new, current, data, later, progress)
+    tried = try_in_order(at)
+    helpful = _helpful(tried, at, explains_fitted if bold else helps)
     if not helpful:
         return None
-    candidate, found, rivals = choose(helpful, stated, current.judged, data, scene.model)
-    candidate, found = special_case(scene, candidate, found, helpful, data)
-    wider = named_beside(scene, candidates, candidate, found, current, data)
+    choice = _choice(helpful, at)
+    return None if cancels(scene, choice.kept) else _stage(choice, tried, at)
+
+
+def _helpful(tried: Tried, at: Standing, enough: Callable[[Fit, Fit, float], bool]) -> list[Explanation]:
+    """What may be named: it explains enough, lowers the error, and the motions show it."""
+    better = [
+        (c, f)
+        for c, f in tried.fits
+        if enough(f, at.current, at.excess) and lowers_error(f, at.current, at.data)
+    ]
+    return [(c, f) for c, f in better if witnessed(at.scene, f)]
+
+
+def _choice(helpful: list[Explanation], at: Standing) -> _Choice:
+    """The best of what helps, with what does as well and without what it makes needless."""
+    candidate, found, rivals = choose(helpful, at.stated, at.current.judged, at.data, at.scene.model)
+    candidate, found = special_case(at.scene, candidate, found, helpful, at.data)
+    wider = named_beside(at.scene, at.candidates, candidate, found, at.current, at.data)
     rivals = (*rivals, *(c.key for c, _ in wider))
-    kept, dropped = prune(found, candidate.key, data, current)
-    kept = polished(kept, data)
-    if cancels(scene, kept):
-        return None
-    removed |= {c.key: (current.judged - f.judged) / excess for c, f in fits}
-    ranking = sorted(removed.items(), key=lambda r: -r[1])
-    left = {a.key for a in kept.hypothesis.added}
-    twins = effect_named(candidate.key.effect).twins
-    same = tuple(
-        replace(candidate.key, effect=name) for name in twins if candidate.key.location == "actuator"
-    )
-    same += pins_of(scene.model, candidate.key)
+    kept, needless = prune(found, candidate.key, at.data, at.current)
+    kept = polished(kept, at.data)
+    same = _indistinguishable(at.scene.model, candidate.key)
     rivals = (*rivals, *(k for k in same if k not in rivals))
+    return _Choice(candidate, found, kept, rivals, needless, (*helpful, *wider))
+
+
+def _indistinguishable(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
+    """Effects and places that no data can tell from this one."""
+    twins = effect_named(key.effect).twins if key.location == "actuator" else ()
+    return (*(replace(key, effect=name) for name in twins), *pins_of(model, key))
+
+
+def _stage(choice: _Choice, tried: Tried, at: Standing) -> Stage:
+    """The record of the step."""
+    before, kept, data = at.current, choice.kept, at.data
+    left = {a.key for a in kept.hypothesis.added}
     return Stage(
-        added=candidate.key,
+        added=choice.key,
         fit=kept,
         data=data,
-        removed_share=(current.judged - kept.judged) / excess,
-        rivals=(*rivals, *(k for k in dropped if not contains(candidate.key, k))),
+        removed_share=(before.judged - kept.judged) / at.excess,
+        rivals=(*choice.rivals, *(k for k in choice.needless if not contains(choice.key, k))),
         others=tuple(
             (c.key, f.hypothesis.model)
-            for c, f in sorted([*helpful, *wider], key=lambda cf: cf[1].judged)
-            if c is not candidate
-            and (c.key in rivals or not contains(c.key, candidate.key))
-            and not contains(candidate.key, c.key)
+            for c, f in sorted(choice.explanations, key=lambda cf: cf[1].judged)
+            if _stands_for_itself(c, choice)
         ),
-        dropped=tuple(a.key for a in current.hypothesis.added if a.key not in left),
-        ranking=tuple(ranking),
-        margin=margin(candidate, found, fits),
-        folds=(int(np.sum(kept.agreeing < current.agreeing)), len(kept.agreeing)),
+        dropped=tuple(a.key for a in before.hypothesis.added if a.key not in left),
+        ranking=_ranking(tried, at),
+        margin=margin(choice.candidate, choice.found, tried.fits),
+        folds=(int(np.sum(kept.agreeing < before.agreeing)), len(kept.agreeing)),
         by_held_out=data.held_out_judges,
     )
 
 
-def _fitted(
-    scene: Scene, chosen: Sequence[Candidate], current: Fit, data: Data, progress: Progress
-) -> tuple[list[tuple[Candidate, Fit]], dict[EffectKey, float]]:
-    """Candidates with their fits, best first, and what those removed of the excess that fell behind.
+def _stands_for_itself(other: Candidate, choice: _Choice) -> bool:
+    """Whether it is another explanation than the chosen one, not a part of it nor the same with more."""
+    return (
+        other is not choice.candidate
+        and (other.key in choice.rivals or not contains(other.key, choice.key))
+        and not contains(choice.key, other.key)
+    )
 
-    What does not run is left out.
-    """
-    progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
-    pairs: list[tuple[Candidate, Fit]] = []
-    behind: dict[EffectKey, float] = {}
-    for wanders in (False, True):
-        part = [c for c in chosen if effect_named(c.key.effect).wanders is wanders]
-        if not part:
-            continue
-        tried = [with_candidate(scene, c, current) for c in part]
-        results, shares = (fit(tried, data, 1), [None] * len(part)) if wanders else race(tried, current, data)
-        pairs += [(c, f) for c, f in zip(part, results, strict=True) if f is not None]
-        behind |= {c.key: x for c, x in zip(part, shares, strict=True) if x is not None}
-    return sorted(pairs, key=lambda cf: cf[1].trained), behind
+
+def _ranking(tried: Tried, at: Standing) -> tuple[tuple[EffectKey, float], ...]:
+    """What every simulated candidate removed of the excess, best first."""
+    removed = dict(tried.behind)
+    removed |= {c.key: (at.current.judged - f.judged) / at.excess for c, f in tried.fits}
+    return tuple(sorted(removed.items(), key=lambda r: -r[1]))

@@ -33,7 +33,8 @@ from .parting import parting
 from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
-from .step import Progress, next_stage
+from .step import next_stage
+from .trying import Progress
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,158 @@
+"""Which screened effects are simulated for the next step, in which order, and how well they fit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import effect_named
+
+from .choosing import Explanation
+from .data import Data
+from .fit import fit, race
+from .giving import what_gives_way
+from .hypothesis import Fit
+from .judging import HELPS, LATER_SHARE, floor_of_judging, helps, reached
+from .refining import settle, with_candidate
+from .screen import Candidate
+from .sensitivity import Scene
+
+# What the rest must be above, in floors, for springs and gaps to be looked for: after a first effect, more.
+_MOST_OF_IT = 1.5
+_ALL_OF_IT = 1.04  # judged error over the noise's, below which nothing more is looked for
+_WORTH = 3.0  # times what the best rigid explanation leaves: more is not worth a simulation
+_CLOSE = 1.5  # times what the best leaves: where how friction sets in may decide
+_SETTLED = 2  # fits of a tier at most that are asked for it
+_SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where a search stands that looks for its next effect.
+
+    Attributes:
+        scene: the loops linearised there.
+        candidates: screened effects that the model does not have, best first.
+        current: the fit so far.
+        data: recordings and weights.
+        later: whether this is not the first effect.
+        progress: told what is being done.
+    """
+
+    scene: Scene
+    candidates: tuple[Candidate, ...]
+    current: Fit
+    data: Data
+    later: bool
+    progress: Progress
+
+    @cached_property
+    def floor(self) -> float:
+        """Judged error that a perfect model would have."""
+        return floor_of_judging(self.data)
+
+    @cached_property
+    def excess(self) -> float:
+        """Judged error above that floor."""
+        return max(self.current.judged - self.floor, 1e-12)
+
+    @cached_property
+    def stated(self) -> tuple[Candidate, ...]:
+        """What the model file itself states, so that nothing of it has to be fitted."""
+        return tuple(
+            c
+            for c in self.candidates
+            if effect_named(c.key.effect).free(self.scene.model) == 0 and not c.shape
+        )
+
+    def stated_helps(self, fits: Sequence[Explanation]) -> bool:
+        """Whether something helps that the model file states."""
+        return any(c in self.stated for c, f in fits if helps(f, self.current, self.excess))
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What simulations said.
+
+    Attributes:
+        fits: candidates with their fits, tier after tier, each best first.
+        behind: what those removed of the excess whose fits were given up.
+    """
+
+    fits: tuple[Explanation, ...] = ()
+    behind: tuple[tuple[EffectKey, float], ...] = ()
+
+    def __add__(self, more: Tried) -> Tried:
+        return Tried((*self.fits, *more.fits), (*self.behind, *more.behind))
+
+
+def try_in_order(at: Standing) -> Tried:
+    """Simulate what the file states, then basic effects, refinements, and springs and gaps, as far as needed.
+
+    Whatever has reached the noise ends it. What is stated makes refinements and springs needless if it helps.
+    """
+    simple, refined = _free_tiers(at)
+    tried = Tried()
+    for tier in (at.stated, simple, refined):
+        if any(reached(f, at.data) for _, f in tried.fits):
+            break
+        if tier and not (tier is refined and at.stated_helps(tried.fits)):
+            tried += _settled(_fitted(tier, at), at)
+    enough = _MOST_OF_IT if at.later else _ALL_OF_IT
+    if at.stated_helps(tried.fits) or any(reached(f, at.data, enough) for _, f in tried.fits):
+        return tried
+    return tried + _springs_and_gaps(tried.fits, at)
+
+
+def _free_tiers(at: Standing) -> tuple[list[Candidate], list[Candidate]]:
+    """Basic effects and refinements whose first estimate promises enough, no more than are simulated."""
+    needed = 0.5 * (LATER_SHARE if at.later else HELPS) * at.excess
+    free = [c for c in at.candidates if c not in at.stated and c.judged < at.current.judged - needed]
+    # a first estimate leaves what the linearisation misses; only clear losers go unsimulated
+    best_left = max(min((c.judged for c in free), default=0.0) - at.floor, 0.0)
+    free = [c for c in free if c.judged - at.floor <= 10.0 * best_left + 0.05 * at.excess]
+    simple, refined = ([c for c in free if effect_named(c.key.effect).tier == tier] for tier in (0, 1))
+    return simple[:_SIMPLE], refined[:_REFINED]
+
+
+def _springs_and_gaps(rigid: Sequence[Explanation], at: Standing) -> Tried:
+    """What lets motors and links move apart; dear to simulate, and seldom asked for where all is rigid."""
+    at.progress("looking for springs and gaps")
+    best = min((f.judged for _, f in rigid), default=np.inf)
+    late = what_gives_way(at.scene, at.data.training, at.current.judged)
+    late = [c for c in late if c.judged < _WORTH * best]
+    return _fitted(late, at) if late else Tried()
+
+
+def _fitted(chosen: Sequence[Candidate], at: Standing) -> Tried:
+    """Candidates with their fits; what does not run is left out."""
+    at.progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
+    pairs: list[Explanation] = []
+    behind: list[tuple[EffectKey, float]] = []
+    for wanders in (False, True):
+        part = [c for c in chosen if effect_named(c.key.effect).wanders is wanders]
+        if not part:
+            continue
+        tried = [with_candidate(at.scene, c, at.current) for c in part]
+        if wanders:
+            results, shares = fit(tried, at.data, 1), [None] * len(part)
+        else:
+            results, shares = race(tried, at.current, at.data)
+        pairs += [(c, f) for c, f in zip(part, results, strict=True) if f is not None]
+        behind += [(c.key, x) for c, x in zip(part, shares, strict=True) if x is not None]
+    return Tried(tuple(sorted(pairs, key=lambda cf: cf[1].trained)), tuple(behind))
+
+
+def _settled(tier: Tried, at: Standing) -> Tried:
+    """A tier's fits, those that may be chosen with the way in which their friction sets in."""
+    if not tier.fits:
+        return tier
+    close = _CLOSE * tier.fits[0][1].trained
+    best = [(c, settle(f, at.data, at.floor) if f.trained < close else f) for c, f in tier.fits[:_SETTLED]]
+    return Tried((*best, *tier.fits[_SETTLED:]), tier.behind)
