@@ -143,6 +143,6 @@ def _stands_for_itself(other: Candidate, choice: _Choice) -> bool:
 
 def _ranking(tried: Tried, at: Standing) -> tuple[tuple[EffectKey, float], ...]:
     """What every simulated candidate removed of the excess, best first."""
-    removed = dict(tried.behind)
+    removed = dict(tried.at_first)
     removed |= {c.key: (at.current.judged - f.judged) / at.excess for c, f in tried.fits}
     return tuple(sorted(removed.items(), key=lambda r: -r[1]))

@@ -82,14 +82,15 @@ class Tried:
 
     Attributes:
         fits: candidates with their fits, tier after tier, each best first.
-        behind: what those removed of the excess whose fits were given up.
+        at_first: share of the excess that candidates removed on the few recordings on which they are fitted
+            first; all that is known of those that are given up there.
     """
 
     fits: tuple[Explanation, ...] = ()
-    behind: tuple[tuple[EffectKey, float], ...] = ()
+    at_first: tuple[tuple[EffectKey, float], ...] = ()
 
     def __add__(self, more: Tried) -> Tried:
-        return Tried((*self.fits, *more.fits), (*self.behind, *more.behind))
+        return Tried((*self.fits, *more.fits), (*self.at_first, *more.at_first))
 
 
 def try_in_order(at: Standing) -> Tried:
@@ -134,7 +135,7 @@ def _fitted(chosen: Sequence[Candidate], at: Standing) -> Tried:
     """Candidates with their fits; what does not run is left out."""
     at.progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
     pairs: list[Explanation] = []
-    behind: list[tuple[EffectKey, float]] = []
+    at_first: list[tuple[EffectKey, float]] = []
     for wanders in (False, True):
         part = [c for c in chosen if effect_named(c.key.effect).wanders is wanders]
         if not part:
@@ -145,8 +146,8 @@ def _fitted(chosen: Sequence[Candidate], at: Standing) -> Tried:
         else:
             results, shares = race(tried, at.current, at.data)
         pairs += [(c, f) for c, f in zip(part, results, strict=True) if f is not None]
-        behind += [(c.key, x) for c, x in zip(part, shares, strict=True) if x is not None]
-    return Tried(tuple(sorted(pairs, key=lambda cf: cf[1].trained)), tuple(behind))
+        at_first += [(c.key, x) for c, x in zip(part, shares, strict=True) if x is not None]
+    return Tried(tuple(sorted(pairs, key=lambda cf: cf[1].trained)), tuple(at_first))
 
 
 def _settled(tier: Tried, at: Standing) -> Tried:
@@ -155,4 +156,4 @@ def _settled(tier: Tried, at: Standing) -> Tried:
         return tier
     close = _CLOSE * tier.fits[0][1].trained
     best = [(c, settle(f, at.data, at.floor) if f.trained < close else f) for c, f in tier.fits[:_SETTLED]]
-    return Tried((*best, *tier.fits[_SETTLED:]), tier.behind)
+    return Tried((*best, *tier.fits[_SETTLED:]), tier.at_first)
