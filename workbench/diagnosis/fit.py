@@ -78,7 +78,7 @@ def fit(
         _linearise([w for w in moved if w.pieces is None], data)
         for work in moved:
             if not work.done:
-                _step(work, data, enough)
+                _step(work, enough)
     return [_finish(w, data) if np.isfinite(w.value) else None for w in works]
 
 
@@ -171,7 +171,7 @@ def _scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.nd
     return hits.T @ hits / len(hits)
 
 
-def _step(work: _Work, data: Data, enough: float) -> None:
+def _step(work: _Work, enough: float) -> None:
     """The next values to try; done where they would change nothing."""
     assert work.pieces is not None
     whole = total(work.pieces)

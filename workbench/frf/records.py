@@ -114,7 +114,7 @@ def choose(
     outputs = (output,) if isinstance(output, str) else tuple(output)
     for r in recordings:
         for signal in (input, *outputs, *((reference,) if reference not in (None, "auto") else ())):
-            _check_there(r, signal, places)
+            _check_there(r, signal)
     found = _reference(recordings, places, input) if reference == "auto" else reference
     return Choice(input, outputs, found, places)
 
@@ -193,7 +193,7 @@ def _check_alike(first: Recording, other: Recording) -> None:
         raise InputError(problem, file=other.source, column="time", remedy="log all at one rate")
 
 
-def _check_there(recording: Recording, signal: str, axes: Sequence[int]) -> None:
+def _check_there(recording: Recording, signal: str) -> None:
     if signal not in AXIS_SIGNALS:
         remedy = f"choose from {', '.join(AXIS_SIGNALS)}"
         raise InputError(f"'{signal}' is not a signal of recordings", column=signal, remedy=remedy)

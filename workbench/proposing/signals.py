@@ -58,7 +58,7 @@ def read_signals(table: Table, roles: dict[str, Role], time: str | None) -> Sign
     if "position" not in out.columns:
         _by_derivative(out, data, roles)
     _reference_for_velocity(out, data)
-    _commands(out, data, roles)
+    _commands(out, data)
     _drives(out, data, roles)
     _torques(out, data)
     if "position_reference" not in out.columns:
@@ -200,7 +200,7 @@ def _reference_for_velocity(out: Signals, data: dict[str, np.ndarray]) -> None:
         out.drop("velocity")
 
 
-def _commands(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
+def _commands(out: Signals, data: dict[str, np.ndarray]) -> None:
     """A command of what? Of position where it runs along it, else of torque."""
     commands = out.columns.pop("command", {})
     positions = out.columns.get("position", {})

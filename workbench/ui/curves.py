@@ -35,13 +35,13 @@ class Curves:
         self._noise: list[ColumnDataSource] = []
         #: where the moving picture is, drawn by the page itself
         self.cursor = ColumnDataSource({"x": [float("nan")]}, name="cursor")
-        for name, _ in _SIGNALS:
+        for _ in _SIGNALS:
             for residual in (False, True):
-                self._add(name, residual)
+                self._add(residual)
         crosshair(self.figures)
         self._number_time(self.figures[-1])
 
-    def _add(self, name: str, residual: bool) -> None:
+    def _add(self, residual: bool) -> None:
         plot = figure(height=_HEIGHTS[residual], x_range=self.time, y_range=Range1d(start=-1, end=1))
         source = ColumnDataSource({"t": [], **{look: [] for look in _LOOKS}})
         if residual:

@@ -39,7 +39,7 @@ def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     signals = {column: _find(column, database, path) for column in wanted}
     series: dict[str, tuple[list[float], list[float]]] = {column: ([], []) for column in wanted}
     for message in _messages(path):
-        _decode(message, database, signals, series)
+        _decode(message, signals, series)
     for column, (stamps, _) in series.items():
         if len(stamps) < 2:
             raise InputError(
@@ -83,7 +83,7 @@ def _at(rows: np.ndarray, stamps: list[float], values: list[float], half: float)
     return np.where(near, np.interp(rows, t, x), np.nan)
 
 
-def _decode(message: can.Message, database: Any, signals: dict[str, Any], series: dict[str, Any]) -> None:
+def _decode(message: can.Message, signals: dict[str, Any], series: dict[str, Any]) -> None:
     import cantools.database
 
     read: dict[str, Any] | None = None
