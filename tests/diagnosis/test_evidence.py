@@ -18,11 +18,6 @@ from workbench.core import EffectKey
 from workbench.diagnosis.evidence import finding_lines
 from workbench.diagnosis.relations import Missing, missing_torque, relation_lines, relations
 from workbench.diagnosis.responses import (
-    COMPLIANT,
-    DELAYS,
-    EVEN,
-    GAINS,
-    ODD,
     Responses,
     delay_line,
     distortion_lines,
@@ -31,7 +26,7 @@ from workbench.diagnosis.responses import (
     response_lines,
     responses,
 )
-from workbench.effects import effect_named, load_model
+from workbench.effects import load_model
 from workbench.frf import multisine as design_multisine
 from workbench.models import AppliedEffect
 from workbench.recordings import load_recording
@@ -230,11 +225,6 @@ def test_noise_goes_with_nothing_more_often_than_it_says() -> None:
         noise = Missing(**{**vars(like), "torque": slow - slow.mean(axis=0)})
         hits += bool(relations(noise, "knee"))
     assert hits <= 3
-
-
-def test_effects_named_are_in_the_catalogue() -> None:
-    for name in {*DELAYS, *GAINS, *ODD, *EVEN, *COMPLIANT}:
-        assert effect_named(name).name == name
 
 
 def test_it_costs_little() -> None:

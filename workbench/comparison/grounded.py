@@ -33,7 +33,6 @@ from .noise import DRAWS, NoiseModel, noise_seeds
 from .simulated import Simulated
 from .standing import (
     FORCE,
-    NEEDS_THE_PAST,
     Standing,
     check_ground,
     on_ground,
@@ -66,7 +65,7 @@ class Grounded:
 
     def shows(self, effect: str) -> bool:
         """Whether windows can tell anything of an effect."""
-        return effect not in NEEDS_THE_PAST and not effect_named(effect).splits
+        return not effect_named(effect).needs_the_past
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Grounded:
         """The same for other recordings."""

@@ -16,8 +16,6 @@ from workbench.simulation import GROUND_TORQUE, Windows, scored_torque, shoot
 from .feet import Feet
 from .starts import choose_starts, half_rows, local_state
 
-#: Effects with a state that no sensor shows, or that shift the log in time: a window cannot begin with them.
-NEEDS_THE_PAST = ("presliding_hysteresis", "sensor_delay", "velocity_filter_lag")
 FORCE = "ground_force"
 _PRESSED, _LEAST = 6.0, 0.02  # of the force's noise, of its largest: a foot that touches
 
@@ -61,7 +59,7 @@ def check_ground(model: Model, recording: Recording) -> None:
             "on the ground a model runs under the logged torque: name its column",
         )  # fmt: skip
     for applied in model.effects:
-        if applied.key.effect in NEEDS_THE_PAST or effect_named(applied.key.effect).splits:
+        if effect_named(applied.key.effect).needs_the_past:
             raise refuse(
                 f"{applied.key} has a state that no sensor shows", "effects",
                 f"on the ground, models start from measured states: leave {applied.key} out",

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey
+from workbench.effects import EFFECTS
 
 from .choosing import margin_over, simplest_first
 from .data import Data
@@ -29,24 +30,7 @@ from .screen import Candidate, Entry, equations, judge, limits_of
 from .sensitivity import Column, Scene
 from .stage import Stage
 
-#: What comes with the make of a joint or its drive; springs, offsets and ripples come with its assembly, and
-#: on every axis together they follow too many other things.
-_OF_A_MAKE = (
-    "viscous_damping",
-    "coulomb_friction",
-    "stribeck_friction",
-    "asymmetric_friction",
-    "load_dependent_friction",
-    "presliding_hysteresis",
-    "quadratic_drag",
-    "reflected_inertia",
-    "torque_constant_error",
-    "thermal_derating",
-    "torque_saturation",
-    "speed_torque_limit",
-    "current_loop_lag",
-    "velocity_filter_lag",
-)
+# What a plain model of drives leaves out together: sets that are tried beside each effect by itself.
 _FRICTION = ("coulomb_friction", "viscous_damping")
 _DRIVES = (*_FRICTION, "reflected_inertia")
 _PROMISING = 0.4  # share of the excess that a set may leave by the linearised loop, to be simulated
@@ -132,7 +116,8 @@ def _promising(
         for c in screened
         if c.key.axis is not None and c.key.location == "actuator" and np.isfinite(c.judged)
     }
-    names = [name for name in _OF_A_MAKE if any(name == effect for effect, _ in at_drives)]
+    there = {effect for effect, _ in at_drives}
+    names = [effect.name for effect in EFFECTS if effect.of_a_make and effect.name in there]
     columns, entries = _columns(scene, [c for c in at_drives.values() if c.key.effect in names])
     if not columns:
         return []

@@ -13,18 +13,7 @@ from workbench.models import AppliedEffect, Model, rotors
 from .data import Data
 from .hypothesis import Fit
 from .relations import Missing, missing_torque, relation_lines, relations
-from .responses import (
-    COMPLIANT,
-    DELAYS,
-    EVEN,
-    GAINS,
-    ODD,
-    Responses,
-    distortion_lines,
-    resonance_lines,
-    response_lines,
-    responses,
-)
+from .responses import Responses, distortion_lines, resonance_lines, response_lines, responses
 from .shape import shapes
 from .stage import Stage
 
@@ -33,7 +22,6 @@ _SAME = 0.01  # difference of such shares that is none
 _SHAPED = 0.3  # the same of a smooth function, on blocks that it was not fitted to
 #: Doors whose effects are torques on the mechanism; others shift what is commanded or read.
 _TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
-_IN_RESPONSES = frozenset({*DELAYS, *GAINS, *ODD, *EVEN, *COMPLIANT})
 
 
 @dataclass(frozen=True)
@@ -90,10 +78,10 @@ class Clues:
 
     def of_finding(self, key: EffectKey) -> list[str]:
         """Lines that bear on one effect."""
-        lines = []
-        if key.effect in _IN_RESPONSES and self.responses is not None:
+        effect, lines = effect_named(key.effect), []
+        if effect.trace is not None and self.responses is not None:
             lines += response_lines(self.responses, key)
-        if effect_named(key.effect).door in _TORQUES and self.missing is not None:
+        if effect.door in _TORQUES and self.missing is not None:
             missing = self.missing
             if key.location == "joint":
                 missing = missing.in_joints(self.model.transmission)

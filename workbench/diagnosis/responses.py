@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from workbench.core import EffectKey, Estimate, InputError, Recording
+from workbench.effects import Door, Trace, effect_named
 from workbench.frf import (
     Distortion,
     Frf,
@@ -26,35 +27,6 @@ from workbench.frf import (
     local_polynomial,
 )
 from workbench.report.numbers import interval
-
-#: Where an effect shows in the ratio of measured to modelled response: on its input's or its output's side.
-DELAYS = {
-    "command_delay": "input",
-    "current_loop_lag": "input",
-    "sensor_delay": "output",
-    "velocity_filter_lag": "output",
-}
-GAINS = {"torque_constant_error": "input", "encoder_scale": "output"}
-ODD = frozenset(
-    {
-        "coulomb_friction",
-        "stribeck_friction",
-        "load_dependent_friction",
-        "presliding_hysteresis",
-        "backlash",
-    }
-)
-EVEN = frozenset(
-    {
-        "asymmetric_friction",
-        "torque_bias",
-        "encoder_offset",
-        "linkage_gravity",
-        "payload_mass",
-        "parallel_spring",
-    }
-)
-COMPLIANT = frozenset({"joint_compliance", "base_compliance"})
 
 _SURE = 4.0  # deviations from nothing
 _OFF = 3.0  # deviations within which bands agree
@@ -108,15 +80,21 @@ def responses(measured: Sequence[Recording], simulated: Sequence[Recording]) -> 
 
 def response_lines(found: Responses, key: EffectKey) -> list[str]:
     """What the responses say for one effect; nothing where they cannot tell."""
-    lines: list[str] = []
-    for table, line in ((DELAYS, delay_line), (GAINS, gain_line)):
-        if key.effect in table:
-            lines += line(found, key.axis, table[key.effect])
-    if key.effect in COMPLIANT:
-        lines += resonance_lines(found, key.axis)
-    if key.effect in ODD or key.effect in EVEN:
-        lines += distortion_lines(found, key.axis, odd=key.effect in ODD, even=key.effect in EVEN)
-    return lines
+    effect = effect_named(key.effect)
+    side = "output" if effect.door is Door.SENSOR else "input"
+    match effect.trace:
+        case Trace.DELAY:
+            return delay_line(found, key.axis, side)
+        case Trace.GAIN:
+            return gain_line(found, key.axis, side)
+        case Trace.RESONANCE:
+            return resonance_lines(found, key.axis)
+        case Trace.ODD:
+            return distortion_lines(found, key.axis, even=False)
+        case Trace.EVEN:
+            return distortion_lines(found, key.axis, odd=False)
+        case None:
+            return []
 
 
 def delay_line(found: Responses, axis: str | None, side: str) -> list[str]:

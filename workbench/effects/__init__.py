@@ -1,6 +1,6 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
-from .base import Door, Effect, Parameter, Response, smooth_sign
+from .base import Door, Effect, Parameter, Response, Trace, smooth_sign
 from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, places
@@ -35,6 +35,7 @@ __all__ = [
     "SensorErrors",
     "TorqueChain",
     "TorqueTerm",
+    "Trace",
     "axis_units",
     "build",
     "call_law",

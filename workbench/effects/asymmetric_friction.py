@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, single, smooth_sign
+from .base import Door, Effect, Parameter, Response, Trace, single, smooth_sign
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
@@ -30,6 +30,8 @@ class AsymmetricFriction(Effect):
     twins = ("torque_bias",)  # unequal Coulomb torques are equal ones and a constant torque
     contains = ("viscous_damping", "coulomb_friction")
     locations = ("actuator", "joint")
+    of_a_make = True
+    trace = Trace.EVEN
     source = "Janot, Gautier, Brunot, Workshop on Nonlinear System Identification Benchmarks, 2019"
     shows = "torque residual against speed has another slope or step for each direction"
     reveal = "steady runs at the same speeds in both directions"

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter, Response, Trace
 from .chain import Build
 from .flexible import can_split, frequencies, link_inertia, split, stiffest, transmitted
 from .lacking import lacking
@@ -41,6 +41,8 @@ class Backlash(Effect):
     tier = 1
     contains = ("joint_compliance",)
     locations = ("actuator", "joint")
+    needs_the_past = True
+    trace = Trace.ODD
     source = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38(10), 2002"
     shows = "torque residual in bursts where the transmitted torque changes sign; small limit cycles"
     reveal = "slow reversals with little load on the axis, and a sweep of small amplitude"

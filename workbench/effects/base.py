@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import Enum, IntEnum, auto
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -28,6 +28,16 @@ class Door(IntEnum):
     MECHANISM = 3  # inertia, gravity, springs
     SENSOR = 4  # what the log and the controller read of the motion
     CONTROLLER = 5  # what the loop makes of it
+
+
+class Trace(Enum):
+    """What an effect leaves in a measured frequency response over the model's own."""
+
+    DELAY = auto()  # a phase that falls in proportion to frequency
+    GAIN = auto()  # the same factor at all frequencies
+    RESONANCE = auto()  # an anti-resonance and a resonance
+    ODD = auto()  # distortion at odd lines, as of what changes sign with the motion
+    EVEN = auto()  # distortion at even lines, as of what does not
 
 
 @dataclass(frozen=True)
@@ -123,6 +133,12 @@ class Effect(ABC):
         moves_feet: whether it puts a foot elsewhere at the same reading of the encoders.
         wanders: whether runs of nearly the same machine part, so that a fit of runs can add nothing to what
             the torque says.
+        needs_the_past: whether it has a state that no sensor shows, or shifts the log in time, so that no run
+            can begin with it in the middle of a recording.
+        of_a_make: whether it comes with the make of a joint or its drive, so that all axes may have it alike;
+            springs, offsets and ripples come with the assembly of each.
+        trace: what it leaves in a frequency response; None where that says nothing of it. On the input's
+            side, or of a sensor on the output's.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
         locations: where on an axis it can sit.
         source: where the equation comes from.
@@ -147,6 +163,9 @@ class Effect(ABC):
     of_ground: ClassVar[bool] = False
     moves_feet: ClassVar[bool] = False
     wanders: ClassVar[bool] = False
+    needs_the_past: ClassVar[bool] = False
+    of_a_make: ClassVar[bool] = False
+    trace: ClassVar[Trace | None] = None
     axes: ClassVar[Literal["each", "all"]] = "each"
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     source: ClassVar[str]

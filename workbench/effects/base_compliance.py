@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import EffectKey, SimulationError
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter, Response, Trace
 from .chain import Build
 from .flexible import frequencies, spring_wind
 from .lacking import Lack, refined, share_left
@@ -36,6 +36,8 @@ class BaseCompliance(Effect):
     door = Door.MECHANISM
     tier = 1
     axes = "all"
+    needs_the_past = True
+    trace = Trace.RESONANCE
     source = "Newton's law for a base on a spring; Ott et al., Base force feedback, IROS 2006"
     shows = "torque residual at one frequency on all axes that push the base sideways; FRF peaks in common"
     reveal = "chirps of each axis through the fixture's resonance, and an accelerometer on the base"

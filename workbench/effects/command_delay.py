@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter, Response, Trace
 from .chain import Build
 from .motion import Motion
 
@@ -22,6 +22,7 @@ class CommandDelay(Effect):
     nonlinear = ("time",)
     door = Door.COMMAND
     axes = "all"
+    trace = Trace.DELAY
     source = "transport delay of bus and drive; the paper's T_d (Eq. 15)"
     shows = "measured torque late against the command; FRF phase falls with frequency"
     reveal = "a multisine up to a quarter of the control rate"

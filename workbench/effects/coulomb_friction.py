@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, single, smooth_sign
+from .base import Door, Effect, Parameter, Response, Trace, single, smooth_sign
 from .chain import Build
 from .motion import Motion
 
@@ -20,6 +20,8 @@ class CoulombFriction(Effect):
     basic = True
     dry = True
     locations = ("actuator", "joint")
+    of_a_make = True
+    trace = Trace.ODD
     source = "Coulomb 1785; Armstrong-Helouvry et al., Automatica 30(7), 1994"
     shows = "torque residual steps at each reversal, odd in speed, independent of its size"
     reveal = "a slow triangular motion with many reversals"

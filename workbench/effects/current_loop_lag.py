@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter, Response, Trace
 from .chain import Build
 from .motion import Motion
 
@@ -22,6 +22,8 @@ class CurrentLoopLag(Effect):
     nonlinear = ("time_constant",)
     by_runs = True
     door = Door.COMMAND
+    of_a_make = True
+    trace = Trace.DELAY
     source = "closed current loop as a first-order lag; Krause et al., Analysis of Electric Machinery, Ch. 15"
     shows = "measured torque rounded against the command's edges; FRF magnitude and phase fall together"
     reveal = "a multisine up to a quarter of the control rate, or steps of torque"

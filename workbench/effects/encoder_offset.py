@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response, read_on
+from .base import INF, Door, Effect, Parameter, Response, Trace, read_on
 from .chain import Build
 from .motion import Motion
 
@@ -19,6 +19,7 @@ class EncoderOffset(Effect):
     name = "encoder_offset"
     parameters = (Parameter("angle", "rad", lower=-INF),)
     door = Door.SENSOR
+    trace = Trace.EVEN
     source = "homing error; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6"
     shows = "torque residual as of gravity and inertia at another posture, whatever the speed"
     reveal = "holding still all over the range, and an independent measurement of the angle"

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, read_on
+from .base import Door, Effect, Parameter, Response, Trace, read_on
 from .chain import Build
 from .motion import Motion
 
@@ -19,6 +19,7 @@ class EncoderScale(Effect):
     name = "encoder_scale"
     parameters = (Parameter("scale", "1", lower=0.2, upper=5.0, neutral=1.0),)
     door = Door.SENSOR
+    trace = Trace.GAIN
     source = "wrong gear ratio or counts per turn; Springer Handbook of Robotics, Ch. 6"
     shows = "inertia, damping and gravity of one axis all by one factor; gravity of another arc"
     reveal = "a move between two stops whose distance is known"

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter, Response, Trace
 from .chain import Build
 from .flexible import (
     can_split,
@@ -39,6 +39,8 @@ class JointCompliance(Effect):
     door = Door.MECHANISM
     tier = 1
     locations = ("actuator", "joint")
+    needs_the_past = True
+    trace = Trace.RESONANCE
     source = "Spong, Modeling and control of elastic joint robots, J. Dyn. Sys. Meas. Control 109, 1987"
     shows = "less inertia above, more below an antiresonance of the links; FRF with a dip and a peak"
     reveal = "a chirp or multisine of this axis up to beyond the resonance"

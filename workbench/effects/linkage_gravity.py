@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response
+from .base import INF, Door, Effect, Parameter, Response, Trace
 from .chain import Build
 from .motion import Motion
 from .structure import gravity_columns, is_parallelogram
@@ -26,6 +26,7 @@ class LinkageGravity(Effect):
     on_links = True
     basic = True
     axes = "all"
+    trace = Trace.EVEN
     source = "potential energy of the parallelogram; the paper leaves it out (after Eq. 21)"
     shows = "torque residual a sine of each drive's angle, at every speed"
     reveal = "a slow sweep over the widest range of both drives"

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, single, smooth_sign
+from .base import Door, Effect, Parameter, Response, Trace, single, smooth_sign
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
@@ -24,6 +24,8 @@ class LoadDependentFriction(Effect):
     tier = 1
     contains = ("coulomb_friction",)
     locations = ("actuator", "joint")
+    of_a_make = True
+    trace = Trace.ODD
     source = "Hamon, Gautier, Garrec, New dry friction model with load- and velocity-dependence, ICRA 2010"
     shows = "torque residual steps at each reversal, the more the higher the motor torque"
     reveal = "slow motion with many reversals, once with and once without a load"

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response, single
+from .base import INF, Door, Effect, Parameter, Response, Trace, single
 from .chain import Build
 from .motion import Motion
 
@@ -27,6 +27,7 @@ class ParallelSpring(Effect):
     of_position = True
     contains = ("torque_bias",)
     locations = ("actuator", "joint")
+    trace = Trace.EVEN
     source = "Hooke 1678; parallel elastic actuation"
     shows = "torque residual linear in position at every speed; FRF magnitude at low frequency"
     reveal = "a slow sweep over the widest range of positions"

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter, Response, Trace
 from .chain import Build
 from .motion import Motion
 
@@ -23,6 +23,7 @@ class PayloadMass(Effect):
     on_links = True
     basic = True
     axes = "all"
+    trace = Trace.EVEN
     source = "Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8"
     shows = "inertia on all axes that move the site together with gravity of the same mass"
     reveal = "a slow sweep over the whole range (weight), then a fast chirp (inertia)"

@@ -9,7 +9,7 @@ from numba import njit
 
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response, single
+from .base import INF, Door, Effect, Parameter, Response, Trace, single
 from .chain import Build, HysteresisTerm
 from .motion import Motion
 
@@ -24,6 +24,9 @@ class PreslidingHysteresis(Effect):
     tier = 1
     contains = ("coulomb_friction",)
     locations = ("actuator", "joint")
+    of_a_make = True
+    needs_the_past = True
+    trace = Trace.ODD
     source = "Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1, 1968"
     shows = "torque residual a loop over position that closes after each reversal, alike at every speed"
     reveal = "small slow reversals within the presliding distance, then larger ones"

@@ -20,6 +20,7 @@ class QuadraticDrag(Effect):
     parameters = (Parameter("drag", "N*m*s^2/rad^2"),)
     door = Door.FRICTION
     locations = ("actuator", "joint")
+    of_a_make = True
     source = "Rayleigh's drag equation; windage and churning losses"
     shows = "torque residual odd in speed, growing with its square"
     reveal = "steady runs at several speeds up to the highest, in both directions"

@@ -20,6 +20,7 @@ class ReflectedInertia(Effect):
     parameters = (Parameter("inertia", "kg*m^2", about="added to what the model has"),)
     door = Door.MECHANISM
     basic = True
+    of_a_make = True
     source = "paper, Eqs. 7 and 9"
     shows = "torque residual proportional to the drive's acceleration; FRF magnitude at high frequency"
     reveal = "a fast chirp of this axis about one posture, the other axes held"

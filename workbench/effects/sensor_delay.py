@@ -9,7 +9,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter, Response, Trace
 from .chain import Build
 from .motion import Motion
 
@@ -23,6 +23,8 @@ class SensorDelay(Effect):
     by_runs = True
     door = Door.SENSOR
     axes = "all"
+    needs_the_past = True
+    trace = Trace.DELAY
     source = "transport delay of sensors and bus"
     shows = "motion late against the measured torque; FRF phase falls with frequency, the torque's does not"
     reveal = "a multisine up to a quarter of the control rate, with measured torque"

@@ -35,6 +35,7 @@ class SpeedTorqueLimit(Effect):
     door = Door.COMMAND
     tier = 1
     contains = ("torque_saturation",)
+    of_a_make = True
     source = "torque-speed line of DC motors; Hughes, Electric Motors and Drives, Ch. 3"
     shows = "measured torque has a ceiling that falls as speed rises"
     reveal = "hard accelerations from rest up to the highest speed, in both directions"

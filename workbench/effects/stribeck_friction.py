@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, single, smooth_sign
+from .base import Door, Effect, Parameter, Response, Trace, single, smooth_sign
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
@@ -30,6 +30,8 @@ class StribeckFriction(Effect):
     tier = 1
     contains = ("coulomb_friction",)
     locations = ("actuator", "joint")
+    of_a_make = True
+    trace = Trace.ODD
     source = "Stribeck 1902; Armstrong-Helouvry et al., Automatica 30(7), 1994, Eq. 6"
     shows = "torque residual odd in speed, with a peak at low speed that falls to a plateau"
     reveal = "very slow steady runs, from creeping upwards, in both directions"

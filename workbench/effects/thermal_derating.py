@@ -27,6 +27,7 @@ class ThermalDerating(Effect):
     nonlinear = ("time_constant",)
     door = Door.MOTOR
     tier = 1
+    of_a_make = True
     source = (
         "copper loss heats magnets, whose flux falls; Hendershot and Miller, Permanent-Magnet Motors, Ch. 7"
     )

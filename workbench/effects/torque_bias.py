@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response, single
+from .base import INF, Door, Effect, Parameter, Response, Trace, single
 from .chain import Build
 from .motion import Motion
 
@@ -19,6 +19,7 @@ class TorqueBias(Effect):
     name = "torque_bias"
     parameters = (Parameter("torque", "N*m", lower=-INF),)
     door = Door.MOTOR
+    trace = Trace.EVEN
     source = "current-sensor offset; Janot et al. 2019 (offset of the EMPS)"
     shows = "torque residual even in speed, the same at every position, speed and time"
     reveal = "standing still at several positions, each approached from both sides"

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, single
+from .base import Door, Effect, Parameter, Response, Trace, single
 from .chain import Build
 from .motion import Motion
 
@@ -19,6 +19,8 @@ class TorqueConstantError(Effect):
     name = "torque_constant_error"
     parameters = (Parameter("gain", "1", lower=0.05, upper=20.0, neutral=1.0),)
     door = Door.MOTOR
+    of_a_make = True
+    trace = Trace.GAIN
     source = "motor torque constant, tau = k_t i; spread of magnets, temperature, saturation"
     shows = "torque residual proportional to the motor torque at every frequency"
     reveal = "a known weight held at several positions"

@@ -23,6 +23,7 @@ class TorqueSaturation(Effect):
     nonlinear = ("limit",)
     by_runs = True
     door = Door.COMMAND
+    of_a_make = True
     source = "current limit of drives, tau = k_t i; Astrom and Hagglund, Advanced PID Control, Ch. 3"
     shows = "measured torque has a ceiling that the command exceeds, at every speed"
     reveal = "steps or chirps whose command goes well beyond the ceiling, at several speeds"

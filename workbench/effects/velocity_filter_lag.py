@@ -9,7 +9,7 @@ import scipy
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, read_on
+from .base import Door, Effect, Parameter, Response, Trace, read_on
 from .chain import Build
 from .motion import Motion
 
@@ -22,6 +22,9 @@ class VelocityFilterLag(Effect):
     nonlinear = ("time_constant",)
     by_runs = True
     door = Door.SENSOR
+    of_a_make = True
+    needs_the_past = True
+    trace = Trace.DELAY
     source = "first-order low-pass of the drive's speed estimate; Ellis, Control System Design Guide, Ch. 9"
     shows = (
         "less damping of the loop at high frequency; measured velocity behind the measured position's rate"

@@ -21,6 +21,7 @@ class ViscousDamping(Effect):
     door = Door.FRICTION
     basic = True
     locations = ("actuator", "joint")
+    of_a_make = True
     source = "Newtonian lubricant film; Armstrong-Helouvry et al., Automatica 30(7), 1994"
     shows = "torque residual odd and linear in speed; FRF magnitude at low frequency"
     reveal = "steady runs at several speeds in both directions"
