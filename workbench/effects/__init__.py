@@ -1,6 +1,6 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
-from .base import Door, Effect, Parameter, Response, Trace, smooth_sign
+from .base import Door, Effect, Parameter, Trace
 from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, places
@@ -12,6 +12,7 @@ from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
 from .motion import Contact, Line, Motion, held, torque_bounds
 from .presliding_hysteresis import wound
+from .response import Response, smooth_sign
 from .settled import with_settled
 from .stiffness import tendon_row
 

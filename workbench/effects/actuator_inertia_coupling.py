@@ -9,9 +9,10 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement, axis_tendon
 
-from .base import Door, Effect, Response
+from .base import Door, Effect
 from .chain import Build
 from .motion import Motion
+from .response import Response
 
 
 class ActuatorInertiaCoupling(Effect):

@@ -12,11 +12,12 @@ from scipy.optimize import minimize
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, Trace
+from .base import Door, Effect, Parameter, Trace
 from .chain import Build
 from .flexible import can_split, frequencies, link_inertia, split, stiffest, transmitted
 from .lacking import lacking
 from .motion import Motion
+from .response import Response
 
 _RATE = 120.0  # rad/s: how fast the state follows the torque that passed
 _MEAN = 4  # rows

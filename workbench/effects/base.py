@@ -14,7 +14,8 @@ from workbench.core import EffectKey
 from workbench.models import Model, Placement, joint_kinds
 
 from .chain import Build
-from .motion import Line, Motion
+from .motion import Motion
+from .response import Response
 
 INF = float("inf")
 
@@ -70,42 +71,6 @@ _LINEAR_UNITS = {
     "1/(N*m)^2": "1/N^2",
     "1/rev": "rad/m",
 }
-
-
-@dataclass(frozen=True)
-class Response:
-    """What an effect does along a motion, split into what is linear in unknown coefficients.
-
-    Everything is in actuator coordinates. None: nothing there.
-
-    Attributes:
-        columns: torque on the mechanism per unit of each coefficient, shape (k, N, n); k may be 0.
-        offset: torque that has no free coefficient, (N, n), or None.
-        tap: change of `torque_measured` itself by what has no free coefficient, (N, n).
-        commands: change of the torque that the controller asks for from a row on, per unit of each
-            coefficient, (k, N, n).
-        readings: change of the position and the velocity that sensors read, per unit, (k, 2, N, n).
-        reading: the same of what has no free coefficient, (2, N, n).
-    """
-
-    columns: np.ndarray
-    offset: np.ndarray | None = None
-    tap: np.ndarray | None = None
-    commands: np.ndarray | None = None
-    readings: np.ndarray | None = None
-    reading: np.ndarray | None = None
-
-    @staticmethod
-    def read(motion: Motion, readings: np.ndarray) -> Response:
-        """The response of a sensor: `readings` (k, 2, N, n), and no torque."""
-        return Response(np.zeros((len(readings), *motion.position.shape)), readings=readings)
-
-    @staticmethod
-    def passed(motion: Motion, line: Line) -> Response:
-        """What another line between command and tap would change; no free coefficient."""
-        (at, mean), (new_at, new_mean) = motion.line.passed, line.passed
-        empty = np.zeros((0, *motion.position.shape))
-        return Response(empty, offset=(new_mean - mean) * motion.gain, tap=new_at - at)
 
 
 class Effect(ABC):
@@ -277,27 +242,6 @@ class Effect(ABC):
         """Number of parameters that the data have to determine in this model."""
         del model
         return len(self.parameters)
-
-
-def smooth_sign(speed: np.ndarray) -> np.ndarray:
-    """Sign of a measured speed, softened where it is lost in noise (1 % of the rms speed)."""
-    width = 0.01 * float(np.sqrt(np.mean(speed**2))) + 1e-12
-    return np.tanh(speed / width)
-
-
-def single(place: Placement, torque: np.ndarray, motion: Motion) -> np.ndarray:
-    """Torque on one coordinate, (N,), as generalised torque in actuator coordinates, (N, n).
-
-    By virtual work: tau_s = row^T torque, and tau_p = J^-T tau_s (paper, Eq. 4).
-    """
-    return torque[:, None] * (np.linalg.inv(motion.transmission).T @ place.row)[None, :]
-
-
-def read_on(place: Placement, position: np.ndarray, velocity: np.ndarray, motion: Motion) -> np.ndarray:
-    """Change (N,) of one drive's reading of position and velocity, as that of all drives, (2, N, n)."""
-    out = np.zeros((2, *motion.position.shape))
-    out[0, :, place.index], out[1, :, place.index] = position, velocity
-    return out
 
 
 def is_rotary(model: Model, axis: str) -> bool:

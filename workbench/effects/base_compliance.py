@@ -10,11 +10,12 @@ import numpy as np
 from workbench.core import EffectKey, SimulationError
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, Trace
+from .base import Door, Effect, Parameter, Trace
 from .chain import Build
 from .flexible import frequencies, spring_wind
 from .lacking import Lack, refined, share_left
 from .motion import Motion
+from .response import Response
 
 BASE_JOINT = "base:x"
 _NONE = np.zeros(0)

@@ -9,10 +9,11 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, single
+from .base import Door, Effect, Parameter
 from .chain import Build, TorqueTerm
 from .law import law
 from .motion import Motion
+from .response import Response, single
 
 _LEAST = 0.75  # periods within the motion: less is a bend, which any spring may have
 _TRIED = 6  # orders that go on to the linearised loop

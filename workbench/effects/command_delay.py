@@ -9,9 +9,10 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, Trace
+from .base import Door, Effect, Parameter, Trace
 from .chain import Build
 from .motion import Motion
+from .response import Response
 
 
 class CommandDelay(Effect):

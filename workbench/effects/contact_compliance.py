@@ -10,9 +10,10 @@ from scipy.optimize import nnls
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter
 from .chain import Build
 from .motion import Motion
+from .response import Response
 
 _TOUCHES = 6.0  # of the force's noise: a foot that is pressed harder touches
 _FEWEST = 20  # rows

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, Trace, single, smooth_sign
+from .base import Door, Effect, Parameter, Trace
 from .chain import Build
 from .motion import Motion
+from .response import Response, single, smooth_sign
 
 
 class CoulombFriction(Effect):

@@ -9,9 +9,10 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, is_rotary, read_on
+from .base import Door, Effect, Parameter, is_rotary
 from .chain import Build
 from .motion import Motion
+from .response import Response, read_on
 
 
 class EncoderEccentricity(Effect):

@@ -9,10 +9,11 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter
 from .chain import Build
 from .ground import set_friction
 from .motion import Contact, Motion
+from .response import Response
 
 _PRESSED = 10.0  # of the force's noise: below, a ratio of forces says little
 _SLIPS = 6.0  # of the slip's noise

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, Trace
+from .base import Door, Effect, Parameter, Trace
 from .chain import Build
 from .flexible import (
     can_split,
@@ -23,6 +23,7 @@ from .flexible import (
 )
 from .lacking import refined, share_left
 from .motion import Motion
+from .response import Response
 
 
 class JointCompliance(Effect):

@@ -10,9 +10,10 @@ import numpy as np
 from workbench.core import EffectKey, Estimate
 from workbench.models import AppliedEffect, Model, Placement, load_mjcf
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter
 from .chain import Build
 from .motion import Motion
+from .response import Response
 from .structure import is_parallelogram
 from .weights import add_gravity, add_inertia, mass_at_the_end, weight_at_the_end
 

@@ -9,9 +9,10 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response, Trace
+from .base import INF, Door, Effect, Parameter, Trace
 from .chain import Build
 from .motion import Motion
+from .response import Response
 from .structure import gravity_columns, is_parallelogram
 from .weights import add_gravity
 

@@ -9,9 +9,10 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response
+from .base import INF, Door, Effect, Parameter
 from .chain import Build
 from .motion import Motion
+from .response import Response
 from .structure import inertia_columns, is_parallelogram
 from .weights import add_inertia
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response, Trace, single
+from .base import INF, Door, Effect, Parameter, Trace
 from .chain import Build
 from .motion import Motion
+from .response import Response, single
 
 _FAR = 10.0  # spans of the motion: the torque of a spring that rests beyond hardly changes
 

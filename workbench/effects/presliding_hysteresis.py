@@ -9,9 +9,10 @@ from numba import njit
 
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response, Trace, single
+from .base import INF, Door, Effect, Parameter, Trace
 from .chain import Build, HysteresisTerm
 from .motion import Motion
+from .response import Response, single
 
 
 class PreslidingHysteresis(Effect):

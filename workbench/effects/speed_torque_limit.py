@@ -11,9 +11,10 @@ from scipy.optimize import minimize
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter
 from .chain import Build
 from .motion import Motion, at_tap, torque_bounds
+from .response import Response
 
 _FLAT = 5.0  # times the fastest speed: a line that ends beyond hardly falls
 _SIMPLEX = np.array([[0.0, 0.0], [0.05, 0.0], [0.0, 0.05]])  # in the logarithm of both

@@ -9,10 +9,11 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, Trace, single, smooth_sign
+from .base import Door, Effect, Parameter, Trace
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
+from .response import Response, single, smooth_sign
 
 
 class StribeckFriction(Effect):

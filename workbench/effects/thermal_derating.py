@@ -10,10 +10,11 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, single
+from .base import Door, Effect, Parameter
 from .chain import Build
 from .lag import heat
 from .motion import Motion
+from .response import Response, single
 
 
 class ThermalDerating(Effect):

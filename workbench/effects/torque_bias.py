@@ -8,9 +8,10 @@ import numpy as np
 
 from workbench.models import Model, Placement
 
-from .base import INF, Door, Effect, Parameter, Response, Trace, single
+from .base import INF, Door, Effect, Parameter, Trace
 from .chain import Build
 from .motion import Motion
+from .response import Response, single
 
 
 class TorqueBias(Effect):

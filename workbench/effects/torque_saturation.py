@@ -10,9 +10,10 @@ from scipy.optimize import minimize_scalar
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response
+from .base import Door, Effect, Parameter
 from .chain import Build
 from .motion import Motion, at_tap
+from .response import Response
 
 
 class TorqueSaturation(Effect):

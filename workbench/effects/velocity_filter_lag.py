@@ -9,9 +9,10 @@ import scipy
 
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Parameter, Response, Trace, read_on
+from .base import Door, Effect, Parameter, Trace
 from .chain import Build
 from .motion import Motion
+from .response import Response, read_on
 
 
 class VelocityFilterLag(Effect):

@@ -8,9 +8,10 @@ import numpy as np
 
 from workbench.models import Model, Placement, rotors
 
-from .base import Door, Effect, Parameter, Response, single
+from .base import Door, Effect, Parameter
 from .chain import Build
 from .motion import Motion
+from .response import Response, single
 
 
 class ViscousDamping(Effect):
