@@ -1,10 +1,12 @@
 """Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
 
 from .engine import silence
+from .from_table import structural_effect
 from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
 from .paths import find_model
-from .read import load_mjcf, read_model, structural_effect
+from .read import read_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds, rotors
+from .spec import load_mjcf
 from .write import model_text, write_model
 
 silence()

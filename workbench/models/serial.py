@@ -13,7 +13,7 @@ import numpy as np
 from workbench.core import EffectKey
 
 from .model import Model
-from .read import load_mjcf
+from .spec import load_mjcf
 
 
 @dataclass(frozen=True)

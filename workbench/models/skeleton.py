@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import Recording
 
 from .model import Model
-from .read import load_mjcf
+from .spec import load_mjcf
 
 _FEWEST, _MOST = 64, 1800  # pictures; between them a page interpolates
 _RATE_HZ = 60.0

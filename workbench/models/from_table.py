@@ -1,0 +1,239 @@
+"""A model from the table of a model file, each part checked against the MJCF and the number of axes."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
+from workbench.core.paths import models_folder
+
+from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
+from .schema import ActuatorTable, EffectTable, GroundTable, ModelTable, ParameterTable
+from .spec import end_site, hinges_and_slides, load_mjcf
+
+_SINGULAR = 1e9  # condition of a transmission that no drives have
+_LINKAGE_KEYS = {"linkage_inertia": ("M11", "M12", "M22"), "linkage_gravity": ("g1", "g2")}
+_LINKAGE_UNITS = {"M11": "kg*m^2", "M12": "kg*m^2", "M22": "kg*m^2", "g1": "N*m", "g2": "N*m"}
+
+
+def from_table(table: ModelTable, file: Path) -> Model:
+    """The model that a table states.
+
+    Args:
+        table: as it was read.
+        file: it was read from, or the MJCF itself: paths in it are relative to that.
+
+    Raises:
+        InputError: anything wrong with it, or with the MJCF that it names.
+    """
+    serial = _resolve(file, table.serial, "serial")
+    spec = load_mjcf(serial)
+    axes, joints, matrix = _transmission(table, hinges_and_slides(spec, serial), file)
+    n = len(axes)
+    payload_site = _payload_site(table, spec, file)
+    linkage = Linkage(**table.linkage.model_dump()) if table.linkage else None
+    structural = _structural_effects(table.variant, linkage, file)
+    return Model(
+        name=table.name,
+        serial=serial,
+        axes=axes,
+        joints=joints,
+        transmission=matrix,
+        actuators=_actuators(table.actuators, n, file),
+        closed_chain=_mechanism(table, n, file),
+        posture_dependent=bool(table.transmission and table.transmission.posture_dependent),
+        linkage=linkage,
+        variant=table.variant,
+        effects=(*structural, *(_effect(entry, axes, file) for entry in table.effects)),
+        controller=_controller(table, n, file),
+        payload_site=payload_site,
+        sliding_speed=table.friction.sliding_speed,
+        ground=_ground(table.ground, spec, file),
+        source=file,
+    )
+
+
+def _resolve(file: Path, name: str, key: str) -> Path:
+    for folder in (file.parent, models_folder()):
+        with contextlib.suppress(OSError):  # a name longer than the system allows
+            if (folder / name).is_file():
+                return (folder / name).resolve()
+    raise InputError(
+        f"'{name}' does not exist", file=file, column=key, remedy="give a path relative to this file"
+    )
+
+
+def _per_axis(value: list[float] | float, n: int, file: Path, key: str) -> tuple[float, ...]:
+    values = [value] * n if isinstance(value, (int, float)) else value
+    if len(values) != n:
+        raise InputError(
+            f"{len(values)} values for {n} axes", file=file, column=key, remedy="give one an axis"
+        )
+    return tuple(float(v) for v in values)
+
+
+def _transmission(
+    table: ModelTable, known: list[str], file: Path
+) -> tuple[tuple[str, ...], tuple[str, ...], np.ndarray]:
+    """Axes, joints and the matrix (n, n) between them; without a table the joints themselves are driven.
+
+    Args:
+        table: the model file.
+        known: joints of the MJCF.
+        file: for errors.
+    """
+    given = table.transmission
+    joints = given.joints if given else (table.axes or known)
+    axes = table.axes or joints
+    n = len(axes)
+    for joint in joints:
+        if joint not in known:
+            raise InputError(
+                f"the MJCF has no joint '{joint}'", file=file, column="transmission.joints",
+                remedy=f"joints are {', '.join(known)}",
+            )  # fmt: skip
+    if len(set(axes)) != n or len(set(joints)) != len(joints):
+        raise InputError("a name stands twice", file=file, column="axes", remedy="name each axis once")
+    rows = np.eye(n).tolist() if given is None or given.matrix is None else given.matrix
+    if n == 0 or len(joints) != n or len(rows) != n or any(len(row) != n for row in rows):
+        raise InputError(
+            f"{n} axes, {len(joints)} joints and matrix rows of {[len(row) for row in rows]} numbers",
+            file=file, column="transmission",
+            remedy="the matrix must be square, one row an axis and one column a joint",
+        )  # fmt: skip
+    matrix = np.array(rows, float)
+    if not np.linalg.cond(matrix) < _SINGULAR:
+        raise InputError(
+            "the transmission matrix is singular", file=file, column="transmission.matrix",
+            remedy="its rows must be independent: each drive moves what no mixture of the others does",
+        )  # fmt: skip
+    return tuple(axes), tuple(joints), matrix
+
+
+def _actuators(table: ActuatorTable, n: int, file: Path) -> Actuators:
+    return Actuators(
+        _per_axis(table.inertia, n, file, "actuators.inertia"),
+        _per_axis(table.damping, n, file, "actuators.damping"),
+        _per_axis(table.torque_limit, n, file, "actuators.torque_limit"),
+        table.delay_s,
+        table.full_braking,
+    )
+
+
+def _payload_site(table: ModelTable, spec: mujoco.MjSpec, file: Path) -> str | None:
+    if table.payload is None:
+        return end_site(spec)
+    if all(site.name != table.payload.site for site in spec.sites):
+        raise InputError(
+            f"the MJCF has no site '{table.payload.site}'", file=file, column="payload.site",
+            remedy=f"sites are {', '.join(s.name for s in spec.sites if s.name) or 'none: add one'}",
+        )  # fmt: skip
+    return table.payload.site
+
+
+def _structural_effects(variant: str, linkage: Linkage | None, file: Path) -> list[AppliedEffect]:
+    """What a variant of S3N adds to the serial tree."""
+    names = VARIANTS[variant]
+    if linkage is None and set(names) & set(_LINKAGE_KEYS):
+        raise InputError(
+            f"variant '{variant}' needs a [linkage] table", file=file, column="variant",
+            remedy="give its identified parameters",
+        )  # fmt: skip
+    return [structural_effect(name, linkage) for name in names]
+
+
+def _ground(table: GroundTable | None, spec: mujoco.MjSpec, file: Path) -> Ground | None:
+    if table is None:
+        return None
+
+    def refuse(problem: str, key: str, remedy: str) -> InputError:
+        return InputError(problem, file=file, column=f"ground.{key}", remedy=remedy)
+
+    sites, geoms = ({e.name for e in kind if e.name} for kind in (spec.sites, spec.geoms))
+    for name in table.feet:
+        if name not in sites | geoms:
+            known = ", ".join(sorted(sites | geoms)) or "none: add one"
+            raise refuse(f"the MJCF has no site or geom '{name}'", "feet", f"sites and geoms are {known}")
+        if name in sites and table.radius is None:
+            raise refuse(f"the foot at site '{name}' has no size", "radius", "give its radius [m]")
+    if (table.height is None) == (table.surface is None):
+        raise refuse("states height and surface, or neither", "height", "give one of the two")
+    if table.surface is not None and table.surface not in {g.name for g in spec.worldbody.geoms}:
+        raise refuse(f"the MJCF's world has no geom '{table.surface}'", "surface", "name one of its geoms")
+    if (table.stiffness is None) != (table.damping is None):
+        raise refuse("stiffness and damping go together", "stiffness", "give both, or leave both out")
+    return Ground(**{**table.model_dump(), "feet": tuple(table.feet)})
+
+
+def _mechanism(table: ModelTable, n: int, file: Path) -> Mechanism | None:
+    chain = table.closed_chain
+    if chain is None:
+        return None
+    if isinstance(chain, str):
+        return Mechanism(_resolve(file, chain, "closed_chain"))
+    for key, count in (("drives", len(chain.drives)), ("joints", len(chain.joints))):
+        if count != n:
+            raise InputError(
+                f"{count} names for {n} axes", file=file, column=f"closed_chain.{key}",
+                remedy="name one joint of the closed chain an axis",
+            )  # fmt: skip
+    if chain.limits and (len(chain.limits) != n or any(low >= high for low, high in chain.limits)):
+        raise InputError(
+            f"limits are not {n} pairs of a lower and a higher number", file=file,
+            column="closed_chain.limits", remedy="give one pair a serial joint",
+        )  # fmt: skip
+    return Mechanism(
+        _resolve(file, chain.file, "closed_chain.file"),
+        tuple(chain.drives),
+        tuple(chain.joints),
+        tuple(chain.loops),
+        chain.foot,
+        tuple(chain.start.items()),
+        tuple(chain.limits),
+    )
+
+
+def structural_effect(name: str, linkage: Linkage | None) -> AppliedEffect:
+    """A structural effect of S3N with the parameters that identification gave."""
+    keys = _LINKAGE_KEYS.get(name, ())
+    values = {k: Estimate(getattr(linkage or Linkage(), k), 0.0, _LINKAGE_UNITS[k]) for k in keys}
+    return AppliedEffect(EffectKey(name, None), values)
+
+
+def _effect(entry: EffectTable, axes: Sequence[str], file: Path) -> AppliedEffect:
+    if entry.axis is not None and entry.axis not in axes:
+        raise InputError(
+            f"effect '{entry.effect}' is on axis '{entry.axis}'", file=file, column="effects.axis",
+            remedy=f"axes are {', '.join(axes)}",
+        )  # fmt: skip
+    values = {
+        name: Estimate(p.value, p.std, p.unit)
+        if isinstance(p, ParameterTable)
+        else Estimate(float(p), 0.0, "")
+        for name, p in entry.parameters.items()
+    }
+    return AppliedEffect(EffectKey(entry.effect, entry.axis, entry.location), values)
+
+
+def _controller(table: ModelTable, n: int, file: Path) -> Controller:
+    c = table.controller
+    if c is None:
+        return Controller()
+    per_axis = {
+        key: _per_axis(getattr(c, key), n, file, f"controller.{key}")
+        for key in ("kp", "kd", "kv", "gain", "limit")
+        if getattr(c, key) != []
+    }
+    needed = {"pd": ("kp", "kd"), "cascade_pv": ("kp", "kv", "gain")}.get(c.kind, ())
+    for key in needed:
+        if key not in per_axis:
+            raise InputError(
+                f"controller of kind '{c.kind}' has no {key}", file=file, column=f"controller.{key}",
+                remedy=f"give {', '.join(needed)}, one value an axis",
+            )  # fmt: skip
+    return Controller(kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, **per_axis)

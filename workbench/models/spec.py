@@ -1,0 +1,76 @@
+"""The MJCF of a model as MuJoCo parses it: its joints, and where it ends."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+
+from workbench.core import InputError
+
+from .engine import warned
+from .mjcf import check_mjcf
+
+_STRONGEST = 1e6  # m/s^2; no machine stands where gravity is stronger
+
+
+def load_mjcf(path: Path) -> mujoco.MjSpec:
+    """Parse an MJCF file.
+
+    Raises:
+        InputError: MuJoCo cannot read it; its own reason is kept. Or it has plugins, or names files that do
+            not lie beside or below it.
+    """
+    check_mjcf(path)
+    try:
+        return mujoco.MjSpec.from_file(str(path))
+    except (ValueError, mujoco.FatalError) as error:
+        raise InputError(
+            f"MuJoCo cannot read this MJCF: {error}", file=path, remedy="correct what it names"
+        ) from error
+
+
+def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
+    """Names of its joints, of which each turns or slides, in a tree that MuJoCo can compile.
+
+    Raises:
+        InputError: it has none or others, they have no names, gravity is no number of m/s^2, or it cannot be
+            compiled.
+    """
+    names: list[str] = []
+    for joint in spec.joints:
+        if joint.type not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
+            raise InputError(
+                f"joint '{joint.name}' is free or a ball",
+                file=file,
+                remedy="a model has hinge and slide joints only: fix the base",
+            )
+        if not joint.name:
+            raise InputError("a joint has no name", file=file, remedy="name every joint")
+        names.append(joint.name)
+    if not names:
+        raise InputError("the MJCF has no joints", file=file, remedy="give a tree with hinge or slide joints")
+    strongest = float(max(spec.option.gravity, key=abs))
+    if not abs(strongest) < _STRONGEST:
+        problem = f"gravity is {strongest:.3g} m/s^2"
+        raise InputError(problem, file=file, column="gravity", remedy="give it in m/s^2")
+    try:
+        with warned():  # what is lacking may stand in the model file, as a drive's inertia does
+            spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        raise InputError(
+            f"MuJoCo cannot compile this MJCF: {error}", file=file, remedy="correct what it names"
+        ) from error
+    return names
+
+
+def end_site(spec: mujoco.MjSpec) -> str | None:
+    """The site where the machine ends and a payload would hang, if only one is at the end of what moves."""
+    moving = [b for b in spec.bodies if b.joints]
+    ends = [b for b in moving if not any(other is not b and _carries(b, other) for other in moving)]
+    sites = [s.name for b in ends for s in b.find_all("site") if s.name]
+    return sites[0] if len(sites) == 1 else None
+
+
+def _carries(body: mujoco.MjsBody, other: mujoco.MjsBody) -> bool:
+    return any(below.name == other.name for below in body.find_all("body"))
