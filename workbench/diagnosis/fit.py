@@ -64,6 +64,15 @@ def fit(
     Returns:
         One fit a hypothesis; None where it never ran (unstable, or a body that cannot be).
     """
+    works = _pursued(hypotheses, data, iterations, enough)
+    _linearise([w for w in works if w.pieces is None and np.isfinite(w.value)], data)
+    return [_finish(w, data) for w in works]
+
+
+def _pursued(
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = ENOUGH
+) -> list[_Work]:
+    """Hypotheses as near to their best as so many simulations lead; not linearised where they end."""
     works = [_Work(h, h) for h in hypotheses]
     for turn in range(iterations):
         best = min((w.value for w in works), default=np.inf)
@@ -74,12 +83,14 @@ def fit(
         if not active:
             break
         _simulate(active, data, enough)
-        moved = [w for w in active if not w.done]
-        _linearise([w for w in moved if w.pieces is None], data)
-        for work in moved:
+        if turn == iterations - 1:
+            break
+        moving = [w for w in active if not w.done]
+        _linearise([w for w in moving if w.pieces is None], data)
+        for work in moving:
             if not work.done:
                 _step(work, enough)
-    return [_finish(w, data) if np.isfinite(w.value) else None for w in works]
+    return works
 
 
 def race(
@@ -100,11 +111,12 @@ def race(
     some = data.part(telling)
     floor = some.objective(some.pool(some.floor))
     excess = max(some.objective(some.pool(current.mean_squares[list(telling)])) - floor, 1e-12)
-    first = fit(hypotheses, some, iterations=_HEATS)
-    left = [np.inf if f is None else f.trained - floor for f in first]
-    shares = [None if f is None else 1.0 - x / excess for f, x in zip(first, left, strict=True)]
-    limit = _BEHIND * max(min(left), 0.0) + 0.2 * floor + 0.02 * excess
-    running = {k: f.hypothesis for k, (f, x) in enumerate(zip(first, left, strict=True)) if f and x <= limit}
+    first = _pursued(hypotheses, some, _HEATS)
+    left = np.array([w.value - floor for w in first])
+    shares = [1.0 - x / excess if np.isfinite(x) else None for x in left]
+    limit = _BEHIND * max(left.min(initial=np.inf), 0.0) + 0.2 * floor + 0.02 * excess
+    near = np.isfinite(left) & (left <= limit)
+    running = {k: w.best for k, w in enumerate(first) if near[k]}
     final = dict(zip(running, fit(list(running.values()), data), strict=True))
     return [final.get(k) for k in range(len(first))], shares
 
@@ -126,9 +138,7 @@ def _simulate(works: list[_Work], data: Data, enough: float) -> None:
             gain = (work.value - value) / work.value if np.isfinite(work.value) else 1.0
             work.best, work.runs, work.mean_squares, work.value = work.tried, runs, mean_squares, value
             work.pieces, work.damping = None, work.damping / 10.0 if work.damping > 1e-4 else 0.0
-            if gain < enough:
-                work.done = True
-                _linearise([work], data)
+            work.done = gain < enough
         else:
             _reject(work)
 
@@ -185,8 +195,6 @@ def _step(work: _Work, enough: float) -> None:
 
 
 def _finish(work: _Work, data: Data) -> Fit | None:
-    if work.pieces is None:
-        _linearise([work], data)
     if not np.isfinite(work.value):
         return None
     assert work.pieces is not None and work.mean_squares is not None and work.noise is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.compare import consistent
+from workbench.core import EffectKey
 from workbench.effects import effect_named
 
 from .data import Data, floor_of
@@ -35,6 +36,8 @@ from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
 from .trying import Progress
+
+Keys = frozenset[EffectKey]
 
 
 @dataclass(frozen=True)
@@ -70,15 +73,18 @@ class Way:
     done: bool = False
 
 
-def onwards(way: Way, quest: Quest, *, through: bool = False) -> Way:
+def onwards(way: Way, quest: Quest, *, through: bool = False, met: Collection[Keys] = ()) -> Way:
     """One effect after the other from where the search stands.
 
     `through`: also where runs part by themselves; by how much they do is asked at the end.
+    `met`: sets of effects from which the way on is known; it ends there.
     """
     current, data, stages, done = way.current, way.data, list(way.stages), way.done
     start, progress = quest.start, quest.progress
     most = len(stages) + quest.limit
     while not done and len(stages) < most and not (stages and as_good_as_done(current, start, data)):
+        if _keys(current) in met:
+            break
         progress(f"screening effects, step {len(stages) + 1}")
         scene, candidates = _screened(current, data, quest) if stages else (quest.scene, quest.screened)
         stage = next_stage(scene, candidates, current, data, progress, later=bool(stages))
@@ -114,6 +120,7 @@ def otherwise(way: Way, quest: Quest) -> Way:
     neither of them; and boldly on from where the first way ended.
     """
     start, data = quest.start, quest.data
+    met = [_keys(stage.fit) for stage in way.stages]
     beginnings = (
         (_by_training, _sure),
         (partial(on_every_axis, quest.screened), holds),  # one of a dozen, not of thousands
@@ -125,7 +132,7 @@ def otherwise(way: Way, quest: Quest) -> Way:
             continue
         other = with_stages(Way(start, data), stages, quest.seed)
         if not nearly_at_floor(other.current, other.data):
-            other = onwards(other, quest)
+            other = onwards(other, quest, met=met)
         if enough(other, quest):
             return other
     bold = _boldly(way, quest)
@@ -151,6 +158,10 @@ def fewer(way: Way, quest: Quest) -> Way:
         return way
     other = with_stages(Way(quest.start, quest.data), stages, quest.seed)
     return other if _parameters(other) < size and reached(other.current, other.data) else way
+
+
+def _keys(found: Fit) -> Keys:
+    return frozenset(a.key for a in found.hypothesis.added)
 
 
 def _parameters(way: Way) -> int:
