@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.report import build
-from workbench.ui.curves import thinned
+from workbench.ui.curves import Curves, thinned
 from workbench.ui.residual_map import residual_map
 
 
@@ -32,3 +32,17 @@ def test_the_map_shows_friction_where_the_knee_moves_and_noise_elsewhere() -> No
     assert np.nanmedian(knee) == pytest.approx(expected, rel=0.1)
     whole = residual_map(entries, ("hip", "knee"), "time", 1)
     assert whole.edges[0, 0] < 0.1 and whole.edges[0, -1] > 11.9
+
+
+def test_a_motion_that_was_given_has_no_residual_to_look_at() -> None:
+    """Where the loop is unknown a model follows the measured motion: its residual of zero would be praise."""
+    entry = build.comparison(0.0).recordings[0]
+    given = entry.recording.with_signals(torque_measured=entry.simulated.signals["torque_measured"])
+    curves = Curves()
+    curves.time.update(start=0.0, end=1.0)
+    curves.show(entry.recording, 0, given, None, None)
+    assert [plot.visible for plot in curves.figures] == [True, False, True, True]
+    assert curves.figures[0].yaxis.axis_label == "position, given [rad]"
+    curves.show(entry.recording, 0, entry.simulated, None, None)
+    assert all(plot.visible for plot in curves.figures)
+    assert curves.figures[0].yaxis.axis_label == "position [rad]"

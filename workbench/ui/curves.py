@@ -75,7 +75,7 @@ class Curves:
             before, after: runs of the model as given, and with the changes; None where there is none.
             noise: where the noise is known.
         """
-        unit, lowest = recording.units[axis], self.figures[1]
+        unit, lowest = recording.units[axis], self.figures[0]
         for k, (name, label) in enumerate(_SIGNALS):
             top, bottom = self.figures[2 * k], self.figures[2 * k + 1]
             measured = recording.get(name)
@@ -92,7 +92,12 @@ class Curves:
             }
             real = np.where(recording.valid, measured[:, axis], np.nan)
             curves = {"measured": real, **runs}
-            self._fill(2 * k, recording, curves, f"{label} [{its}]", 1.0)
+            followed = runs and all(np.array_equal(run, measured[:, axis]) for run in runs.values())
+            self._fill(2 * k, recording, curves, f"{label}{', given' * bool(followed)} [{its}]", 1.0)
+            lowest = top
+            if followed:  # where the loop is unknown the motion is the measured one, and says nothing
+                bottom.visible = False
+                continue
             left = {look: real - run for look, run in runs.items()}
             sizes = [float(np.nanstd(x)) for x in left.values()] or [0.0]
             factor, small = handy([3 * max(sizes)], its)
