@@ -51,6 +51,9 @@ def test_names_that_are_offered_are_those_that_there_are() -> None:
         "leg_on_plate": tuple(e.name for e in plate_experiments()),
     } == complete.EXPERIMENTS
     assert complete.effect_names() == {e.name: e.axes == "all" for e in EFFECTS}
+    for effect in EFFECTS:
+        assert complete.parameter_names(effect.name) == tuple(p.name for p in effect.parameters)
+    assert complete.parameter_names("../core/units") == ()
 
 
 @pytest.mark.parametrize(
@@ -58,6 +61,7 @@ def test_names_that_are_offered_are_those_that_there_are() -> None:
     [
         ("workbench add leg coul", ["coulomb_friction@hip", "coulomb_friction@knee"]),
         ("workbench add leg coulomb_friction @", ["hip", "knee"]),  # as bash parts effect@axis
+        ("workbench add leg backlash@knee gap=0.01 ", ["stiffness="]),
         ("workbench train reach --variant s3", ["s3n_act", "s3n_full"]),
         ("workbench compare l", ["leg", "leg_kin_only", "leg_on_plate", "leg_s3n_act", "leg_s3n_full"]),
     ],

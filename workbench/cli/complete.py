@@ -32,6 +32,7 @@ EXPERIMENTS = {
     "leg_on_plate": ("press", "step", "slide", "walk"),
 }
 
+_EFFECTS = Path(workbench.__file__).parent / "effects"
 _LARGEST = 2**20  # bytes of a model file that is read for the names of its axes
 
 
@@ -55,11 +56,14 @@ def hidden(incomplete: str) -> list[str]:
 
 
 def values(ctx: typer.Context, incomplete: str) -> list[str]:
-    """The axis of an effect, where the shell has parted ``effect@axis`` at the ``@``, as bash does."""
-    axes = _axes(ctx.params.get("model") or "")
+    """Parameters of the effect; its axis where the shell parts ``effect@axis`` at the ``@``, as bash does."""
+    axes, given = _axes(ctx.params.get("model") or ""), list(ctx.params.get("values") or ())
     if incomplete == "@":
         return [_AfterAt(axis) for axis in axes]
-    return _begun(incomplete, axes) if ctx.params.get("values") in (["@"], ("@",)) else []
+    if given == ["@"]:
+        return _begun(incomplete, axes)
+    effect, taken = (ctx.params.get("effect") or "").partition("@")[0], {v.partition("=")[0] for v in given}
+    return _begun(incomplete, [f"{name}=" for name in parameter_names(effect) if name not in taken])
 
 
 class _AfterAt(str):
@@ -108,11 +112,19 @@ def effect_names() -> dict[str, bool]:
     An effect is one file of its name that says so; reading is far quicker than importing them.
     """
     found = {}
-    for file in sorted((Path(workbench.__file__).parent / "effects").glob("*.py")):
+    for file in sorted(_EFFECTS.glob("*.py")):
         text = file.read_text(encoding="utf-8")
         if re.search(rf'^    name = "{file.stem}"$', text, re.MULTILINE):
             found[file.stem] = re.search(r'^    axes = "all"$', text, re.MULTILINE) is not None
     return found
+
+
+def parameter_names(effect: str) -> tuple[str, ...]:
+    """Parameters of an effect, read as `effect_names` reads; none where there is no such effect."""
+    if effect not in effect_names():
+        return ()
+    text = (_EFFECTS / f"{effect}.py").read_text(encoding="utf-8")
+    return tuple(re.findall(r'\bParameter\(\s*"(\w+)"', text))
 
 
 def _places(axes: tuple[str, ...]) -> list[str]:
