@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -192,6 +193,17 @@ def test_malformed_designs_are_named(tmp_path: Path) -> None:
     file.write_text("format = [")
     with pytest.raises(InputError, match="TOML"):
         load_design(file)
+
+
+@pytest.mark.parametrize("name", ["rate_hz", "period_s"])
+@pytest.mark.parametrize("value", ["1e300", "-1.0", "nan", "inf"])
+def test_a_rate_or_period_that_no_experiment_has_is_named(tmp_path: Path, name: str, value: str) -> None:
+    save_design(multisine(["hip"], **LEG), tmp_path / "leg.toml")
+    text = (tmp_path / "leg.toml").read_text()
+    spoilt = re.sub(rf"^{name} = .*$", f"{name} = {value}", text, flags=re.MULTILINE)
+    (tmp_path / "leg.toml").write_text(spoilt)
+    with pytest.raises(InputError, match=rf"leg\.toml, column '{name}'"):
+        load_design(tmp_path / "leg.toml")
 
 
 @pytest.mark.parametrize(

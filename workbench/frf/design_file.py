@@ -25,7 +25,8 @@ from .excitation import Design, Trial
 _SHORT = {"torque_feedforward": "ff", "position_reference": "qref"}
 
 
-_Positive = Annotated[FiniteFloat, Field(gt=0.0)]
+# far beyond any experiment, and small enough that their product is a number
+_Positive = Annotated[FiniteFloat, Field(gt=0.0, lt=1e9)]
 _Count = Annotated[int, Field(ge=0, lt=2**31)]
 
 
