@@ -52,6 +52,18 @@ def as_table(written: Path, folder: Path, ending: str, change: Callable[[str], s
     return toml
 
 
+@pytest.mark.parametrize(("name", "at"), [("HELD", 1), ("HELD_COUPLED", 2)])
+def test_a_log_begins_where_rows_and_axes_are_too_many(
+    name: str, at: int, written: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(workbench.recordings.log, "_SMALL", 0)
+    whole = load_recording(written)
+    numbers = len(whole) * len(whole.axes) ** at
+    for least, kind in ((numbers, Recording), (numbers - 1, Log)):
+        monkeypatch.setattr(workbench.recordings.log, name, least)
+        assert isinstance(open_recordings(written)[0], kind)
+
+
 @pytest.mark.parametrize("ending", ["parquet", "csv", "csv.gz"])
 def test_pieces_are_the_rows_of_the_whole(
     ending: str, written: Path, tmp_path: Path, opened: Callable[[Path], Log]

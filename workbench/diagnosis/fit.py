@@ -23,7 +23,7 @@ _FAR_BEHIND = 8.0
 _TELLING = 0.6  # share of the error in the recordings of a race's first heats
 _HEATS = 3  # simulations of each hypothesis in them
 _BEHIND = 2.5  # what leaves this many times the best one's excess falls out
-_AT_ONCE = 20_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
+_AT_ONCE = 10_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
 _RUNAWAY = 1e100  # noise levels of response to one unit; the square of much more is no number
 PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 

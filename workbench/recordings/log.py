@@ -19,6 +19,8 @@ from .tables.batches import STREAMED, count_rows, read_batches
 
 #: Rows times axes up to which a recording is held as a whole: ten minutes of two axes at 1 kHz.
 HELD = 1_200_000
+#: The same of rows times axes squared, which tell how small changes go round a loop: a minute of twelve axes.
+HELD_COUPLED = 9_000_000
 #: Bytes of a table below which it cannot have as many numbers: compressed, and as text.
 _SMALL, _SMALL_TEXT = 1 << 20, 8 << 20
 _MATCHING = 12  # rows among which one is looked for at which the loop ticks
@@ -178,13 +180,13 @@ def open_recordings(
 
 
 def open_recording(path: str | Path) -> Recording | Log:
-    """A recording, or a log where it has more than `HELD` numbers a signal."""
+    """A recording, or a log where it is larger than `HELD` or `HELD_COUPLED`."""
     described = describe(Path(path))
     table, ending = described.table, described.table.name.lower()
     small = _SMALL_TEXT if ending.endswith(".csv") else _SMALL
     if ending.endswith(STREAMED) and table.is_file() and table.stat().st_size > small:
-        rows = count_rows(table)
-        if rows * len(described.contents.axes) > HELD:
+        rows, axes = count_rows(table), len(described.contents.axes)
+        if rows * axes > HELD or rows * axes**2 > HELD_COUPLED:
             return Log(described, rows)
     return load_recording(path)
 
