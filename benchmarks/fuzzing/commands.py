@@ -56,16 +56,20 @@ def through_cli(names: list[str], seed: int, first: int, count: int) -> tuple[Co
     names = [name for name in names if _commands(name)]
     endings, failures, before = Counter[str](), [], time.process_time()
     with tempfile.TemporaryDirectory() as folder:
-        for i, name in enumerate(names):
-            own = Path(folder) / str(i)
-            own.mkdir()
-            bench = Bench(name, own)
+        # before any command runs here: it leaves out imports that writing these files needs
+        benches = [_bench(name, Path(folder) / str(i)) for i, name in enumerate(names)]
+        for i, (name, bench) in enumerate(zip(names, benches, strict=True)):
             for number in range(first + i * count // len(names), first + (i + 1) * count // len(names)):
                 outcome = _case(bench, name, seed, number)
                 endings[outcome.ending] += 1
                 if outcome.ending == "failed":
                     failures.append((number, f"{name}: {outcome.text}"))
     return endings, failures, time.process_time() - before
+
+
+def _bench(name: str, folder: Path) -> Bench:
+    folder.mkdir()
+    return Bench(name, folder)
 
 
 def _commands(name: str) -> tuple[str, ...]:
