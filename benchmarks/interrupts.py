@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import re
 import shutil
 import signal
 import subprocess
@@ -74,7 +75,7 @@ def stopped(name: str, folder: Path, how: signal.Signals, after: float, good: di
     code, now = process.returncode, listing(folder)
     if how == signal.SIGINT and code not in (0, 1, 130, -signal.SIGINT):  # the last: while it was loading
         return f"exit code {code}: {said[-300:]}"
-    if "Traceback" in said:
+    if "Traceback" in said and not _while_loading(said):
         return f"a traceback: {said[-300:]}"
     parts = {p for p in folder.rglob("*.part") if p.name.startswith(".")}
     if len(parts) > (how == signal.SIGKILL):
@@ -92,6 +93,14 @@ def stopped(name: str, folder: Path, how: signal.Signals, after: float, good: di
         f for f in made if f.endswith(".html") and not (folder / f).read_text().rstrip().endswith("</html>")
     ]
     return f"changed {changed}, missing {sorted(missing)}, cut {cut}" if changed or missing or cut else ""
+
+
+def _while_loading(said: str) -> bool:
+    """Whether Python itself was interrupted, before any line of the program ran."""
+    return said.rstrip().endswith("KeyboardInterrupt") and set(re.findall(r'File "([^"]+)"', said)) <= {
+        "<frozen runpy>",
+        "<frozen site>",
+    }
 
 
 def _resumed(folder: Path) -> str:

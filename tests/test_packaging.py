@@ -1,6 +1,7 @@
 """What the code imports is what the package declares and what the lock pins."""
 
 import ast
+import os
 import re
 import subprocess
 import sys
@@ -100,6 +101,23 @@ def test_what_is_slow_to_load_waits_until_it_is_used() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert done.stdout.split() == []
+
+
+def test_commands_simulate_without_a_window_library(tmp_path: Path) -> None:
+    code = (
+        "import sys\n"
+        "from workbench.cli import main\n"
+        "sys.argv = ['workbench', 'normalize', 'leg', '-o', 'tree.xml', '--quiet']\n"
+        "try:\n"
+        "    main()\n"
+        "finally:\n"
+        "    print(*(name for name in ('glfw', 'mujoco') if name in sys.modules))\n"
+    )
+    free = {k: v for k, v in os.environ.items() if k != "MUJOCO_GL"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=tmp_path, env=free
+    )
+    assert done.stdout.split() == ["mujoco"]
 
 
 def test_the_citation_names_the_version() -> None:

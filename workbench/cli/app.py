@@ -45,6 +45,8 @@ def run() -> None:
     # many small factorisations: the threads of a linear algebra library only get in each other's way
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    # nothing is drawn by MuJoCo here, which would load a window library and start a process to look at it
+    os.environ.setdefault("MUJOCO_GL", "disable")
     # python-can loads it, if it is there, to read MF4: a second and more, and we read that in another process
     sys.modules.setdefault("asammdf", None)  # pyright: ignore[reportArgumentType]
     from workbench.core import WorkbenchError
