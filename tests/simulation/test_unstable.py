@@ -67,6 +67,18 @@ def test_gains_are_named_where_no_effect_is_to_blame() -> None:
         simulate([Run(free, recording(kp=1e7))])
 
 
+def test_the_speed_has_the_unit_of_its_axis(tmp_path: Path) -> None:
+    bodies = """<body><joint name="rail" type="slide" axis="1 0 0"/>
+      <inertial pos="0 0 0" mass="3" diaginertia=".1 .1 .1"/>
+      <body><joint name="arm" type="hinge" axis="0 1 0"/>
+      <inertial pos="0 0 -.2" mass="1" diaginertia=".01 .01 .01"/></body></body>"""
+    (tmp_path / "a.xml").write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    run = replace(recording(), axes=("rail", "arm"), units=("m", "rad"))
+    pushed = AppliedEffect(EffectKey("torque_bias", "arm"), {"torque": Estimate(1e9, 0.0, "N*m")})
+    with pytest.raises(SimulationError, match=r"\(arm was last at [0-9.e+]+ rad/s\)"):
+        simulate([Run(load_model(tmp_path / "a.xml").with_effect(pushed), run)])
+
+
 def test_a_joint_without_inertia_is_named(tmp_path: Path) -> None:
     joint = '<body><joint name="{}" type="hinge" axis="0 1 0"/>'
     inertia = '<inertial pos="0 0 0" mass="{0}" diaginertia="{0} {0} {0}"/>'

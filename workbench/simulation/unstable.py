@@ -39,10 +39,10 @@ def raise_where_unstable(
         why = f"check {', '.join(map(_stated, blamed))}: it is stable without any one of them"
     else:
         why = f"check gains, delay and inertias: no single effect makes it so, and {_loop(controller)}"
-    axis, speed = _fastest(made, lost)
+    axis, speed, unit = _fastest(made, lost)
     raise SimulationError(
         f"model '{model.name}' becomes unstable on recording '{recording.name}' at t = "
-        f"{lost * recording.period:.3f} s; {why} ({axis} was last at {speed:.3g} {made.units[0]}/s)"
+        f"{lost * recording.period:.3f} s; {why} ({axis} was last at {speed:.3g} {unit}/s)"
     )
 
 
@@ -60,9 +60,11 @@ def _stable(again: Callable[[Model], Recording], model: Model, effect: AppliedEf
         return False
 
 
-def _fastest(made: Recording, lost: int) -> tuple[str, float]:
+def _fastest(made: Recording, lost: int) -> tuple[str, float, str]:
+    """The axis, its speed, and the unit of its position, which not all axes share."""
     last = np.abs(np.nan_to_num(made.velocity[max(lost - 1, 0)]))
-    return made.axes[int(last.argmax())], float(last.max())
+    k = int(last.argmax())
+    return made.axes[k], float(last[k]), made.units[k]
 
 
 def _stated(effect: AppliedEffect) -> str:
