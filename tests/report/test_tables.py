@@ -53,6 +53,13 @@ def test_diagnose_names_the_effect_with_its_interval_and_lookalike(diagnosis):
     assert "0.201 -> 0.0312" in text and "Measure next: Move the knee slowly" in text
 
 
+def test_a_held_out_error_stands_beside_its_own_noise_floor(diagnosis):
+    text = printed(diagnosis_table(replace(diagnosis, holdout_noise_error=0.0303)))
+    assert "0.201 -> 0.0312  (noise floor 0.0303)" in text
+    bare = printed(diagnosis_table(replace(diagnosis, holdout_noise_error=None)))
+    assert "0.201 -> 0.0312" in bare and "(noise floor" not in bare
+
+
 def test_improve_lists_every_step_and_the_noise_floor(improvement):
     text = printed(improvement_table(improvement))
     assert "+ Coulomb friction" in text and "+ Torque gain" in text

@@ -88,7 +88,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
         ),
     ]
     for place, finding in enumerate(result.findings, start=1):
-        parts += [Text(), *_finding(place, finding)]
+        parts += [Text(), *_finding(place, finding, result.holdout_noise_error)]
     if not good:
         parts += _shares("Where the unexplained rest sits", result.where)
         parts += [_text(f"  {line}") for line in result.evidence]
@@ -148,7 +148,7 @@ def truth_table(result: Improvement | Diagnosis, truth: Truth) -> Group:
     return Group(Text("The truth", style="bold"), table)
 
 
-def _finding(place: int, f: Finding) -> list[RenderableType]:
+def _finding(place: int, f: Finding, held_floor: float | None) -> list[RenderableType]:
     head = f"{place}. {w.capital(w.effect_phrase(f.key))}"
     rows = Table.grid(padding=(0, 2))
     rows.add_column(no_wrap=True, style="dim")
@@ -157,7 +157,9 @@ def _finding(place: int, f: Finding) -> list[RenderableType]:
         rows.add_row(Text(w.parameter_name(name)), Text(f"{interval(e)}  (95 %)"))
     rows.add_row("error with it", number(f.error_after))
     if f.holdout_error_before is not None and f.holdout_error_after is not None:
-        rows.add_row("held-out error", f"{number(f.holdout_error_before)} -> {number(f.holdout_error_after)}")
+        fall = f"{number(f.holdout_error_before)} -> {number(f.holdout_error_after)}"
+        floor = "" if held_floor is None else f"  (noise floor {number(held_floor)})"
+        rows.add_row("held-out error", fall + floor)
     if f.indistinguishable_from:
         rows.add_row("looks the same", Text(_listed(f.indistinguishable_from)))
     for i, line in enumerate(f.evidence):
