@@ -104,6 +104,7 @@ def write_bam_recording(log: Path, folder: Path) -> Path:
                 "kv": [_RATE_GAIN],
                 "gain": [1.0],
                 "limit": [_STALL],
+                "period_s": 0.001,
             },
             "timing": {"initial_at_rest": False},
         }
@@ -115,12 +116,15 @@ def write_bam_recording(log: Path, folder: Path) -> Path:
 _START = {  # where fits begin
     "coulomb_friction": {"torque": 0.03},
     "viscous_damping": {"damping": 0.01},
-    "load_dependent_friction": {"torque": 0.02, "ratio": 0.2},
+    "load_dependent_friction": {"torque": 0.02, "ratio": 0.3},
+    "torque_constant_error": {"gain": 1.2},
 }
 _SETS = (
     (),
     ("coulomb_friction", "viscous_damping"),
+    ("coulomb_friction", "viscous_damping", "torque_constant_error"),
     ("load_dependent_friction", "viscous_damping"),
+    ("load_dependent_friction", "viscous_damping", "torque_constant_error"),
 )
 
 

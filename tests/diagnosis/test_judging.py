@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis.judging import witnessed
+from workbench.diagnosis.judging import stands_out, witnessed
 from workbench.effects import effect_named, load_model
 from workbench.models import AppliedEffect, Placement
 
@@ -36,3 +36,25 @@ def test_nothing_is_named_at_the_limit_of_what_can_be(
     applied = AppliedEffect(key, {name: Estimate(value, 0.0, "")})
     found = SimpleNamespace(hypothesis=SimpleNamespace(model=model, free=(applied,)))
     assert witnessed(SimpleNamespace(motions=()), found) is possible  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters", "clear"),
+    [
+        ("coulomb_friction", {"torque": (0.2, 0.01)}, True),
+        ("coulomb_friction", {"torque": (0.02, 0.01)}, False),
+        ("torque_constant_error", {"gain": (1.01, 0.01)}, False),
+        ("torque_constant_error", {"gain": (0.9, 0.01)}, True),
+        ("current_loop_lag", {"time_constant": (5e-6, 2e-5)}, False),
+        ("current_loop_lag", {"time_constant": (1e-3, 2e-5)}, True),
+        # the order of a ripple says nothing where its size is none, nor does its phase
+        ("cogging", {"torque": (2e-4, 2e-4), "order": (12.0, 0.1), "phase": (3.0, 0.1)}, False),
+        ("cogging", {"torque": (0.2, 2e-3), "order": (12.0, 0.1), "phase": (0.0, 0.1)}, True),
+        ("backlash", {"gap": (0.01, 0.001), "stiffness": (400.0, 300.0)}, True),
+    ],
+)
+def test_what_may_be_nothing_is_not_named(
+    effect: str, parameters: dict[str, tuple[float, float]], clear: bool
+) -> None:
+    estimates = {k: Estimate(value, std, "") for k, (value, std) in parameters.items()}
+    assert stands_out(AppliedEffect(EffectKey(effect, "knee"), estimates)) is clear

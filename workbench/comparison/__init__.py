@@ -1,6 +1,7 @@
 """How far a model is from measurements, and where."""
 
 from .compare import check_recordings, compare, evaluate, simulate_with_noise
+from .following import followed
 from .long import compare_logs
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
@@ -17,6 +18,7 @@ __all__ = [
     "compare",
     "compare_logs",
     "evaluate",
+    "followed",
     "needs_inverse",
     "normalised",
     "replay_of",

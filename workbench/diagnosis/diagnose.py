@@ -23,7 +23,7 @@ from workbench.models import Model
 
 from .data import Data
 from .evidence import Clues, finding_lines
-from .judging import EXPLAINED
+from .judging import EXPLAINED, stands_out
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, search
 from .stage import Search, Stage
@@ -119,6 +119,8 @@ def _diagnosis(found: Search) -> Diagnosis:
     elif found.stages and (found.consistent_after or max(found.explained, found.mostly) >= EXPLAINED):
         verdict = "missing_effect"
     if verdict == "missing_effect" and _another_shape(found):
+        verdict = "unexplained"
+    if verdict == "missing_effect" and not all(stands_out(a) for a in found.final.hypothesis.free):
         verdict = "unexplained"
     if verdict == "missing_effect" and _far_off_the_ground(found):
         verdict = "unexplained"

@@ -34,6 +34,7 @@ _OVERSHADOWED = 1.5  # squared error over the noise's in training, over the same
 _SHOWN = 0.02  # share of its excess by which a recording's squared error changes if it shows an effect at all
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
+_CLEARLY = 3.0  # deviations by which a parameter differs from none
 NEAR_FLOOR = 2.0  # squared error over the noise's, below which hardly more than noise is left
 
 
@@ -236,6 +237,21 @@ def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
     # what grows without limit ends at nothing, which a machine may well have
     limits = np.where(np.isfinite(upper) & (np.array([lower, upper]) != 0.0), [lower, upper], np.nan)
     return bool(np.isclose(coefficients, limits, rtol=1e-6, atol=0.0).any())
+
+
+def stands_out(applied: AppliedEffect) -> bool:
+    """Whether an estimate is clearly another than what has no effect.
+
+    One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
+    may change at which instant a signal is read.
+    """
+    effect = effect_named(applied.key.effect)
+    turns = [p.name for p in effect.parameters if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
+    sizes = [p for p in effect.parameters if p.name not in (*effect.nonlinear, *turns)]
+    return any(
+        abs(applied.parameters[p.name].value - p.neutral) > _CLEARLY * applied.parameters[p.name].std
+        for p in sizes or effect.parameters
+    )
 
 
 def cancels(scene: Scene, found: Fit) -> bool:

@@ -16,6 +16,7 @@ from .refining import polished, with_candidate
 from .screen import screen
 from .search import Progress, starting_fit
 from .sensitivity import Scene
+from .sticking import read_along
 
 
 def fit_effect(
@@ -51,7 +52,7 @@ def fit_effect(
     candidates = (
         what_gives_way(scene, data.training, start.judged)
         if effect_named(key.effect).splits
-        else screen(scene, data, start.simulated, ())[0]
+        else read_along(screen(scene, data, start.simulated, ())[0], start, data, seed)
     )
     candidate = next((c for c in candidates if c.key == key), None)
     if candidate is None:

@@ -11,11 +11,12 @@ from workbench.models import Model
 
 from .data import Data, gather
 from .hypothesis import Fit, Hypothesis
-from .judging import explained, mostly_explained, rejudged
+from .judging import explained, mostly_explained, rejudged, stands_out
 from .screen import screen
 from .sensitivity import Scene
 from .simpler import simpler
 from .stage import Search
+from .sticking import read_along
 from .trying import Progress
 from .ways import Quest, Way, fewer, holds, is_consistent, onwards, otherwise, wanders, with_stages
 
@@ -57,7 +58,7 @@ def search(
         )
     scene = Scene.of(model, data, start.simulated, len(data.recordings))
     first, before = data, is_consistent(data, start.mean_squares)
-    screened = tuple(screen(scene, data, start.simulated, ())[0])
+    screened = read_along(screen(scene, data, start.simulated, ())[0], start, data, seed)
     quest = Quest(start, data, scene, screened, limit, seed, progress)
     way = Way(start, data, done=before)
     if not before:
@@ -66,7 +67,7 @@ def search(
             way = otherwise(way, quest)
         elif limit > 1:
             way = fewer(way, quest)
-    way = _simplified(way, seed, progress)
+    way = _plain(_simplified(way, seed, progress), start, first)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
     done = way.done or (len(way.stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
@@ -82,6 +83,20 @@ def search(
         explained(first, start, current, data),
         mostly_explained(first, start, current, data) if wanders(current) else 0.0,
     )
+
+
+def _plain(way: Way, start: Fit, first: Data) -> Way:
+    """Without last effects that may be none; what they explained stays unexplained."""
+    stages = way.stages
+    while stages:
+        last = next(a for a in stages[-1].fit.hypothesis.added if a.key == stages[-1].added)
+        if last in stages[-1].fit.hypothesis.stated or stands_out(last):
+            break
+        stages = stages[:-1]
+    if len(stages) == len(way.stages):
+        return way
+    data = stages[-1].data if stages else first
+    return Way(rejudged(stages[-1].fit, data) if stages else start, data, stages)
 
 
 def _simplified(way: Way, seed: int, progress: Progress) -> Way:

@@ -19,6 +19,7 @@ from .data import Data
 from .hypothesis import applied_effect
 
 _PROBE = 0.03  # of an unknown: the step of a difference of simulations
+_STICKING = 0.1  # share of the rows
 
 
 Part = tuple[np.ndarray | None, ...]
@@ -89,6 +90,19 @@ class Scene:
         """Whether links and motors are apart, so that a torque on the links is not one on the motors."""
         return any(effect_named(e.key.effect).splits for e in self.model.effects)
 
+    @cached_property
+    def sticks(self) -> bool:
+        """Whether dry friction holds a coordinate for long: small torques do not move it then.
+
+        A loop linearised about such a motion does not know that, and points elsewhere.
+        """
+        dry = [e.key for e in self.model.effects if effect_named(e.key.effect).dry]
+        for place in filter(None, (Placement.of(self.model, key) for key in dry)):
+            moved = [np.abs(np.diff(m.along(place)[0])) / m.step for m in self.motions]
+            if np.mean(np.concatenate(moved) < self.model.sliding_speed) > _STICKING:
+                return True
+        return False
+
     def columns(
         self, key: EffectKey, shape: Mapping[str, float], motions: Sequence[Motion] | None = None
     ) -> tuple[list[Column], Column | None]:
@@ -134,7 +148,7 @@ class Scene:
         """
         effect = effect_named(applied.key.effect)
         behind = effect.on_links or applied.key.location == "joint"
-        if effect.by_runs or (behind and self.bends) or self.data.replay.on_ground:
+        if effect.by_runs or (behind and self.bends) or self.sticks or self.data.replay.on_ground:
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)
         motions = [effect.before(m, place, applied.values) for m in self.motions]

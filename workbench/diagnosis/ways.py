@@ -35,6 +35,7 @@ from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
+from .sticking import read_along
 from .trying import Progress
 
 Keys = frozenset[EffectKey]
@@ -188,7 +189,8 @@ def _screened(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence[C
     scene = quest.scene
     if current.hypothesis.added:
         scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
-    return scene, screen(scene, data, current.simulated, current.hypothesis.free)[0]
+    candidates = screen(scene, data, current.simulated, current.hypothesis.free)[0]
+    return scene, read_along(candidates, current, data, quest.seed)
 
 
 def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tuple[Stage, ...]:

@@ -56,9 +56,10 @@ class Inertial:
     @property
     def is_body(self) -> bool:
         """Whether a body can have these properties: positive, and no moment above the sum of the others."""
-        if self.mass <= 0.0:
+        central = self.central
+        if self.mass <= 0.0 or not np.isfinite(central).all():
             return False
-        low, middle, high = np.linalg.eigvalsh(self.central)
+        low, middle, high = np.linalg.eigvalsh(central)
         return bool(low > 0.0 and low + middle >= high)
 
 

@@ -1,0 +1,61 @@
+"""A hobby servo whose friction grows with its load: weak loops, in which it stands still for a good part."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import workbench as wb
+from workbench.core import Controller, Recording
+from workbench.diagnosis.sticking import stands_long
+
+_TICK, _FINE = 0.004, 20  # s; steps of the simulation in one
+_DAMPING, _WEIGHT = 0.02, 0.48  # N m s/rad, N m
+_SERVO = f"""<mujoco><worldbody><body>
+<joint name="m" axis="0 -1 0" armature="0.0016" damping="{_DAMPING}"/>
+<inertial pos="0 0 -0.1" mass="{_WEIGHT / 0.981}" diaginertia="1e-6 1e-6 1e-6"/>
+</body></worldbody></mujoco>"""
+
+
+def lifted(gain: float, reference: np.ndarray, name: str) -> Recording:
+    """The pendulum along a reference (N,), friction of 0.01 N m and 0.3 of the motor's torque in it."""
+    q = w = 0.0
+    inertia = 0.0016 + _WEIGHT / 9.81 * 0.1 + 1e-6
+    rows = []
+    for r in reference:
+        at = 2 * np.pi / 4096 * np.round(q * 4096 / (2 * np.pi))
+        u = gain * (r - at)
+        rows.append((at, u, r))
+        h = _TICK / _FINE
+        for _ in range(_FINE):
+            w += h * (u - _DAMPING * w - _WEIGHT * np.sin(q)) / inertia
+            w = np.sign(w) * max(abs(w) - h * (0.01 + 0.3 * abs(u)) / inertia, 0.0)
+            q += h * w
+    names = ("position", "torque_command", "position_reference")
+    signals = {n: column[:, None] for n, column in zip(names, np.array(rows).T, strict=True)}
+    loop = Controller("pd", "actuator", kp=(gain,), kd=(0.0,), period_s=_TICK)
+    time = np.arange(len(reference)) * _TICK
+    return Recording(name, ("m",), "actuator", time, signals, ("rad",), controller=loop)
+
+
+def test_friction_that_holds_is_read_where_it_slides(tmp_path: Path) -> None:
+    t = np.arange(1000) * _TICK
+    slow, fast = np.sin(1.6 * t) + 0.7 * np.sin(4.1 * t), 1.2 * np.sin(1.1 * t * t)
+    logs = [lifted(g, r, f"{g:g} {n}") for g in (0.2, 0.4, 0.8) for n, r in (("slow", slow), ("fast", fast))]
+    assert stands_long(logs)
+    (tmp_path / "servo.xml").write_text(_SERVO)
+    found = wb.diagnose(wb.load_model(str(tmp_path / "servo.xml")), [*logs[:2], *logs[4:]], logs[2:4])
+    assert found.verdict == "missing_effect" and found.findings[0].key.effect == "load_dependent_friction"
+    friction = found.findings[0].parameters
+    assert friction["torque"].value == pytest.approx(0.01, abs=0.003)
+    assert friction["ratio"].value == pytest.approx(0.3, rel=0.05)
+
+
+def test_a_motion_that_only_turns_round_does_not_stand() -> None:
+    t = np.arange(2000) * 0.002
+    position = np.sin(5 * t)[:, None]
+    assert not stands_long([Recording("r", ("m",), "actuator", t, {"position": position}, ("rad",))])
+    position[600:1400] = position[600]
+    assert stands_long([Recording("r", ("m",), "actuator", t, {"position": position}, ("rad",))])
