@@ -56,10 +56,9 @@ class Inertial:
     @property
     def is_body(self) -> bool:
         """Whether a body can have these properties: positive, and no moment above the sum of the others."""
-        central = self.central
-        if self.mass <= 0.0 or not np.isfinite(central).all():
+        if self.mass <= 0.0 or not np.isfinite(self.central).all():
             return False
-        low, middle, high = np.linalg.eigvalsh(central)
+        low, middle, high = np.linalg.eigvalsh(self.central)
         return bool(low > 0.0 and low + middle >= high)
 
 
