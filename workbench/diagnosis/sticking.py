@@ -17,11 +17,12 @@ from workbench.effects import effect_named
 
 from .data import Data, gather
 from .hypothesis import Fit
-from .judging import rejudged
+from .judging import floor_of_judging, rejudged
 from .screen import Candidate, screen
 from .sensitivity import Scene
 
 _STILL = 0.02  # of the rms change from row to row: less is no motion
+_ENOUGH = 0.05  # share of the excess
 _LONG = 0.2  # share of the rows; a motion that only turns round stands for less
 
 
@@ -33,9 +34,10 @@ def stands_long(recordings: Sequence[Recording]) -> bool:
 
 
 def read_along(candidates: Sequence[Candidate], current: Fit, data: Data, seed: int) -> tuple[Candidate, ...]:
-    """Candidates with the estimates of dry friction taken along the measured motion, best first.
+    """Candidates, best first, with dry friction's estimates along the measured motion where these are better.
 
-    Where machines do not stand for long, or torque was not recorded, they stay as they are.
+    All stay as they are where machines do not stand for long, where torque was not recorded, and where the
+    loop explains the data anyway.
 
     Args:
         candidates: as screened in the loop.
@@ -44,7 +46,10 @@ def read_along(candidates: Sequence[Candidate], current: Fit, data: Data, seed: 
         seed: of the noise simulations.
     """
     known = all({"torque_measured", "torque_command"} & set(r.signals) for r in data.recordings)
-    if data.replay.on_ground or not known or not stands_long(data.recordings):
+    floor = floor_of_judging(data)
+    left = min((c.judged - floor for c in candidates), default=0.0)
+    explained = left < _ENOUGH * (current.judged - floor)
+    if explained or data.replay.on_ground or not known or not stands_long(data.recordings):
         return tuple(candidates)
     model, runs = current.hypothesis.model, followed(data.recordings)
     along, simulated = gather(model, runs[: data.training], runs[data.training :], seed)
@@ -53,9 +58,18 @@ def read_along(candidates: Sequence[Candidate], current: Fit, data: Data, seed: 
         replace(current, simulated=simulated.clean, mean_squares=along.mean_squares(simulated.clean)), along
     )
     scene = Scene.of(model, along, before.simulated, len(runs))
+    floor_along = floor_of_judging(along)
+    scale = (current.judged - floor) / max(before.judged - floor_along, 1e-12)
+
+    def better(own: Candidate, other: Candidate) -> Candidate:
+        """The one that leaves less of what is lacking: noise along the motion is not that of the loop."""
+        judged = floor + scale * max(other.judged - floor_along, 0.0)
+        return replace(other, judged=judged) if judged < own.judged else own
+
     seen = {
-        c.key: replace(c, judged=c.judged / before.judged * current.judged)
+        c.key: c
         for c in screen(scene, along, before.simulated, current.hypothesis.free)[0]
         if effect_named(c.key.effect).dry
     }
-    return tuple(sorted((seen.get(c.key, c) for c in candidates), key=lambda c: c.judged))
+    best = (better(c, seen[c.key]) if c.key in seen else c for c in candidates)
+    return tuple(sorted(best, key=lambda c: c.judged))
