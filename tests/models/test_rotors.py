@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from tests.data_helpers import write_toml
 from workbench import load_model
-from workbench.core import InputError
 from workbench.models import rotors
 
 _ARM = """<mujoco><worldbody><body><joint name="a" axis="0 -1 0" armature="0.02" damping="0.3"/>
@@ -29,29 +27,6 @@ def test_the_armature_of_a_joint_is_the_rotor_of_the_drive_that_turns_it_alone(t
     }  # fmt: skip
     inertia, damping = rotors(load_model(str(write_toml(tmp_path / "geared.toml", model))))
     assert np.allclose(inertia, [0.001 + 0.05 / 4, 0.02]) and np.allclose(damping, [0.1, 0.5])
-
-
-@pytest.mark.parametrize(
-    ("actuators", "refused"),
-    [
-        ({"inertia": [0.0, 0.02]}, "'actuators.inertia': 0.02 of drive 2 stands in the MJCF too"),
-        ({"inertia": [0.0125, 0.0]}, "0.0125 of drive 1"),  # the joint's 0.05, behind a gear of two
-        ({"damping": 0.3}, "'actuators.damping': 0.3 of drive 2"),
-        ({"inertia": [0.05, 0.019], "damping": [0.3, 0.1]}, None),
-    ],
-)
-def test_the_same_rotor_twice_is_refused(actuators: dict, refused: str | None, tmp_path: Path) -> None:
-    (tmp_path / "arm.xml").write_text(_ARM.format(end=""))
-    model = {
-        "format": 1, "name": "arm", "serial": "arm.xml", "axes": ["first", "second"],
-        "transmission": {"joints": ["b", "a"], "matrix": [[2.0, 0.0], [0.0, 1.0]]}, "actuators": actuators,
-    }  # fmt: skip
-    file = str(write_toml(tmp_path / "arm.toml", model))
-    if refused is None:
-        load_model(file)
-        return
-    with pytest.raises(InputError, match=refused):
-        load_model(file)
 
 
 def test_where_drives_share_a_joint_its_armature_is_nobodys(tmp_path: Path) -> None:

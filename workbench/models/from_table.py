@@ -15,7 +15,6 @@ from workbench.core.paths import models_folder
 from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
 from .schema import ActuatorTable, EffectTable, GroundTable, ModelTable, ParameterTable
 from .spec import end_site, hinges_and_slides, load_mjcf
-from .twice import refuse_the_same_twice
 
 _SINGULAR = 1e9  # condition of a transmission that no drives have
 _LINKAGE_KEYS = {"linkage_inertia": ("M11", "M12", "M22"), "linkage_gravity": ("g1", "g2")}
@@ -36,8 +35,6 @@ def from_table(table: ModelTable, file: Path) -> Model:
     spec = load_mjcf(serial)
     axes, joints, matrix = _transmission(table, hinges_and_slides(spec, serial), file)
     n = len(axes)
-    actuators = _actuators(table.actuators, n, file)
-    refuse_the_same_twice(spec, joints, matrix, actuators, file)
     payload_site = _payload_site(table, spec, file)
     linkage = Linkage(**table.linkage.model_dump()) if table.linkage else None
     structural = _structural_effects(table.variant, linkage, file)
@@ -47,7 +44,7 @@ def from_table(table: ModelTable, file: Path) -> Model:
         axes=axes,
         joints=joints,
         transmission=matrix,
-        actuators=actuators,
+        actuators=_actuators(table.actuators, n, file),
         closed_chain=_mechanism(table, n, file),
         posture_dependent=bool(table.transmission and table.transmission.posture_dependent),
         linkage=linkage,
