@@ -14,6 +14,8 @@ from .chain import Build
 from .motion import Motion
 from .response import Response, read_on
 
+_NONE = 1e-9  # of a row: a lag of which a fit has left nothing
+
 
 class VelocityFilterLag(Effect):
     """T dv/dt = w - v, v the measured velocity; the loop reads the same."""
@@ -63,6 +65,8 @@ class VelocityFilterLag(Effect):
 def lagged(values: np.ndarray, step: float, time_constant: float) -> np.ndarray:
     """Rows (N,) behind a first-order lag, exact for what changes linearly between rows, settled at first."""
     ratio = time_constant / step
+    if ratio < _NONE:
+        return values.copy()
     kept = np.exp(-1.0 / ratio)
     # y1 = kept y0 + (x1 - x0) (1 - ratio (1 - kept)) + x0 (1 - kept)
     rise = 1.0 - ratio * (1.0 - kept)
