@@ -104,7 +104,7 @@ def write_bam_recording(log: Path, folder: Path) -> Path:
                 "kv": [_RATE_GAIN],
                 "gain": [1.0],
                 "limit": [_STALL],
-                "period_s": 0.001,
+                "period_s": 0.001,  # the servo's own loop, faster than its log
             },
             "timing": {"initial_at_rest": False},
         }

@@ -118,11 +118,11 @@ def _diagnosis(found: Search) -> Diagnosis:
         verdict = "consistent"
     elif found.stages and (found.consistent_after or max(found.explained, found.mostly) >= EXPLAINED):
         verdict = "missing_effect"
-    if verdict == "missing_effect" and _another_shape(found):
-        verdict = "unexplained"
-    if verdict == "missing_effect" and not all(stands_out(a) for a in found.final.hypothesis.free):
-        verdict = "unexplained"
-    if verdict == "missing_effect" and _far_off_the_ground(found):
+    if verdict == "missing_effect" and (
+        _another_shape(found)
+        or not all(stands_out(a) for a in found.final.hypothesis.free)
+        or _far_off_the_ground(found)
+    ):
         verdict = "unexplained"
     named = verdict == "missing_effect"
     before = _comparison(found.model, found.start_runs, found)

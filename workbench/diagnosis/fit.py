@@ -46,7 +46,6 @@ class _Work:
     damping: float = 0.0
     pieces: list[Normal] | None = None
     noise: np.ndarray | None = None
-    step: np.ndarray | None = None
     done: bool = False
 
 

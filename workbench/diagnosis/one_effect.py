@@ -13,10 +13,9 @@ from .data import gather
 from .fit import fit
 from .giving import what_gives_way
 from .refining import polished, with_candidate
-from .screen import screen
 from .search import Progress, starting_fit
 from .sensitivity import Scene
-from .sticking import read_along
+from .sticking import candidates
 
 
 def fit_effect(
@@ -49,12 +48,12 @@ def fit_effect(
     start = starting_fit(model, data, simulated.clean)
     scene = Scene.of(model, data, start.simulated, len(data.recordings))
     progress(f"looking for values of {key} to start from")
-    candidates = (
+    tried = (
         what_gives_way(scene, data.training, start.judged)
         if effect_named(key.effect).splits
-        else read_along(screen(scene, data, start.simulated, ())[0], start, data, seed)
+        else candidates(scene, start, data, seed)
     )
-    candidate = next((c for c in candidates if c.key == key), None)
+    candidate = next((c for c in tried if c.key == key), None)
     if candidate is None:
         raise InputError(
             f"{key} explains nothing of what these recordings lack",

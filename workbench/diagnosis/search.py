@@ -12,11 +12,10 @@ from workbench.models import Model
 from .data import Data, gather
 from .hypothesis import Fit, Hypothesis
 from .judging import explained, mostly_explained, rejudged, stands_out
-from .screen import screen
 from .sensitivity import Scene
 from .simpler import simpler
 from .stage import Search
-from .sticking import read_along
+from .sticking import candidates
 from .trying import Progress
 from .ways import Quest, Way, fewer, holds, is_consistent, onwards, otherwise, wanders, with_stages
 
@@ -58,7 +57,7 @@ def search(
         )
     scene = Scene.of(model, data, start.simulated, len(data.recordings))
     first, before = data, is_consistent(data, start.mean_squares)
-    screened = read_along(screen(scene, data, start.simulated, ())[0], start, data, seed)
+    screened = candidates(scene, start, data, seed)
     quest = Quest(start, data, scene, screened, limit, seed, progress)
     way = Way(start, data, done=before)
     if not before:

@@ -33,31 +33,35 @@ def stands_long(recordings: Sequence[Recording]) -> bool:
     return bool((np.mean(still, axis=0) > _LONG).any())
 
 
-def read_along(candidates: Sequence[Candidate], current: Fit, data: Data, seed: int) -> tuple[Candidate, ...]:
-    """Candidates, best first, with dry friction's estimates along the measured motion where these are better.
+def candidates(scene: Scene, current: Fit, data: Data, seed: int) -> tuple[Candidate, ...]:
+    """Every effect screened in the loop, dry friction along the measured motion where that says more.
 
-    All stay as they are where machines do not stand for long, where torque was not recorded, and where the
-    loop explains the data anyway.
+    The loop is asked alone where machines do not stand for long, where torque was not recorded, and where it
+    explains the data anyway.
 
     Args:
-        candidates: as screened in the loop.
+        scene: the loops linearised.
         current: the model that lacks something.
         data: its recordings.
         seed: of the noise simulations.
+
+    Returns:
+        Best first.
     """
+    in_loop = screen(scene, data, current.simulated, current.hypothesis.free)[0]
     known = all({"torque_measured", "torque_command"} & set(r.signals) for r in data.recordings)
     floor = floor_of_judging(data)
-    left = min((c.judged - floor for c in candidates), default=0.0)
+    left = min((c.judged - floor for c in in_loop), default=0.0)
     explained = left < _ENOUGH * (current.judged - floor)
     if explained or data.replay.on_ground or not known or not stands_long(data.recordings):
-        return tuple(candidates)
+        return tuple(in_loop)
     model, runs = current.hypothesis.model, followed(data.recordings)
     along, simulated = gather(model, runs[: data.training], runs[data.training :], seed)
     along = along.heard(along.mean_squares(simulated.clean))
     before = rejudged(
         replace(current, simulated=simulated.clean, mean_squares=along.mean_squares(simulated.clean)), along
     )
-    scene = Scene.of(model, along, before.simulated, len(runs))
+    moving = Scene.of(model, along, before.simulated, len(runs))
     floor_along = floor_of_judging(along)
     scale = (current.judged - floor) / max(before.judged - floor_along, 1e-12)
 
@@ -68,8 +72,8 @@ def read_along(candidates: Sequence[Candidate], current: Fit, data: Data, seed: 
 
     seen = {
         c.key: c
-        for c in screen(scene, along, before.simulated, current.hypothesis.free)[0]
+        for c in screen(moving, along, before.simulated, current.hypothesis.free)[0]
         if effect_named(c.key.effect).dry
     }
-    best = (better(c, seen[c.key]) if c.key in seen else c for c in candidates)
+    best = (better(c, seen[c.key]) if c.key in seen else c for c in in_loop)
     return tuple(sorted(best, key=lambda c: c.judged))

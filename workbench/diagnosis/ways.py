@@ -35,7 +35,7 @@ from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
-from .sticking import read_along
+from .sticking import candidates
 from .trying import Progress
 
 Keys = frozenset[EffectKey]
@@ -87,14 +87,14 @@ def onwards(way: Way, quest: Quest, *, through: bool = False, met: Collection[Ke
         if _keys(current) in met:
             break
         progress(f"screening effects, step {len(stages) + 1}")
-        scene, candidates = _screened(current, data, quest) if stages else (quest.scene, quest.screened)
-        stage = next_stage(scene, candidates, current, data, progress, later=bool(stages))
+        scene, screened = _screened(current, data, quest) if stages else (quest.scene, quest.screened)
+        stage = next_stage(scene, screened, current, data, progress, later=bool(stages))
         if stage is None and overshadowed(current, data):
             # held-out motion may never reach what is lacking, a limit for one
             progress("judging by the recordings that show most")
             deaf = data.unheard()
-            candidates, _ = screen(scene, deaf, current.simulated, current.hypothesis.free)
-            stage = next_stage(scene, candidates, rejudged(current, deaf), deaf, progress, later=bool(stages))
+            screened, _ = screen(scene, deaf, current.simulated, current.hypothesis.free)
+            stage = next_stage(scene, screened, rejudged(current, deaf), deaf, progress, later=bool(stages))
             if stage is not None and not unseen_on_held_out(stage.fit, current, data):
                 stage = None
         if stage is None:
@@ -178,9 +178,9 @@ def _boldly(way: Way, quest: Quest) -> Way | None:
     if nearly_at_floor(current, way.data):
         return None
     quest.progress("trying what explains most of the training recordings")
-    scene, candidates = _screened(current, deaf, quest)
+    scene, screened = _screened(current, deaf, quest)
     before, later = rejudged(current, deaf), bool(way.stages)
-    stage = next_stage(scene, candidates, before, deaf, quest.progress, later=later, bold=True)
+    stage = next_stage(scene, screened, before, deaf, quest.progress, later=later, bold=True)
     return None if stage is None else with_stages(way, (stage,), quest.seed, wide=False)
 
 
@@ -189,8 +189,7 @@ def _screened(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence[C
     scene = quest.scene
     if current.hypothesis.added:
         scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
-    candidates = screen(scene, data, current.simulated, current.hypothesis.free)[0]
-    return scene, read_along(candidates, current, data, quest.seed)
+    return scene, candidates(scene, current, data, quest.seed)
 
 
 def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tuple[Stage, ...]:
@@ -199,8 +198,8 @@ def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tu
         return ()
     progress("beginning with what the training recordings show")
     deaf = data.unheard()
-    candidates, _ = screen(scene, deaf, start.simulated, ())
-    stage = next_stage(scene, candidates, rejudged(start, deaf), deaf, progress)
+    screened, _ = screen(scene, deaf, start.simulated, ())
+    stage = next_stage(scene, screened, rejudged(start, deaf), deaf, progress)
     return () if stage is None else (stage,)
 
 

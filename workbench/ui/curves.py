@@ -93,7 +93,7 @@ class Curves:
             real = np.where(recording.valid, measured[:, axis], np.nan)
             curves = {"measured": real, **runs}
             followed = runs and all(np.array_equal(run, measured[:, axis]) for run in runs.values())
-            self._fill(2 * k, recording, curves, f"{label}{', given' * bool(followed)} [{its}]", 1.0)
+            self._fill(2 * k, recording, curves, f"{label}{', given' if followed else ''} [{its}]", 1.0)
             lowest = top
             if followed:  # where the loop is unknown the motion is the measured one, and says nothing
                 bottom.visible = False
