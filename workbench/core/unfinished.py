@@ -6,6 +6,7 @@ or writes there next places what a killed process has left. A lock tells it from
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import json
 import os
@@ -18,6 +19,7 @@ from .errors import InputError
 #: Hidden folder of files that are decided on and not yet all in their places; one in a folder.
 READY = ".unfinished.part"
 _NAMES = "names.json"
+_TAKEN = errno.ENOTEMPTY, errno.EEXIST  # whoever was there may have gone since: only the error tells
 
 
 def place(stage: Path, names: Sequence[str]) -> None:
@@ -36,8 +38,8 @@ def place(stage: Path, names: Sequence[str]) -> None:
             try:
                 os.rename(stage, ready)
                 break
-            except OSError:
-                if not ready.is_dir():
+            except OSError as error:
+                if error.errno not in _TAKEN:
                     raise
                 finish(stage.parent)  # another process is at it, or was killed at it
         _finish(ready)
