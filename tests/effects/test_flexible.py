@@ -58,6 +58,14 @@ def test_backlash_without_a_gap_is_a_spring() -> None:
     np.testing.assert_array_equal(first.position, second.position)
 
 
+def test_damped_flanks_without_a_gap_are_a_damped_spring() -> None:
+    damped = replace(LEG, flank_retardation_s=2e-3)
+    spring = having(LEG, EffectKey("joint_compliance", "hip"), stiffness=300.0, damping=0.6)
+    tight = having(damped, EffectKey("backlash", "hip"), gap=0.0, stiffness=300.0)
+    first, second = simulated(spring, experiment("leg")), simulated(tight, experiment("leg"))
+    np.testing.assert_array_equal(first.position, second.position)
+
+
 @pytest.mark.parametrize("stiffness", [30.0, 3000.0])
 def test_motor_and_link_ring_at_their_frequency(stiffness: float) -> None:
     """w^2 = k (1/J + 1/M) about a drive that is left alone, M the link's inertia with the other axis free."""
@@ -81,9 +89,12 @@ def test_motor_and_link_ring_at_their_frequency(stiffness: float) -> None:
     assert 2.0 * np.pi / period == pytest.approx(np.sqrt(stiffness * give), rel=0.01)
 
 
-def test_motors_move_freely_within_a_gap() -> None:
+@pytest.mark.parametrize("retardation", [0.0, 0.01])
+def test_motors_move_freely_within_a_gap(retardation: float) -> None:
     """An open loop pushes the hip's motor across its play: until the flank only the rotor accelerates."""
-    wide = having(LEG, EffectKey("backlash", "hip"), gap=0.2, stiffness=500.0)
+    wide = having(
+        replace(LEG, flank_retardation_s=retardation), EffectKey("backlash", "hip"), gap=0.2, stiffness=500.0
+    )
     asked = replace(leg_experiment(0.05), controller=Controller("none"))
     push = np.zeros((len(asked), 2))
     push[:, 0] = 2.0

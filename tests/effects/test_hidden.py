@@ -27,6 +27,7 @@ class Hidden:
 
     `alike`: error of the model's motion over what the effect changes. `near`: error of each parameter
     over its value that is accepted, beside four deviations. `start`: where a fit starts, over the truth.
+    `rig`: what the virtual leg has beside, which the model states as its own property.
     """
 
     effect: str
@@ -37,13 +38,18 @@ class Hidden:
     near: float = 0.03
     start: Mapping[str, float] = field(default_factory=dict)
     model: Model = LEG
+    rig: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def key(self) -> EffectKey:
         return EffectKey(self.effect, self.axis, "joint" if self.location == "joint" else "actuator")
 
     def recorded(self, asked: list[Recording], *, noisy: bool, hidden: bool = True) -> list[Recording]:
-        there = (HiddenEffect(self.effect, self.axis, self.key.location, self.values),) if hidden else ()
+        there = (
+            (HiddenEffect(self.effect, self.axis, self.key.location, {**self.values, **self.rig}),)
+            if hidden
+            else ()
+        )
         plate = (Plate() if noisy else Plate(noise=0.0)) if self.model is ON_PLATE else None
         leg = VirtualLeg(there, seed=3, sensors=None if noisy else PERFECT, plate=plate)
         if plate:
@@ -84,6 +90,15 @@ HIDDEN = [
     Hidden("joint_compliance", "knee", {"stiffness": 60.0, "damping": 0.02}, alike=1e-4),
     Hidden("joint_compliance", "hip", {"stiffness": 150.0, "damping": 0.05}, alike=1e-4),
     Hidden("backlash", "knee", {"gap": 0.01, "stiffness": 200.0}, alike=5e-3, near=0.05),
+    Hidden(
+        "backlash",
+        "hip",
+        {"gap": 0.01, "stiffness": 2000.0},
+        alike=0.01,
+        near=0.05,
+        model=replace(LEG, flank_retardation_s=1e-3),
+        rig={"damping": 2.0},
+    ),
     # what the linkage's bodies weigh sideways is not what crank and coupler do
     Hidden("base_compliance", None, {"stiffness": 2e4, "damping": 40.0, "mass": 10.0}, alike=0.15, near=0.15),
     # what hangs at the thigh's end a tree with a linkage does not know to the gram

@@ -7,10 +7,10 @@ import pytest
 from workbench.core import EffectKey
 from workbench.effects import load_model, with_settled
 
-FRICTION, LIMIT, BIAS = (
-    EffectKey(name, "knee") for name in ("coulomb_friction", "speed_torque_limit", "torque_bias")
+FRICTION, LIMIT, BIAS, PLAY = (
+    EffectKey(name, "knee") for name in ("coulomb_friction", "speed_torque_limit", "torque_bias", "backlash")
 )
-SETTLED = {"sliding_speed": 0.007, "full_braking": 1.0}
+SETTLED = {"sliding_speed": 0.007, "full_braking": 1.0, "flank_retardation_s": 0.002}
 
 
 @pytest.mark.parametrize(
@@ -19,6 +19,7 @@ SETTLED = {"sliding_speed": 0.007, "full_braking": 1.0}
         ([FRICTION], True, False),
         ([LIMIT], False, True),
         ([BIAS], False, False),
+        ([PLAY], False, False),
         ([FRICTION, LIMIT], True, True),
     ],
 )
@@ -26,6 +27,7 @@ def test_an_effect_takes_what_it_needs(effects: list[EffectKey], friction: bool,
     model = load_model("leg")
     new = with_settled(model, SETTLED, effects)
     assert new.sliding_speed == (0.007 if friction else model.sliding_speed)
+    assert new.flank_retardation_s == (0.002 if PLAY in effects else model.flank_retardation_s)
     assert new.actuators.full_braking is (True if limit else model.actuators.full_braking)
 
 
@@ -33,3 +35,9 @@ def test_an_effect_takes_what_it_needs(effects: list[EffectKey], friction: bool,
 def test_a_speed_that_is_none_is_refused(speed: float) -> None:
     with pytest.raises(ValueError, match="sliding_speed"):
         with_settled(load_model("leg"), {"sliding_speed": speed}, [FRICTION])
+
+
+@pytest.mark.parametrize("retardation", [-1e-3, float("nan"), float("inf")])
+def test_a_retardation_that_is_none_is_refused(retardation: float) -> None:
+    with pytest.raises(ValueError, match="flank_retardation_s"):
+        with_settled(load_model("leg"), {"flank_retardation_s": retardation}, [PLAY])

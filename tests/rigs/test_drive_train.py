@@ -64,4 +64,7 @@ def test_a_drive_has_its_own_effects_only() -> None:
     )
     knee = drive_side(hidden, "knee")
     assert knee.damping == pytest.approx(0.1472) and knee.gap == 0.004 and knee.friction == 0.0
+    damped = {"gap": 0.004, "stiffness": 400.0, "damping": 0.5}
+    with pytest.raises(InputError, match="elastic"):
+        drive_side([HiddenEffect("backlash", "knee", parameters=damped)], "knee")
     assert not knee.rigid and drive_side(hidden, "hip") == DriveSide(friction=0.2)

@@ -19,6 +19,7 @@ DRIVE = HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 120.0,
 PIN = HiddenEffect("joint_compliance", "knee", "joint", {"stiffness": 90.0, "damping": 0.1})
 BASE = HiddenEffect("base_compliance", parameters={"stiffness": 8000.0, "damping": 15.0, "mass": 3.0})
 PLAY = HiddenEffect("backlash", "knee", parameters={"gap": 0.02, "stiffness": 400.0})
+DAMPED = HiddenEffect("backlash", "knee", parameters={**PLAY.parameters, "damping": 0.9})
 DAHL = HiddenEffect("presliding_hysteresis", "knee", parameters={"torque": 0.3, "stiffness": 25.0})
 START = (-0.5, 0.6)
 
@@ -63,8 +64,9 @@ def outside(torque: Sequence[float], springs: Sequence[tuple], stand: tuple[floa
             f[motor] = u * swing - ACTUATOR_DAMPING * v[motor]
         for front, back, stiffness, damping, gap in springs:
             wind = q[front] - q[back]
+            touches = not gap or abs(wind) > gap / 2
             wind = np.sign(wind) * max(0.0, abs(wind) - gap / 2)
-            twist = stiffness * wind + damping * (v[front] - v[back])
+            twist = stiffness * wind + damping * touches * (v[front] - v[back])
             f[front], f[back] = f[front] - twist, f[back] + twist
         f[STAND] -= stand[0] * q[STAND] + stand[1] * v[STAND]
         return f
@@ -77,6 +79,7 @@ CASES = {
     "knee pin": (("crank",), (PIN,), [(CRANK, SHANK, 90.0, 0.1, 0.0)], (0.0, 0.0)),
     "stand": (("stand",), (BASE,), [], (8000.0, 15.0)),
     "backlash": (("motor 2",), (PLAY,), [(MOTOR2, CRANK, 400.0, 0.0, 0.02)], (0.0, 0.0)),
+    "damped backlash": (("motor 2",), (DAMPED,), [(MOTOR2, CRANK, 400.0, 0.9, 0.02)], (0.0, 0.0)),
     "all": (
         ("motor 1", "motor 2", "crank", "stand"),
         (HIP, DRIVE, PIN, BASE),

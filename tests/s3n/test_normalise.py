@@ -100,6 +100,14 @@ def test_what_bends_is_in_the_file(key: EffectKey, values: dict[str, float]) -> 
     follows(model, tree.mujoco)
 
 
+def test_damping_that_begins_at_a_flank_is_said_to_be_left_out() -> None:
+    model = replace(load_model("leg"), flank_retardation_s=2e-3)
+    tree = normalise(having(model, BENDING[3][0], **BENDING[3][1]), integrator=None)
+    assert any("flanks" in line for line in tree.removed) and not tree.left_out
+    assert not np.any(tree.mujoco.tendon_damping[tree.mujoco.tendon("flex:actuator:0").id])
+    assert not normalise(model, integrator=None).removed, "a model without play has no flanks"
+
+
 def test_a_base_and_springs_at_drives_and_pins_stand_in_one_tree() -> None:
     model = load_model("leg")
     for key, values in (BENDING[0], BENDING[2], BENDING[5]):

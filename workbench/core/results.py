@@ -182,7 +182,7 @@ class Diagnosis(Shown):
         ranking: every candidate tried: (key, share of the excess that it removes), best first.
         before, after: the comparisons behind the verdict.
         settled: properties of the model that the findings were fitted with and that the model as given has
-            not: ``sliding_speed`` [rad/s], ``full_braking`` (0 or 1).
+            not: ``sliding_speed`` [rad/s], ``flank_retardation_s`` [s], ``full_braking`` (0 or 1).
         evidence: what the unexplained rest goes with, one line each.
         shapes: smooth functions that the torque of that rest follows, what removes most first; no causes.
         used: share of the recordings' rows that were looked at; less than 1 where logs are long.

@@ -164,6 +164,7 @@ def _settled(found: Search) -> dict[str, float]:
     given, end = found.model, found.final.hypothesis.model
     pairs = {
         "sliding_speed": (given.sliding_speed, end.sliding_speed),
+        "flank_retardation_s": (given.flank_retardation_s, end.flank_retardation_s),
         "full_braking": (given.actuators.full_braking, end.actuators.full_braking),
     }
     return {name: float(new) for name, (old, new) in pairs.items() if new != old}

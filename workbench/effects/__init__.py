@@ -4,7 +4,7 @@ from .base import Door, Effect, Parameter, Trace
 from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, places
-from .chain import Build, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
+from .chain import Build, FlankTerm, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
 from .ground import feet_of, plate_columns, settle_contacts
 from .ground_friction import FEWEST_SLIPS, ratio_in_slip
@@ -25,6 +25,7 @@ __all__ = [
     "Contact",
     "Door",
     "Effect",
+    "FlankTerm",
     "FrictionTerm",
     "HysteresisTerm",
     "Law",

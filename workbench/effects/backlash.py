@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
-from numba import njit
-from scipy.optimize import minimize
 
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Trace
 from .chain import Build
-from .flexible import can_split, frequencies, link_inertia, split, stiffest, transmitted
-from .lacking import lacking
+from .flexible import can_split, frequencies, link_inertia, split, stiffest
 from .motion import Motion
+from .passage import Passage, best_gap, left_by
 from .response import Response
-
-_RATE = 120.0  # rad/s: how fast the state follows the torque that passed
-_MEAN = 4  # rows
-_SETTLING = 25  # means
-_BLOWN_UP = 1e300  # left by what cannot be followed at all; infinities have no differences
-_SIMPLEX = np.array([[0.0, 0.0], [0.4, 0.0], [0.0, 0.2]])  # of logarithms
 
 
 class Backlash(Effect):
-    """torque on the link = k dead(r - q), zero for |r - q| < gap/2; the motor's angle r is logged."""
+    """torque on the link = k dead(r - q), zero for |r - q| < gap/2; the motor's angle r is logged.
+
+    While a flank touches, it is damped by k t (r' - q'); t is the model's `flank_retardation_s`.
+    """
 
     name = "backlash"
     parameters = (
@@ -47,7 +42,10 @@ class Backlash(Effect):
     source = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38(10), 2002"
     shows = "torque residual in bursts where the transmitted torque changes sign; small limit cycles"
     reveal = "slow reversals with little load on the axis, and a sweep of small amplitude"
-    mujoco = "native: a joint for the motor, and a tendon to the links whose spring has a dead band"
+    mujoco = (
+        "native: a joint for the motor, and a tendon to the links whose spring has a dead band; "
+        "damping of flanks is a torque function"
+    )
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Where a rotor can be taken off its link, once."""
@@ -59,29 +57,22 @@ class Backlash(Effect):
         """The gap that foresees best what passes through it: a grid, then downhill from its best."""
         assert place is not None
         inertia, _ = link_inertia(motions[0], place.index)
+        rotor = float(motions[0].rotor[0][place.index])
         way = max(float(np.ptp(m.position[:, place.index])) for m in motions) + 1e-9
-        pieces = [_passage(m, model, place.index) for m in motions]
-        rates = frequencies(motions, 10.0, 100.0, 9)
-        gaps, stiffnesses = way * np.geomspace(2e-4, 0.1, 10), inertia * rates**2
-        grid = np.stack(np.meshgrid(gaps, stiffnesses, indexing="ij"), axis=-1).reshape(-1, 2)
-        start = grid[int(np.argmin(_left(pieces, inertia, grid)))]
-        best = minimize(
-            lambda x: float(_left(pieces, inertia, np.exp(x)[None])[0]),
-            np.log(start),
-            method="Nelder-Mead",
-            options={
-                "initial_simplex": np.log(start) + _SIMPLEX,
-                "xatol": 1e-3,
-                "fatol": np.inf,
-                "maxfev": 80,
-            },
-        )
-        found, least = np.exp(best.x), float(best.fun)
-        if found[0] < 1e-4 * way:
+        pieces = [Passage.of(m, model, place.index) for m in motions]
+        stiffnesses = inertia * frequencies(motions, 10.0, 100.0, 9) ** 2
+        top = stiffest(model, place)
+        gaps = way * np.geomspace(2e-4, 0.1, 9)
+        gap, stiffness, retardation, least = best_gap(pieces, inertia, rotor, gaps, stiffnesses, top)
+        if gap < 1e-4 * way:
             return []  # a spring, which is another effect
-        rigid = _left(pieces, inertia, np.array([[0.0, stiffest(model, place)]]))
-        stiffness = min(float(found[1]), stiffest(model, place))
-        return [({"gap": float(found[0]), "stiffness": stiffness}, least / max(float(rigid[0]), 1e-300))]
+        rigid = left_by(pieces, inertia, 0.0, top, 0.0)
+        shape = {"gap": gap, "stiffness": stiffness, "retardation": retardation}
+        return [(shape, least / max(rigid, 1e-300))]
+
+    def stated(self, model: Model, shape: Mapping[str, float]) -> Model:
+        """How the flanks are damped."""
+        return replace(model, flank_retardation_s=shape.get("retardation", model.flank_retardation_s))
 
     def shapes(
         self, motions: Sequence[Motion], model: Model, place: Placement | None
@@ -99,9 +90,9 @@ class Backlash(Effect):
         """No free coefficient: what the links do not feel of the motor's motion while they cross the gap."""
         assert place is not None
         inertia, column = link_inertia(motion, place.index)
-        passage, error = _passage(motion, model, place.index), np.empty(len(motion.position))
-        gap, stiffness = shape["gap"], shape["stiffness"]
-        _observe(passage.load, passage.passed, motion.step, inertia, gap, stiffness, _RATE, error)
+        passage = Passage.of(motion, model, place.index)
+        retardation = shape.get("retardation", model.flank_retardation_s)
+        error = passage.unforeseen(inertia, shape["gap"], shape["stiffness"], retardation)
         # foreseen is what passed less the error; what rigid links would take beyond that, the motor need not
         share = (passage.load - passage.passed + error) / inertia
         return Response(np.zeros((0, *motion.position.shape)), offset=share[:, None] * column)
@@ -110,7 +101,7 @@ class Backlash(Effect):
         self, values: Mapping[str, float], position_noise: float, torque_noise: float
     ) -> dict[str, float]:
         """How well the torque tells them: only motors are seen, and some links at a pin are in front."""
-        return {"gap": values["gap"] / 12.0, "stiffness": values["stiffness"] / 25.0}
+        return {"gap": values["gap"] / 12.0, "stiffness": values["stiffness"] / 12.0}
 
     def least(self, shape: Mapping[str, float]) -> np.ndarray:
         """Less makes a difference to when a flank is met, not to where."""
@@ -121,59 +112,5 @@ class Backlash(Effect):
     ) -> None:
         """A joint for the motor and a tendon with a dead band to the links."""
         assert place is not None
-        split(build, model, place, values["stiffness"], 0.0, values["gap"])
-
-
-@dataclass(frozen=True)
-class _Passage:
-    """What passes through a gap along one motion: (N,) by rigid links, and as rotor and motor torque say."""
-
-    step: float
-    load: np.ndarray
-    passed: np.ndarray
-
-
-def _passage(motion: Motion, model: Model, index: int) -> _Passage:
-    load = transmitted(motion, model, index)
-    return _Passage(motion.step, load, load - lacking(motion, model)[:, index])
-
-
-def _left(pieces: Sequence[_Passage], inertia: float, values: np.ndarray) -> np.ndarray:
-    """Squared torque (C,) that C gaps and stiffnesses, (C, 2), leave unforeseen."""
-    total = np.zeros(len(values))
-    for k, (gap, stiffness) in enumerate(values.tolist()):
-        for p in pieces:
-            error = np.empty_like(p.load)
-            _observe(p.load, p.passed, p.step, inertia, gap, stiffness, _RATE, error)
-            with np.errstate(over="ignore", invalid="ignore"):
-                total[k] += float(np.nan_to_num(np.sum(_means(error) ** 2), nan=_BLOWN_UP, posinf=_BLOWN_UP))
-    return total
-
-
-def _means(values: np.ndarray) -> np.ndarray:
-    """Means over `_MEAN` rows of (N,), the settling left out: acceleration is noisy from row to row."""
-    count = len(values) // _MEAN
-    return values[: count * _MEAN].reshape(count, _MEAN).mean(axis=1)[_SETTLING:]
-
-
-@njit(cache=True, nogil=True)
-def _observe(load, passed, step, inertia, gap, stiffness, bandwidth, error):  # pyright: ignore
-    """Follow the wind d between motor and links: inertia d'' = load - k dead(d), the motor's motion given.
-
-    A path across a gap cannot be followed for long, so the state is drawn to where the torque that `passed`
-    says that it is. Semi-implicit Euler, in steps that follow the contact; `error` (N,) is `passed` less the
-    torque that was foreseen.
-    """
-    many = int(np.ceil(step * np.sqrt(stiffness / inertia) / 0.3))
-    h, half = step / many, 0.5 * gap
-    wind, rate = np.sign(passed[0]) * half + passed[0] / stiffness, 0.0
-    for row in range(len(load)):
-        into = 0.0 if abs(wind) <= half else wind - np.sign(wind) * half
-        away = passed[row] - stiffness * into
-        error[row] = away
-        wind += 2.0 * bandwidth * step * away / stiffness
-        rate += bandwidth**2 * step * away / stiffness
-        for _ in range(many):
-            into = 0.0 if abs(wind) <= half else wind - np.sign(wind) * half
-            rate += h / inertia * (load[row] - stiffness * into)
-            wind += h * rate
+        stiffness = values["stiffness"]
+        split(build, model, place, stiffness, model.flank_retardation_s * stiffness, values["gap"])

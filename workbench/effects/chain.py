@@ -47,6 +47,15 @@ class HysteresisTerm:
     stiffness: float
 
 
+@dataclass(frozen=True)
+class FlankTerm:
+    """Damping of the tendon `spring` [N m s/rad or N s/m] while it is bent by more than `half` a gap."""
+
+    spring: str
+    damping: float
+    half: float
+
+
 @dataclass
 class SensorErrors:
     """What lies between the drives' true motion and what the log and the controller read of it.
@@ -84,8 +93,8 @@ class TorqueChain:
     """What happens between `torque_command` and the mechanism, in the order of these fields.
 
     command -> `delay_s` -> `limit` -> `stall`, `no_load` -> `lag` -> **torque_measured** -> `gain` ->
-    `heating`, `heat_time` -> `bias` -> `torques` -> `friction`, `hysteresis` -> mechanism. Arrays (n,),
-    actuator coordinates; what is not there has its neutral value. Each term of `friction` adds to its
+    `heating`, `heat_time` -> `bias` -> `torques` -> `friction`, `hysteresis`, `flanks` -> mechanism. Arrays
+    (n,), actuator coordinates; what is not there has its neutral value. Each term of `friction` adds to its
     tendon's constant friction loss, while MuJoCo's friction constraint decides sign and sticking. Terms of
     the state are evaluated at the middle of a step. `sensors` stand between the motion and the loop, whose
     true gains are `kp_scale` and `kd_scale` times those stated (by axis of the controller's coordinates).
@@ -107,6 +116,7 @@ class TorqueChain:
     torques: list[TorqueTerm] = field(default_factory=list)
     friction: list[FrictionTerm] = field(default_factory=list)
     hysteresis: list[HysteresisTerm] = field(default_factory=list)
+    flanks: list[FlankTerm] = field(default_factory=list)
 
     @staticmethod
     def of(model: Model) -> TorqueChain:
@@ -131,7 +141,7 @@ class TorqueChain:
     @property
     def follows_state(self) -> bool:
         """Whether torques or friction bounds are to be set step by step."""
-        return bool(self.torques or self.friction or self.hysteresis)
+        return bool(self.torques or self.friction or self.hysteresis or self.flanks)
 
 
 @dataclass

@@ -20,7 +20,7 @@ from workbench.core import EffectKey
 from workbench.models import Model, Placement, axis_tendon, rotors
 
 from .base import is_rotary
-from .chain import Build
+from .chain import Build, FlankTerm
 from .lacking import Lack
 from .motion import Motion
 
@@ -82,6 +82,8 @@ def split(
     for joint, coefficient in links.items():
         spring.wrap_joint(joint, -coefficient)
     spring.stiffness[0], spring.damping[0] = stiffness, damping
+    if gap and damping:
+        build.chain.flanks.append(FlankTerm(spring.name, damping, 0.5 * gap))
     spring.springlength = np.array([-0.5, 0.5]) * gap
 
 

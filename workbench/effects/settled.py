@@ -17,8 +17,9 @@ def with_settled(model: Model, settled: Mapping[str, float], effects: Iterable[E
 
     Args:
         model: before the effects are added.
-        settled: `Diagnosis.settled`: ``sliding_speed`` [rad/s or m/s], how friction sets in, and
-            ``full_braking``, whether a speed-torque line leaves braking alone.
+        settled: `Diagnosis.settled`: ``sliding_speed`` [rad/s or m/s], how friction sets in,
+            ``flank_retardation_s`` [s], how the flanks of a gap meet, and ``full_braking``, whether a
+            speed-torque line leaves braking alone.
         effects: what is to be added.
 
     Raises:
@@ -30,6 +31,11 @@ def with_settled(model: Model, settled: Mapping[str, float], effects: Iterable[E
         if not 0.0 < float(speed) < math.inf:
             raise ValueError(f"sliding_speed {speed} is not positive")
         model = replace(model, sliding_speed=float(speed))
+    retardation = settled.get("flank_retardation_s")
+    if retardation is not None and "backlash" in names:
+        if not 0.0 <= float(retardation) < math.inf:
+            raise ValueError(f"flank_retardation_s {retardation} is negative")
+        model = replace(model, flank_retardation_s=float(retardation))
     if braking is not None and "speed_torque_limit" in names:
         model = replace(model, actuators=replace(model.actuators, full_braking=bool(braking)))
     return model

@@ -111,6 +111,7 @@ class Model(Shown):
         ground: what it stands on, where recordings are made on the ground.
         sliding_speed: speed at which dry friction has its full value [rad/s; a tenth of it in m/s];
             below, an axis creeps. Bearings and gears do so, and no log tells 0 from a very small one.
+        flank_retardation_s: damping of a gap's flanks over their stiffness [s], while they touch.
         source: file it was read from.
     """
 
@@ -130,6 +131,7 @@ class Model(Shown):
     controller: Controller = field(default_factory=Controller)
     payload_site: str | None = None
     sliding_speed: float = 0.0005
+    flank_retardation_s: float = 0.0
     ground: Ground | None = None
     source: Path | None = None
 

@@ -93,6 +93,12 @@ class FrictionTable(_Table):
     sliding_speed: _Positive = 0.0005
 
 
+class BacklashTable(_Table):
+    """``[backlash]``: how flanks meet."""
+
+    retardation_s: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+
+
 class GroundTable(_Table):
     """``[ground]``: what the feet stand on, for recordings on the ground."""
 
@@ -129,6 +135,7 @@ class ModelTable(_Table):
     linkage: LinkageTable | None = None
     payload: PayloadTable | None = None
     friction: FrictionTable = FrictionTable()
+    backlash: BacklashTable = BacklashTable()
     ground: GroundTable | None = None
     effects: list[EffectTable] = Field(default_factory=list)
 

@@ -82,6 +82,8 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
     if model.payload_site:
         table["payload"] = {"site": model.payload_site}
     table["friction"] = {"sliding_speed": model.sliding_speed}
+    if model.flank_retardation_s:
+        table["backlash"] = {"retardation_s": model.flank_retardation_s}
     if model.ground:
         stated = {k: v for k, v in vars(model.ground).items() if v is not None}
         table["ground"] = {**stated, "feet": list(model.ground.feet)}

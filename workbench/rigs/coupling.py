@@ -10,11 +10,11 @@ class Coupling:
     """A spring in series: torque = stiffness dead(wind) + damping wind'.
 
     The wind is the angle by which the motor's side leads; dead() takes half the gap off either side of it
-    and is zero within. A backlash is elastic where it touches and has no damping of its own.
+    and is zero within, as is the damping of a gap.
 
     Attributes:
         stiffness: [N m/rad].
-        damping: [N m s/rad], also within the gap.
+        damping: [N m s/rad], of a gap only while a flank touches.
         gap: whole play, from one flank to the other [rad].
     """
 

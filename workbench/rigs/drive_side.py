@@ -78,5 +78,7 @@ def _with(side: DriveSide, effect: HiddenEffect) -> DriveSide:
             return replace(side, damping=side.damping + p["damping"])
         case "reflected_inertia":
             return replace(side, inertia=side.inertia + p["inertia"])
+        case _ if p.get("damping"):
+            raise InputError("flanks of a drive by itself are elastic", remedy="hide a gap without damping")
         case _:
             return replace(side, gap=p["gap"], stiffness=p["stiffness"])

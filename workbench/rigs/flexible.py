@@ -16,13 +16,14 @@ couple with more than one other: crank and shank are eliminated first.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, sin
+from math import copysign, cos, sin
 
 import numpy as np
 
 from workbench.mechanism.parse import GRAVITY
 
 from .along import Vector
+from .events import TIGHT
 from .leg_file import leg_mass
 from .machine import Machine
 from .place import Place
@@ -41,7 +42,8 @@ class FlexibleLeg:
         size: number of coordinates.
         motors: coordinates of the two motors.
         forces: torque on every coordinate (n,) [N m, N] of position (n,), speed (n,) and outside torque (n,);
-            all but inertia: gravity, velocity terms, drives' damping, couplings.
+            all but inertia: gravity, velocity terms, drives' damping, couplings, of flanks those that touched
+            when `meet` was called.
         give: acceleration (n,) of position (n,) and torque (n,): the inverse mass matrix.
     """
 
@@ -80,6 +82,8 @@ class FlexibleLeg:
         if machine.base is not None and stand is not None:
             diagonal[stand] = machine.base.mass + self._mass
         self._diagonal = diagonal
+        self._shifts = [0.0] * len(self._couplings)
+        self._touching = [not c.gap for _, _, c in self._couplings]
         self.forces, self.give = self._make_forces(), self._make_give()
 
     def _own(self, part: object) -> int | None:
@@ -104,6 +108,15 @@ class FlexibleLeg:
         vector[first] += at.direction[0]
         vector[second] += at.direction[1]
         return tuple(vector)
+
+    def meet(self, q: Vector, v: Vector) -> None:
+        """Settle which flanks touch until the next call: those that are bent, and those just reached."""
+        for k, (front, back, coupling) in enumerate(self._couplings):
+            if coupling.gap:
+                wind, rate, half = q[front] - q[back], v[front] - v[back], 0.5 * coupling.gap
+                into = abs(wind) - half
+                self._touching[k] = into > (-TIGHT if rate * wind > 0.0 else TIGHT)
+                self._shifts[k] = copysign(half, wind)
 
     def gaps(self) -> list[tuple[int, int, float]]:
         """Backlash as the coordinates in front of it and behind it, and half its gap [rad]."""
@@ -152,7 +165,8 @@ class FlexibleLeg:
         m12, g1, g2, m1c, gc = rest.m12, rest.g1, rest.g2, linkage.m12, linkage.g2
         s1, s2, sc = g1 / GRAVITY, g2 / GRAVITY, gc / GRAVITY
         (motor1, motor2), (b1, b2), base = self.motors, self._machine.damping, self._machine.base
-        couplings = [(f, b, c.stiffness, c.damping, 0.5 * c.gap) for f, b, c in self._couplings]
+        couplings = [(k, f, b, c.stiffness, c.damping) for k, (f, b, c) in enumerate(self._couplings)]
+        touching, shifts = self._touching, self._shifts
 
         def forces(q: Vector, v: Vector, outside: Vector) -> Vector:
             t = outside[:]
@@ -162,13 +176,11 @@ class FlexibleLeg:
             t[1] -= curl * v1 * v1 + g2 * sin(q2)
             t[motor1] -= b1 * v[motor1]
             t[motor2] -= b2 * v[motor2]
-            for front, back, stiffness, damping, half in couplings:
-                wind = q[front] - q[back]
-                if half:
-                    wind = wind - half if wind > half else wind + half if wind < -half else 0.0
-                torque = stiffness * wind + damping * (v[front] - v[back])
-                t[front] -= torque
-                t[back] += torque
+            for k, front, back, stiffness, damping in couplings:
+                if touching[k]:
+                    torque = stiffness * (q[front] - q[back] - shifts[k]) + damping * (v[front] - v[back])
+                    t[front] -= torque
+                    t[back] += torque
             if crank != SHANK:
                 qc, vc = q[crank], v[crank]
                 curl = m1c * sin(qc - q1)

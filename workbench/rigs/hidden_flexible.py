@@ -13,9 +13,9 @@ def joint_compliance(machine: Machine, at: Place, *, stiffness: float, damping: 
     _couple(machine, at, Coupling(stiffness, damping))
 
 
-def backlash(machine: Machine, at: Place, *, gap: float, stiffness: float) -> None:
-    """A dead zone of `gap` in all between motor and link, with this stiffness on either flank."""
-    _couple(machine, at, Coupling(stiffness, gap=gap))
+def backlash(machine: Machine, at: Place, *, gap: float, stiffness: float, damping: float = 0.0) -> None:
+    """A dead zone of `gap` in all between motor and link; either flank has this stiffness and damping."""
+    _couple(machine, at, Coupling(stiffness, damping, gap))
 
 
 def _couple(machine: Machine, at: Place, coupling: Coupling) -> None:

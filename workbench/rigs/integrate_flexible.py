@@ -128,6 +128,7 @@ class FlexibleIntegrator:
     def _cut_step(self, state: State, outside: Vector, load: tuple[float, float], h: float) -> State:
         """One step, cut at every event."""
         for _ in range(_MAX_EVENTS):
+            self.leg.meet(*state)
             if 0 in self._modes:
                 self._release(state, outside, load)
             rate = self._rate(outside, load)

@@ -97,8 +97,9 @@ def _parameters(
             # damping over stiffness [s]: with less the loop drives modes near half its rate unstable
             return {"stiffness": 1.0 / magnitude, "damping": shape.between(1e-3, 2e-3) / magnitude}
         case "backlash":
-            # stiffer flanks, having no damping, ring near half the loop's rate and are driven unstable by it
-            return {"gap": magnitude, "stiffness": shape.between(250.0, 450.0)}
+            # half of them bounce; stiffer flanks ring near half the loop's rate, which makes them unstable
+            stiffness, retardation = shape.between(250.0, 450.0), max(shape.between(-5e-3, 5e-3), 0.0)
+            return {"gap": magnitude, "stiffness": stiffness, "damping": retardation * stiffness}
         case "base_compliance":
             mass, leg = shape.between(3.0, 8.0), 2.1  # kg
             damping = 2 * shape.between(0.02, 0.1) * float(np.sqrt((mass + leg) / magnitude))

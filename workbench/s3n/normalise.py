@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +51,7 @@ class NormalisedTree:
         added: what differs from the user's own MJCF, and by how much.
         left_out: effects of the model that need a torque function or act on sensors and loop, and are not
             in the file.
-        removed: elements of the user's MJCF that are not in the file, each with its reason.
+        removed: what of the user's MJCF, or of the model's properties, is not in the file, and why.
     """
 
     model: Model
@@ -82,6 +82,7 @@ def normalise(
     """
     need_constant_transmission(model, "a plain MJCF file")
     model = model if variant is None else with_variant(model, variant)
+    damped, model = model.flank_retardation_s, replace(model, flank_retardation_s=0.0)
     own = load_mjcf(model.serial)
     made, plant = build(model, own.option.timestep), compile_plant(model, own.option.timestep)
     spec, before = made.spec, own.compile()
@@ -94,6 +95,8 @@ def normalise(
         spec.option.integrator = INTEGRATORS[integrator]
     add_motors(made, model, settle_axes(made, plant))
     removed = _keep(spec, own)
+    if damped and any(e.key.effect == "backlash" for e in model.effects):
+        removed = (*removed, "damping of flanks: a spring with a dead band has none that begins at its end")
     anchor_assets(spec, model.serial)
     left_out = tuple(e.key for e in model.effects if _outside(model, e))
     spec.modelname = model.name

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numba import njit
 
-from workbench.effects import LONGEST, FrictionTerm, Plant, TorqueTerm, call_law, tendon_row
+from workbench.effects import LONGEST, FlankTerm, FrictionTerm, Plant, TorqueTerm, call_law, tendon_row
 
 
 class Terms(NamedTuple):
@@ -36,14 +36,23 @@ class Springs(NamedTuple):
     state: np.ndarray
 
 
+class Flanks(NamedTuple):
+    """Dampers of F gaps: tendon (F,), row over joints (F, nv), half the gap, damping while flanks touch."""
+
+    tendon: np.ndarray
+    row: np.ndarray
+    half: np.ndarray
+    damping: np.ndarray
+
+
 class Laws(NamedTuple):
     """All laws of one run.
 
     Attributes:
         present: whether there are any.
         step: of MuJoCo's [s].
-        torques, friction, springs: the laws.
-        loss, stiffness, rest: views into the run's own MuJoCo model, per tendon.
+        torques, friction, springs, flanks: the laws.
+        loss, stiffness, rest, damping: views into the run's own MuJoCo model, per tendon.
         constant: friction loss without laws, per tendon.
         before: speeds of the joints a step ago, (nv,).
     """
@@ -53,9 +62,11 @@ class Laws(NamedTuple):
     torques: Terms
     friction: Terms
     springs: Springs
+    flanks: Flanks
     loss: np.ndarray
     stiffness: np.ndarray
     rest: np.ndarray
+    damping: np.ndarray
     constant: np.ndarray
     before: np.ndarray
 
@@ -80,9 +91,11 @@ def laws_of(plant: Plant, model: mujoco.MjModel, state: np.ndarray) -> Laws:
         torques=_terms(chain.torques, model),
         friction=_terms(chain.friction, model),
         springs=springs,
+        flanks=_flanks(chain.flanks, model),
         loss=model.tendon_frictionloss,
         stiffness=model.tendon_stiffness,
         rest=model.tendon_lengthspring,
+        damping=model.tendon_damping,
         constant=model.tendon_frictionloss.copy(),
         before=state[1].copy(),
     )
@@ -98,6 +111,15 @@ def _terms(terms: Sequence[FrictionTerm | TorqueTerm], model: mujoco.MjModel) ->
         axis=np.array([int(t.tendon.partition(":")[2]) for t in terms], np.intp),
         row=np.array([tendon_row(model, t.tendon) for t in terms]).reshape(-1, model.nv),
         parameters=table,
+    )
+
+
+def _flanks(terms: Sequence[FlankTerm], model: mujoco.MjModel) -> Flanks:
+    return Flanks(
+        tendon=np.array([model.tendon(t.spring).id for t in terms], np.intp),
+        row=np.array([tendon_row(model, t.spring) for t in terms]).reshape(-1, model.nv),
+        half=np.array([t.half for t in terms]),
+        damping=np.array([t.damping for t in terms]),
     )
 
 
@@ -128,6 +150,7 @@ def act(laws: Laws, position: np.ndarray, speed: np.ndarray, shaft: np.ndarray, 
         for j in range(count):
             force[j] += torque * row[j]
     _bend(laws, position, middle, force)
+    _meet(laws, position, middle)
     own = laws.friction
     for k in range(len(own.address)):
         laws.loss[own.tendon[k]] = laws.constant[own.tendon[k]]
@@ -158,6 +181,17 @@ def _bend(laws: Laws, position: np.ndarray, middle: np.ndarray, force: np.ndarra
         laws.rest[own.tendon[k], 0] = laws.rest[own.tendon[k], 1] = place
         for j in range(len(middle)):
             force[j] -= own.torque[k] * own.state[k] * own.row[k, j]
+
+
+@njit(cache=True)
+def _meet(laws: Laws, position: np.ndarray, middle: np.ndarray) -> None:
+    """Switch the dampers of gaps on where flanks touch."""
+    own = laws.flanks
+    for k in range(len(own.tendon)):
+        wind = 0.0
+        for j in range(len(middle)):
+            wind += own.row[k, j] * (position[j] + 0.5 * laws.step * middle[j])
+        laws.damping[own.tendon[k]] = own.damping[k] if abs(wind) > own.half[k] else 0.0
 
 
 @njit(cache=True)

@@ -1,0 +1,169 @@
+"""What passes through a gap along a motion, and the gap that foresees it best.
+
+A path across a gap cannot be followed for long. So the state is drawn to what the motor's torque and
+acceleration say passes through, and by how much it has to be drawn tells how far a gap is from the true one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from scipy.optimize import minimize
+
+from workbench.models import Model
+
+from .flexible import transmitted
+from .lacking import lacking
+from .motion import Motion
+
+_RATE = 180.0  # rad/s: how fast the state follows the torque that passed
+_MEAN = 8  # rows
+_SETTLING = 12  # means
+_BLOWN_UP = 1e300  # left by what cannot be followed at all; infinities have no differences
+_SIMPLEX = np.diag([0.4, 0.2, 0.4])  # of logarithms
+_RATIOS = (0.05, 0.2, 0.6)  # of damping that are tried; below
+_MOST = 1.5  # of it: a rotor that is damped more meets a flank no softer
+_SOFT = 1e-3  # of the softest spring to begin with: softer ones couple nothing
+_BANDS = 3  # of gaps: a start in each
+_SHORT, _LONG = 40, 100  # tries from a start, and at last
+_DAMPED = 0.95  # of what elastic flanks leave
+
+
+@dataclass(frozen=True)
+class Passage:
+    """One motion of an axis as a gap behind its motor sees it.
+
+    Attributes:
+        step: of the rows [s].
+        load: torque that would pass through rigid links, (N,).
+        passed: torque that passed as rotor and motor torque say, (N,).
+    """
+
+    step: float
+    load: np.ndarray
+    passed: np.ndarray
+
+    @staticmethod
+    def of(motion: Motion, model: Model, index: int) -> Passage:
+        """Along a motion, by a model that has no gap."""
+        load = transmitted(motion, model, index)
+        return Passage(motion.step, load, load - lacking(motion, model)[:, index])
+
+    def unforeseen(self, inertia: float, gap: float, stiffness: float, retardation: float) -> np.ndarray:
+        """Torque that passed less what a gap foresees, (N,).
+
+        Args:
+            inertia: of the links.
+            gap: from flank to flank.
+            stiffness: of either flank, and its damping over it, `retardation` [s].
+        """
+        error = np.empty_like(self.load)
+        _observe(self.load, self.passed, self.step, inertia, gap, stiffness, retardation, _RATE, error)
+        return error
+
+
+def best_gap(
+    pieces: Sequence[Passage],
+    inertia: float,
+    rotor: float,
+    gaps: np.ndarray,
+    stiffnesses: np.ndarray,
+    stiffest: float,
+) -> tuple[float, float, float, float]:
+    """The gap that leaves least unforeseen; with damped flanks only if these leave clearly less.
+
+    Args:
+        pieces: motions.
+        inertia, rotor: of the links, and of what the motor turns.
+        gaps, stiffnesses: to begin with, (G,) and (S,).
+        stiffest: what is as good as rigid, and dear to follow.
+
+    Returns:
+        Gap, stiffness, retardation [s], and the squared torque that is left.
+    """
+
+    softest = _SOFT * float(stiffnesses.min())
+
+    def physical(x: np.ndarray) -> tuple[float, float, float]:
+        """Gap, stiffness, retardation; from the damping over what stops the rotor's ringing on a flank."""
+        stiffness = min(max(float(x[1]), softest), stiffest)
+        return float(x[0]), stiffness, 2.0 * min(float(x[2]), _MOST) * (rotor / stiffness) ** 0.5
+
+    def left(x: np.ndarray) -> float:
+        return left_by(pieces, inertia, *physical(x))
+
+    elastic = _downhill(left, min(_grid(gaps, stiffnesses, (0.0,)), key=left), 2, _LONG)
+    starts = [
+        min(_grid(some, stiffnesses, (ratio,)), key=left)
+        for some in np.array_split(gaps, _BANDS)
+        for ratio in _RATIOS
+    ]
+    starts += [np.append(elastic[:2], ratio) for ratio in _RATIOS]
+    near = min((_downhill(left, start, 3, _SHORT) for start in starts), key=left)
+    damped = _downhill(left, near, 3, _LONG)
+    found = damped if left(damped) < _DAMPED * left(elastic) else elastic
+    return *physical(found), left(found)
+
+
+def left_by(
+    pieces: Sequence[Passage], inertia: float, gap: float, stiffness: float, retardation: float
+) -> float:
+    """Squared torque that a gap leaves unforeseen."""
+    total = 0.0
+    for piece in pieces:
+        error = piece.unforeseen(inertia, gap, stiffness, retardation)
+        with np.errstate(over="ignore", invalid="ignore"):
+            total += float(np.nan_to_num(np.sum(_means(error) ** 2), nan=_BLOWN_UP, posinf=_BLOWN_UP))
+    return total
+
+
+def _grid(*values: Sequence[float] | np.ndarray) -> np.ndarray:
+    """All combinations, one a row."""
+    return np.stack(np.meshgrid(*values, indexing="ij"), axis=-1).reshape(-1, len(values))
+
+
+def _downhill(left: Callable[[np.ndarray], float], start: np.ndarray, free: int, most: int) -> np.ndarray:
+    """The values near a start that leave least, in `most` tries; the first `free` of them may move."""
+    simplex = np.log(start[:free]) + np.vstack([np.zeros(free), _SIMPLEX[:free, :free]])
+    found = minimize(
+        lambda x: left(np.append(np.exp(x), start[free:])),
+        simplex[0],
+        method="Nelder-Mead",
+        options={"initial_simplex": simplex, "xatol": 1e-3, "fatol": np.inf, "maxfev": most},
+    )
+    return np.append(np.exp(found.x), start[free:])
+
+
+def _means(values: np.ndarray) -> np.ndarray:
+    """Means over `_MEAN` rows of (N,), the settling left out: acceleration is noisy from row to row."""
+    count = len(values) // _MEAN
+    return values[: count * _MEAN].reshape(count, _MEAN).mean(axis=1)[_SETTLING:]
+
+
+@njit(cache=True, nogil=True)
+def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, error):  # pyright: ignore
+    """Follow the wind d between motor and links: inertia d'' = load - k dead(d) - k t d' where they touch.
+
+    The state is drawn to where the torque that `passed` says that it is, as fast with damped flanks as with
+    others. Semi-implicit Euler, in steps that follow the contact; `error` (N,) is `passed` less the torque
+    that was foreseen.
+    """
+    many = int(np.ceil(step * np.sqrt(stiffness / inertia) / 0.3))
+    h, half = step / many, 0.5 * gap
+    wind, rate = np.sign(passed[0]) * half + passed[0] / stiffness, 0.0
+    for row in range(len(load)):
+        into = 0.0 if abs(wind) <= half else wind - np.sign(wind) * half
+        damped = retardation * rate if into != 0.0 else 0.0
+        away = passed[row] - stiffness * (into + damped)
+        error[row] = away
+        drawn = bandwidth * step * away / stiffness / (1.0 + 0.5 * bandwidth * retardation)
+        wind += 2.0 * drawn
+        rate += bandwidth * drawn
+        for _ in range(many):
+            into = 0.0 if abs(wind) <= half else wind - np.sign(wind) * half
+            damped = retardation * rate if into != 0.0 else 0.0
+            rate += h / inertia * (load[row] - stiffness * (into + damped))
+            wind += h * rate
