@@ -185,13 +185,17 @@ def _bend(laws: Laws, position: np.ndarray, middle: np.ndarray, force: np.ndarra
 
 @njit(cache=True)
 def _meet(laws: Laws, position: np.ndarray, middle: np.ndarray) -> None:
-    """Switch the dampers of gaps on where flanks touch."""
+    """Set the dampers of gaps, by the share of the coming step in which flanks touch."""
     own = laws.flanks
     for k in range(len(own.tendon)):
-        wind = 0.0
+        wind, way = 0.0, 0.0
         for j in range(len(middle)):
-            wind += own.row[k, j] * (position[j] + 0.5 * laws.step * middle[j])
-        laws.damping[own.tendon[k]] = own.damping[k] if abs(wind) > own.half[k] else 0.0
+            wind += own.row[k, j] * position[j]
+            way += own.row[k, j] * laws.step * middle[j]
+        low, high = min(wind, wind + way), max(wind, wind + way)
+        apart = min(high, own.half[k]) - max(low, -own.half[k])
+        share = 1.0 - min(max(apart, 0.0) / max(high - low, 1e-15), 1.0)
+        laws.damping[own.tendon[k]] = share * own.damping[k]
 
 
 @njit(cache=True)
