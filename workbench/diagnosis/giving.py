@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import effect_named, places
+from workbench.effects import Motion, effect_named, places
 from workbench.models import Model, Placement
 
 from .screen import Candidate
@@ -25,7 +28,7 @@ def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate
         judged: what the model leaves now, for the candidates' own.
     """
     found: list[Candidate] = []
-    motions = scene.motions[:training]
+    motions = [_eased(m, scene.model) for m in scene.motions[:training]]
     for key in places(scene.model):
         effect = effect_named(key.effect)
         if (
@@ -39,6 +42,21 @@ def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate
                 found.append(Candidate(key, np.zeros(0), shape, left * judged, np.inf))
     found.sort(key=lambda c: c.judged)
     return [c for c in found if c.judged <= _BESIDE * found[0].judged][:_MOST]
+
+
+def _eased(motion: Motion, model: Model) -> Motion:
+    """A motion that needs less torque by what gives way in the model already: inverse dynamics are rigid."""
+    for applied in model.effects:
+        effect, place = effect_named(applied.key.effect), Placement.of(model, applied.key)
+        if effect.splits:
+            _, shape = effect.to_coefficients(applied.values)
+            offset = effect.response(motion, model, place, shape).offset
+            motion = replace(motion, required=_less(motion, offset / motion.gain))
+    return motion
+
+
+def _less(motion: Motion, torque: np.ndarray) -> Callable[[Model], np.ndarray]:
+    return lambda model: motion.required(model) - torque
 
 
 def drive_of(model: Model, key: EffectKey) -> EffectKey | None:

@@ -12,12 +12,13 @@ from workbench.models import Model
 from .data import Data, gather
 from .hypothesis import Fit, Hypothesis
 from .judging import explained, mostly_explained, rejudged, stands_out
+from .other_ways import fewer, otherwise
 from .sensitivity import Scene
 from .simpler import simpler
 from .stage import Search
 from .sticking import candidates
 from .trying import Progress
-from .ways import Quest, Way, fewer, holds, is_consistent, onwards, otherwise, wanders, with_stages
+from .ways import Quest, Way, holds, is_consistent, onwards, wanders, with_stages
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
 

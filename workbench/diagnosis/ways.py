@@ -1,10 +1,9 @@
-"""The ways of a search: one effect after the other, and how else to begin where that leads nowhere."""
+"""The way of a search: one effect after the other, each with its own noise."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -14,22 +13,17 @@ from workbench.core import EffectKey
 from workbench.effects import effect_named
 
 from .data import Data, floor_of
-from .everywhere import on_every_axis
 from .hypothesis import Fit
 from .judging import (
     EXPLAINED,
-    NEARLY_ALL,
     as_good_as_done,
     explained,
     helps_later,
     mostly_explained,
-    nearly_at_floor,
     overshadowed,
-    reached,
     rejudged,
     unseen_on_held_out,
 )
-from .pairs import two_at_once
 from .parting import parting
 from .screen import Candidate, screen
 from .sensitivity import Scene
@@ -84,10 +78,10 @@ def onwards(way: Way, quest: Quest, *, through: bool = False, met: Collection[Ke
     start, progress = quest.start, quest.progress
     most = len(stages) + quest.limit
     while not done and len(stages) < most and not (stages and as_good_as_done(current, start, data)):
-        if _keys(current) in met:
+        if keys_of(current) in met:
             break
         progress(f"screening effects, step {len(stages) + 1}")
-        scene, screened = _screened(current, data, quest) if stages else (quest.scene, quest.screened)
+        scene, screened = screened_at(current, data, quest) if stages else (quest.scene, quest.screened)
         stage = next_stage(scene, screened, current, data, progress, later=bool(stages))
         if stage is None and overshadowed(current, data):
             # held-out motion may never reach what is lacking, a limit for one
@@ -113,103 +107,17 @@ def onwards(way: Way, quest: Quest, *, through: bool = False, met: Collection[Ke
     return Way(current, data, tuple(stages), done)
 
 
-def otherwise(way: Way, quest: Quest) -> Way:
-    """The first of the other ways that leads to the noise; `way` where none does.
-
-    By what the training recordings show, where held-out motion shows little; with the same cause on every
-    axis, each of which has its share; with two effects at once, since the best first step of a pair may be
-    neither of them; and boldly on from where the first way ended.
-    """
-    start, data = quest.start, quest.data
-    met = [_keys(stage.fit) for stage in way.stages]
-    beginnings = (
-        (_by_training, _sure),
-        (partial(on_every_axis, quest.screened), holds),  # one of a dozen, not of thousands
-        (two_at_once, _sure),
-    )
-    for begin, enough in beginnings:
-        stages = begin(quest.scene, data, start, quest.progress)
-        if not stages:
-            continue
-        other = with_stages(Way(start, data), stages, quest.seed)
-        if not nearly_at_floor(other.current, other.data):
-            other = onwards(other, quest, met=met)
-        if enough(other, quest):
-            return other
-    bold = _boldly(way, quest)
-    if bold is not None:
-        other = onwards(bold, quest, through=True)
-        *earlier, last = other.stages
-        other = with_stages(replace(other, stages=tuple(earlier)), (last,), quest.seed)
-        if _sure(other, quest):
-            return other
-    return way
-
-
-def fewer(way: Way, quest: Quest) -> Way:
-    """Two causes with fewer parameters in place of those found one by one; `way` where none explain as well.
-
-    Where what was found first had rivals, what came after may only mend the choice.
-    """
-    size = _parameters(way)
-    if len(way.stages) < 2 or size < 3 or not any(s.rivals for s in way.stages[:-1]):
-        return way
-    stages = two_at_once(quest.scene, quest.data, quest.start, quest.progress)
-    if stages is None:
-        return way
-    other = with_stages(Way(quest.start, quest.data), stages, quest.seed)
-    return other if _parameters(other) < size and reached(other.current, other.data) else way
-
-
-def _keys(found: Fit) -> Keys:
+def keys_of(found: Fit) -> Keys:
+    """Its effects."""
     return frozenset(a.key for a in found.hypothesis.added)
 
 
-def _parameters(way: Way) -> int:
-    return sum(len(a.parameters) for a in way.current.hypothesis.free)
-
-
-def _boldly(way: Way, quest: Quest) -> Way | None:
-    """From where the search stands, the effect that explains most of the rest of the training recordings.
-
-    Where several causes are missing, one of them alone may raise the error on held-out motion.
-    """
-    current, deaf = way.current, way.data.unheard()
-    if nearly_at_floor(current, way.data):
-        return None
-    quest.progress("trying what explains most of the training recordings")
-    scene, screened = _screened(current, deaf, quest)
-    before, later = rejudged(current, deaf), bool(way.stages)
-    stage = next_stage(scene, screened, before, deaf, quest.progress, later=later, bold=True)
-    return None if stage is None else with_stages(way, (stage,), quest.seed, wide=False)
-
-
-def _screened(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence[Candidate]]:
+def screened_at(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence[Candidate]]:
     """The loops linearised about where the search stands, and every effect screened there."""
     scene = quest.scene
     if current.hypothesis.added:
         scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
     return scene, candidates(scene, current, data, quest.seed)
-
-
-def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tuple[Stage, ...]:
-    """A first effect as the training recordings judge it, where they show much more than held-out motion."""
-    if not overshadowed(start, data):
-        return ()
-    progress("beginning with what the training recordings show")
-    deaf = data.unheard()
-    screened, _ = screen(scene, deaf, start.simulated, ())
-    stage = next_stage(scene, screened, rejudged(start, deaf), deaf, progress)
-    return () if stage is None else (stage,)
-
-
-def _sure(way: Way, quest: Quest) -> bool:
-    """Whether what was found leaves noise and little else: more than is asked of the usual way."""
-    return holds(way, quest) and (
-        way.done
-        or nearly_at_floor(way.current, way.data)
-        or explained(quest.data, quest.start, way.current, way.data) > NEARLY_ALL
-    )
 
 
 def holds(way: Way, quest: Quest) -> bool:

@@ -101,7 +101,7 @@ class Backlash(Effect):
         self, values: Mapping[str, float], position_noise: float, torque_noise: float
     ) -> dict[str, float]:
         """How well the torque tells them: only motors are seen, and some links at a pin are in front."""
-        return {"gap": values["gap"] / 12.0, "stiffness": values["stiffness"] / 12.0}
+        return {"gap": values["gap"] / 12.0, "stiffness": values["stiffness"] / 18.0}
 
     def least(self, shape: Mapping[str, float]) -> np.ndarray:
         """Less makes a difference to when a flank is met, not to where."""

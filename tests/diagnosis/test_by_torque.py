@@ -1,0 +1,57 @@
+"""A gap beside another spring: the torque shows each of them before a closed loop shows either."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.simulation.make import having
+from workbench.core import EffectKey
+from workbench.diagnosis.by_torque import gap_by_torque
+from workbench.diagnosis.data import gather
+from workbench.diagnosis.giving import what_gives_way
+from workbench.diagnosis.search import starting_fit
+from workbench.diagnosis.sensitivity import Scene
+from workbench.effects import load_model
+from workbench.rigs import HiddenEffect
+
+from .rig import recordings
+
+LEG = load_model("leg")
+GAP, SPRING = EffectKey("backlash", "knee"), EffectKey("joint_compliance", "hip")
+BOTH = (
+    HiddenEffect("backlash", "knee", parameters={"gap": 0.0084, "stiffness": 375.0}),
+    HiddenEffect("joint_compliance", "hip", parameters={"stiffness": 1180.0, "damping": 1.6}),
+)
+
+
+def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> None:
+    training, held_out = recordings(*BOTH)
+    data, runs = gather(LEG, training, held_out, seed=0)
+    start = starting_fit(LEG, data, runs.clean)
+    scene = Scene.of(LEG, data, runs.clean, len(data.recordings))
+    (stage,) = gap_by_torque(scene, data, start, lambda text: None)
+    (gap,) = stage.fit.hypothesis.free
+    assert gap.key == GAP and stage.added == GAP
+    assert gap.values["gap"] == pytest.approx(0.0084, rel=0.1)
+    assert SPRING not in {c.key for c in what_gives_way(scene, data.training, 1.0)}
+    after = stage.fit.hypothesis.model
+    scene = Scene.of(after, data, stage.fit.simulated, len(data.recordings))
+    found = {c.key: c for c in what_gives_way(scene, data.training, 1.0)}
+    assert found[SPRING].judged < 0.05
+    assert found[SPRING].shape["stiffness"] == pytest.approx(1180.0, rel=0.15)
+    assert GAP not in found and EffectKey("backlash", "knee", "joint") not in found
+
+
+def test_no_gap_is_taken_where_the_torque_shows_none() -> None:
+    training, _ = recordings(BOTH[1])
+    data, runs = gather(LEG, training, (), seed=0)
+    scene = Scene.of(LEG, data, runs.clean, len(data.recordings))
+    assert gap_by_torque(scene, data, starting_fit(LEG, data, runs.clean), lambda text: None) == ()
+
+
+def test_what_gives_way_already_asks_for_no_more() -> None:
+    """A model that has the spring lacks no torque that another would explain."""
+    training, _ = recordings(BOTH[1])
+    soft = having(LEG, SPRING, **BOTH[1].parameters)
+    data, runs = gather(soft, training, (), seed=0)
+    assert not what_gives_way(Scene.of(soft, data, runs.clean, len(data.recordings)), data.training, 1.0)

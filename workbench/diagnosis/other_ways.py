@@ -1,0 +1,118 @@
+"""How else to begin a search, where one effect after the other leads nowhere."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+from .by_torque import gap_by_torque
+from .data import Data
+from .everywhere import on_every_axis
+from .hypothesis import Fit
+from .judging import NEARLY_ALL, explained, nearly_at_floor, overshadowed, reached, rejudged
+from .pairs import two_at_once
+from .screen import screen
+from .sensitivity import Scene
+from .stage import Stage
+from .step import next_stage
+from .trying import Progress
+from .ways import Quest, Way, holds, keys_of, onwards, screened_at, with_stages
+
+
+def otherwise(way: Way, quest: Quest) -> Way:
+    """The first of the other ways that leads to the noise; `way` where none does.
+
+    By what the training recordings show, where held-out motion shows little; with the same cause on every
+    axis, each of which has its share; with two effects at once, since the best first step of a pair may be
+    neither of them; with a gap that the torque shows; and boldly on from where the first way ended.
+    """
+    start, data = quest.start, quest.data
+    met = [keys_of(stage.fit) for stage in way.stages]
+    beginnings = (
+        (_by_training, _sure),
+        (partial(on_every_axis, quest.screened), holds),  # one of a dozen, not of thousands
+        (two_at_once, _sure),
+    )
+    for begin, enough in beginnings:
+        stages = begin(quest.scene, data, start, quest.progress)
+        if not stages:
+            continue
+        other = with_stages(Way(start, data), stages, quest.seed)
+        if not nearly_at_floor(other.current, other.data):
+            other = onwards(other, quest, met=met)
+        if enough(other, quest):
+            return other
+    for leap in (partial(_by_torque, quest), partial(_boldly, way, quest)):
+        bold = leap()
+        if bold is not None:
+            other = _through(bold, quest)
+            if _sure(other, quest):
+                return other
+    return way
+
+
+def fewer(way: Way, quest: Quest) -> Way:
+    """Two causes with fewer parameters in place of those found one by one; `way` where none explain as well.
+
+    Where what was found first had rivals, what came after may only mend the choice.
+    """
+    size = _parameters(way)
+    if len(way.stages) < 2 or size < 3 or not any(s.rivals for s in way.stages[:-1]):
+        return way
+    stages = two_at_once(quest.scene, quest.data, quest.start, quest.progress)
+    if stages is None:
+        return way
+    other = with_stages(Way(quest.start, quest.data), stages, quest.seed)
+    return other if _parameters(other) < size and reached(other.current, other.data) else way
+
+
+def _through(way: Way, quest: Quest) -> Way:
+    """Onwards also where runs part by themselves; by how much they do is asked of the last model."""
+    other = onwards(way, quest, through=True)
+    *earlier, last = other.stages
+    return with_stages(replace(other, stages=tuple(earlier)), (last,), quest.seed)
+
+
+def _boldly(way: Way, quest: Quest) -> Way | None:
+    """From where the search stands, the effect that explains most of the rest of the training recordings.
+
+    Where several causes are missing, one of them alone may raise the error on held-out motion.
+    """
+    current, deaf = way.current, way.data.unheard()
+    if nearly_at_floor(current, way.data):
+        return None
+    quest.progress("trying what explains most of the training recordings")
+    scene, screened = screened_at(current, deaf, quest)
+    before, later = rejudged(current, deaf), bool(way.stages)
+    stage = next_stage(scene, screened, before, deaf, quest.progress, later=later, bold=True)
+    return None if stage is None else with_stages(way, (stage,), quest.seed, wide=False)
+
+
+def _by_torque(quest: Quest) -> Way | None:
+    """From a gap that the torque shows and no closed loop yet."""
+    stages = gap_by_torque(quest.scene, quest.data, quest.start, quest.progress)
+    return with_stages(Way(quest.start, quest.data), stages, quest.seed, wide=False) if stages else None
+
+
+def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tuple[Stage, ...]:
+    """A first effect as the training recordings judge it, where they show much more than held-out motion."""
+    if not overshadowed(start, data):
+        return ()
+    progress("beginning with what the training recordings show")
+    deaf = data.unheard()
+    screened, _ = screen(scene, deaf, start.simulated, ())
+    stage = next_stage(scene, screened, rejudged(start, deaf), deaf, progress)
+    return () if stage is None else (stage,)
+
+
+def _sure(way: Way, quest: Quest) -> bool:
+    """Whether what was found leaves noise and little else: more than is asked of the usual way."""
+    return holds(way, quest) and (
+        way.done
+        or nearly_at_floor(way.current, way.data)
+        or explained(quest.data, quest.start, way.current, way.data) > NEARLY_ALL
+    )
+
+
+def _parameters(way: Way) -> int:
+    return sum(len(a.parameters) for a in way.current.hypothesis.free)
