@@ -132,8 +132,9 @@ def finding_lines(stage: Stage, applied: AppliedEffect) -> tuple[str, ...]:
         key, share = others[0]
         beside = f"simpler than {key}, which" if share > stage.removed_share else f"next best, {key},"
         lines.append(f"{beside} removes {100 * max(share, 0.0):.1f} %")
-    lines.append(f"where to see it: {effect_named(applied.key.effect).shows}")
-    return tuple(lines)
+    effect = effect_named(applied.key.effect)
+    stated = effect.stated_words(stage.fit.hypothesis.model)
+    return (*lines, *([stated] if stated else []), f"where to see it: {effect.shows}")
 
 
 def _worst(missing: Missing) -> str:

@@ -74,6 +74,11 @@ class Backlash(Effect):
         """How the flanks are damped."""
         return replace(model, flank_retardation_s=shape.get("retardation", model.flank_retardation_s))
 
+    def stated_words(self, model: Model) -> str:
+        """How the flanks are damped."""
+        late = model.flank_retardation_s
+        return f"its flanks are damped by {1e3 * late:.3g} ms times their stiffness" if late else ""
+
     def shapes(
         self, motions: Sequence[Motion], model: Model, place: Placement | None
     ) -> Sequence[Mapping[str, float]]:

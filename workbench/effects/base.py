@@ -164,6 +164,11 @@ class Effect(ABC):
         del shape
         return model
 
+    def stated_words(self, model: Model) -> str:
+        """What the model states of this effect beside its parameters, in words; nothing to say: empty."""
+        del model
+        return ""
+
     def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
         """Physical bounds of the values in a shape."""
         del model, place

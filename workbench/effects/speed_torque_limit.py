@@ -77,6 +77,10 @@ class SpeedTorqueLimit(Effect):
         full = bool(shape.get("full_braking", model.actuators.full_braking))
         return replace(model, actuators=replace(model.actuators, full_braking=full))
 
+    def stated_words(self, model: Model) -> str:
+        """Whether braking is limited alike."""
+        return "torque against the motion keeps the stall torque" if model.actuators.full_braking else ""
+
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
     ) -> Response:
