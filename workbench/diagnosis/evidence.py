@@ -15,6 +15,7 @@ from .hypothesis import Fit
 from .relations import Missing, missing_torque, relation_lines, relations
 from .responses import Responses, distortion_lines, resonance_lines, response_lines, responses
 from .shape import shapes
+from .shifted_rows import shifted_lines
 from .stage import Stage
 
 _RULES = 0.5  # share of the residual torque that a relation has to explain to stand beside a finding
@@ -97,6 +98,9 @@ class Clues:
             where: shares of the rest, largest first.
         """
         lines = []
+        if not self.data.replay.on_ground:
+            delay = self.model.actuators.delay_s
+            lines += shifted_lines(self.data.recordings[: self.data.training], delay)
         if self.responses is not None:
             soft = resonance_lines(self.responses, None)
             lines += [*soft, *(_without_rotor(self.model) if soft else ())]

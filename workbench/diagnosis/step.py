@@ -21,7 +21,7 @@ from .refining import polished, prune
 from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
-from .trying import Progress, Standing, Tried, try_in_order
+from .trying import Progress, Standpoint, Tried, try_in_order
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def next_stage(
     """
     fitted = {a.key for a in current.hypothesis.free}
     new = tuple(c for c in candidates if c.key not in fitted)
-    at = Standing(scene, new, current, data, later, progress)
+    at = Standpoint(scene, new, current, data, later, progress)
     tried = try_in_order(at)
     helpful = _helpful(tried, at, explains_fitted if bold else helps)
     if not helpful:
@@ -80,7 +80,7 @@ def next_stage(
     return None if cancels(scene, choice.kept) else _stage(choice, tried, at)
 
 
-def _helpful(tried: Tried, at: Standing, enough: Callable[[Fit, Fit, float], bool]) -> list[Explanation]:
+def _helpful(tried: Tried, at: Standpoint, enough: Callable[[Fit, Fit, float], bool]) -> list[Explanation]:
     """What may be named: it explains enough, lowers the error, and the motions show it."""
     better = [
         (c, f)
@@ -90,7 +90,7 @@ def _helpful(tried: Tried, at: Standing, enough: Callable[[Fit, Fit, float], boo
     return [(c, f) for c, f in better if witnessed(at.scene, f)]
 
 
-def _choice(helpful: list[Explanation], at: Standing) -> _Choice:
+def _choice(helpful: list[Explanation], at: Standpoint) -> _Choice:
     """The best of what helps, with what does as well and without what it makes needless."""
     candidate, found, rivals = choose(helpful, at.stated, at.current.judged, at.data, at.scene.model)
     candidate, found = special_case(at.scene, candidate, found, helpful, at.data)
@@ -109,7 +109,7 @@ def _indistinguishable(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
     return (*(replace(key, effect=name) for name in twins), *pins_of(model, key))
 
 
-def _stage(choice: _Choice, tried: Tried, at: Standing) -> Stage:
+def _stage(choice: _Choice, tried: Tried, at: Standpoint) -> Stage:
     """The record of the step."""
     before, kept, data = at.current, choice.kept, at.data
     left = {a.key for a in kept.hypothesis.added}
@@ -141,7 +141,7 @@ def _stands_for_itself(other: Candidate, choice: _Choice) -> bool:
     )
 
 
-def _ranking(tried: Tried, at: Standing) -> tuple[tuple[EffectKey, float], ...]:
+def _ranking(tried: Tried, at: Standpoint) -> tuple[tuple[EffectKey, float], ...]:
     """What every simulated candidate removed of the excess, best first."""
     removed = dict(tried.at_first)
     removed |= {c.key: (at.current.judged - f.judged) / at.excess for c, f in tried.fits}

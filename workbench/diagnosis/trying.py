@@ -33,7 +33,7 @@ Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Standing:
+class Standpoint:
     """Where a search stands that looks for its next effect.
 
     Attributes:
@@ -93,7 +93,7 @@ class Tried:
         return Tried((*self.fits, *more.fits), (*self.at_first, *more.at_first))
 
 
-def try_in_order(at: Standing) -> Tried:
+def try_in_order(at: Standpoint) -> Tried:
     """Simulate what the file states, then basic effects, refinements, and springs and gaps, as far as needed.
 
     Whatever has reached the noise ends it. What is stated makes refinements and springs needless if it helps.
@@ -111,7 +111,7 @@ def try_in_order(at: Standing) -> Tried:
     return tried + _springs_and_gaps(tried.fits, at)
 
 
-def _free_tiers(at: Standing) -> tuple[list[Candidate], list[Candidate]]:
+def _free_tiers(at: Standpoint) -> tuple[list[Candidate], list[Candidate]]:
     """Basic effects and refinements whose first estimate promises enough, no more than are simulated."""
     needed = 0.5 * (LATER_SHARE if at.later else HELPS) * at.excess
     free = [c for c in at.candidates if c not in at.stated and c.judged < at.current.judged - needed]
@@ -122,7 +122,7 @@ def _free_tiers(at: Standing) -> tuple[list[Candidate], list[Candidate]]:
     return simple[:_SIMPLE], refined[:_REFINED]
 
 
-def _springs_and_gaps(rigid: Sequence[Explanation], at: Standing) -> Tried:
+def _springs_and_gaps(rigid: Sequence[Explanation], at: Standpoint) -> Tried:
     """What lets motors and links move apart; dear to simulate, and seldom asked for where all is rigid."""
     at.progress("looking for springs and gaps")
     best = min((f.judged for _, f in rigid), default=np.inf)
@@ -131,7 +131,7 @@ def _springs_and_gaps(rigid: Sequence[Explanation], at: Standing) -> Tried:
     return _fitted(late, at) if late else Tried()
 
 
-def _fitted(chosen: Sequence[Candidate], at: Standing) -> Tried:
+def _fitted(chosen: Sequence[Candidate], at: Standpoint) -> Tried:
     """Candidates with their fits; what does not run is left out."""
     at.progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
     pairs: list[Explanation] = []
@@ -150,7 +150,7 @@ def _fitted(chosen: Sequence[Candidate], at: Standing) -> Tried:
     return Tried(tuple(sorted(pairs, key=lambda cf: cf[1].trained)), tuple(at_first))
 
 
-def _settled(tier: Tried, at: Standing) -> Tried:
+def _settled(tier: Tried, at: Standpoint) -> Tried:
     """A tier's fits, those that may be chosen with the way in which their friction sets in."""
     if not tier.fits:
         return tier
