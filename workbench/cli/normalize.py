@@ -88,7 +88,7 @@ def normalize(
             "variant": tree.model.variant,
             "file": output,
             "added": [vars(entry) for entry in tree.added],
-            "left_out": [str(key) for key in tree.left_out],
+            "left_out": list(tree.left_out),
             "removed": list(tree.removed),
             "floating_base": None
             if base is None

@@ -29,9 +29,7 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
         last = entry.element
     parts: list[RenderableType] = [table]
     if tree.left_out:
-        parts.append(
-            Text(f"Not in the file, plain MJCF has no such thing: {', '.join(map(str, tree.left_out))}.")
-        )
+        parts.append(Text(f"Not in the file, plain MJCF has no such thing: {', '.join(tree.left_out)}."))
     parts += [Text(f"Left out: {line}.") for line in tree.removed]
     if isinstance(tree, FittedTree):
         off = ", ".join(error_lines(tree.error))

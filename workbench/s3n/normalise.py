@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from workbench.core import EffectKey, SimulationError
+from workbench.core import SimulationError
 from workbench.core.files import write_whole
 from workbench.effects import (
     BASE_JOINT,
@@ -49,16 +49,16 @@ class NormalisedTree:
         xml: the file's text.
         mujoco: the text, compiled.
         added: what differs from the user's own MJCF, and by how much.
-        left_out: effects of the model that need a torque function or act on sensors and loop, and are not
-            in the file.
-        removed: what of the user's MJCF, or of the model's properties, is not in the file, and why.
+        left_out: effects of the model, and properties, that need a torque function or act on sensors and
+            loop, and are not in the file.
+        removed: elements of the user's MJCF that are not in the file, each with its reason.
     """
 
     model: Model
     xml: str
     mujoco: mujoco.MjModel
     added: tuple[Addition, ...]
-    left_out: tuple[EffectKey, ...]
+    left_out: tuple[str, ...]
     removed: tuple[str, ...]
 
 
@@ -82,9 +82,9 @@ def normalise(
     """
     need_constant_transmission(model, "a plain MJCF file")
     model = model if variant is None else with_variant(model, variant)
-    damped, model = model.flank_retardation_s, replace(model, flank_retardation_s=0.0)
     own = load_mjcf(model.serial)
-    made, plant = build(model, own.option.timestep), compile_plant(model, own.option.timestep)
+    elastic = replace(model, flank_retardation_s=0.0)
+    made, plant = build(elastic, own.option.timestep), compile_plant(elastic, own.option.timestep)
     spec, before = made.spec, own.compile()
     spec.compile()
     merge_into_links(spec, own, plant.mujoco)
@@ -95,10 +95,10 @@ def normalise(
         spec.option.integrator = INTEGRATORS[integrator]
     add_motors(made, model, settle_axes(made, plant))
     removed = _keep(spec, own)
-    if damped and any(e.key.effect == "backlash" for e in model.effects):
-        removed = (*removed, "damping of flanks: a spring with a dead band has none that begins at its end")
     anchor_assets(spec, model.serial)
-    left_out = tuple(e.key for e in model.effects if _outside(model, e))
+    left_out = tuple(str(e.key) for e in elastic.effects if _outside(elastic, e))
+    if model.flank_retardation_s and any(e.key.effect == "backlash" for e in model.effects):
+        left_out = (*left_out, "damping of flanks")
     spec.modelname = model.name
     try:
         added = additions(before, spec.compile())
@@ -158,7 +158,7 @@ def _copy(source: Any, target: Any, names: Sequence[str]) -> None:
         setattr(target, name, getattr(source, name))
 
 
-def _header(model: Model, added: tuple[Addition, ...], left_out: tuple[EffectKey, ...], substeps: int) -> str:
+def _header(model: Model, added: tuple[Addition, ...], left_out: tuple[str, ...], substeps: int) -> str:
     """The comment at the top of the file."""
     lines = [f" {model.name}, S3N-normalised (variant {model.variant}): written by workbench.", ""]
     lines += [f"   {entry}" for entry in added]
@@ -167,7 +167,7 @@ def _header(model: Model, added: tuple[Addition, ...], left_out: tuple[EffectKey
             "",
             " Not in this file, since plain MJCF has no such thing: they need a function at every step.",
         ]
-        lines += [f"   {key}" for key in left_out]
+        lines += [f"   {name}" for name in left_out]
     if substeps > 1:
         lines += ["", f" Its springs ring fast: take steps no longer than 1/{substeps} of this timestep."]
     if model.actuators.delay_s:

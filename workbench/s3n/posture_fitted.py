@@ -97,9 +97,8 @@ def fit_native(
             f"{error.inertia_at}), and {allow:.1%} are allowed", file=model.source,
             remedy="allow more (--allow-error), narrow the limits, or run it scheduled",
         )  # fmt: skip
-    return FittedTree(
-        model, xml, compiled, added, tuple(e.key for e in model.effects), tuple(removed), error, found.offsets
-    )
+    left_out = tuple(str(e.key) for e in model.effects)
+    return FittedTree(model, xml, compiled, added, left_out, tuple(removed), error, found.offsets)
 
 
 def error_lines(error: PostureError) -> list[str]:

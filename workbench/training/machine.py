@@ -159,7 +159,7 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
         limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
         height=0.0 if kind == "leg" else _height(compiled, joints, posture, legs),
         rotors=rotors_of(compiled, joints),
-        left_out=(*(str(key) for key in tree.left_out), *floor),
+        left_out=(*tree.left_out, *floor),
     )
 
 
