@@ -1,12 +1,10 @@
-"""A gap that the torque shows plainly, and no closed loop as long as something else is missing too."""
+"""What gives way as the torque shows it, and no closed loop as long as something else is missing too."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
-
-from workbench.effects import effect_named
 
 from .data import Data
 from .fit import fit
@@ -17,14 +15,16 @@ from .refining import with_candidate
 from .sensitivity import Scene
 from .stage import Stage
 
-_PLAIN = 0.05  # of the torque that an axis lacks: what leaves no more is beyond chance
+_PLAIN = 0.25  # of the torque that is lacking: what leaves no more stands whatever the loop says
 
 
-def gap_by_torque(scene: Scene, data: Data, start: Fit, progress: Callable[[str], None]) -> tuple[Stage, ...]:
-    """The gap that leaves next to nothing of the torque that its axis lacks, whatever the closed loop says.
+def plain_by_torque(
+    scene: Scene, data: Data, start: Fit, progress: Callable[[str], None]
+) -> tuple[Stage, ...]:
+    """The spring or gap that leaves little of the torque that is lacking, as the torque has it.
 
-    Runs with a gap part from the measured ones while anything else is missing, so that no simulation tells
-    by itself that it is there.
+    Its closed loop does not run as the measured one while anything else is missing, least of all with a gap,
+    whose runs part: no simulation tells by itself that it is there.
 
     Args:
         scene: the model that lacks something.
@@ -33,28 +33,26 @@ def gap_by_torque(scene: Scene, data: Data, start: Fit, progress: Callable[[str]
         progress: told what is being done.
 
     Returns:
-        One stage, whose data and runs are not its own yet; none where no gap is plain.
+        One stage, whose data and runs are not its own yet; none where nothing is plain.
     """
     found = what_gives_way(scene, data.training, 1.0)
-    gaps = [c for c in found if effect_named(c.key.effect).wanders and c.judged < _PLAIN]
-    if not gaps:
+    if not found or found[0].judged > _PLAIN:
         return ()
-    progress(f"beginning with {gaps[0].key}, which the torque shows")
-    fitted = fit([with_candidate(scene, gaps[0], start)], data, 1)[0]
+    plain, *others = found
+    progress(f"beginning with {plain.key}, which the torque shows")
+    fitted = fit([with_candidate(scene, plain, start)], data, 1)[0]
     if fitted is None or not witnessed(scene, fitted):
         return ()
-    others = [c.judged for c in found if c.key != gaps[0].key]
-    excess = max(start.judged, 1e-12)
     stage = Stage(
-        added=gaps[0].key,
+        added=plain.key,
         fit=fitted,
         data=data,
-        removed_share=(start.judged - fitted.judged) / excess,
-        rivals=pins_of(scene.model, gaps[0].key),
+        removed_share=(start.judged - fitted.judged) / max(start.judged, 1e-12),
+        rivals=pins_of(scene.model, plain.key),
         others=(),
         dropped=(),
         ranking=tuple((c.key, 1.0 - c.judged) for c in found),
-        margin=min(others, default=float("inf")) / max(gaps[0].judged, 1e-12),
+        margin=min((c.judged for c in others), default=float("inf")) / max(plain.judged, 1e-12),
         folds=(int(np.sum(fitted.agreeing < start.agreeing)), len(fitted.agreeing)),
         by_held_out=data.held_out_judges,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from .by_torque import gap_by_torque
+from .by_torque import plain_by_torque
 from .data import Data
 from .everywhere import on_every_axis
 from .hypothesis import Fit
@@ -24,7 +24,7 @@ def otherwise(way: Way, quest: Quest) -> Way:
 
     By what the training recordings show, where held-out motion shows little; with the same cause on every
     axis, each of which has its share; with two effects at once, since the best first step of a pair may be
-    neither of them; with a gap that the torque shows; and boldly on from where the first way ended.
+    neither of them; with what the torque shows to give way; and boldly on from where the first way ended.
     """
     start, data = quest.start, quest.data
     met = [keys_of(stage.fit) for stage in way.stages]
@@ -89,8 +89,8 @@ def _boldly(way: Way, quest: Quest) -> Way | None:
 
 
 def _by_torque(quest: Quest) -> Way | None:
-    """From a gap that the torque shows and no closed loop yet."""
-    stages = gap_by_torque(quest.scene, quest.data, quest.start, quest.progress)
+    """From what the torque shows to give way, and no closed loop yet."""
+    stages = plain_by_torque(quest.scene, quest.data, quest.start, quest.progress)
     return with_stages(Way(quest.start, quest.data), stages, quest.seed, wide=False) if stages else None
 
 
