@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from workbench.comparison import compare
 from workbench.core import EffectKey, Estimate, Recording, SimulationError
@@ -64,7 +64,11 @@ def key_of(hidden: HiddenEffect) -> EffectKey:
 def with_truth(model: Model, hidden: Sequence[HiddenEffect]) -> Model:
     """The model that has what is hidden, with the true parameters."""
     for each in hidden:
-        values = {name: Estimate(value, 0.0, "") for name, value in each.parameters.items()}
+        parameters = dict(each.parameters)
+        if each.effect == "backlash":  # the damping of flanks is a property of the model
+            retardation = parameters.pop("damping", 0.0) / parameters["stiffness"]
+            model = replace(model, flank_retardation_s=retardation)
+        values = {name: Estimate(value, 0.0, "") for name, value in parameters.items()}
         model = model.with_effect(AppliedEffect(key_of(each), values))
     return model
 

@@ -5,13 +5,14 @@ from collections import Counter
 import numpy as np
 import pytest
 from exam import scoring
-from exam.answers import Answer, Named
+from exam.answers import Answer, Named, with_truth
 from exam.cases import KINDS, ODD, all_cases
 from exam.outsiders import OUTSIDE
 from exam.table import mistakes
 
 from workbench.core import EffectKey
-from workbench.rigs import DRAWN_EFFECTS, OUTSIDERS
+from workbench.effects import load_model
+from workbench.rigs import DRAWN_EFFECTS, OUTSIDERS, HiddenEffect
 from workbench.rigs.hidden import install
 from workbench.rigs.machine import Machine
 from workbench.rigs.magnitudes import SMALLEST
@@ -178,3 +179,10 @@ def test_a_case_that_failed_to_run_is_listed_as_such() -> None:
     failed = {"case": "s0-pair-1", "kind": "pair", "truth": [], "failed": "diagnosis: ValueError: no"}
     said = mistakes([failed])
     assert said.splitlines()[0] == "### Failed to run: 1" and "ValueError" in said
+
+
+def test_the_true_model_has_damped_flanks_as_a_property() -> None:
+    values = {"gap": 0.01, "stiffness": 400.0, "damping": 0.8}
+    model = with_truth(load_model("leg"), [HiddenEffect("backlash", "knee", parameters=values)])
+    assert model.flank_retardation_s == pytest.approx(2e-3)
+    assert dict(model.effects[-1].values) == {"gap": 0.01, "stiffness": 400.0}
