@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -82,3 +83,13 @@ def test_the_command_that_is_proposed_runs_and_keeps_its_promise(data: Data, tmp
     assert CliRunner().invoke(app, words, catch_exceptions=False).exit_code == 0
     ratio = separation(ours, theirs, load_design(file), data)
     assert np.isclose(ratio, float(command[2]), rtol=0.15)
+
+
+def test_logs_without_velocity_get_a_proposal_too(data: Data) -> None:
+    one, other = EffectKey("torque_bias", "hip"), EffectKey("parallel_spring", "hip")
+    ours = having(one, std=0.005, torque=0.4)
+    theirs = having(other, std=0.005, stiffness=1.0, rest=-0.15)
+    bare = tuple(
+        replace(r, signals={k: v for k, v in r.signals.items() if k != "velocity"}) for r in data.recordings
+    )
+    assert "workbench excite" in tell_apart(ours, theirs, one, other, replace(data, recordings=bare))

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 import workbench as wb
-from workbench.core import Controller, Recording
-from workbench.diagnosis.sticking import stands_long
+from tests.simulation.make import having
+from workbench.core import Controller, EffectKey, Recording
+from workbench.diagnosis.data import gather
+from workbench.diagnosis.screen import screen
+from workbench.diagnosis.search import starting_fit
+from workbench.diagnosis.sensitivity import Scene
+from workbench.diagnosis.sticking import candidates, stands_long
+from workbench.models import Model
 
 _TICK, _FINE = 0.004, 20  # s; steps of the simulation in one
 _DAMPING, _WEIGHT = 0.02, 0.48  # N m s/rad, N m
@@ -40,13 +46,43 @@ def lifted(gain: float, reference: np.ndarray, name: str) -> Recording:
     return Recording(name, ("m",), "actuator", time, signals, ("rad",), controller=loop)
 
 
-def test_friction_that_holds_is_read_where_it_slides(tmp_path: Path) -> None:
+@pytest.fixture
+def servo(tmp_path: Path) -> Model:
+    (tmp_path / "servo.xml").write_text(_SERVO)
+    return wb.load_model(str(tmp_path / "servo.xml"))
+
+
+@pytest.fixture(scope="module")
+def logs() -> list[Recording]:
     t = np.arange(1000) * _TICK
     slow, fast = np.sin(1.6 * t) + 0.7 * np.sin(4.1 * t), 1.2 * np.sin(1.1 * t * t)
-    logs = [lifted(g, r, f"{g:g} {n}") for g in (0.2, 0.4, 0.8) for n, r in (("slow", slow), ("fast", fast))]
+    return [lifted(g, r, f"{g:g} {n}") for g in (0.2, 0.4, 0.8) for n, r in (("slow", slow), ("fast", fast))]
+
+
+def test_friction_is_plain_along_the_motion_and_not_in_the_loop(servo: Model, logs: list[Recording]) -> None:
+    data, runs = gather(servo, [*logs[:2], *logs[4:]], logs[2:4], seed=0)
+    start = starting_fit(servo, data, runs.clean)
+    scene = Scene.of(servo, data, runs.clean, len(data.recordings))
+    in_loop = {c.key.effect: c.judged for c in screen(scene, data, runs.clean, ())[0]}
+    found = {c.key.effect: c.judged for c in candidates(scene, start, data, 0)}
+    assert in_loop["load_dependent_friction"] > 0.04 * start.judged
+    assert found["load_dependent_friction"] < 0.01 * start.judged
+    assert found["viscous_damping"] == in_loop["viscous_damping"], "what is not dry is asked in the loop"
+
+
+def test_derivatives_of_runs_that_stick_are_differences_of_runs(servo: Model) -> None:
+    key = EffectKey("load_dependent_friction", "m")
+    sticky = having(servo, key, torque=0.01, ratio=0.3)
+    held = np.clip(2.0 * np.sin(1.1 * np.arange(1000) * _TICK), -1.0, 1.0)
+    logs = [lifted(0.15, held, "held")]
+    for model, sticks in ((servo, False), (sticky, True)):
+        data, runs = gather(model, logs, (), seed=0)
+        assert Scene.of(model, data, runs.clean, len(logs)).sticks is sticks
+
+
+def test_friction_that_holds_is_read_where_it_slides(servo: Model, logs: list[Recording]) -> None:
     assert stands_long(logs)
-    (tmp_path / "servo.xml").write_text(_SERVO)
-    found = wb.diagnose(wb.load_model(str(tmp_path / "servo.xml")), [*logs[:2], *logs[4:]], logs[2:4])
+    found = wb.diagnose(servo, [*logs[:2], *logs[4:]], logs[2:4])
     assert found.verdict == "missing_effect" and found.findings[0].key.effect == "load_dependent_friction"
     friction = found.findings[0].parameters
     assert friction["torque"].value == pytest.approx(0.01, abs=0.003)

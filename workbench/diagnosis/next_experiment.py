@@ -196,8 +196,7 @@ def _design(model: Model, option: Option, recordings: Sequence[Recording]) -> tu
         if not hold:
             raise InputError("no loop follows a reference")
         design = chirp(model.axes, **band, duration_s=length, amplitude=size, driven=driven)
-    fastest = [float(np.abs(r.velocity).max()) for r in recordings]
-    limits: list[Limit] = limits_of(model, [max(fastest)])
+    limits: list[Limit] = limits_of(model, [max(_fastest(r) for r in recordings)])
     scaled = scale_to_limits(design, predictor(model, limits), limits)
     words = [
         f"workbench excite {_opened_by(model)} -o next.toml --kind {option.kind} --drive {option.drive}",
@@ -207,6 +206,14 @@ def _design(model: Model, option: Option, recordings: Sequence[Recording]) -> tu
     if option.posture != 0.5:
         words += [f"--posture {name}={value:.3g}" for name, value in _posture(model, option.posture).items()]
     return scaled.design, " ".join(words)
+
+
+def _fastest(recording: Recording) -> float:
+    """The highest speed of any axis, differentiated where it was not recorded."""
+    speed = recording.get("velocity")
+    if speed is None:
+        speed = np.gradient(recording.position, recording.period, axis=0)
+    return float(np.nanmax(np.abs(speed)))
 
 
 def _opened_by(model: Model) -> str:
