@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test check docs format clean
+.PHONY: setup training demo test check docs uncompile format clean
 
 setup: $(STAMP)
 
@@ -43,6 +43,10 @@ check: training
 # The pages as a site in build/site; it opens from disk and asks nothing of the network.
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+# numba keeps machine code beside its file and does not see that a function of another file has changed.
+uncompile:
+	find workbench -name '*.nb[ic]' -delete
 
 format: setup
 	$(BIN)/ruff check --fix .
