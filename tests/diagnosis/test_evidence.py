@@ -28,7 +28,7 @@ from workbench.diagnosis.responses import (
 )
 from workbench.effects import load_model
 from workbench.frf import multisine as design_multisine
-from workbench.models import AppliedEffect
+from workbench.models import AppliedEffect, Model
 from workbench.recordings import load_recording
 from workbench.rigs import Experiment, HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep
 from workbench.rigs.experiments import HOLD
@@ -253,6 +253,21 @@ def test_it_costs_little() -> None:
 def test_a_richer_explanation_that_removes_more_is_no_next_best(share: float, said: str) -> None:
     key, other = EffectKey("coulomb_friction", "knee"), EffectKey("asymmetric_friction", "knee")
     ranking = ((other, share), (key, 0.632))
-    stage = SimpleNamespace(by_held_out=True, folds=(1, 1), removed_share=0.632, ranking=ranking, rivals=())
-    lines = finding_lines(stage, AppliedEffect(key, {}))  # type: ignore[arg-type]
+    lines = finding_lines(stage_of(ranking, load_model("leg")), AppliedEffect(key, {}))
     assert any(line.startswith(said) for line in lines)
+
+
+def test_what_was_settled_with_a_finding_is_said_beside_it() -> None:
+    key = EffectKey("backlash", "knee")
+    damped = replace(load_model("leg"), flank_retardation_s=1.9e-3)
+    for model, said in ((damped, True), (load_model("leg"), False)):
+        lines = finding_lines(stage_of(((key, 0.9),), model), AppliedEffect(key, {}))
+        assert any("flanks are damped by 1.9 ms" in line for line in lines) is said
+
+
+def stage_of(ranking: tuple[tuple[EffectKey, float], ...], model: Model) -> Any:
+    """As much of a stage as lines are made of."""
+    fit = SimpleNamespace(hypothesis=SimpleNamespace(model=model))
+    return SimpleNamespace(
+        by_held_out=True, folds=(1, 1), removed_share=0.632, ranking=ranking, rivals=(), fit=fit
+    )
