@@ -13,6 +13,7 @@ from workbench.core import Comparison, EffectKey, Finding, InputError, Recording
 from workbench.effects import effect_named
 from workbench.frf import Design, Limit, chirp, multisine, scale_to_limits
 from workbench.models import Model, find_model
+from workbench.recordings.velocity import derive_velocity
 from workbench.simulation import (
     Run,
     as_recording,
@@ -209,10 +210,10 @@ def _design(model: Model, option: Option, recordings: Sequence[Recording]) -> tu
 
 
 def _fastest(recording: Recording) -> float:
-    """The highest speed of any axis, differentiated where it was not recorded."""
+    """The highest speed of any axis, derived as on loading where it was not recorded."""
     speed = recording.get("velocity")
     if speed is None:
-        speed = np.gradient(recording.position, recording.period, axis=0)
+        speed = derive_velocity(recording.position, recording.period)
     return float(np.nanmax(np.abs(speed)))
 
 
