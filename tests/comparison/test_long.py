@@ -71,7 +71,8 @@ def test_memory_does_not_grow_with_the_log(
         compare_logs(model, sources)
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
-    # the clock grows; held as a whole a row of three axes takes two thousand bytes and more
+    # The clock grows, and what waits for the garbage collector comes on top: some 200 bytes a row. Held as a
+    # whole a row of three axes takes two thousand and more.
     grown = (peaks[2] - peaks[1]) / 8_000
-    assert grown < 250, f"{grown:.0f} bytes a row"
+    assert grown < 600, f"{grown:.0f} bytes a row"
     assert np.isfinite(peaks).all()
