@@ -226,6 +226,13 @@ def test_dead_signal_of_an_excited_axis(tmp_path: Path, column: str) -> None:
     assert error.column == column and "never changes" in error.problem and "'b'" in error.problem
 
 
+def test_an_axis_whose_drive_was_off_may_stand_still(tmp_path: Path) -> None:
+    data = two_axes()
+    data |= {"q_b": np.full(400, 0.25), "w_b": np.zeros(400), "u_a": data["tau_a"], "u_b": np.zeros(400)}
+    columns = {**description()["columns"], "torque_command": ["u_a", "u_b"]}
+    assert load_recording(write_recording(tmp_path, data, columns=columns)).position[0, 1] == 0.25
+
+
 def test_everything_stands_still(tmp_path: Path) -> None:
     columns = {k: v for k, v in description()["columns"].items() if k != "position_reference"}
     still = {k: [0.0] * 400 for k in ("q_a", "q_b")}

@@ -10,8 +10,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from workbench.core import InputError
-from workbench.recordings import load_recording
+from workbench.recordings import load_recording, noise_levels
 from workbench.recordings.held import held_by, nearest_between_steps, step_phase, ticks
+from workbench.recordings.lattice import lattice_step
 
 from .test_read import two_axes, with_columns, write_recording
 
@@ -109,3 +110,19 @@ def test_nothing_is_interpolated_across_a_step_of_the_torque() -> None:
     assert np.abs(chosen - commanded(at)).max() < 0.1
     smooth = np.column_stack([np.sin(W * times)])
     assert step_phase(times, smooth, LOOP) is None
+
+
+def test_the_steps_of_an_encoder_outlive_a_clock_that_jitters(tmp_path: Path) -> None:
+    step = 4e-4
+    taken = np.cumsum(np.random.default_rng(4).uniform(0.5, 1.5, ROWS)) * PERIOD
+    q = 0.3 * np.sin(W * taken)
+    q[1000:2000] = q[1000]  # stands for a while, where most windows show no rounding at all
+    data = {k: np.resize(v, ROWS) for k, v in two_axes().items()} | {"t": taken - taken[0]}
+    data |= {"q_a": step * np.round(q / step), "q_b": 0.3 * np.cos(W * taken)}
+    path = tmp_path / "log"
+    path.mkdir()
+    r = load_recording(write_recording(path, data))
+    assert "resampled" in r.notes[0] and lattice_step(r.position[:, 0]) == 0.0
+    levels = noise_levels(r)
+    np.testing.assert_allclose(levels.position_resolution, [step, 0.0], rtol=1e-3)
+    assert levels.position_std[0] == pytest.approx(step / np.sqrt(12), rel=0.6)

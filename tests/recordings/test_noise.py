@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -135,3 +137,20 @@ def test_noise_of_speed_that_the_loop_answers_counts_as_noise() -> None:
     signals = {"position": log[:, :1], "velocity": log[:, 1:2], "torque_command": log[:, 2:]}
     found = noise_levels(Recording("loop", ("a",), "actuator", time, signals, ("rad",)))
     assert found.velocity_std[0] == pytest.approx(sigma, rel=0.15)
+
+
+def test_noise_between_gaps_that_leave_no_room_for_a_long_window() -> None:
+    r = drive(1000.0)
+    valid = np.arange(len(r)) % 120 != 0
+    plain, broken = noise_levels(r), noise_levels(replace(r, valid=valid))
+    for name in ("position_std", "velocity_std"):
+        np.testing.assert_allclose(getattr(broken, name), getattr(plain, name), rtol=0.3)
+
+
+def test_a_speed_that_mostly_stands_still_shows_its_rounding() -> None:
+    r = drive(1000.0)
+    v = np.round(r.velocity / 0.2) * 0.2
+    v[500:] = 0.0
+    v[-1] = 0.2
+    found = noise_levels(replace(r, signals={**r.signals, "velocity": v}))
+    assert found.velocity_std[0] == pytest.approx(0.2 / np.sqrt(12), rel=1e-3)

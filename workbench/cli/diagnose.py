@@ -59,7 +59,7 @@ def diagnose(
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
         result = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
-    result = replace(result, used=data.share, notes=data.notes)
+    result = replace(result, used=data.share, notes=(*result.notes, *data.notes))
     deliver(
         result,
         json=json,

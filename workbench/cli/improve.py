@@ -57,7 +57,7 @@ def improve(
     with progress(quiet) as tell:
         result, better = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
     write_model(better, output, force=force)
-    result = replace(result, used=data.share, notes=data.notes)
+    result = replace(result, used=data.share, notes=(*result.notes, *data.notes))
     deliver(
         result,
         json=json,

@@ -22,15 +22,22 @@ from .noise import DRAWS, NoiseModel, noise_seeds
 from .simulated import Simulated
 
 
-def followed(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Recordings with their loops unknown; where one was open, a note says why."""
-    return tuple(map(_along, recordings))
+def followed(recordings: Sequence[Recording], why: str = "") -> tuple[Recording, ...]:
+    """Recordings with their loops unknown, whatever loop a model states; a note says why."""
+    return tuple(_along(r, why) for r in recordings)
 
 
-def _along(recording: Recording) -> Recording:
-    note = "Nothing holds the machine, and its run drifts: the torque along the measured motion is compared."
-    notes = (*recording.notes, note) if recording.controller.kind == "none" else recording.notes
-    return replace(recording, controller=replace(recording.controller, kind="unknown"), notes=notes)
+def _along(recording: Recording, why: str) -> Recording:
+    if recording.controller.kind == "none":
+        why = "Nothing holds the machine, and its run drifts"
+    note = (f"{why}: the torque along the measured motion is compared.",) if why else ()
+    asked = ("position_reference", "velocity_reference")
+    return replace(
+        recording,
+        controller=replace(recording.controller, kind="unknown"),
+        signals={name: x for name, x in recording.signals.items() if name not in asked},
+        notes=(*recording.notes, *note),
+    )
 
 
 class MeasuredMotion:

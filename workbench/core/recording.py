@@ -99,6 +99,8 @@ class Recording(Shown):
         notes: what the reader did to the data, one sentence each ("clock jitter of 2 % resampled").
         extra: other columns by signal name, each (N, k) (ground_force, base_...).
         source: the TOML file it came from, if any.
+        steps: signal -> steps (n,) in which its sensor shows it, 0 where in none; of signals that were
+            moved onto the clock, whose own numbers no longer say.
     """
 
     name: str
@@ -116,6 +118,7 @@ class Recording(Shown):
     notes: tuple[str, ...] = ()
     extra: Mapping[str, FloatArray] = field(default_factory=dict)
     source: Path | None = None
+    steps: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         frozen = {k: _readonly(v) for k, v in self.signals.items()}

@@ -53,7 +53,7 @@ def _diagnose(robot: Robot, folder: Path, seed: int, inputs: str) -> None:
     data = excerpts(training, held_out)
     found, better = improve(model, data.training, data.held_out, seed=seed)
     assert found.diagnosis is not None
-    said = {"used": data.share, "notes": data.notes}
+    said = {"used": data.share, "notes": (*found.notes, *data.notes)}
     diagnosis, found = replace(found.diagnosis, **said), replace(found, **said)
     file, improved = result_file(folder, robot.name), None
     if found.steps:

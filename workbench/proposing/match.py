@@ -30,18 +30,23 @@ def slope(position: np.ndarray) -> np.ndarray:
 def derivative(position: np.ndarray, velocity: np.ndarray) -> Relation:
     """How far a column is the derivative (per row) of another; both shape (N,), finite."""
     position, velocity = position[:_MOST], velocity[:_MOST]
-    change = slope(position)
-    if np.ptp(change) == 0 or np.ptp(velocity) == 0:
+    if _stands(position) or _stands(velocity):
         return Relation(0.0, 0, 0.0)
+    change = slope(position)
     return _relation(*_smooth(change, velocity))
 
 
 def follows(a: np.ndarray, b: np.ndarray) -> Relation:
     """How far column b is column a, later or earlier, on another scale; offsets aside."""
     a, b = a[:_MOST], b[:_MOST]
-    if np.ptp(a) == 0 or np.ptp(b) == 0:
+    if _stands(a) or _stands(b):
         return Relation(0.0, 0, 0.0)
     return _relation(a - a.mean(), b - b.mean())
+
+
+def _stands(values: np.ndarray) -> bool:
+    """Whether a column moves by no more than the rounding of floats."""
+    return bool(np.ptp(values) <= 1e-9 * (1 + np.abs(values).max()))
 
 
 def _relation(a: np.ndarray, b: np.ndarray) -> Relation:

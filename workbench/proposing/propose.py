@@ -74,6 +74,7 @@ def _drafted(draft: Draft) -> Proposal:
     table = draft.table
     time = _time(draft)
     signals = read_signals(table, draft.roles, time)
+    draft.notes += signals.notes
     _take_stated(draft, signals)
     axes, columns = named_axes(signals, draft)
     rows = _rows(draft, time, columns)

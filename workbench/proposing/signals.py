@@ -9,6 +9,7 @@ import numpy as np
 from .match import derivative, follows, held_share
 from .names import Role
 from .roles import drives, is_held_reference, is_reference, pairs
+from .siblings import held, without_joint
 from .table import Table
 
 _ALIKE = 0.9
@@ -48,15 +49,18 @@ class Signals:
 def read_signals(table: Table, roles: dict[str, Role], time: str | None) -> Signals:
     """Assign columns by their names, and by their numbers where names leave it open."""
     out = Signals()
-    data = {n: v for n, v in table.columns.items() if n != time and (_moves(v) or _may_hold(v, roles[n]))}
+    full = {n: v for n, v in table.columns.items() if n != time and np.isfinite(v).sum() > 8}
+    moving = {n for n, v in full.items() if _moves(v)}
+    kept = moving | held(full.keys() - moving, moving, roles)
+    data = {n: v for n, v in full.items() if n in kept or _may_hold(roles[n])}
     _by_name(out, data, roles)
     _held_references(out, data)
-    moving = {n: v for n, v in data.items() if _moves(v)}
     if "position" not in out.columns:
         _by_role(out, data, roles)
-    data = moving
+    data = {n: v for n, v in data.items() if n in kept}
     if "position" not in out.columns:
         _by_derivative(out, data, roles)
+    _of_joints(out)
     _reference_for_velocity(out, data)
     _commands(out, data)
     _drives(out, data, roles)
@@ -67,13 +71,23 @@ def read_signals(table: Table, roles: dict[str, Role], time: str | None) -> Sign
 
 
 def _moves(values: np.ndarray) -> bool:
-    finite = values[np.isfinite(values)]
-    return len(finite) > 8 and bool(np.ptp(finite) > 0)
+    return bool(np.ptp(values[np.isfinite(values)]) > 0)
 
 
-def _may_hold(values: np.ndarray, role: Role) -> bool:
+def _may_hold(role: Role) -> bool:
     """Whether a column that never changes may be the reference of an axis that is held."""
-    return role.role == "reference" and role.kind in ("position", "") and bool(np.isfinite(values).sum() > 8)
+    return role.role == "reference" and role.kind in ("position", "")
+
+
+def _of_joints(out: Signals) -> None:
+    """Positions of joints alone, not those of a tool."""
+    positions = out.columns.get("position", {})
+    others = {j for s, by_joint in out.columns.items() if s != "position" for j in by_joint}
+    tools = without_joint(list(positions), others)
+    if tools:
+        out.notes.append(f"Not among the axes, nothing but positions of them is logged: {', '.join(tools)}.")
+    for joint in tools:
+        del positions[joint]
 
 
 def _held_references(out: Signals, data: dict[str, np.ndarray]) -> None:

@@ -84,7 +84,8 @@ def driven_axes(signals: Mapping[str, np.ndarray]) -> np.ndarray | None:
     """Which axes were excited, shape (n,) bool; None where nothing logged says so.
 
     Reference and feedforward say it. A command counts too, unless it is only the feedback of a held
-    axis answering its sensor's noise: it must be a tenth of the largest, in a run that was driven.
+    axis answering its sensor's noise: it must be a tenth of the largest, in a run that was driven. Where
+    it never changes, beside others that do, the drive was off, whatever its reference was.
     """
     stated = [_changes(signals[s]) for s in _STATED if s in signals]
     command = signals.get("torque_command")
@@ -94,7 +95,8 @@ def driven_axes(signals: Mapping[str, np.ndarray]) -> np.ndarray | None:
     strong = _changes(command) & (size > 0.1 * size.max())
     if not stated:
         return strong
-    return np.any(stated, axis=0) | (strong if np.any(stated) else False)
+    on = _changes(command) if _changes(command).any() else np.ones(len(size), dtype=bool)
+    return np.any(stated, axis=0) & on | (strong if np.any(stated) else False)
 
 
 _STATED = ("position_reference", "velocity_reference", "torque_feedforward")

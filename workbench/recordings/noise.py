@@ -58,17 +58,29 @@ def noise_levels(recording: Recording) -> NoiseLevels:
     for i in range(n):
         q = recording.position[:, i]
         if np.ptp(q[valid]) > 0:
-            resolution[i] = lattice_step(q[valid])
+            resolution[i] = _resolution(recording, "position", i)
             rounding, white = resolution[i] / np.sqrt(12), white_noise(q, valid)
             # rounding leaves at most white noise of that size; a hard-driven axis adds some of its own
-            position[i] = rounding if white < 2 * rounding else white
+            position[i] = white if white >= 2 * rounding else rounding
         if measured_velocity is not None:
-            velocity[i] = _velocity_noise(measured_velocity[:, i], valid, command, i, recording.period)
+            v = measured_velocity[:, i]
+            white = _velocity_noise(v, valid, command, i, recording.period)
+            # where an axis mostly stands, most windows show no rounding
+            rounding = _resolution(recording, "velocity", i) / np.sqrt(12)
+            velocity[i] = white if white >= rounding else rounding or white
         if measured_torque is not None:
             asked = None if command is None else command[:, i : i + 1]
             phase = None if asked is None else _phase(recording)
             torque[i] = white_noise(measured_torque[:, i], valid, asked, recording.period, phase=phase)
     return NoiseLevels(resolution, position, velocity, torque)
+
+
+def _resolution(recording: Recording, signal: str, axis: int) -> float:
+    """Step of a signal's lattice, as the rows lie on it or lay on it when they were logged; 0 without one."""
+    if signal in recording.steps:
+        return float(recording.steps[signal][axis])
+    values = recording.signals[signal][recording.valid, axis]
+    return lattice_step(values) if np.ptp(values) > 0 else 0.0
 
 
 def _phase(recording: Recording) -> np.ndarray | None:
@@ -146,14 +158,15 @@ def white_noise(
         lags = int(np.clip(np.ceil(_REACH_S / period), 4, 80)) + 1
     kinds = 1 if phase is None else int(phase.max()) + 1
     columns = lags * kinds * (1 if command is None else command.shape[1])
-    width = min(max(_WINDOW, 6 * columns), len(signal) - lags)
-    if width < max(16, 3 * columns):
-        return float("nan")
-    starts = np.arange(lags + integrated, len(signal) - width + 1, width)
     gaps = np.concatenate([[0], np.cumsum(~valid)])
-    starts = starts[gaps[starts + width] == gaps[starts - lags]]
-    if len(starts) == 0:
-        return float("nan")
+    width = min(max(_WINDOW, 6 * columns), len(signal) - lags)
+    starts = np.zeros(0, int)
+    while len(starts) == 0:  # where gaps leave no room, shorter ones
+        if width < max(16, 3 * columns):
+            return float("nan")
+        starts = np.arange(lags + integrated, len(signal) - width + 1, width)
+        starts = starts[gaps[starts + width] == gaps[starts - lags]]
+        width //= 1 if len(starts) else 2
     starts = starts[np.linspace(0, len(starts) - 1, min(_WINDOWS, len(starts))).astype(int)]
     rows = starts[:, None] + np.arange(width)
     followed = None

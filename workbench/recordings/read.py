@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import glob
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from .clock import Clock, read_clock
 from .convert import axis_signals, axis_units, extra_signals, seconds
 from .description import ControllerTable, Description, read_description
 from .jitter import settle_jitter
+from .lattice import lattice_step
 from .resample import measured_on_clock, onto_clock
 from .tables import read_table
 from .velocity import derive_velocity
@@ -90,6 +91,7 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
     if clock.row is None:
         smooth = [signals[name][clock.kept] for name in ("position", "velocity") if name in signals]
         clock = settle_jitter(clock, smooth)
+    steps = {} if clock.row is not None or clock.whole else _steps(signals, good)
     loop_s = controller.period_s
     signals = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in signals.items()}
     extra = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in extra.items()}
@@ -120,7 +122,17 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
         notes=notes,
         extra=extra,
         source=path,
+        steps=steps,
     )
+
+
+def _steps(signals: Mapping[str, np.ndarray], good: np.ndarray) -> dict[str, np.ndarray]:
+    """Steps (n,) of what sensors read, 0 where a signal has none or never changes."""
+    return {
+        name: np.array([lattice_step(x) if np.ptp(x) > 0 else 0.0 for x in signals[name][good].T])
+        for name in ("position", "velocity")
+        if name in signals
+    }
 
 
 def load_recordings(paths: str | Path | Iterable[str | Path]) -> list[Recording]:

@@ -1,0 +1,54 @@
+"""A joint that was held is an axis all the same, and a tool that is numbered like joints is none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from .make import Answers, imported, log, text
+
+LOG = log()
+TOOL = np.column_stack([np.sin(LOG.t * k) for k in (1.0, 2.0, 3.0)])
+
+
+def with_held(values: np.ndarray, at: float = 0.0) -> np.ndarray:
+    """A third joint (N, 3) between the two, at which nothing changes."""
+    return np.column_stack([values[:, 0], np.full(len(values), at), values[:, 1]])
+
+
+def test_a_held_joint_among_arrays_and_a_tool_beside_them(tmp_path: Path) -> None:
+    torque, command = with_held(LOG.tau), with_held(LOG.cmd)
+    torque[:, 1] = np.random.default_rng(3).normal(0, 0.02, len(torque))  # a sensor is never silent
+    arrays = {"q": with_held(LOG.q, 0.25), "qd": with_held(LOG.v), "q_cmd": with_held(LOG.ref, 0.3)}
+    arrays |= {"tau_measured": torque, "tau_command": command, "ee_pos": TOOL}
+    np.savez(tmp_path / "run.npz", time=LOG.t, **arrays)
+    proposal, recording = imported(
+        tmp_path / "run.npz", Answers(model_axes=("a", "b", "c"), axes=("a", "b", "c"))
+    )
+    assert recording.axes == ("a", "b", "c")
+    for name, values in (("position", "q"), ("velocity", "qd"), ("torque_command", "tau_command")):
+        np.testing.assert_allclose(recording.signals[name], arrays[values], atol=1e-9)
+    assert any("Not among the axes" in note and "ee_0, ee_1, ee_2" in note for note in proposal.notes)
+    assert not any("derivative" in note for note in proposal.notes), "what stands still has no slope to hold"
+
+
+def test_a_held_joint_among_columns(tmp_path: Path) -> None:
+    data = {"t": LOG.t}
+    for k, joint in enumerate(("hip", "roll", "knee")):
+        data |= {
+            f"{joint}_pos": with_held(LOG.q, 0.25)[:, k],
+            f"{joint}_vel": with_held(LOG.v)[:, k],
+            f"{joint}_torque_cmd": with_held(LOG.cmd)[:, k],
+        }
+    (tmp_path / "run.csv").write_text(text(data | {"status": np.ones(len(LOG.t))}))
+    _, recording = imported(tmp_path / "run.csv")
+    assert recording.axes == ("hip", "roll", "knee")
+    assert np.ptp(recording.position[:, 1]) == 0.0 and recording.position[0, 1] == 0.25
+    assert not recording.signals["torque_command"][:, 1].any()
+
+
+def test_positions_alone_are_joints_where_nothing_else_is_logged(tmp_path: Path) -> None:
+    np.savez(tmp_path / "run.npz", time=LOG.t, q=LOG.q, link_pos=TOOL)
+    _, recording = imported(tmp_path / "run.npz")
+    assert len(recording.axes) == 5

@@ -1,0 +1,43 @@
+"""What columns beside a column say of it: a joint that was held, a position that is no joint's."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+
+from .names import Role
+
+
+def held(still: Collection[str], moving: Collection[str], roles: Mapping[str, Role]) -> set[str]:
+    """Columns that never change and still are a joint's: others of the same words, for other joints, do change.
+
+    An axis that was held while another one was moved has such columns, with an encoder of coarse steps.
+
+    Args:
+        still, moving: columns that never change, and those that do.
+        roles: column -> what its name says.
+    """
+    known = {_family(roles[name]) for name in moving if roles[name].kind}
+    return {name for name in still if roles[name].kind and _family(roles[name]) in known}
+
+
+def without_joint(joints: Sequence[str], others: Collection[str]) -> list[str]:
+    """Numbered positions of which nothing else was logged, where other positions have a velocity or a torque.
+
+    Those of a tool, ``ee_pos[0]`` beside ``q[0]`` and ``tau[0]``, are numbered as joints are.
+
+    Args:
+        joints: of all positions.
+        others: of which there is another signal.
+    """
+    groups: dict[str, list[str]] = {}
+    for joint in joints:
+        groups.setdefault(re.sub(r"_?\d+$", "", joint), []).append(joint)
+    alone = [g for g in groups.values() if len(g) > 1 and not set(g) & set(others)]
+    out = [joint for group in alone for joint in group]
+    return out if len(out) < len(joints) else []
+
+
+def _family(role: Role) -> tuple[str, str, tuple[str, ...]]:
+    own = set(role.joint.split("_"))
+    return role.kind, role.role, tuple(word for word in role.words if word not in own)
