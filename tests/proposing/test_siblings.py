@@ -22,7 +22,7 @@ def test_a_held_joint_among_arrays_and_a_tool_beside_them(tmp_path: Path) -> Non
     torque[:, 1] = np.random.default_rng(3).normal(0, 0.02, len(torque))  # a sensor is never silent
     arrays = {"q": with_held(LOG.q, 0.25), "qd": with_held(LOG.v), "q_cmd": with_held(LOG.ref, 0.3)}
     arrays |= {"tau_measured": torque, "tau_command": command, "ee_pos": TOOL}
-    np.savez(tmp_path / "run.npz", time=LOG.t, **arrays)
+    np.savez(tmp_path / "run.npz", False, time=LOG.t, **arrays)
     proposal, recording = imported(
         tmp_path / "run.npz", Answers(model_axes=("a", "b", "c"), axes=("a", "b", "c"))
     )

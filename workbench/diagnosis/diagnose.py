@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-
-import numpy as np
 
 from workbench.comparison import Simulated, check_recordings, evaluate, followed
 from workbench.core import (
     Comparison,
     Diagnosis,
-    EffectKey,
-    Finding,
     Improvement,
     Recording,
     SimulationError,
-    Step,
     Verdict,
 )
 from workbench.effects import effect_named
@@ -24,15 +19,14 @@ from workbench.models import Model
 from workbench.simulation import scored_torque
 
 from .data import Data
-from .evidence import Clues, finding_lines
+from .evidence import Clues
+from .findings import NEAR, findings_of, nearest, ranking_of, step_of
 from .judging import EXPLAINED, stands_out
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, search
-from .stage import Search, Stage
+from .stage import Search
 
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
-_SUREST = 0.98
-_NEAR = 0.5  # share of the excess from which a cause is worth telling that may not be named
 _UNSTABLE = "The model is unstable in the loop"
 _OFF_GROUND = 1.5  # error over the noise floor
 
@@ -94,7 +88,7 @@ def improve(
     )
     improvement = Improvement(
         model=model.name,
-        steps=tuple(_step(s, found, judged, evidence) for s in stages),
+        steps=tuple(step_of(s, found, judged, evidence) for s in stages),
         error_before=data.score(found.start.mean_squares),
         error_after=data.score(end.mean_squares),
         holdout_error_before=data.score(found.start.mean_squares, held_out=True) if judged else None,
@@ -121,7 +115,7 @@ def _searched(
 ) -> Search:
     """What was found in the loops; where the model cannot run in them, along the measured motion.
 
-    The friction and the rotors that a model lacks may be what keeps the loop of the machine stable. The torque
+    The friction and the rotors that a model lacks may be what keeps the machine's loop stable. The torque
     shows them, and only then is their lack an answer: else the loop that cannot be run remains the news.
     """
     try:
@@ -132,7 +126,7 @@ def _searched(
             raise
         along, judging = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
         found = search(model, along, judging, seed=seed, limit=limit, progress=progress)
-        if not found.consistent_before and max(found.explained, found.mostly) < _NEAR:
+        if not found.consistent_before and max(found.explained, found.mostly) < NEAR:
             raise
         return found
 
@@ -160,7 +154,7 @@ def _diagnosis(found: Search) -> Diagnosis:
     after = before
     if named and found.stages[-1].runs is not None:
         after = _comparison(found.final.hypothesis.model, found.stages[-1].runs, found)
-    findings = _findings(found) if named else ()
+    findings = findings_of(found) if named else ()
     rest = 0.0 if found.consistent_before else 1.0 - (found.explained if named else 0.0)
     if named and found.consistent_after:
         rest = min(rest, 1.0 - found.explained)
@@ -175,29 +169,14 @@ def _diagnosis(found: Search) -> Diagnosis:
         where=after.where,
         next_experiment=next_experiment(verdict, findings, found, after),
         not_excited=tuple(c.key for c in found.screened if c.detectable < _SHOWN),
-        ranking=_ranking(found),
-        evidence=(*_nearest(verdict, found), *(clues.of_rest(after.where) if clues else ())),
+        ranking=ranking_of(found),
+        evidence=(*nearest(verdict, found), *(clues.of_rest(after.where) if clues else ())),
         shapes=clues.shapes if clues else (),
         before=before,
         after=after,
         settled=_settled(found) if named else {},
         holdout_noise_error=_held_out_floor(found.final_data if named else found.start_data),
         notes=tuple(dict.fromkeys(n for r in found.start_data.recordings for n in r.notes if _UNSTABLE in n)),
-    )
-
-
-def _nearest(verdict: Verdict, found: Search) -> tuple[str, ...]:
-    """A line on what takes off most of the excess, but not so much that it could be named."""
-    added = found.final.hypothesis.added
-    if verdict != "unexplained" or found.explained < _NEAR or not all(map(stands_out, added)):
-        return ()
-    named = [
-        f"{a.key} ({', '.join(f'{n} {e.value:.3g} ± {2 * e.std:.2g} {e.unit}' for n, e in a.parameters.items())})"
-        for a in added
-    ]
-    return (
-        f"nearest, but not enough to be named: {' and '.join(named)}; with it {100 * found.explained:.0f} % of "
-        "the squared error above the noise is gone on data left out of the fit",
     )
 
 
@@ -252,69 +231,3 @@ def _comparison(model: Model, runs: Simulated, found: Search) -> Comparison:
         runs.shifted[:count],
     )  # fmt: skip
     return evaluate(model, part)
-
-
-def _findings(found: Search) -> tuple[Finding, ...]:
-    """Effects of the final model, the one that explains most first."""
-    judged = found.start_data.training < len(found.start_data.recordings)
-    findings = []
-    for applied in found.final.hypothesis.added:
-        index = next(k for k, s in enumerate(found.stages) if s.added == applied.key)
-        stage = found.stages[index]
-        previous = found.stages[index - 1].fit if index else found.start
-        score = found.start_data.score
-        findings.append(
-            Finding(
-                key=applied.key,
-                parameters=dict(applied.parameters),
-                error_after=score(stage.fit.mean_squares),
-                holdout_error_before=score(previous.mean_squares, held_out=True) if judged else None,
-                holdout_error_after=score(stage.fit.mean_squares, held_out=True) if judged else None,
-                probability=_probability(stage, found),
-                indistinguishable_from=stage.rivals,
-                evidence=(
-                    *finding_lines(stage, applied),
-                    *Clues(found.start_data, previous).of_finding(applied.key),
-                ),
-            )
-        )
-    return tuple(findings)
-
-
-def _probability(stage: Stage, found: Search) -> float:
-    """Chance that the name is right: by the distance of the next explanation and what stays unexplained.
-
-    An explanation 10 % worse leaves about a fifth to doubt. Of those that do as well the simplest is named,
-    which is more often the true one: a lone rival takes a fifth of the chance, three take two thirds (in
-    `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more).
-    """
-    alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(stage.margin - 1.0, 0.0)))
-    whole = 1.0 if found.consistent_after else found.explained
-    return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(stage.rivals) ** 2))
-
-
-def _ranking(found: Search) -> tuple[tuple[EffectKey, float], ...]:
-    """Share of the excess that each effect removes by itself: simulated where it was, else as screened."""
-    if found.consistent_before or not found.screened:
-        return ()
-    simulated = found.stages[0].ranking if found.stages else ()
-    done = {key for key, _ in simulated}
-    start = found.start.judged
-    rest = [
-        (c.key, float(np.clip(1.0 - c.judged / start, 0.0, 1.0))) for c in found.screened if c.key not in done
-    ]
-    return tuple(sorted((*simulated, *rest), key=lambda r: -r[1])[:12])
-
-
-def _step(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectKey, tuple[str, ...]]) -> Step:
-    applied = next(a for a in stage.fit.hypothesis.added if a.key == stage.added)
-    score = found.start_data.score
-    return Step(
-        key=stage.added,
-        parameters=dict(applied.parameters),
-        error=score(stage.fit.mean_squares),
-        holdout_error=score(stage.fit.mean_squares, held_out=True) if judged else None,
-        indistinguishable_from=stage.rivals,
-        evidence=evidence.get(stage.added) or finding_lines(stage, applied),
-        removed=stage.dropped,
-    )

@@ -9,7 +9,7 @@ from .names import Role
 
 
 def held(still: Collection[str], moving: Collection[str], roles: Mapping[str, Role]) -> set[str]:
-    """Columns that never change and still are a joint's: others of the same words, for other joints, do change.
+    """Columns that never change and still are a joint's: others of the same words, of other joints, do.
 
     An axis that was held while another one was moved has such columns, with an encoder of coarse steps.
 
