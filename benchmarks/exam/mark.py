@@ -86,6 +86,7 @@ def mark(
     line["error_stated"], line["noise_stated"] = float(diagnosis.error), float(diagnosis.noise_error)
     line["unexplained_fraction"] = float(diagnosis.unexplained_fraction)
     line["ranking"] = [[str(key), round(float(share), 4)] for key, share in diagnosis.ranking[:6]]
+    line["evidence"] = list(diagnosis.evidence)
     line["not_excited"] = [str(key) for key in diagnosis.not_excited]
     line["next_experiment"] = diagnosis.next_experiment
     line["others"] = {name: _asked(case, ask, data.training, judging, line) for name, ask in others.items()}

@@ -20,15 +20,16 @@ def with_held(values: np.ndarray, at: float = 0.0) -> np.ndarray:
 def test_a_held_joint_among_arrays_and_a_tool_beside_them(tmp_path: Path) -> None:
     torque, command = with_held(LOG.tau), with_held(LOG.cmd)
     torque[:, 1] = np.random.default_rng(3).normal(0, 0.02, len(torque))  # a sensor is never silent
-    arrays = {"q": with_held(LOG.q, 0.25), "qd": with_held(LOG.v), "q_cmd": with_held(LOG.ref, 0.3)}
-    arrays |= {"tau_measured": torque, "tau_command": command, "ee_pos": TOOL}
-    np.savez(tmp_path / "run.npz", False, time=LOG.t, **arrays)
-    proposal, recording = imported(
-        tmp_path / "run.npz", Answers(model_axes=("a", "b", "c"), axes=("a", "b", "c"))
-    )
-    assert recording.axes == ("a", "b", "c")
-    for name, values in (("position", "q"), ("velocity", "qd"), ("torque_command", "tau_command")):
-        np.testing.assert_allclose(recording.signals[name], arrays[values], atol=1e-9)
+    q, qd, reference = with_held(LOG.q, 0.25), with_held(LOG.v), with_held(LOG.ref, 0.3)
+    np.savez(
+        tmp_path / "run.npz", time=LOG.t, q=q, qd=qd, q_cmd=reference,
+        tau_measured=torque, tau_command=command, ee_pos=TOOL,
+    )  # fmt: skip
+    named = ("a", "b", "c")
+    proposal, recording = imported(tmp_path / "run.npz", Answers(model_axes=named, axes=named))
+    assert recording.axes == named
+    for name, values in (("position", q), ("velocity", qd), ("torque_command", command)):
+        np.testing.assert_allclose(recording.signals[name], values, atol=1e-9)
     assert any("Not among the axes" in note and "ee_0, ee_1, ee_2" in note for note in proposal.notes)
     assert not any("derivative" in note for note in proposal.notes), "what stands still has no slope to hold"
 
