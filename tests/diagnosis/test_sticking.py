@@ -9,8 +9,10 @@ import pytest
 
 import workbench as wb
 from tests.simulation.make import having
+from workbench.comparison import followed
 from workbench.core import Controller, EffectKey, Recording
 from workbench.diagnosis.data import gather
+from workbench.diagnosis.giving import what_gives_way
 from workbench.diagnosis.screen import screen
 from workbench.diagnosis.search import starting_fit
 from workbench.diagnosis.sensitivity import Scene
@@ -95,3 +97,15 @@ def test_a_motion_that_only_turns_round_does_not_stand() -> None:
     assert not stands_long([Recording("r", ("m",), "actuator", t, {"position": position}, ("rad",))])
     position[600:1400] = position[600]
     assert stands_long([Recording("r", ("m",), "actuator", t, {"position": position}, ("rad",))])
+
+
+def test_what_follows_any_slow_torque_is_no_gap(servo: Model, logs: list[Recording]) -> None:
+    """Friction of a slow servo: a state drawn to the torque that passes has nothing to say of a gap."""
+    along = followed(logs)
+    data, runs = gather(servo, along, (), seed=0)
+    made = Scene.of(servo, data, runs.clean, len(along))
+    assert not [c for c in what_gives_way(made, len(along), 1.0) if c.key.effect == "backlash"]
+    soft = having(servo, EffectKey("backlash", "m"), gap=0.05, stiffness=0.4)
+    assert not np.isfinite(data.replay.run([soft])[0][0].signals["torque_command"]).any()
+    found = wb.diagnose(servo, along[:4], along[4:])
+    assert "backlash" not in {f.key.effect for f in found.findings}

@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.core import Recording, SimulationError
 from workbench.effects import Motion, Plant, compile_plant, effect_named
-from workbench.models import Model
+from workbench.models import Model, Placement
 from workbench.simulation import Disturbance, SensorNoise
 
 from .band import corner_hz
@@ -84,6 +84,7 @@ class MeasuredMotion:
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """The recordings with the torque that each model needs in place of that measured."""
         plants = [_compiled(m) for m in models]
+        plants = [p if p is not None and self._foretold(p) else None for p in plants]
         return [tuple(reading.run(p) for reading in self._read[:first]) for p in plants]
 
     def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
@@ -119,6 +120,17 @@ class MeasuredMotion:
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Through the filter, and nothing else."""
         return [loop.respond(d) for loop, d in zip(loops, disturbances, strict=True)]
+
+    def _foretold(self, plant: Plant) -> bool:
+        """Whether what gives way in a model says where its links are, rather than the torque it explains."""
+        model = plant.model
+        soft = [e for e in model.effects if effect_named(e.key.effect).splits]
+        motions = [reading.motion(plant) for reading in self._read] if soft else []
+        for applied in soft:
+            effect, place = effect_named(applied.key.effect), Placement.of(model, applied.key)
+            if not effect.foretells(motions, model, place, effect.to_coefficients(applied.values)[1]):
+                return False
+        return True
 
     def _reading(self, recording: Recording) -> Reading:
         corner = min(self._corner, cutoff_hz(recording))

@@ -11,7 +11,6 @@ from workbench.core import (
     Diagnosis,
     Improvement,
     Recording,
-    SimulationError,
     Verdict,
 )
 from workbench.effects import effect_named
@@ -23,7 +22,7 @@ from .evidence import Clues
 from .findings import NEAR, findings_of, nearest, ranking_of, step_of
 from .judging import EXPLAINED, stands_out
 from .next_experiment import next_experiment
-from .search import LIMIT, Progress, search
+from .search import LIMIT, Progress, UnstableLoop, search
 from .stage import Search
 
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
@@ -120,7 +119,7 @@ def _searched(
     """
     try:
         return search(model, training, held_out, seed=seed, limit=limit, progress=progress)
-    except SimulationError:
+    except UnstableLoop:
         every = (*training, *held_out)
         if any(scored_torque(r) is None for r in every):
             raise

@@ -23,6 +23,10 @@ from .ways import Quest, Way, holds, is_consistent, onwards, wanders, with_stage
 LIMIT = 6  # effects in a row; data that need more need a better model first
 
 
+class UnstableLoop(SimulationError):
+    """The model as given cannot run in the loops of its recordings."""
+
+
 def search(
     model: Model,
     training: Sequence[Recording],
@@ -46,13 +50,19 @@ def search(
         seed: of the noise simulations.
         limit: most effects to add one by one.
         progress: told what is being done.
+
+    Raises:
+        UnstableLoop: the model cannot run the recordings.
     """
     progress("simulating the model and its noise")
-    data, simulated = gather(model, training, held_out, seed)
+    try:
+        data, simulated = gather(model, training, held_out, seed)
+    except SimulationError as error:
+        raise UnstableLoop(str(error)) from error
     data = data.heard(data.mean_squares(simulated.clean))
     start = starting_fit(model, data, simulated.clean)
     if data.score(data.floor) > HOPELESS:
-        raise SimulationError(
+        raise UnstableLoop(
             f"model '{model.name}' cannot run these loops: noise alone throws it further off than all that "
             "was measured; check the order of the axes, units, signs and gains"
         )

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.compare import consistent
-from workbench.core import EffectKey
+from workbench.core import EffectKey, SimulationError
 from workbench.effects import effect_named
 
 from .data import Data, floor_of
@@ -155,9 +155,15 @@ def wanders(found: Fit) -> bool:
     return any(effect_named(a.key.effect).wanders for a in found.hypothesis.free)
 
 
-def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated]:
-    """The noise of a model's own runs; `wide`: and how far these part by themselves."""
-    simulated = data.replay.with_noise(found.hypothesis.model, seed)
+def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated | None]:
+    """The noise of a model's own runs; `wide`: and how far these part by themselves.
+
+    Where noise is more than its loop stands, it is judged by the noise of the model before, and has no runs.
+    """
+    try:
+        simulated = data.replay.with_noise(found.hypothesis.model, seed)
+    except SimulationError:
+        return data.reweighed(found.mean_squares).heard(found.mean_squares), None
     fresh = floor_of(data.replay, data.training, simulated)
     if wide and wanders(found):
         fresh = replace(fresh, floor=np.maximum(fresh.floor, parting(found, data)))

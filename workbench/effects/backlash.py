@@ -14,7 +14,7 @@ from .base import Door, Effect, Parameter, Trace
 from .chain import Build
 from .flexible import can_split, frequencies, link_inertia, split, stiffest
 from .motion import Motion
-from .passage import Passage, best_gap, left_by
+from .passage import Passage, best_gap, foresees, left_by
 from .response import Response
 
 
@@ -68,6 +68,8 @@ class Backlash(Effect):
             return []  # a spring, which is another effect
         rigid = left_by(pieces, inertia, 0.0, top, 0.0)
         shape = {"gap": gap, "stiffness": stiffness, "retardation": retardation}
+        if not foresees(pieces, inertia, gap, stiffness, retardation):
+            return []
         return [(shape, least / max(rigid, 1e-300))]
 
     def stated(self, model: Model, shape: Mapping[str, float]) -> Model:
@@ -101,6 +103,20 @@ class Backlash(Effect):
         # foreseen is what passed less the error; what rigid links would take beyond that, the motor need not
         share = (passage.load - passage.passed + error) / inertia
         return Response(np.zeros((0, *motion.position.shape)), offset=share[:, None] * column)
+
+    def foretells(
+        self,
+        motions: Sequence[Motion],
+        model: Model,
+        place: Placement | None,
+        shape: Mapping[str, float],
+    ) -> bool:
+        """Where the torque does not lead it by the hand."""
+        assert place is not None
+        inertia, _ = link_inertia(motions[0], place.index)
+        retardation = shape.get("retardation", model.flank_retardation_s)
+        pieces = [Passage.of(m, model, place.index) for m in motions]
+        return foresees(pieces, inertia, shape["gap"], shape["stiffness"], retardation)
 
     def blur(
         self, values: Mapping[str, float], position_noise: float, torque_noise: float

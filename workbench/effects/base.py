@@ -216,6 +216,17 @@ class Effect(ABC):
     ) -> Response:
         """The effect's torque along a motion, given the nonlinear parameters in `shape`."""
 
+    def foretells(
+        self,
+        motions: Sequence[Motion],
+        model: Model,
+        place: Placement | None,
+        shape: Mapping[str, float],
+    ) -> bool:
+        """Whether its response says something by itself, where it asks measured torque for its state."""
+        del motions, model, place, shape
+        return True
+
     def before(self, motion: Motion, place: Placement | None, values: Mapping[str, float]) -> Motion:
         """The motion as the chain saw it before this effect was installed with these values."""
         del place, values

@@ -21,6 +21,8 @@ from .motion import Motion
 
 _RATE = 180.0  # rad/s: how fast the state follows the torque that passed
 _MEAN = 8  # rows
+_SLOW_S = 0.05  # what is slower than this the state follows, whatever it is
+_OWN = 0.7  # of the slow torque that is lacking: what the state may be drawn by
 _SETTLING = 12  # means
 _BLOWN_UP = 1e300  # left by what cannot be followed at all; infinities have no differences
 _SIMPLEX = np.diag([0.4, 0.2, 0.4])  # of logarithms
@@ -63,6 +65,24 @@ class Passage:
         error = np.empty_like(self.load)
         _observe(self.load, self.passed, self.step, inertia, gap, stiffness, retardation, _RATE, error)
         return error
+
+
+def foresees(
+    pieces: Sequence[Passage], inertia: float, gap: float, stiffness: float, retardation: float
+) -> bool:
+    """Whether a gap says by itself where its links are, not drawn there by the torque that it explains.
+
+    On soft flanks the state follows any slow torque, and would explain friction as well. As a torque on the
+    links the draw is rate^2 inertia / stiffness times what was unforeseen.
+    """
+    pull = 1.0 + _RATE**2 * inertia / stiffness / (1.0 + 0.5 * _RATE * retardation)
+    drawn = lacked = 0.0
+    for piece in pieces:
+        rows = max(_MEAN, round(_SLOW_S / piece.step))
+        error = piece.unforeseen(inertia, gap, stiffness, retardation)
+        drawn += float(np.sum((pull * _means(error, rows)) ** 2)) * rows
+        lacked += float(np.sum(_means(piece.load - piece.passed, rows) ** 2)) * rows
+    return drawn < _OWN**2 * lacked
 
 
 def best_gap(
@@ -137,10 +157,10 @@ def _downhill(left: Callable[[np.ndarray], float], start: np.ndarray, free: int,
     return np.append(np.exp(found.x), start[free:])
 
 
-def _means(values: np.ndarray) -> np.ndarray:
-    """Means over `_MEAN` rows of (N,), the settling left out: acceleration is noisy from row to row."""
-    count = len(values) // _MEAN
-    return values[: count * _MEAN].reshape(count, _MEAN).mean(axis=1)[_SETTLING:]
+def _means(values: np.ndarray, rows: int = _MEAN) -> np.ndarray:
+    """Means over some rows of (N,), the settling left out: acceleration is noisy from row to row."""
+    count = len(values) // rows
+    return values[: count * rows].reshape(count, rows).mean(axis=1)[-(-_SETTLING * _MEAN // rows) :]
 
 
 @njit(cache=True, nogil=True)
