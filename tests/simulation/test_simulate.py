@@ -267,3 +267,14 @@ def test_sensor_noise_goes_round_the_loop() -> None:
     by_hand = -j.T @ (1.5 * j @ change["velocity"] + 50 * j @ change["position"])
     np.testing.assert_allclose(change["torque_command"], by_hand, atol=1e-9)
     assert NoiseModel.of([noisy]).levels.position_resolution == pytest.approx(ENCODER)
+
+
+def test_what_cannot_be_compiled_is_raised_or_left_out() -> None:
+    play, log = having(LEG, EffectKey("backlash", "knee"), gap=0.01, stiffness=300.0), leg_experiment(0.1)
+    *others, loose = play.effects
+    inside_out = {**loose.parameters, "gap": replace(loose.parameters["gap"], value=-0.01)}
+    broken = replace(play, effects=(*others, replace(loose, parameters=inside_out)))
+    with pytest.raises(SimulationError, match="cannot be compiled"):
+        simulate([Run(LEG, log), Run(broken, log)])
+    made, lost = simulate([Run(LEG, log), Run(broken, log)], strict=False)
+    assert np.isfinite(made.position).all() and np.isnan(lost.signals["torque_measured"]).all()

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from workbench.core import Recording
+from workbench.core import Recording, SimulationError
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 
@@ -36,7 +36,8 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
 
     Args:
         runs: any mixture of models and recordings; they run on all cores.
-        strict: raise where a simulation becomes unstable; else its signals are NaN from there.
+        strict: raise where a simulation becomes unstable; else its signals are NaN from there, and all of
+            them where the model cannot be compiled.
 
     Returns:
         One recording a run, in the coordinates of its own: position, velocity, torque_command and
@@ -47,10 +48,10 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
         SimulationError: unstable (with `strict`), naming model, recording and time.
     """
     experiments = [prepare(run.recording, run.model) for run in runs]
-    compiled: dict[tuple[int, float], Plant] = {}
+    compiled: dict[tuple[int, float], Plant | None] = {}
     for run, e in zip(runs, experiments, strict=True):
         if (id(run.model), e.step) not in compiled:
-            compiled[id(run.model), e.step] = compile_plant(run.model, e.step)
+            compiled[id(run.model), e.step] = _compiled(run.model, e.step, strict)
     plants = [compiled[id(run.model), e.step] for run, e in zip(runs, experiments, strict=True)]
     results: list[Recording | None] = [None] * len(runs)
     # the longest first, so that no core is left alone with one at the end
@@ -65,14 +66,28 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
     return out
 
 
+def _compiled(model: Model, step: float, strict: bool) -> Plant | None:
+    """The model's plant; None where it cannot be had and need not."""
+    try:
+        return compile_plant(model, step)
+    except SimulationError:
+        if strict:
+            raise
+        return None
+
+
 def _again(model: Model, run: Run) -> Recording:
     """Another model, run the same way."""
     experiment = prepare(run.recording, model)
     return _run(replace(run, model=model), experiment, compile_plant(model, experiment.step))
 
 
-def _run(run: Run, e: Experiment, plant: Plant) -> Recording:
+def _run(run: Run, e: Experiment, plant: Plant | None) -> Recording:
     """One run: its loop marched through, and what the log shows, in the coordinates of its recording."""
+    if plant is None:
+        lost = np.full_like(run.recording.position, np.nan)
+        names = ("position", "velocity", "torque_command", "torque_measured")
+        return _shown(run.recording, dict.fromkeys(names, lost), {})
     n, substeps = plant.model.size, e.substeps
     drives = drives_of(e, plant)
     sensors, start = sensors_of(e, plant)
@@ -97,12 +112,9 @@ def _run(run: Run, e: Experiment, plant: Plant) -> Recording:
         seen, rate, tap = run.noise.logged(seen, rate, tap)
     signals = {"position": seen, "velocity": rate, "torque_command": asked, "torque_measured": tap}
     true = () if sensors.honest else (position[rows], velocity[rows])
-    return replace(
-        run.recording,
-        signals=signals,
-        extra={name: v @ to_rows.T for name, v in zip(TRUE_MOTION, true, strict=False)},
-        derived=(),
-        notes=(),
-        name=run.recording.name,
-        source=None,
-    )
+    extra = {name: v @ to_rows.T for name, v in zip(TRUE_MOTION, true, strict=False)}
+    return _shown(run.recording, signals, extra)
+
+
+def _shown(recording: Recording, signals: dict[str, np.ndarray], extra: dict[str, np.ndarray]) -> Recording:
+    return replace(recording, signals=signals, extra=extra, derived=(), notes=(), source=None)
