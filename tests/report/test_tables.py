@@ -95,3 +95,12 @@ def test_names_of_strangers_are_printed_as_they_are(comparison):
 
 def test_a_rig_without_torque_shows_a_dash(without_torque):
     assert "–" in printed(compare_table(without_torque))
+
+
+def test_an_improvement_of_nothing_says_what_the_rest_goes_with(improvement, diagnosis):
+    line = "nearest, but not enough to be named: a brake"
+    beside = replace(diagnosis, evidence=(line,))
+    nothing = replace(improvement, steps=(), verdict="unexplained", diagnosis=beside)
+    assert line[1:] in " ".join(printed(improvement_table(nothing)).split())
+    found = replace(improvement, diagnosis=beside)
+    assert "nearest" not in printed(improvement_table(found)), "beside a finding stands its own evidence"

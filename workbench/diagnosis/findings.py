@@ -13,7 +13,7 @@ from .evidence import Clues, finding_lines
 from .judging import stands_out
 from .stage import Search, Stage
 
-NEAR = 0.5  # share of the excess from which a cause is worth telling that may not be named
+NEAR = 0.8  # share of the excess from which a cause is worth telling that may not be named
 _SUREST = 0.98
 
 

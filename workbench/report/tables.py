@@ -126,10 +126,12 @@ def improvement_table(result: Improvement) -> Group:
         *(["" if result.holdout_noise_error is None else number(result.holdout_noise_error)] if held else []),
         _bar(result.noise_error, steps[0].error),
     )
+    rest = result.diagnosis.evidence if result.diagnosis and not result.steps else ()
     return Group(
         _verdict(sentence(result), result.verdict == "consistent"),
         table,
         Text("± is half a 95 % interval."),
+        *(_text(w.capital(line)) for line in rest),
         *(_text(f"Note: {note}") for note in result.notes),
     )
 
