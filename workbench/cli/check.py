@@ -16,9 +16,9 @@ from .common import (
     check_outputs,
     deliver_sheet,
     files_of,
-    progress,
     write_result,
 )
+from .progress import progress
 
 
 @app.command()

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import sys
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -137,62 +135,6 @@ def check_model_output(path: str | None, *, force: bool) -> None:
         remedy = "call it .toml; `workbench normalize` writes a plain MJCF"
         raise InputError("a model with effects is written as TOML", file=path, remedy=remedy)
     check_outputs(path, force=force)
-
-
-@contextmanager
-def progress(quiet: bool) -> Iterator[Any]:
-    """A line that says what is being done, for how long, and how long yet; silent where no one watches.
-
-    What it gives is told a text, and perhaps which part of the whole is done (0 to 1).
-    """
-    from rich.console import Console
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield lambda text, done=None: None
-        return
-    columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
-    with Progress(*columns, TextColumn("{task.fields[left]}"), console=console, transient=True) as shown:
-        task = shown.add_task("starting", total=None, left="")
-        started = time.monotonic()
-
-        def tell(text: str, done: float | None = None) -> None:
-            spent = time.monotonic() - started
-            left = duration(spent * (1.0 / done - 1.0)) if done and spent > 1.0 else ""
-            shown.update(task, description=text, left=f"about {left} left" if left else "")
-
-        yield tell
-
-
-#: Which part of a diagnosis is done when it begins with this, where one effect is found (by CPU time, on
-#: twelve seconds of three axes); of a further step nobody knows beforehand whether it comes.
-_SHARES = (
-    ("simulating the model", 0.0),
-    ("screening effects, step 1", 0.2),
-    ("fitting", 0.3),
-    ("looking for springs", 0.8),
-    ("found", 0.85),
-    ("screening effects", 0.95),
-)
-
-
-def staged(tell: Any) -> Any:
-    """A diagnosis' texts, told with the part of it that is done."""
-    reached = 0.0
-
-    def told(text: str) -> None:
-        nonlocal reached
-        reached = max(reached, next((share for start, share in _SHARES if text.startswith(start)), 0.0))
-        tell(text, reached)
-
-    return told
-
-
-def duration(seconds: float) -> str:
-    """A time in words."""
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"
 
 
 def deliver(

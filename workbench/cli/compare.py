@@ -19,8 +19,8 @@ from .common import (
     deliver,
     files_of,
     open_sources,
-    progress,
 )
+from .progress import progress
 
 
 @app.command()

@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, files_of, progress, staged
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, files_of
+from .progress import progress, staged
 
 
 @app.command()

@@ -10,7 +10,8 @@ import typer
 from workbench.core import InputError
 
 from .app import app
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, progress, write_result
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
+from .progress import progress
 
 
 @app.command()

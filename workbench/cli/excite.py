@@ -20,9 +20,9 @@ from .common import (
     check_outputs,
     echo,
     files_of,
-    progress,
     write_result,
 )
+from .progress import progress
 
 if TYPE_CHECKING:
     from workbench.frf import Scaled

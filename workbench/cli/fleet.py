@@ -15,9 +15,9 @@ from .common import (
     SeedOption,
     check_outputs,
     deliver_sheet,
-    progress,
     write_result,
 )
+from .progress import progress
 
 
 @app.command()

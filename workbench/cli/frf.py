@@ -18,10 +18,10 @@ from .common import (
     check_outputs,
     deliver_sheet,
     files_of,
-    progress,
     read_recordings,
     write_result,
 )
+from .progress import progress
 
 
 @app.command()

@@ -24,9 +24,8 @@ from .common import (
     echo,
     files_of,
     open_pair,
-    progress,
-    staged,
 )
+from .progress import progress, staged
 
 
 @app.command()

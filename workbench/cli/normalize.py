@@ -18,9 +18,9 @@ from .common import (
     check_outputs,
     echo,
     files_of,
-    progress,
     write_result,
 )
+from .progress import progress
 
 
 @app.command()
