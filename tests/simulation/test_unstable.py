@@ -55,6 +55,20 @@ def test_every_effect_at_its_worst_is_simulated_or_named(
     assert capfd.readouterr() == ("", "") and list(tmp_path.iterdir()) == []
 
 
+def test_an_inertia_that_a_held_damping_is_too_much_for_is_named() -> None:
+    model = load_model("leg_kin_only")
+    free = replace(model, actuators=replace(model.actuators, torque_limit=(np.inf, np.inf)))
+    short = recording()
+    with pytest.raises(SimulationError) as caught:
+        simulate([Run(free, replace(short, controller=replace(short.controller, kd=(1.5, 40.0))))])
+    said = str(caught.value)
+    assert "held for 3 ms its damping of knee asks for at least 0.06 kg m^2" in said
+    assert 0.0 < float(said.split("the model has ")[1].split(":")[0]) < 0.06
+    with pytest.raises(SimulationError) as caught:
+        simulate([Run(with_effect("torque_bias", 1e9), short)])
+    assert "damping of" not in str(caught.value), "it is not the loop"
+
+
 def test_the_effect_its_value_and_the_time_are_named() -> None:
     with pytest.raises(SimulationError, match=r"at t = 0\.\d{3} s.*torque_bias@hip \(torque = 1e\+09 N\*m\)"):
         simulate([Run(with_effect("torque_bias", 1e9), recording())])

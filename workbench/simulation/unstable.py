@@ -8,7 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import Controller, Recording, SimulationError
+from workbench.effects import compile_plant
 from workbench.models import AppliedEffect, Model
+
+from .experiment import prepare
+from .motion import mass_matrix
+from .trajectory import Track
 
 
 def raise_where_unstable(
@@ -39,6 +44,7 @@ def raise_where_unstable(
         why = f"check {', '.join(map(_stated, blamed))}: it is stable without any one of them"
     else:
         why = f"check gains, delay and inertias: no single effect makes it so, and {_loop(controller)}"
+        why += _too_light(model, recording, controller)
     axis, speed, unit = _fastest(made, lost)
     raise SimulationError(
         f"model '{model.name}' becomes unstable on recording '{recording.name}' at t = "
@@ -70,6 +76,30 @@ def _fastest(made: Recording, lost: int) -> tuple[str, float, str]:
 def _stated(effect: AppliedEffect) -> str:
     values = ", ".join(f"{n} = {e.value:g} {e.unit}".strip() for n, e in effect.parameters.items())
     return f"{effect.key} ({values})" if values else str(effect.key)
+
+
+def _too_light(model: Model, recording: Recording, controller: Controller) -> str:
+    """Where a loop's damping, held for a period, is more than an inertia stands.
+
+    Under it a speed w becomes (1 - kd period / inertia) w by the next tick: above kd period / 2 it falls.
+    """
+    if controller.kind != "pd" or controller.period_s is None:
+        return ""
+    to_loop = np.linalg.inv(model.transmission) if controller.coordinates == "joint" else np.eye(model.size)
+    back = np.linalg.inv(to_loop)
+    start = recording.position[[0, 0]] @ prepare(recording, model).to_actuator.T
+    mass = back.T @ mass_matrix(compile_plant(model), Track(start, 0.0 * start, 0.0 * start))[0] @ back
+    own = 1.0 / np.diag(np.linalg.inv(mass))
+    least = 0.5 * controller.period_s * np.array(controller.kd)
+    worst = int(np.argmax(least / own))
+    if least[worst] <= own[worst]:
+        return ""
+    unit = "kg m^2" if recording.units[worst] == "rad" else "kg"
+    asked = f"its damping of {recording.axes[worst]} asks for at least {least[worst]:.2g} {unit} there"
+    return (
+        f"; held for {1e3 * controller.period_s:.3g} ms {asked}, where the model has {own[worst]:.2g}: "
+        "a rotor's inertia may be missing"
+    )
 
 
 def _loop(controller: Controller) -> str:
