@@ -10,8 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.core import Recording, SimulationError
-from workbench.effects import Motion, Plant, compile_plant, effect_named
-from workbench.models import Model, Placement
+from workbench.effects import Motion, Plant, compile_plant, effect_named, giving_way
+from workbench.models import Model
 from workbench.simulation import Disturbance, SensorNoise
 
 from .band import corner_hz
@@ -124,13 +124,9 @@ class MeasuredMotion:
     def _foretold(self, plant: Plant) -> bool:
         """Whether what gives way in a model says where its links are, rather than the torque it explains."""
         model = plant.model
-        soft = [e for e in model.effects if effect_named(e.key.effect).splits]
+        soft = giving_way(model)
         motions = [reading.motion(plant) for reading in self._read] if soft else []
-        for applied in soft:
-            effect, place = effect_named(applied.key.effect), Placement.of(model, applied.key)
-            if not effect.foretells(motions, model, place, effect.to_coefficients(applied.values)[1]):
-                return False
-        return True
+        return all(effect.foretells(motions, model, place, shape) for effect, place, shape in soft)
 
     def _reading(self, recording: Recording) -> Reading:
         corner = min(self._corner, cutoff_hz(recording))

@@ -12,8 +12,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from workbench.core import Recording
-from workbench.effects import Motion, Plant, SensorErrors, effect_named
-from workbench.models import Placement
+from workbench.effects import Motion, Plant, SensorErrors, giving_way
 from workbench.recordings import NoiseLevels
 from workbench.simulation import (
     Disturbance,
@@ -105,14 +104,13 @@ class Reading:
     def _spared(self, plant: Plant, track: Track) -> np.ndarray:
         """What motors need not give (N, n) as what hangs on them through springs and gaps does not follow."""
         model = plant.model
-        soft = [e for e in model.effects if effect_named(e.key.effect).splits]
+        soft = giving_way(model)
         if not soft:
             return np.zeros_like(track.position)
         motion = motion_of(track, self.recording, plant, self.to_actuator)
         total = np.zeros_like(track.position)
-        for applied in soft:
-            effect, place = effect_named(applied.key.effect), Placement.of(model, applied.key)
-            offset = effect.response(motion, model, place, effect.to_coefficients(applied.values)[1]).offset
+        for effect, place, shape in soft:
+            offset = effect.response(motion, model, place, shape).offset
             assert offset is not None
             total += offset
         return total / np.maximum(motion.gain, _LEAST_GAIN)

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.core import Recording, SimulationError
-from workbench.effects import compile_plant
+from workbench.core import Recording
 
 from .data import Data
 from .hypothesis import Fit, Hypothesis, moved, room
@@ -122,15 +121,8 @@ def race(
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
     """Run what is to be tried; keep it where it is better, else shorten the next step."""
-    runnable = []
-    for work in works:
-        try:
-            compile_plant(work.tried.model)
-            runnable.append(work)
-        except SimulationError:
-            _reject(work)
-    results = data.replay.run([w.tried.model for w in runnable])
-    for work, runs in zip(runnable, results, strict=True):
+    results = data.replay.run([w.tried.model for w in works])
+    for work, runs in zip(works, results, strict=True):
         mean_squares = data.mean_squares(runs)
         value = data.objective(data.pool(mean_squares)) if np.isfinite(mean_squares).all() else np.inf
         if value < work.value:

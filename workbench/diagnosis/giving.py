@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Motion, effect_named, places
+from workbench.effects import Motion, effect_named, giving_way, places
 from workbench.models import Model, Placement
 
 from .screen import Candidate
@@ -46,12 +46,9 @@ def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate
 
 def _eased(motion: Motion, model: Model) -> Motion:
     """A motion that needs less torque by what gives way in the model already: inverse dynamics are rigid."""
-    for applied in model.effects:
-        effect, place = effect_named(applied.key.effect), Placement.of(model, applied.key)
-        if effect.splits:
-            _, shape = effect.to_coefficients(applied.values)
-            offset = effect.response(motion, model, place, shape).offset
-            motion = replace(motion, required=_less(motion, offset / motion.gain))
+    for effect, place, shape in giving_way(model):
+        offset = effect.response(motion, model, place, shape).offset
+        motion = replace(motion, required=_less(motion, offset / motion.gain))
     return motion
 
 

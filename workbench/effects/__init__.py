@@ -3,7 +3,7 @@
 from .base import Door, Effect, Parameter, Trace
 from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
-from .catalogue import EFFECTS, contains, effect_named, places
+from .catalogue import EFFECTS, contains, effect_named, giving_way, places
 from .chain import Build, FlankTerm, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
 from .ground import feet_of, plate_columns, settle_contacts
@@ -47,6 +47,7 @@ __all__ = [
     "effect_named",
     "feet_of",
     "follow",
+    "giving_way",
     "heat",
     "held",
     "law",

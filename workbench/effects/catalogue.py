@@ -6,7 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from workbench.core import EffectKey, InputError
-from workbench.models import Model
+from workbench.models import Model, Placement
 
 from .actuator_inertia_coupling import ActuatorInertiaCoupling
 from .asymmetric_friction import AsymmetricFriction
@@ -122,6 +122,12 @@ def _pin_differs(model: Model, index: int) -> bool:
     """Whether the pin of an axis moves otherwise than its drive."""
     row = model.transmission[index]
     return bool((row != [float(j == index) for j in range(model.size)]).any())
+
+
+def giving_way(model: Model) -> list[tuple[Effect, Placement | None, dict[str, float]]]:
+    """What lets a model's motors, links and base move apart: each effect, its place and nonlinear values."""
+    split = [(effect_named(a.key.effect), a) for a in model.effects if effect_named(a.key.effect).splits]
+    return [(e, Placement.of(model, a.key), e.to_coefficients(a.values)[1]) for e, a in split]
 
 
 def contains(general: EffectKey, special: EffectKey) -> bool:

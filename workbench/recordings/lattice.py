@@ -9,11 +9,11 @@ def lattice_step(values: np.ndarray) -> float:
     """The largest step of which all differences of the values are multiples.
 
     Args:
-        values: shape (N,), not all equal. Rounding when written (a few parts in a thousand of a step)
+        values: shape (N,). Rounding when written (a few parts in a thousand of a step)
             does no harm.
 
     Returns:
-        The step in the values' unit; 0.0 where the values lie on no lattice.
+        The step in the values' unit; 0.0 where the values lie on no lattice, or are all equal.
     """
     places = np.unique(values)
     merge = 1e-9 * float(np.abs(places).max())

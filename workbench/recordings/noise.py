@@ -79,8 +79,7 @@ def _resolution(recording: Recording, signal: str, axis: int) -> float:
     """Step of a signal's lattice, as the rows lie on it or lay on it when they were logged; 0 without one."""
     if signal in recording.steps:
         return float(recording.steps[signal][axis])
-    values = recording.signals[signal][recording.valid, axis]
-    return lattice_step(values) if np.ptp(values) > 0 else 0.0
+    return lattice_step(recording.signals[signal][recording.valid, axis])
 
 
 def _phase(recording: Recording) -> np.ndarray | None:

@@ -91,7 +91,7 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
     if clock.row is None:
         smooth = [signals[name][clock.kept] for name in ("position", "velocity") if name in signals]
         clock = settle_jitter(clock, smooth)
-    steps = {} if clock.row is not None or clock.whole else _steps(signals, good)
+    steps = _steps(signals, good) if clock.row is None else {}
     loop_s = controller.period_s
     signals = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in signals.items()}
     extra = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in extra.items()}
@@ -129,7 +129,7 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
 def _steps(signals: Mapping[str, np.ndarray], good: np.ndarray) -> dict[str, np.ndarray]:
     """Steps (n,) of what sensors read, 0 where a signal has none or never changes."""
     return {
-        name: np.array([lattice_step(x) if np.ptp(x) > 0 else 0.0 for x in signals[name][good].T])
+        name: np.array([lattice_step(x) for x in signals[name][good].T])
         for name in ("position", "velocity")
         if name in signals
     }

@@ -85,8 +85,7 @@ def _too_light(model: Model, recording: Recording, controller: Controller) -> st
     """
     if controller.kind != "pd" or controller.period_s is None:
         return ""
-    to_loop = np.linalg.inv(model.transmission) if controller.coordinates == "joint" else np.eye(model.size)
-    back = np.linalg.inv(to_loop)
+    back = model.transmission if controller.coordinates == "joint" else np.eye(model.size)
     start = recording.position[[0, 0]] @ prepare(recording, model).to_actuator.T
     mass = back.T @ mass_matrix(compile_plant(model), Track(start, 0.0 * start, 0.0 * start))[0] @ back
     own = 1.0 / np.diag(np.linalg.inv(mass))
