@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import workbench as wb
 from workbench.core import EffectKey, Estimate, Recording
 from workbench.diagnosis import diagnose, improve
 from workbench.effects import load_model
@@ -68,8 +69,6 @@ def test_a_leg_without_hidden_effect_is_consistent() -> None:
             "periodic_disturbance", "knee", parameters={"torque": 0.4, "frequency": 3.7, "phase": 0.3}
         ),
         HiddenEffect("random_walk_torque", "hip", parameters={"torque": 0.4, "time_constant": 0.3}),
-        # a spring and cogging follow it to the noise; the shape of what they leave says that it is neither
-        HiddenEffect("one_sided_spring", "hip", parameters={"stiffness": 4.2, "rest": -0.46}),
     ],
     ids=lambda h: h.effect,
 )
@@ -78,10 +77,35 @@ def test_what_no_catalogue_lists_is_unexplained(outsider: HiddenEffect) -> None:
     found = diagnose(load_model("leg"), training, held_out)
     assert (found.verdict, found.findings) == ("unexplained", ())
     assert found.unexplained_fraction > 0.1
-    if outsider.effect == "one_sided_spring":
-        assert found.shapes[0].share > 0.95 and found.shapes[0].quantities == ("position",)
-        assert any("a shape, not a cause" in line for line in found.evidence)
     assert found.where[0].axis == outsider.axis and found.next_experiment
+
+
+def test_what_follows_a_stranger_is_added_only_when_asked_for() -> None:
+    """Two springs follow one between the axes to the noise; what they leave goes with both positions."""
+    hidden = HiddenEffect("cross_spring", parameters={"stiffness": 0.69, "rest": -0.158})
+    training, held_out = recordings(hidden)
+    way, better = improve(load_model("leg"), training, held_out, nearest=True)
+    found = way.diagnosis
+    assert found is not None
+    assert (found.verdict, found.findings) == ("unexplained", ())
+    assert found.shapes[0].share > 0.95
+    assert found.shapes[0].quantities == ("position", "the position of hip")
+    assert any("a shape, not a cause" in line for line in found.evidence)
+    assert (way.verdict, way.nearest, better.name) == ("unexplained", True, "leg_nearest")
+    assert [a.key for a in better.effects[-len(way.steps) :]] == [s.key for s in way.steps]
+    assert way.holdout_error_after is not None and way.holdout_error_before is not None
+    assert way.holdout_error_after < 0.3 * way.holdout_error_before
+    assert wb.compare(better, training).error == pytest.approx(way.error_after, rel=1e-6)
+
+
+def test_what_only_held_out_motion_shows_is_no_consistent_model() -> None:
+    friction = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.4})
+    (training, _), (_, held_out) = recordings(), recordings(friction)
+    way, _ = improve(load_model("leg"), training, held_out)
+    found = way.diagnosis
+    assert found is not None
+    assert (way.verdict, found.verdict, way.steps, found.findings) == ("unexplained", "unexplained", (), ())
+    assert "fit these, and hold others out" in found.evidence[0]
 
 
 def test_the_ladder_from_kin_only() -> None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis.judging import stands_out, witnessed
+from workbench.diagnosis.data import Data
+from workbench.diagnosis.judging import spoils, stands_out, witnessed
 from workbench.effects import effect_named, load_model
 from workbench.models import AppliedEffect, Placement
 
@@ -58,3 +60,23 @@ def test_what_may_be_nothing_is_not_named(
 ) -> None:
     estimates = {k: Estimate(value, std, "") for k, (value, std) in parameters.items()}
     assert stands_out(AppliedEffect(EffectKey(effect, "knee"), estimates)) is clear
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "spoilt"),
+    [
+        (1.0, 4.0, True),  # it was at the noise
+        (1.0, 2.0, False),
+        (2.0, 4.0, False),  # it lacked something before: other causes may still be missing
+    ],
+)
+def test_what_held_out_motion_had_right_may_not_be_lost(before: float, after: float, spoilt: bool) -> None:
+    recordings = tuple(SimpleNamespace(valid=np.ones(100, bool)) for _ in range(2))
+    squares = np.ones((2, 2, 1))
+    data = Data(recordings, 1, None, squares, 0.0 * squares, (), np.ones((2, 1)))  # type: ignore[arg-type]
+    current, found = (
+        SimpleNamespace(mean_squares=squares * [[[1.0]], [[times]]]) for times in (before, after)
+    )
+    assert spoils(found, current, data) is spoilt  # type: ignore[arg-type]
+    alone = Data(recordings[:1], 1, None, squares[:1], squares[:1], (), np.ones((2, 1)))  # type: ignore[arg-type]
+    assert not spoils(found, current, alone)  # type: ignore[arg-type]

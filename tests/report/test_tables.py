@@ -104,3 +104,12 @@ def test_an_improvement_of_nothing_says_what_the_rest_goes_with(improvement, dia
     assert line[1:] in " ".join(printed(improvement_table(nothing)).split())
     found = replace(improvement, diagnosis=beside)
     assert "nearest" not in printed(improvement_table(found)), "beside a finding stands its own evidence"
+
+
+def test_what_is_only_nearest_is_not_called_a_cause(improvement, diagnosis):
+    line = "the rest goes with time"
+    beside = replace(diagnosis, evidence=(line,))
+    near = replace(improvement, verdict="unexplained", nearest=True, diagnosis=beside)
+    text = " ".join(printed(improvement_table(near)).split())
+    assert "No known effect explains what is missing. With what comes nearest, Coulomb friction" in text
+    assert line[1:] in text

@@ -36,6 +36,10 @@ def improve(
     holdout: HoldoutOption = None,
     json: JsonOption = None,
     html: HtmlOption = None,
+    nearest: Annotated[
+        bool,
+        typer.Option("--nearest", help="Where no cause can be named, add what comes nearest to one."),
+    ] = False,
     whole: WholeOption = False,
     seed: SeedOption = 0,
     force: ForceOption = False,
@@ -54,7 +58,9 @@ def improve(
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
-        result, better = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
+        result, better = run(
+            loaded, data.training, data.held_out, seed=seed, nearest=nearest, progress=staged(tell)
+        )
     write_model(better, output, force=force)
     result = replace(result, used=data.share, notes=(*result.notes, *data.notes))
     deliver(

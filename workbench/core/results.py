@@ -225,7 +225,11 @@ class Step:
 
 @dataclass(frozen=True)
 class Improvement:
-    """The whole way from a model to one that explains the data; what its diagnosis has too is as there."""
+    """The whole way from a model to one that explains the data; what its diagnosis has too is as there.
+
+    Attributes:
+        steps: effects added, in order: causes, or, where `nearest`, what comes nearest to unknown ones.
+    """
 
     model: str
     steps: tuple[Step, ...]
@@ -241,3 +245,4 @@ class Improvement:
     used: float = 1.0
     notes: tuple[str, ...] = ()
     holdout_noise_error: float | None = None
+    nearest: bool = False

@@ -23,7 +23,7 @@ _BLOCKS = 5  # contiguous folds of a lone recording; a recording of half of all 
 # Where a model cannot reach the noise, a signal with little noise would rule alone; this share of its
 # present error counts as noise when signals are weighed against each other.
 _TOLERANCE = 0.03
-_HEARD = 1.1  # squared error over the noise from which held-out recordings have something to say
+HEARD = 1.1  # squared error over the noise from which held-out recordings have something to say
 
 
 @dataclass(frozen=True)
@@ -60,16 +60,21 @@ class Data:
     silent: bool = False
 
     @property
+    def held_out(self) -> bool:
+        """Whether there are held-out recordings."""
+        return self.training < len(self.recordings)
+
+    @property
     def held_out_judges(self) -> bool:
         """Whether held-out recordings judge; else folds of the training recordings do."""
-        return self.training < len(self.recordings) and not self.silent
+        return self.held_out and not self.silent
 
     def heard(self, mean_squares: np.ndarray) -> Data:
         """The same data, judged by held-out recordings only if a model's error there is above the noise."""
-        if self.training == len(self.recordings):
+        if not self.held_out:
             return self
         error = self.objective(self.pool(mean_squares, held_out=True))
-        return replace(self, silent=error < _HEARD * self.objective(self.pool(self.floor, held_out=True)))
+        return replace(self, silent=error < HEARD * self.objective(self.pool(self.floor, held_out=True)))
 
     def unheard(self) -> Data:
         """The same data, judged by folds of the training recordings whatever the held-out ones say."""

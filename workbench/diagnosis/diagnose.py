@@ -19,8 +19,8 @@ from workbench.simulation import scored_torque
 
 from .data import Data
 from .evidence import Clues
-from .findings import NEAR, findings_of, nearest, ranking_of, step_of
-from .judging import EXPLAINED, stands_out
+from .findings import NEAR, findings_of, near_line, ranking_of, refuting_line, step_of
+from .judging import EXPLAINED, contradicted, stands_out
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, UnstableLoop, search
 from .stage import Search
@@ -62,13 +62,19 @@ def improve(
     *,
     seed: int = 0,
     limit: int = LIMIT,
+    nearest: bool = False,
     progress: Progress = lambda text: None,
 ) -> tuple[Improvement, Model]:
     """Diagnose and add until the data are explained.
 
+    Args:
+        model, training, held_out, seed, progress: as for `diagnose`.
+        limit: most effects to add one by one.
+        nearest: where no cause can be named, add what lowers the error on data that were not fitted all the
+            same. The verdict stays ``unexplained``.
+
     Returns:
-        The steps with their errors, and the improved model; the model as given where nothing that
-        explains the data was found.
+        The steps with their errors, and the improved model; the model as given where nothing is added.
 
     Raises:
         InputError, SimulationError: as `diagnose`.
@@ -77,14 +83,16 @@ def improve(
     found = _searched(model, training, held_out, seed, limit, progress)
     diagnosis = _diagnosis(found)
     named = diagnosis.verdict == "missing_effect"
-    stages = found.stages if named else ()
-    end = found.final if named else found.start
+    stages = found.stages if named or (nearest and not _refuted(found)) else ()
+    end = found.final if stages else found.start
+    after = diagnosis.after
+    if stages and not named and stages[-1].runs is not None:
+        after = _comparison(end.hypothesis.model, stages[-1].runs, found)
     data = found.start_data
     judged = len(held_out) > 0
     evidence = {f.key: f.evidence for f in diagnosis.findings}
-    verdict: Verdict = (
-        "consistent" if (found.consistent_after if named else found.consistent_before) else "unexplained"
-    )
+    done = found.consistent_after if named else diagnosis.verdict == "consistent"
+    verdict: Verdict = "consistent" if done else "unexplained"
     improvement = Improvement(
         model=model.name,
         steps=tuple(step_of(s, found, judged, evidence) for s in stages),
@@ -92,16 +100,18 @@ def improve(
         error_after=data.score(end.mean_squares),
         holdout_error_before=data.score(found.start.mean_squares, held_out=True) if judged else None,
         holdout_error_after=data.score(end.mean_squares, held_out=True) if judged else None,
-        noise_error=diagnosis.after.noise_error if diagnosis.after else diagnosis.noise_error,
+        noise_error=after.noise_error if after else diagnosis.noise_error,
         verdict=verdict,
         before=diagnosis.before,
-        after=diagnosis.after,
+        after=after,
         diagnosis=diagnosis,
         holdout_noise_error=diagnosis.holdout_noise_error,
         notes=diagnosis.notes,
+        nearest=bool(stages) and not named,
     )
     better = end.hypothesis.model
-    return improvement, replace(better, name=f"{model.name}_improved") if stages else model
+    ending = "improved" if named else "nearest"
+    return improvement, replace(better, name=f"{model.name}_{ending}") if stages else model
 
 
 def _searched(
@@ -138,12 +148,14 @@ def _check(model: Model, training: Sequence[Recording], held_out: Sequence[Recor
 
 def _diagnosis(found: Search) -> Diagnosis:
     verdict: Verdict = "unexplained"
+    refuted = _refuted(found)
     if found.consistent_before:
-        verdict = "consistent"
+        verdict = "unexplained" if refuted else "consistent"
     elif found.stages and (found.consistent_after or max(found.explained, found.mostly) >= EXPLAINED):
         verdict = "missing_effect"
     if verdict == "missing_effect" and (
-        _another_shape(found)
+        refuted
+        or _another_shape(found)
         or not all(stands_out(a) for a in found.final.hypothesis.free)
         or _far_off_the_ground(found)
     ):
@@ -154,7 +166,7 @@ def _diagnosis(found: Search) -> Diagnosis:
     if named and found.stages[-1].runs is not None:
         after = _comparison(found.final.hypothesis.model, found.stages[-1].runs, found)
     findings = findings_of(found) if named else ()
-    rest = 0.0 if found.consistent_before else 1.0 - (found.explained if named else 0.0)
+    rest = 0.0 if verdict == "consistent" else 1.0 - (found.explained if named else 0.0)
     if named and found.consistent_after:
         rest = min(rest, 1.0 - found.explained)
     clues = _clues_of_rest(verdict, found)
@@ -169,7 +181,11 @@ def _diagnosis(found: Search) -> Diagnosis:
         next_experiment=next_experiment(verdict, findings, found, after),
         not_excited=tuple(c.key for c in found.screened if c.detectable < _SHOWN),
         ranking=ranking_of(found),
-        evidence=(*nearest(verdict, found), *(clues.of_rest(after.where) if clues else ())),
+        evidence=(
+            *refuting_line(verdict, found),
+            *near_line(verdict, found),
+            *(clues.of_rest(after.where) if clues else ()),
+        ),
         shapes=clues.shapes if clues else (),
         before=before,
         after=after,
@@ -180,8 +196,7 @@ def _diagnosis(found: Search) -> Diagnosis:
 
 
 def _held_out_floor(data: Data) -> float | None:
-    there = data.training < len(data.recordings)
-    return data.score(data.floor, held_out=True) if there else None
+    return data.score(data.floor, held_out=True) if data.held_out else None
 
 
 def _settled(found: Search) -> dict[str, float]:
@@ -193,6 +208,15 @@ def _settled(found: Search) -> dict[str, float]:
         "full_braking": (given.actuators.full_braking, end.actuators.full_braking),
     }
     return {name: float(new) for name, (old, new) in pairs.items() if new != old}
+
+
+def _refuted(found: Search) -> bool:
+    """Whether held-out motion says no, where the recordings that were fitted have nothing left to say.
+
+    Where it showed the lack from the start, its say is part of what is explained.
+    """
+    heard = not (found.consistent_before or found.start_data.silent)
+    return not heard and contradicted(found.final, found.final_data)
 
 
 def _another_shape(found: Search) -> bool:
@@ -218,7 +242,7 @@ def _far_off_the_ground(found: Search) -> bool:
 def _clues_of_rest(verdict: Verdict, found: Search) -> Clues | None:
     """What shows the part that stays unexplained; None where noise explains it."""
     named = verdict == "missing_effect"
-    if verdict == "consistent" or (named and found.consistent_after):
+    if found.consistent_before or (named and found.consistent_after):
         return None
     return Clues(found.start_data, found.final if named else found.start)
 

@@ -23,6 +23,7 @@ from .judging import (
     nearly_at_floor,
     overshadowed,
     rejudged,
+    spoils,
     witnessed,
 )
 from .refining import polished, settle, with_candidates
@@ -81,6 +82,8 @@ def on_every_axis(
     for found in simplest_first(fits, data, LATER_SHARE):
         best = replace(found, fit=polished(_needed(settle(found.fit, data, floor), data), data))
         if len(best.fit.hypothesis.free) < 2 or not explains_most(best.fit, start, data):
+            continue
+        if spoils(best.fit, start, data):
             continue
         if witnessed(scene, best.fit) and not cancels(scene, best.fit):
             return _stages(best, fits, data, start)

@@ -19,7 +19,7 @@ _SUREST = 0.98
 
 def findings_of(found: Search) -> tuple[Finding, ...]:
     """Effects of the final model, the one that explains most first."""
-    judged = found.start_data.training < len(found.start_data.recordings)
+    judged = found.start_data.held_out
     findings = []
     for applied in found.final.hypothesis.added:
         index = next(k for k, s in enumerate(found.stages) if s.added == applied.key)
@@ -84,7 +84,7 @@ def step_of(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectK
     )
 
 
-def nearest(verdict: Verdict, found: Search) -> tuple[str, ...]:
+def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
     """A line on what takes off most of the excess, but not so much that it could be named."""
     added = found.final.hypothesis.added
     if verdict != "unexplained" or found.explained < NEAR or not all(map(stands_out, added)):
@@ -93,6 +93,18 @@ def nearest(verdict: Verdict, found: Search) -> tuple[str, ...]:
     return (
         f"nearest, but not enough to be named: {' and '.join(map(_estimated, added))}; it removes {share} on "
         "data left out of the fit",
+    )
+
+
+def refuting_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
+    """A line on held-out recordings that show what those that were fitted do not."""
+    data = found.start_data
+    if verdict != "unexplained" or not found.consistent_before:
+        return ()
+    error, floor = (data.score(ms, held_out=True) for ms in (found.start.mean_squares, data.floor))
+    return (
+        f"the recordings to fit show nothing missing, the held-out ones do: error {error:.3g} there, "
+        f"{error / floor:.1f} times the noise; fit these, and hold others out",
     )
 
 

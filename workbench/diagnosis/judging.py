@@ -9,7 +9,7 @@ import numpy as np
 from workbench.effects import effect_named
 from workbench.models import AppliedEffect, Model, Placement
 
-from .data import Data
+from .data import HEARD, Data
 from .hypothesis import Fit
 from .sensitivity import Column, Scene, combine
 
@@ -27,6 +27,7 @@ EXPLAINED = 0.95
 NEARLY_ALL = 0.98  # the same where a search went another way than step by step
 _MOST = 0.75  # share of the excess, fitted, that a bold step must remove
 _PLAIN = 2.0  # squared error over the noise's from which a rest is plain to see, however small in the whole
+_CONTRADICTS = 3.0  # squared error over the noise's from which held-out motion says that a model is wrong
 _LITTLE = 0.15  # share of such a rest that an effect may leave which explains it
 TIE = 0.03  # relative difference of judged error below which two explanations are one
 _UNSEEN = 0.02  # relative change of the held-out error
@@ -213,8 +214,27 @@ def explains_fitted(found: Fit, current: Fit, excess: float) -> bool:
     return current.trained - found.trained > _MOST * excess
 
 
+def contradicted(found: Fit, data: Data) -> bool:
+    """Whether held-out motion is plainly another than the one foretold."""
+    return data.held_out and _off_held_out(found, data) > _CONTRADICTS
+
+
+def _off_held_out(found: Fit, data: Data) -> float:
+    """Squared error on held-out recordings over that of a perfect model."""
+    return data.objective(data.pool(found.mean_squares, held_out=True)) / data.objective(
+        data.least(held_out=True)
+    )
+
+
+def spoils(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether held-out motion that showed nothing of what is lacking is no longer foretold."""
+    return contradicted(found, data) and _off_held_out(current, data) < HEARD
+
+
 def lowers_error(found: Fit, current: Fit, data: Data) -> bool:
     """Whether the reported error falls, on what was fitted and on what was not."""
+    if spoils(found, current, data):
+        return False
     parts = {False, data.held_out_judges}
     return all(data.score(found.mean_squares, p) < data.score(current.mean_squares, p) for p in parts)
 

@@ -15,7 +15,7 @@ from .choosing import margin_over, simplest_first
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
-from .judging import TIE, cancels, explains_most, floor_of_judging, witnessed
+from .judging import TIE, cancels, explains_most, floor_of_judging, spoils, witnessed
 from .normal import Normal, total
 from .refining import polished, with_candidates
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of
@@ -66,7 +66,7 @@ def two_at_once(
     for found in simplest_first(fits, data):
         best = replace(found, fit=polished(found.fit, data))
         sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
-        if not sound or not explains_most(best.fit, start, data):
+        if not sound or spoils(best.fit, start, data) or not explains_most(best.fit, start, data):
             continue
         free = best.fit.hypothesis.free
         singles = fit([replace(best.fit.hypothesis, free=(a,)) for a in free], data)

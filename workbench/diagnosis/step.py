@@ -12,6 +12,7 @@ from workbench.effects import contains, effect_named
 from workbench.models import Model
 
 from .beside import named_beside, special_case
+from .channel import astray
 from .choosing import Explanation, choose, margin
 from .data import Data
 from .giving import pins_of
@@ -97,7 +98,8 @@ def _choice(helpful: list[Explanation], at: Standpoint) -> _Choice:
     wider = named_beside(at.scene, at.candidates, candidate, found, at.current, at.data)
     rivals = (*rivals, *(c.key for c, _ in wider))
     kept, needless = prune(found, candidate.key, at.data, at.current)
-    kept = polished(kept, at.data)
+    fine = polished(kept, at.data)
+    kept = kept if astray(at.scene, candidate, fine) else fine
     same = _indistinguishable(at.scene.model, candidate.key)
     rivals = (*rivals, *(k for k in same if k not in rivals))
     return _Choice(candidate, found, kept, rivals, needless, (*helpful, *wider))

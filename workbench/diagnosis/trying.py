@@ -11,6 +11,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import effect_named
 
+from .channel import astray
 from .choosing import Explanation
 from .data import Data
 from .fit import fit, race
@@ -145,9 +146,17 @@ def _fitted(chosen: Sequence[Candidate], at: Standpoint) -> Tried:
             results, shares = fit(tried, at.data, 1), [None] * len(part)
         else:
             results, shares = race(tried, at.current, at.data)
-        pairs += [(c, f) for c, f in zip(part, results, strict=True) if f is not None]
+        fits = [(c, f) for c, f in zip(part, results, strict=True) if f is not None]
+        pairs += [(c, _as_read(c, f, at)) for c, f in fits]
         at_first += [(c.key, x) for c, x in zip(part, shares, strict=True) if x is not None]
     return Tried(tuple(sorted(pairs, key=lambda cf: cf[1].trained)), tuple(at_first))
+
+
+def _as_read(candidate: Candidate, found: Fit, at: Standpoint) -> Fit:
+    """A fit, or the values that the drive's channel shows, where fitting has led away from them."""
+    if not astray(at.scene, candidate, found):
+        return found
+    return fit([with_candidate(at.scene, candidate, at.current)], at.data, 1)[0] or found
 
 
 def _settled(tier: Tried, at: Standpoint) -> Tried:

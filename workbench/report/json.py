@@ -99,6 +99,7 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
         "model": result.model,
         "used": result.used,
         "notes": list(result.notes),
+        "nearest": result.nearest,
     }
     if truth is not None:
         out["truth"] = [

@@ -103,6 +103,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
 def improvement_table(result: Improvement) -> Group:
     """Verdict and the error falling step by step beside the noise floor."""
     steps = rungs(result)
+    named = bool(result.steps) and not result.nearest
     held = any(r.holdout is not None for r in steps)
     table = _table(
         "model", ("error", "right"), ("x noise", "right"), *([("held-out", "right")] if held else []), ""
@@ -126,7 +127,7 @@ def improvement_table(result: Improvement) -> Group:
         *(["" if result.holdout_noise_error is None else number(result.holdout_noise_error)] if held else []),
         _bar(result.noise_error, steps[0].error),
     )
-    rest = result.diagnosis.evidence if result.diagnosis and not result.steps else ()
+    rest = result.diagnosis.evidence if result.diagnosis and not named else ()
     return Group(
         _verdict(sentence(result), result.verdict == "consistent"),
         table,

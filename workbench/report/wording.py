@@ -194,7 +194,7 @@ def improvement_sentence(result: Improvement) -> str:
     if not result.steps:
         if result.verdict == "consistent":
             return "The model explains the data to the noise as it is; nothing was added."
-        return "Nothing was added: no known effect explains what is missing."
+        return "Nothing was added: no known effect explains what is missing (--nearest adds what comes near)."
     added = any_of([effect_phrase(s.key) for s in result.steps], "and") if len(result.steps) < 4 else ""
     added = added or f"{_count(len(result.steps))} effects"
     if result.verdict == "consistent":
@@ -203,6 +203,8 @@ def improvement_sentence(result: Improvement) -> str:
         return f"With {added}, the model explains the data to the noise{but}: {fall}."
     times = times_noise(result.error_after, result.noise_error)
     rest = f", still {times} the noise floor" if times else ""
+    if result.nearest:
+        return f"No known effect explains what is missing. With what comes nearest, {added}, {fall}{rest}."
     return f"With {added}, {fall}{rest}."
 
 
