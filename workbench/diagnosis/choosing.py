@@ -20,6 +20,7 @@ Explanation = tuple[Candidate, Fit]
 # An explanation near the floor is not passed over for a basic one that leaves this many times as much.
 _FAR_WORSE = 4.0
 _BLIND = 1.25  # times the judged error, within which judging sees no difference
+_MUCH = 1.5  # times what is left, from which less is much less
 _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
 
 
@@ -29,8 +30,12 @@ def choose(
     before: float,
     data: Data,
     model: Model,
+    basics_first: bool = True,
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
-    """The best explanation; of those as good, the one with fewest free parameters, and its rivals."""
+    """The best explanation; of those as good, the one with fewest free parameters, and its rivals.
+
+    Inertia, damping and Coulomb friction go before others that explain somewhat more, if `basics_first`.
+    """
     floor = floor_of_judging(data)
     helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
 
@@ -49,7 +54,8 @@ def choose(
     basic = [
         (c, f)
         for c, f in helpful
-        if effect_named(c.key.effect).basic
+        if basics_first
+        and effect_named(c.key.effect).basic
         and cost(c) <= cost(top)
         and before - f.judged > _BASIC * (before - most)
         and not (most < NEAR_FLOOR * floor and f.judged > _FAR_WORSE * most)
@@ -82,6 +88,13 @@ def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
         and found.trained - floor > _FAR_WORSE * (f.trained - floor)
         for c, f in all_
     )
+
+
+def passed_over(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> bool:
+    """Whether a basic effect was taken and another leaves much less, of the shares that each removes."""
+    left = 1.0 - dict(ranking).get(added, 1.0)
+    rest = 1.0 - max((share for key, share in ranking if not effect_named(key.effect).basic), default=0.0)
+    return effect_named(added.effect).basic and left > _MUCH * max(rest, 0.0)
 
 
 class Fitted(Protocol):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
 from .by_torque import plain_by_torque
+from .choosing import passed_over
 from .data import Data
 from .everywhere import on_every_axis
 from .hypothesis import Fit
@@ -24,7 +26,8 @@ def otherwise(way: Way, quest: Quest) -> Way:
 
     By what the training recordings show, where held-out motion shows little; with the same cause on every
     axis, each of which has its share; with two effects at once, since the best first step of a pair may be
-    neither of them; with what the torque shows to give way; and boldly on from where the first way ended.
+    neither of them; with a refinement that a basic effect went before; with what the torque shows to give
+    way; and boldly on from where the first way ended.
     """
     start, data = quest.start, quest.data
     met = [keys_of(stage.fit) for stage in way.stages]
@@ -42,13 +45,30 @@ def otherwise(way: Way, quest: Quest) -> Way:
             other = onwards(other, quest, met=met)
         if enough(other, quest):
             return other
+    return next((other for other in _leaps(way, quest) if _sure(other, quest)), way)
+
+
+def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
+    """Ways of which nothing but their end can tell whether they are right."""
+    yield from _refined(way, quest)
     for leap in (partial(_by_torque, quest), partial(_boldly, way, quest)):
         bold = leap()
         if bold is not None:
             other = _through(bold, quest)
-            if _sure(other, quest):
-                return other
-    return way
+            yield other
+            yield from _refined(other, quest)
+
+
+def _refined(way: Way, quest: Quest) -> Iterator[Way]:
+    """From the first step that took a basic effect, though a refinement left much less, with that one."""
+    for k, stage in enumerate(way.stages):
+        if passed_over(stage.added, stage.ranking):
+            quest.progress(f"beginning again from where {stage.added} was taken")
+            before = way.stages[:k]
+            data = before[-1].data if before else quest.data
+            current = rejudged(before[-1].fit, data) if before else quest.start
+            yield _through(Way(current, data, before), quest, basics_first=False)
+            return
 
 
 def fewer(way: Way, quest: Quest) -> Way:
@@ -66,9 +86,11 @@ def fewer(way: Way, quest: Quest) -> Way:
     return other if _parameters(other) < size and reached(other.current, other.data) else way
 
 
-def _through(way: Way, quest: Quest) -> Way:
+def _through(way: Way, quest: Quest, *, basics_first: bool = True) -> Way:
     """Onwards also where runs part by themselves; by how much they do is asked of the last model."""
-    other = onwards(way, quest, through=True)
+    other = onwards(way, quest, through=True, basics_first=basics_first)
+    if not other.stages:
+        return other
     *earlier, last = other.stages
     return with_stages(replace(other, stages=tuple(earlier)), (last,), quest.seed)
 

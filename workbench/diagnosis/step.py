@@ -60,6 +60,7 @@ def next_stage(
     *,
     later: bool = False,
     bold: bool = False,
+    basics_first: bool = True,
 ) -> Stage | None:
     """The effect to add now, or None where nothing helps.
 
@@ -77,7 +78,7 @@ def next_stage(
     helpful = _helpful(tried, at, explains_fitted if bold else helps)
     if not helpful:
         return None
-    choice = _choice(helpful, at)
+    choice = _choice(helpful, at, basics_first)
     return None if cancels(scene, choice.kept) else _stage(choice, tried, at)
 
 
@@ -91,9 +92,11 @@ def _helpful(tried: Tried, at: Standpoint, enough: Callable[[Fit, Fit, float], b
     return [(c, f) for c, f in better if witnessed(at.scene, f)]
 
 
-def _choice(helpful: list[Explanation], at: Standpoint) -> _Choice:
+def _choice(helpful: list[Explanation], at: Standpoint, basics_first: bool) -> _Choice:
     """The best of what helps, with what does as well and without what it makes needless."""
-    candidate, found, rivals = choose(helpful, at.stated, at.current.judged, at.data, at.scene.model)
+    candidate, found, rivals = choose(
+        helpful, at.stated, at.current.judged, at.data, at.scene.model, basics_first
+    )
     candidate, found = special_case(at.scene, candidate, found, helpful, at.data)
     wider = named_beside(at.scene, at.candidates, candidate, found, at.current, at.data)
     rivals = (*rivals, *(c.key for c, _ in wider))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -68,12 +69,21 @@ class Way:
     done: bool = False
 
 
-def onwards(way: Way, quest: Quest, *, through: bool = False, met: Collection[Keys] = ()) -> Way:
+def onwards(
+    way: Way,
+    quest: Quest,
+    *,
+    through: bool = False,
+    basics_first: bool = True,
+    met: Collection[Keys] = (),
+) -> Way:
     """One effect after the other from where the search stands.
 
     `through`: also where runs part by themselves; by how much they do is asked at the end.
+    `basics_first`: inertia, damping and Coulomb friction before others that explain somewhat more.
     `met`: sets of effects from which the way on is known; it ends there.
     """
+    take = partial(next_stage, progress=quest.progress, basics_first=basics_first)
     current, data, stages, done = way.current, way.data, list(way.stages), way.done
     start, progress = quest.start, quest.progress
     most = len(stages) + quest.limit
@@ -82,13 +92,13 @@ def onwards(way: Way, quest: Quest, *, through: bool = False, met: Collection[Ke
             break
         progress(f"screening effects, step {len(stages) + 1}")
         scene, screened = screened_at(current, data, quest) if stages else (quest.scene, quest.screened)
-        stage = next_stage(scene, screened, current, data, progress, later=bool(stages))
+        stage = take(scene, screened, current, data, later=bool(stages))
         if stage is None and overshadowed(current, data):
             # held-out motion may never reach what is lacking, a limit for one
             progress("judging by the recordings that show most")
             deaf = data.unheard()
             screened, _ = screen(scene, deaf, current.simulated, current.hypothesis.free)
-            stage = next_stage(scene, screened, rejudged(current, deaf), deaf, progress, later=bool(stages))
+            stage = take(scene, screened, rejudged(current, deaf), deaf, later=bool(stages))
             if stage is not None and not unseen_on_held_out(stage.fit, current, data):
                 stage = None
         if stage is None:
