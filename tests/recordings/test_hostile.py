@@ -10,6 +10,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from asammdf import MDF
+from asammdf.blocks.v4_blocks import ChannelConversion
+from asammdf.blocks.v4_constants import CONVERSION_TYPE_ALG
 from scipy.io import savemat
 
 from tests.data_helpers import description, two_axes, write_recording
@@ -107,6 +110,20 @@ def test_a_log_that_crashes_its_reader(tmp_path: Path, capfd: pytest.CaptureFixt
     (tmp_path / "run.mf4").write_bytes(raw)
     assert "no readable log" in refused(path).problem
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_log_whose_formula_is_code(tmp_path: Path) -> None:
+    """MF4 converts channels by formulas; what reads them falls back on Python's own `eval`."""
+    path, ran = logged(tmp_path, ".mf4"), tmp_path / "ran"
+    with MDF(tmp_path / "run.mf4") as log:
+        for channel in (c for group in log.groups for c in group.channels if c.name == "time"):
+            formula = f"__import__('pathlib').Path('{ran}').touch() or X"
+            channel.conversion = ChannelConversion(conversion_type=CONVERSION_TYPE_ALG, formula=formula)
+        log.save(tmp_path / "formula.mf4")
+    (tmp_path / "formula.mf4").replace(tmp_path / "run.mf4")
+    ran.unlink(missing_ok=True)  # writing it may run it
+    assert "formula" in refused(path).problem
+    assert not ran.exists()
 
 
 def test_a_log_whose_reader_comes_to_no_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

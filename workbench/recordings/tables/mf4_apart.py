@@ -27,6 +27,7 @@ def send(path: str, silence: float, out: BinaryIO) -> None:
     try:
         import can
 
+        _leave_formulas_alone()
         with can.LogReader(path) as reader:
             for k, message in enumerate(reader):
                 if k % _OFTEN == 0:
@@ -47,6 +48,23 @@ def send(path: str, silence: float, out: BinaryIO) -> None:
         kind, text = UNREADABLE, str(error)
     out.write(RECORD.pack(kind, 0.0, 0, False, 0, 0, b""))
     out.write(text.encode("utf-8", "replace"))
+
+
+def _leave_formulas_alone() -> None:
+    """Refuse channels that a formula converts: asammdf hands its text to `eval`, whatever is in it."""
+    try:
+        from asammdf.blocks import v2_v3_blocks, v4_blocks
+    except ImportError as error:
+        raise NotImplementedError from error
+
+    def not_compiled(*_: object, **__: object) -> None:
+        raise TypeError  # what asammdf takes as a sign to use numpy, where the formula is its own
+
+    def refused(*_: object, **__: object) -> None:
+        raise ValueError("a channel is converted by a formula, which could be any code and is not run")
+
+    for blocks in (v2_v3_blocks, v4_blocks):
+        blocks.evaluate, blocks.lambdify, blocks.symbols = not_compiled, refused, str
 
 
 def main() -> None:
