@@ -6,7 +6,6 @@ import pytest
 
 from workbench.core import EffectKey, InputError, SimulationError, WorkbenchError
 from workbench.core.files import check_free, write_whole
-from workbench.core.units import to_si
 
 
 def test_an_input_error_says_where_what_and_how() -> None:
@@ -39,30 +38,6 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot write"):
         write_whole(tmp_path / "file" / "inside.txt", "x")
-
-
-@pytest.mark.parametrize(
-    ("unit", "kind", "expected"),
-    [
-        ("deg", "position", (0.017453292519943295, 0.0, "rad")),
-        ("mm", "position", (0.001, 0.0, "m")),
-        ("rpm", "velocity", (0.10471975511965977, 0.0, "rad/s")),
-        ("ms", "time", (0.001, 0.0, "s")),
-        ("degC", "temperature", (1.0, 273.15, "K")),
-        ("mN*m", "torque", (0.001, 0.0, "N*m")),
-    ],
-)
-def test_units_become_si(unit: str, kind: str, expected: tuple[float, float, str]) -> None:
-    scale, offset, si = to_si(unit, kind)
-    assert (scale, offset) == pytest.approx(expected[:2])
-    assert si == expected[2]
-
-
-def test_units_of_another_kind_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"'kg'.*torque"):
-        to_si("kg", "torque")
-    with pytest.raises(ValueError, match="unknown unit 'furlongs_per'"):
-        to_si("furlongs_per", "velocity")
 
 
 def test_a_key_reads_as_it_is_typed() -> None:

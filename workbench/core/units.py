@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,11 @@ KINDS: dict[str, tuple[str, ...]] = {
     "temperature": ("K",),
     "force": ("N",),
 }
+
+_LONGEST = 60  # characters; pint takes a minute for 100,000
+# pint works out powers of numbers, however large: only those of names go to it
+_POWER = re.compile(r"\*\*|\^|[⁰¹²³⁴⁵⁶⁷⁸⁹]")
+_POWER_OF_NAME = re.compile(r"(?<=[^\W\d])\s*(?:(?:\*\*|\^)\s*\(?[-+]?\d\)?(?!\d)|⁻?[¹²³⁴])")
 
 
 @cache
@@ -45,15 +51,18 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
     """
     if (product := unit.replace(" ", "*")) in KINDS[kind]:
         return 1.0, 0.0, product
+    if len(unit) > _LONGEST or _POWER.search(_POWER_OF_NAME.sub("", unit)):
+        raise ValueError(f"unknown unit '{unit[:_LONGEST]}'")
     registry = _registry()
     try:
         parsed = registry.parse_units(unit)
+        root = registry.get_root_units(parsed)[1]
     except Exception as error:
         raise ValueError(f"unknown unit '{unit}'") from error
     for si in KINDS[kind]:
         target = registry.parse_units(si)
-        # pint holds an angle to be a bare number; an angle unit must still not pass for a length
-        if parsed.dimensionality == target.dimensionality:
+        # pint holds an angle to be a bare number; in root units it is none, nor is its square one
+        if root == registry.get_root_units(target)[1]:
             zero = registry.Quantity(0.0, parsed).to(target).magnitude
             one = registry.Quantity(1.0, parsed).to(target).magnitude
             return float(one - zero), float(zero), si
