@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 
 from tests.data_helpers import emps_toml, leg_examples
 from workbench.core import Controller, Recording
@@ -197,6 +198,24 @@ def test_velocity_channel_with_another_clock(sound: Recording, rows: int) -> Non
     assert [r.axis for r in found] == ["a", "b"]
     for remark in found:
         assert remark.value["offset_s"] == pytest.approx(rows * 1e-3, abs=2.5e-4)
+
+
+def filtered(recording: Recording, time: float) -> Recording:
+    """The same with a speed that the drive has passed through a first-order low-pass [s]."""
+    share = 1.0 - np.exp(-recording.period / time)
+    v = scipy.signal.lfilter([share], [1.0, share - 1.0], recording.velocity, axis=0)
+    return replace(recording, signals={**recording.signals, "velocity": v})
+
+
+@pytest.mark.parametrize("time", [0.02, 0.05])
+def test_a_speed_that_the_drive_has_filtered_is_no_gear_ratio(sound: Recording, time: float) -> None:
+    found = [r for r in alarms(filtered(sound, time)) if "Velocity of 'a'" in r.text]
+    assert [r.topic for r in found] == ["clock"] and "low-pass" in found[0].text
+    assert found[0].value["filter_s"] == pytest.approx(time, rel=0.1)
+    geared = [
+        r for r in alarms(times(filtered(sound, time), "velocity", 0, 0.7)) if "Velocity of 'a'" in r.text
+    ]
+    assert any("gear ratio" in r.text for r in geared), "a filter and a ratio are no filter"
 
 
 def test_delay_of_torque_to_a_part_of_a_row(sound: Recording) -> None:

@@ -17,6 +17,8 @@ from .result import Remark
 _ALIKE = 0.9  # correlation from which two columns are the same motion
 _SCALE = 0.03  # relative deviation of a factor from one that is reported
 _OFFSET = 0.25  # clock offset in row periods that is reported
+_SURE = 4.0  # deviations by which a filter's time has to differ from none
+_UNLIKE = 0.1  # share of the position's slope that a filter may leave unexplained
 _TURN = 0.03  # rad; an offset that turns the phase by less must stand out from noise all the more
 _REACH = 50  # rows, the largest offset looked for
 
@@ -57,6 +59,10 @@ def _one_axis(axis: str, v: np.ndarray, slope: np.ndarray, period: float) -> lis
     seen, change = v[_REACH:-_REACH], np.gradient(shifted)
     # v(k) = factor * slope(k - lag - part): the part of a row is the slope's own first-order term
     (factor, cross), spread = _fit(np.column_stack([shifted, -change]), seen)
+    if abs(abs(factor) - 1) > _SCALE and name_factor(float(factor)) is None:
+        filtered = _filtered(axis, v, slope, band, period)
+        if filtered is not None:
+            return [filtered]
     if factor == 0 or abs(np.corrcoef(shifted, seen)[0, 1]) < _ALIKE:
         text = f"Velocity of '{axis}' is not the derivative of its position."
         return [
@@ -85,6 +91,28 @@ def _one_axis(axis: str, v: np.ndarray, slope: np.ndarray, period: float) -> lis
             Remark("ok", "unit", axis, text, {"factor": float(factor), "offset_s": offset * period})
         )
     return remarks
+
+
+def _filtered(axis: str, v: np.ndarray, slope: np.ndarray, band: float, period: float) -> Remark | None:
+    """A speed that a first-order low-pass has made smaller: with what it lags, it is the position's again.
+
+    v + T dv/dt = slope, so that a gear or a unit shows in the first coefficient and a filter in the second.
+    """
+    columns = np.column_stack([v, np.gradient(v, period)])
+    inside = slice(_REACH, -_REACH)
+    (gain, time), spread = _fit(columns[inside], slope[inside])
+    error = float(spread[1] / np.sqrt(band))
+    if abs(gain - 1) > _SCALE or time < _SURE * error or _rest(columns, [gain, time], slope) > _UNLIKE:
+        return None
+    text = (
+        f"Velocity of '{axis}' is filtered: it follows its position like a low-pass of {time * 1e3:.3g} ms."
+    )
+    return Remark("warning", "clock", axis, text, {"filter_s": float(time), "std_s": error})
+
+
+def _rest(columns: np.ndarray, found: list[float], seen: np.ndarray) -> float:
+    """Share of power that a fit leaves."""
+    return float(np.sum((seen - columns @ found) ** 2) / np.sum(seen**2))
 
 
 def _smooth(v: np.ndarray, slope: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, float]:
