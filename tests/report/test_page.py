@@ -229,3 +229,9 @@ def test_the_policy_stops_requests_and_says_so(tmp_path, comparison):
     path.write_text(page.replace("</body>", '<img src="http://localhost:9/a.png"></body>'))
     _, console = chromium(path, tmp_path / "profile")
     assert "Content Security Policy" in console
+
+
+def test_what_is_only_nearest_is_shown_as_no_cause(improvement):
+    near = replace(improvement, verdict="unexplained", nearest=True)
+    assert "What was added: near, but no cause" in Page(render_page(near, command=COMMAND)).text
+    assert "no cause" not in Page(render_page(improvement, command=COMMAND)).text

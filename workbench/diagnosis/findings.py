@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench.core import EffectKey, Finding, Step, Verdict
+from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
 from workbench.models import AppliedEffect
 
 from .evidence import Clues, finding_lines
@@ -109,5 +109,10 @@ def refuting_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
 
 
 def _estimated(applied: AppliedEffect) -> str:
-    values = (f"{n} {e.value:.3g} ± {2 * e.std:.2g} {e.unit}".strip() for n, e in applied.parameters.items())
+    values = (_value(name, estimate) for name, estimate in applied.parameters.items())
     return f"{applied.key} ({', '.join(values)})"
+
+
+def _value(name: str, estimate: Estimate) -> str:
+    unit = estimate.unit.replace("*", " ")
+    return f"{name} {estimate.value:.3g} ± {2 * estimate.std:.2g} {unit}".strip()

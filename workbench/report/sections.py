@@ -36,6 +36,7 @@ def sections(
         "key_numbers": _key_numbers(result),
         "ladder": _ladder(result),
         "effects": _effects(result),
+        "effects_title": _effects_title(result),
         "ranking": _ranking(diagnosis),
         "next_experiment": plain(diagnosis.next_experiment)
         if diagnosis and diagnosis.next_experiment
@@ -202,6 +203,12 @@ def _effects(result: Result) -> list[dict[str, Any]]:
             }
         )
     return out
+
+
+def _effects_title(result: Result) -> str:
+    if isinstance(result, Improvement):
+        return "What was added: near, but no cause" if result.nearest else "What was added"
+    return "What is missing"
 
 
 def _parameters(parameters: Mapping[str, Estimate]) -> list[tuple[str, str]]:
