@@ -46,6 +46,15 @@ def test_a_recording_is_written_and_read(tmp_path: Path) -> None:
     assert run("inspect", "run.toml", cwd=tmp_path).returncode == 0
 
 
+def test_a_log_without_a_torque_says_what_would_help(tmp_path: Path) -> None:
+    data = {name.replace("torque", "x").replace("cmd", "y"): v for name, v in columns(LOG).items()}
+    (tmp_path / "run.csv").write_text(text(data))
+    done = run("import", "run.csv", cwd=tmp_path)
+    assert done.returncode == 0 and "Not used: y_x_hip" in done.stdout
+    assert "--column torque_measured=…,…" in " ".join(done.stdout.split())
+    assert "Next: name the torque (--column torque_measured=…) or the gains (--kp, --kd)." in done.stdout
+
+
 def test_without_a_terminal_one_line_says_what_to_pass(tmp_path: Path) -> None:
     torque_in_doubt(tmp_path)
     done = run("import", "run.csv", cwd=tmp_path)

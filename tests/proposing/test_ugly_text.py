@@ -38,6 +38,28 @@ def test_semicolons_and_decimal_commas(tmp_path: Path) -> None:
     same(imported(put(tmp_path, text(columns(LOG), ";", ",")))[1], LOG, tolerance=1e-9)
 
 
+@pytest.mark.parametrize(
+    "endings",
+    [
+        ("act_deg", "rate_dps", "set_deg", "cmd_Nm", "mot_Nm"),
+        ("deg", "deg_s", "ref_deg", "cmd_Nm", "meas_Nm"),
+    ],
+)
+def test_units_that_end_names_tell_what_columns_are(tmp_path: Path, endings: tuple[str, ...]) -> None:
+    plain = columns(LOG, q=DEG, v=DEG)
+    kinds = ("pos", "vel", "pos_ref", "cmd_torque", "torque")
+    data = {"t": plain["t"]} | {
+        f"{joint}_{ending}": plain[f"{kind}_{joint}"]
+        for joint in ("hip", "knee")
+        for kind, ending in zip(kinds, endings, strict=True)
+    }
+    assert f"hip_{endings[0]}" in data
+    proposal, recording = imported(put(tmp_path, text(data)))
+    same(recording, LOG, tolerance=1e-7)
+    assert not any(note.startswith("Not used") for note in proposal.notes)
+    assert recording.axes == ("hip", "knee") and recording.controller.kind == "pd"
+
+
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le", "latin-1"])
 def test_encodings(tmp_path: Path, encoding: str) -> None:
     data = {
@@ -251,3 +273,16 @@ def test_text_that_breaks_off_within_a_letter_is_refused(tmp_path: Path) -> None
     path.write_bytes(text(columns(LOG)).encode("utf-16-le")[:-1])
     with pytest.raises(InputError, match="is no UTF-16-LE text from byte"):
         open_table(path)
+
+
+@pytest.mark.parametrize("joints", [("hip", "foot"), ("rod", "link")])
+def test_joints_that_are_called_like_units_of_length_are_joints(
+    tmp_path: Path, joints: tuple[str, str]
+) -> None:
+    data = {
+        name.replace("hip", "#").replace("knee", joints[1]).replace("#", joints[0]): values
+        for name, values in columns(LOG).items()
+    }
+    recording = imported(put(tmp_path, text(data)))[1]
+    same(recording, LOG, tolerance=1e-9)
+    assert recording.axes == joints

@@ -27,6 +27,8 @@ def next_step(
         return f"Next: {'; '.join(ways)}. Then: workbench inspect {target}"
     if short:
         return "Next: import a longer log."
+    if not description.get("controller") and not any(s.startswith("torque") for s in description["columns"]):
+        return "Next: name the torque (--column torque_measured=…) or the gains (--kp, --kd)."
     return f"Next: workbench compare {model or 'MODEL'} {target}"
 
 

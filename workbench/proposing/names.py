@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from .units import fits, known_unit
+from .units import fits, known_unit, spelled
 
 #: Words for each quantity, as controllers, simulators and people write them.
 KINDS: dict[str, tuple[str, ...]] = {
     "acceleration": ("acc", "accel", "acceleration", "ddq", "qdd", "qddot", "qacc", "alpha"),
     "velocity": (
         *("velocity", "velocities", "vel", "speed", "dq", "qd", "qdot", "qvel", "omega", "w", "v", "vm"),
-        *("thetadot", "dtheta", "phidot", "dphi", "rpm", "om"),
+        *("thetadot", "dtheta", "phidot", "dphi", "rpm", "om", "rate", "spd", "drehzahl"),
     ),
     "torque": (
         *("torque", "torques", "tau", "tq", "trq", "moment", "mom", "effort", "efforts", "force", "frc"),
-        *("actuatorforce", "qfrc", "load"),
+        *("actuatorforce", "qfrc", "load", "drehmoment"),
     ),
     "position": (
         *("position", "positions", "pos", "q", "qpos", "qm", "angle", "angles", "ang", "theta", "th", "phi"),
@@ -75,6 +75,8 @@ _NOISE = (
 _KIND = {word: kind for kind, words in KINDS.items() for word in words}
 _ROLE = {word: role for role, words in ROLES.items() for word in words}
 _BRACKET = re.compile(r"\s*[\[\(<{]\s*([^\]\)>}]*)\s*[\]\)>}]\s*$")
+#: Units that say by themselves what a column is, as they end names.
+_TELLING = ("deg", "rad", "nm", "mnm", "ncm", "dps", "rps", "rpm", "deg/s", "rad/s", "mm/s", "m/s")
 _SHORT = ("w", "v", "i", "u", "n", "t", "a", "om", "q", "x")
 
 
@@ -161,20 +163,22 @@ def _unit_at_end(rest: list[str], kind: str, unit: str) -> tuple[str, list[str]]
         if rest[-len(tail) :] == tail:
             rest = rest[: -len(tail)]
         return unit, rest
+    if len(rest) > 1 and rest[-1].isdigit():  # "torque_Nm_1"
+        unit, body = _unit_at_end(rest[:-1], kind, unit)
+        return unit, [*body, rest[-1]]
     for count in (3, 2, 1):
         tail = rest[-count:]
         if len(tail) < count or (count == 1 and len(tail[0]) == 1 and kind != "time"):
             continue
         for text in ("/".join(tail), "".join(tail), " ".join(tail)):
-            if (kind and fits(text, kind)) or (
-                not kind and count == 1 and text in ("deg", "rad", "nm", "mnm")
-            ):
+            if spelled(text, kind) if kind else text in _TELLING:
                 return text, rest[:-count]
     return "", rest
 
 
 def _kind_of_unit(unit: str) -> str:
-    for kind in ("time", "position", "velocity", "torque", "current", "voltage", "temperature"):
+    # torque before position: nobody logs nanometres
+    for kind in ("time", "velocity", "torque", "position", "current", "voltage", "temperature"):
         if fits(unit, kind):
             return kind
     return ""

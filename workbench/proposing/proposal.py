@@ -12,6 +12,9 @@ import numpy as np
 ASK = 0.9
 
 
+UNKNOWN = "unknown"
+
+
 @dataclass(frozen=True)
 class Assumption:
     """One line of the table that says what was taken for what.
@@ -30,7 +33,9 @@ class Assumption:
 
     @property
     def word(self) -> str:
-        """``stated``, ``sure``, ``likely`` or ``a guess``."""
+        """``stated``, ``sure``, ``likely``, ``a guess``, or nothing where nothing is known."""
+        if self.value == UNKNOWN:
+            return ""
         if self.sure >= 1.0 and self.because == "you said so":
             return "stated"
         return "sure" if self.sure >= 0.97 else "likely" if self.sure >= ASK else "a guess"

@@ -88,7 +88,9 @@ def _drafted(draft: Draft) -> Proposal:
     unused = [n for n in table.columns if n not in named and n != time]
     if unused:
         shown = ", ".join(unused[:8]) + (f" and {len(unused) - 8} more" if len(unused) > 8 else "")
-        draft.notes.append(f"Not used: {shown}.")
+        silent = not any(signal.startswith("torque") for signal in columns)
+        how = f"; if the torque is among them: --column torque_measured={','.join('…' for _ in axes)}"
+        draft.notes.append(f"Not used: {shown}{how if silent else ''}.")
     rewritten = not table.plain or rows.changed or time is None
     data = dict(rows.columns) if rewritten else None
     if data is not None:

@@ -18,6 +18,7 @@ _SPELLINGS: dict[str, tuple[str, ...]] = {
     "deg": ("deg", "degree", "degrees", "°", "grad", "degs"),
     "rad": ("rad", "radian", "radians", "rads"),
     "mrad": ("mrad",),
+    "mdeg": ("mdeg",),
     "turn": ("rev", "revs", "turn", "turns", "rot", "revolutions", "u"),
     "deg/s": ("deg/s", "°/s", "dps", "degs/s", "degps", "deg/sec", "degree/s", "degrees/s", "deg s"),
     "rad/s": ("rad/s", "rads/s", "radps", "rad/sec", "rad s", "rads", "1/s"),
@@ -56,6 +57,15 @@ def pint_unit(text: str, kind: str) -> str:
     except ValueError:
         return ""
     return text if len(text) > 1 else ""
+
+
+def spelled(text: str, kind: str) -> bool:
+    """Whether `text` is a unit of this kind as names end with one: a foot or a link is a joint there."""
+    plain = text.strip().lower()
+    return any(
+        (plain in spellings or plain == unit.lower()) and _is_of(unit, kind)
+        for unit, spellings in _SPELLINGS.items()
+    )
 
 
 def fits(text: str, kind: str) -> bool:

@@ -22,7 +22,7 @@ from workbench.inspection.inspect import FEW
 from workbench.recordings import load_recording
 
 from .law import find_law
-from .proposal import Answers, Assumption, Proposal
+from .proposal import UNKNOWN, Answers, Assumption, Proposal
 from .table import Table
 
 
@@ -104,14 +104,18 @@ def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], li
         return table, [Assumption("controller", "pd", 1.0, "you said so")], at_rest
     law = find_law(recording, answers.transmission)
     if law is None:
-        because = "no logged command follows its reference; give --kp and --kd"
+        because = "no PD law gives the logged command; give --kp and --kd"
         if "velocity" in recording.derived:
             because = "the loop's speed is not logged; give --kp and --kd"
+        if recording.get("torque_command") is None:
+            because = (
+                "no torque command is logged; name it (--column torque_command=…), or give --kp and --kd"
+            )
         if len(recording) < FEW:
             because = "too few rows to tell; give --kp and --kd"
         if recording.get("position_reference") is None:
             because = "no reference is logged"
-        return {}, [Assumption("controller", "unknown", 0.98, because)], at_rest
+        return {}, [Assumption("controller", UNKNOWN, 0.98, because)], at_rest
     table = {
         "kind": "pd",
         "coordinates": law.coordinates,
