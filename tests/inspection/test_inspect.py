@@ -225,6 +225,13 @@ def test_delay_of_torque_to_a_part_of_a_row(sound: Recording) -> None:
     assert [r.value["delay_s"] for r in delays] == pytest.approx([3.4e-3, 3.4e-3], abs=2e-5)
 
 
+def test_noise_makes_no_delay(sound: Recording) -> None:
+    rng, command = np.random.default_rng(4), sound.signals["torque_command"]
+    at_once = {**sound.signals, "torque_measured": command + rng.normal(0, 0.05, command.shape)}
+    said = [r.text for r in remarks(replace(sound, signals=at_once)) if r.topic == "delay" and r.axis]
+    assert said == [f"Measured torque of '{axis}' comes with its command, in the same row." for axis in "ab"]
+
+
 def test_torque_before_its_command(sound: Recording) -> None:
     found = alarms(later(sound, "torque_measured", -8))
     assert {r.topic for r in found} >= {"clock"} and "before its command" in " ".join(r.text for r in found)

@@ -113,3 +113,8 @@ def test_what_is_only_nearest_is_not_called_a_cause(improvement, diagnosis):
     text = " ".join(printed(improvement_table(near)).split())
     assert "No known effect explains what is missing. With what comes nearest, Coulomb friction" in text
     assert line[1:] in text
+
+
+def test_an_improvement_says_how_sure_its_names_are(improvement):
+    assert "97 % probable" in printed(improvement_table(improvement))
+    assert "probable" not in printed(improvement_table(replace(improvement, diagnosis=None)))

@@ -16,6 +16,8 @@ from .result import Remark
 _REACH_S = 0.1  # the largest delay looked for
 _SCALE = 0.05
 _OFTEN = 0.005  # share of rows at the extreme from which it is a limit
+_SURE = 4.0  # deviations from which a delay is one
+_AT_ONCE = 0.02  # of a row: what comes within is in the same one
 
 
 def remark_on_torque(recording: Recording, noise: NoiseLevels) -> list[Remark]:
@@ -54,9 +56,13 @@ def _follows(
     near = np.column_stack([np.roll(command, lag + s)[core] for s in (-1, 0, 1)])
     y = measured[core]
     # a line through three neighbouring rows: its centre is the delay, to a part of a row
-    weights, *_ = np.linalg.lstsq(np.column_stack([near, np.ones(len(y))]), y, rcond=None)
+    columns = np.column_stack([near, np.ones(len(y))])
+    weights, *_ = np.linalg.lstsq(columns, y, rcond=None)
     gain = float(weights[:3].sum())
-    delay = float((lag + weights[:3] @ np.array([-1, 0, 1]) / gain) * period)
+    aside = np.array([-1.0, 0.0, 1.0, 0.0]) / gain
+    delay = float((lag + weights @ aside) * period)
+    scatter = float(np.std(y - columns @ weights) * period)
+    error = scatter * float(np.sqrt(aside @ np.linalg.pinv(columns.T @ columns) @ aside))
     asked = near @ weights[:3] + weights[3]
     remarks = _limit(axis, asked, y, noise)
     if gain < 0:
@@ -73,6 +79,8 @@ def _follows(
         remarks.append(Remark("problem", "clock", axis, text, {"delay_s": delay}))
     else:
         text = f"Measured torque of '{axis}' follows its command after {1e3 * delay:.3g} ms."
+        if abs(delay) < max(_SURE * error, _AT_ONCE * period):
+            text = f"Measured torque of '{axis}' comes with its command, in the same row."
         remarks.append(Remark("note", "delay", axis, text, {"delay_s": delay, "gain": gain}))
     return remarks
 

@@ -62,7 +62,7 @@ def compare_table(result: Comparison) -> Group:
         table,
     ]
     if not result.consistent:
-        parts += _shares("Where the error above the noise sits", result.where)
+        parts += _shares("Where the error above the noise sits: shares by each quantity", result.where)
     if result.inverse_dynamics is not None:
         inverse = 100.0 * result.inverse_dynamics.relative_error
         parts.append(
@@ -90,7 +90,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
     for place, finding in enumerate(result.findings, start=1):
         parts += [Text(), *_finding(place, finding, result.holdout_noise_error)]
     if not good:
-        parts += _shares("Where the unexplained rest sits", result.where)
+        parts += _shares("Where the unexplained rest sits: shares by each quantity", result.where)
         parts += [_text(f"  {line}") for line in result.evidence]
     if result.next_experiment:
         parts += [Text(), Text.assemble(("Measure next: ", "bold"), plain(result.next_experiment))]
@@ -104,6 +104,7 @@ def improvement_table(result: Improvement) -> Group:
     """Verdict and the error falling step by step beside the noise floor."""
     steps = rungs(result)
     named = bool(result.steps) and not result.nearest
+    chances = {f.key: f.probability for f in result.diagnosis.findings} if result.diagnosis else {}
     held = any(r.holdout is not None for r in steps)
     table = _table(
         "model", ("error", "right"), ("x noise", "right"), *([("held-out", "right")] if held else []), ""
@@ -116,6 +117,9 @@ def improvement_table(result: Improvement) -> Group:
         parameters = result.steps[i - 1].parameters if i else {}
         for name, e in parameters.items():
             table.add_row(_text(f"  {w.parameter_name(name)} {interval(e)}"))
+        chance = chances.get(result.steps[i - 1].key) if i else None
+        if chance is not None:
+            table.add_row(Text(f"  {percent(chance)} probable"))
         twins = result.steps[i - 1].indistinguishable_from if i else ()
         if twins:
             table.add_row(Text(f"  or {_listed(twins)}"))
