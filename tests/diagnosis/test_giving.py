@@ -56,6 +56,13 @@ def test_the_torque_alone_tells_what_gives_way_and_how_much(hidden: HiddenEffect
         assert found.shape[name] == pytest.approx(value, rel=0.15), name
 
 
+def test_a_spring_is_asked_beside_a_gap_that_follows_the_torque_closer() -> None:
+    spring = HiddenEffect("joint_compliance", "knee", "joint", {"stiffness": 123.3, "damping": 0.19})
+    made = scene(spring)
+    left = {c.key.effect: c.judged for c in what_gives_way(made, len(made.runs), 1.0)}
+    assert left["joint_compliance"] > 5 * left["backlash"], "what gaps pass on is drawn to the torque"
+
+
 def test_friction_asks_for_no_spring() -> None:
     made = scene(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.4}))
     assert not what_gives_way(made, len(made.runs), 1.0)

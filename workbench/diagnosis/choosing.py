@@ -39,9 +39,9 @@ def choose(
     floor = floor_of_judging(data)
     helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
 
-    def cost(c: Candidate) -> tuple[int, int]:
+    def cost(c: Candidate) -> tuple[int, int, bool]:
         effect = effect_named(c.key.effect)
-        return effect.free(model), effect.tier
+        return effect.free(model), effect.tier, effect.wanders
 
     known = [(c, f) for c, f in helpful if c in stated]
     done = [(c, f) for c, f in helpful if reached(f, data)]

@@ -16,6 +16,7 @@ from .sensitivity import Scene
 
 _LEFT = 0.7  # of the lacking torque: what leaves more is no explanation
 _BESIDE = 5.0  # times what the best leaves: what closed loops may still tell apart
+_LITTLE = 0.1  # of the lacking torque: a spring that leaves no more is asked beside any gap
 _MOST = 4
 
 
@@ -41,7 +42,13 @@ def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate
             if left < _LEFT:
                 found.append(Candidate(key, np.zeros(0), shape, left * judged, np.inf))
     found.sort(key=lambda c: c.judged)
-    return [c for c in found if c.judged <= _BESIDE * found[0].judged][:_MOST]
+    # what a gap passes on is drawn to the torque, so that it leaves less than a spring that is there
+    return [
+        c
+        for c in found
+        if c.judged <= _BESIDE * found[0].judged
+        or (c.judged <= _LITTLE * judged and not effect_named(c.key.effect).wanders)
+    ][:_MOST]
 
 
 def _eased(motion: Motion, model: Model) -> Motion:
