@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
+from workbench.core import EffectKey
+
 from .by_torque import plain_by_torque
 from .choosing import passed_over
 from .data import Data
@@ -18,7 +20,7 @@ from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
 from .trying import Progress
-from .ways import Quest, Way, holds, keys_of, onwards, screened_at, with_stages
+from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, with_stages
 
 
 def otherwise(way: Way, quest: Quest) -> Way:
@@ -50,19 +52,25 @@ def otherwise(way: Way, quest: Quest) -> Way:
 
 def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
     """Ways of which nothing but their end can tell whether they are right."""
-    yield from _refined(way, quest)
+    tried: set[tuple[Keys, EffectKey]] = set()
+    yield from _refined(way, quest, tried)
     for leap in (partial(_by_torque, quest), partial(_boldly, way, quest)):
         bold = leap()
         if bold is not None:
             other = _through(bold, quest)
             yield other
-            yield from _refined(other, quest)
+            yield from _refined(other, quest, tried)
 
 
-def _refined(way: Way, quest: Quest) -> Iterator[Way]:
-    """From the first step that took a basic effect, though a refinement left much less, with that one."""
+def _refined(way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]]) -> Iterator[Way]:
+    """From the first step that took a basic effect, though a refinement left much less, with that one.
+
+    No step is taken again that is among `tried`, to which it is added.
+    """
     for k, stage in enumerate(way.stages):
-        if passed_over(stage.added, stage.ranking):
+        step = (keys_of(way.stages[k - 1].fit) if k else frozenset(), stage.added)
+        if passed_over(stage.added, stage.ranking) and step not in tried:
+            tried.add(step)
             quest.progress(f"beginning again from where {stage.added} was taken")
             before = way.stages[:k]
             data = before[-1].data if before else quest.data
