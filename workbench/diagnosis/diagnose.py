@@ -89,7 +89,7 @@ def improve(
     if stages and not named and stages[-1].runs is not None:
         after = _comparison(end.hypothesis.model, stages[-1].runs, found)
     data = found.start_data
-    judged = len(held_out) > 0
+    judged = data.held_out
     evidence = {f.key: f.evidence for f in diagnosis.findings}
     done = found.consistent_after if named else diagnosis.verdict == "consistent"
     verdict: Verdict = "consistent" if done else "unexplained"

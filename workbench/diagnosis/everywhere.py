@@ -83,9 +83,8 @@ def on_every_axis(
         best = replace(found, fit=polished(_needed(settle(found.fit, data, floor), data), data))
         if len(best.fit.hypothesis.free) < 2 or not explains_most(best.fit, start, data):
             continue
-        if spoils(best.fit, start, data):
-            continue
-        if witnessed(scene, best.fit) and not cancels(scene, best.fit):
+        sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
+        if sound and not spoils(best.fit, start, data):
             return _stages(best, fits, data, start)
     return ()
 

@@ -68,14 +68,14 @@ def _refined(way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]]) -> Iter
     No step is taken again that is among `tried`, to which it is added.
     """
     for k, stage in enumerate(way.stages):
-        step = (keys_of(way.stages[k - 1].fit) if k else frozenset(), stage.added)
+        before = way.stages[:k]
+        current = before[-1].fit if before else quest.start
+        step = keys_of(current), stage.added
         if passed_over(stage.added, stage.ranking) and step not in tried:
             tried.add(step)
             quest.progress(f"beginning again from where {stage.added} was taken")
-            before = way.stages[:k]
             data = before[-1].data if before else quest.data
-            current = rejudged(before[-1].fit, data) if before else quest.start
-            yield _through(Way(current, data, before), quest, basics_first=False)
+            yield _through(Way(rejudged(current, data), data, before), quest, basics_first=False)
             return
 
 

@@ -146,8 +146,7 @@ def _fitted(chosen: Sequence[Candidate], at: Standpoint) -> Tried:
             results, shares = fit(tried, at.data, 1), [None] * len(part)
         else:
             results, shares = race(tried, at.current, at.data)
-        fits = [(c, f) for c, f in zip(part, results, strict=True) if f is not None]
-        pairs += [(c, _as_read(c, f, at)) for c, f in fits]
+        pairs += [(c, _as_read(c, f, at)) for c, f in zip(part, results, strict=True) if f is not None]
         at_first += [(c.key, x) for c, x in zip(part, shares, strict=True) if x is not None]
     return Tried(tuple(sorted(pairs, key=lambda cf: cf[1].trained)), tuple(at_first))
 

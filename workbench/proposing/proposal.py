@@ -10,8 +10,7 @@ import numpy as np
 
 #: Below this an assumption is a question.
 ASK = 0.9
-
-
+#: The value of what cannot be told.
 UNKNOWN = "unknown"
 
 

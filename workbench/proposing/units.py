@@ -47,10 +47,8 @@ _SPELLINGS: dict[str, tuple[str, ...]] = {
 @lru_cache(maxsize=1024)
 def pint_unit(text: str, kind: str) -> str:
     """The unit as pint writes it, ``""`` where `text` is no unit of this kind."""
-    plain = " ".join(text.strip().lower().replace("⋅", "·").split())
-    for unit, spellings in _SPELLINGS.items():
-        if (plain in spellings or plain == unit.lower()) and _is_of(unit, kind):
-            return unit
+    if unit := _spelling(text, kind):
+        return unit
     try:
         # a unit that pint knows as it stands: "mrad/s", "N*mm"
         to_si(text, kind)
@@ -61,11 +59,13 @@ def pint_unit(text: str, kind: str) -> str:
 
 def spelled(text: str, kind: str) -> bool:
     """Whether `text` is a unit of this kind as names end with one: a foot or a link is a joint there."""
-    plain = text.strip().lower()
-    return any(
-        (plain in spellings or plain == unit.lower()) and _is_of(unit, kind)
-        for unit, spellings in _SPELLINGS.items()
-    )
+    return bool(_spelling(text, kind))
+
+
+def _spelling(text: str, kind: str) -> str:
+    plain = " ".join(text.strip().lower().replace("⋅", "·").split())
+    named = (u for u, spellings in _SPELLINGS.items() if plain in spellings or plain == u.lower())
+    return next((unit for unit in named if _is_of(unit, kind)), "")
 
 
 def fits(text: str, kind: str) -> bool:
