@@ -1,4 +1,4 @@
-"""Three slides that were built alike and lack friction alike: no single axis explains much of it."""
+"""Slides that were built alike and lack friction alike: no single axis explains much of it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from workbench.core import Controller, Recording
+from workbench.core import Controller, Diagnosis, Recording
+from workbench.diagnosis import diagnose
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.everywhere import on_every_axis
 from workbench.diagnosis.screen import screen
@@ -19,56 +20,61 @@ from workbench.diagnosis.stage import Stage
 from workbench.effects import load_model
 from workbench.models import Model
 
-_MASS = np.array([4.0, 2.0, 1.0])
+_MASS = np.array([4.0, 2.0, 1.0, 0.5])
 _KP, _KD, _STEP = 400.0 * _MASS, 40.0 * _MASS, 0.002
-_AXES = ("x", "y", "z")
+_AXES = ("x", "y", "z", "u")
 _BODY = """<body><joint name="{name}" type="slide" axis="{axis}"/>
 <inertial pos="0 0 0" mass="{mass}" diaginertia="1 1 1"/></body>"""
 
 
 @cache
-def gantry() -> Model:
-    """Three slides side by side, without any friction and gravity."""
-    ways = ("1 0 0", "0 1 0", "0 0 1")
-    bodies = "".join(_BODY.format(name=n, axis=a, mass=m) for n, a, m in zip(_AXES, ways, _MASS, strict=True))
+def gantry(slides: int = 3) -> Model:
+    """Slides side by side, without any friction and gravity."""
+    ways = ("1 0 0", "0 1 0", "0 0 1", "1 0 0")
+    parts = list(zip(_AXES, ways, _MASS, strict=True))[:slides]
+    bodies = "".join(_BODY.format(name=n, axis=a, mass=m) for n, a, m in parts)
     file = Path(mkdtemp()) / "gantry.xml"
     file.write_text(f'<mujoco><option gravity="0 0 0"/><worldbody>{bodies}</worldbody></mujoco>')
     return load_model(str(file))
 
 
 def played(
-    name: str, seed: int, coulomb: Sequence[float], damping: Sequence[float], hum: float = 0.0
+    name: str, seed: int, coulomb: Sequence[float], damping: Sequence[float], hum: float | np.ndarray = 0.0
 ) -> Recording:
     """The slides under PD in small steps, with dry friction that holds where it can, in a `hum` of 3 Hz."""
+    slides = len(coulomb)
+    mass, kp, kd = _MASS[:slides], _KP[:slides], _KD[:slides]
     generator, t = np.random.default_rng(seed), np.arange(1500) * _STEP
     rise = np.minimum(t / 0.3, 1.0)[:, None]
-    tones = 0.4 + 0.5 * np.arange(8)[:, None, None] + 0.1 * np.arange(3)
-    phases = generator.uniform(0.0, 2.0 * np.pi, (8, 1, 3))
+    tones = 0.4 + 0.5 * np.arange(8)[:, None, None] + 0.1 * np.arange(slides)
+    phases = generator.uniform(0.0, 2.0 * np.pi, (8, 1, slides))
     reference = 0.05 * rise**2 * np.sin(2.0 * np.pi * tones * t[:, None] + phases).sum(axis=0)
     reference -= reference[0]
-    q, w, fine = np.zeros(3), np.zeros(3), 40
+    q, w, fine = np.zeros(slides), np.zeros(slides), 40
     rows = []
     for now, r in zip(t, reference, strict=True):
-        pushed = hum * np.sin(2.0 * np.pi * 3.0 * now + np.arange(3))
-        seen = q + 2e-6 * generator.standard_normal(3), w + 2e-4 * generator.standard_normal(3)
-        force = _KP * (r - seen[0]) - _KD * seen[1]
-        rows.append([*seen, force, force + 0.02 * _MASS * generator.standard_normal(3), r])
+        pushed = hum * np.sin(2.0 * np.pi * 3.0 * now + np.arange(slides))
+        seen = q + 2e-6 * generator.standard_normal(slides), w + 2e-4 * generator.standard_normal(slides)
+        force = kp * (r - seen[0]) - kd * seen[1]
+        rows.append([*seen, force, force + 0.02 * mass * generator.standard_normal(slides), r])
         for _ in range(fine):
             h, before = _STEP / fine, w
-            drag = 0.5 * h / _MASS * np.asarray(damping)
-            w = ((1.0 - drag) * w + h / _MASS * (force + pushed)) / (1.0 + drag)
-            w = np.sign(w) * np.maximum(np.abs(w) - h / _MASS * np.asarray(coulomb), 0.0)
+            drag = 0.5 * h / mass * np.asarray(damping)
+            w = ((1.0 - drag) * w + h / mass * (force + pushed)) / (1.0 + drag)
+            w = np.sign(w) * np.maximum(np.abs(w) - h / mass * np.asarray(coulomb), 0.0)
             q = q + 0.5 * h * (before + w)
     names = ("position", "velocity", "torque_command", "torque_measured", "position_reference")
     signals = {n: np.array([row[k] for row in rows]) for k, n in enumerate(names)}
-    loop = Controller("pd", "actuator", kp=tuple(_KP), kd=tuple(_KD), period_s=_STEP)
-    return Recording(name, _AXES, "actuator", t, signals, ("m",) * 3, controller=loop)
+    loop = Controller("pd", "actuator", kp=tuple(kp), kd=tuple(kd), period_s=_STEP)
+    return Recording(name, _AXES[:slides], "actuator", t, signals, ("m",) * slides, controller=loop)
 
 
-def found(coulomb: Sequence[float], damping: Sequence[float], hum: float = 0.0) -> tuple[Stage, ...]:
+def found(
+    coulomb: Sequence[float], damping: Sequence[float], hum: float | np.ndarray = 0.0
+) -> tuple[Stage, ...]:
     """What is found on every axis of the slides."""
     recordings = [played(f"r{k}", k, coulomb, damping, hum) for k in range(3)]
-    model = gantry()
+    model = gantry(len(coulomb))
     data, simulated = gather(model, recordings[:2], recordings[2:], 0)
     data = data.heard(data.mean_squares(simulated.clean))
     start = starting_fit(model, data, simulated.clean)
@@ -81,7 +87,7 @@ def test_damping_on_every_axis_is_found_with_each_axis_s_own() -> None:
     stages = found((0.0, 0.0, 0.0), (12.0, 5.0, 2.0))
     assert {s.added.effect for s in stages} == {"viscous_damping"}
     values = {a.key.axis: a.values["damping"] for a in stages[-1].fit.hypothesis.free}
-    assert np.allclose([values[axis] for axis in _AXES], [12.0, 5.0, 2.0], rtol=0.03)
+    assert np.allclose([values[axis] for axis in _AXES[:3]], [12.0, 5.0, 2.0], rtol=0.03)
 
 
 def test_damping_and_dry_friction_on_every_axis_are_two_causes() -> None:
@@ -89,7 +95,7 @@ def test_damping_and_dry_friction_on_every_axis_are_two_causes() -> None:
     assert {s.added.effect for s in stages} == {"viscous_damping", "coulomb_friction"}
     free = stages[-1].fit.hypothesis.free
     torque = {a.key.axis: a.values["torque"] for a in free if a.key.effect == "coulomb_friction"}
-    assert np.allclose([torque[axis] for axis in _AXES], [1.5, 0.8, 0.4], rtol=0.05)
+    assert np.allclose([torque[axis] for axis in _AXES[:3]], [1.5, 0.8, 0.4], rtol=0.05)
 
 
 def test_an_axis_that_does_well_without_is_left_out() -> None:
@@ -103,10 +109,35 @@ def test_an_axis_that_does_well_without_is_left_out() -> None:
 def test_what_stays_unexplained_beside_it_leaves_no_axis_out() -> None:
     stages = found((1.5, 0.8, 0.4), (6.0, 3.0, 1.5), hum=0.4)
     named = {(s.added.effect, s.added.axis) for s in stages}
-    assert named == {(e, a) for e in ("viscous_damping", "coulomb_friction") for a in _AXES}
+    assert named == {(e, a) for e in ("viscous_damping", "coulomb_friction") for a in _AXES[:3]}
     excess = 1.0 - sum(s.removed_share for s in stages)
     assert 0.005 < excess < 0.05, "far above the noise, and little of the whole"
 
 
 def test_nothing_is_found_in_what_lacks_nothing() -> None:
     assert found((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)) == ()
+
+
+def diagnosed(coulomb: Sequence[float], hum: np.ndarray) -> Diagnosis:
+    recordings = [played(f"r{k}", k, coulomb, [0.0] * len(coulomb), hum) for k in range(3)]
+    return diagnose(gantry(len(coulomb)), recordings[:2], recordings[2:])
+
+
+def test_friction_on_three_axes_is_named_though_a_hum_stays_on_all() -> None:
+    told = diagnosed((1.5, 0.8, 0.4), 0.5 * np.array([1.5, 0.8, 0.4]))
+    assert told.verdict == "missing_effect"
+    assert {str(f.key) for f in told.findings} == {f"coulomb_friction@{a}" for a in _AXES[:3]}
+    assert 0.05 < told.unexplained_fraction < 0.4
+    assert max(f.probability for f in told.findings) < 0.95
+
+
+def test_an_axis_where_something_strange_is_larger_takes_nothing_from_the_others() -> None:
+    told = diagnosed((1.5, 0.8, 0.4, 0.2), np.array([0.0, 0.0, 0.0, 2.0]))
+    assert told.verdict == "missing_effect"
+    assert {str(f.key) for f in told.findings} == {f"coulomb_friction@{a}" for a in _AXES[:3]}
+    assert told.where[0].axis == "u"
+
+
+def test_friction_on_two_axes_of_three_is_not_named_where_much_stays() -> None:
+    told = diagnosed((1.5, 0.8, 0.0), 0.5 * np.array([1.5, 0.8, 0.4]))
+    assert told.verdict == "unexplained"

@@ -151,7 +151,9 @@ def _diagnosis(found: Search) -> Diagnosis:
     refuted = _refuted(found)
     if found.consistent_before:
         verdict = "unexplained" if refuted else "consistent"
-    elif found.stages and (found.consistent_after or max(found.explained, found.mostly) >= EXPLAINED):
+    elif found.stages and (
+        found.consistent_after or found.by_axis or max(found.explained, found.mostly) >= EXPLAINED
+    ):
         verdict = "missing_effect"
     if verdict == "missing_effect" and (
         refuted

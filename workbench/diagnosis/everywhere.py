@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,13 +10,16 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import EFFECTS
 
+from .by_axis import MANY, explained_by_axis, where_it_holds
 from .choosing import margin_over, simplest_first
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
 from .judging import (
+    EXPLAINED,
     LATER_SHARE,
     cancels,
+    explained,
     explains_most,
     floor_of_judging,
     helps_an_axis,
@@ -35,6 +38,7 @@ from .stage import Stage
 _FRICTION = ("coulomb_friction", "viscous_damping")
 _DRIVES = (*_FRICTION, "reflected_inertia")
 _PROMISING = 0.4  # share of the excess that a set may leave by the linearised loop, to be simulated
+_SHOWN = 0.3  # share of an axis's excess that one of them removes by itself where a set has it
 _SIMULATED = 4
 
 
@@ -68,6 +72,7 @@ def on_every_axis(
     if scene.model.size < 2:
         return ()
     progress("looking for one cause on every axis")
+    given = data
     if overshadowed(start, data):  # held-out motion that shows little cannot judge
         data = data.unheard()
         start = rejudged(start, data)
@@ -81,7 +86,12 @@ def on_every_axis(
     floor = floor_of_judging(data)
     for found in simplest_first(fits, data, LATER_SHARE):
         best = replace(found, fit=polished(_needed(settle(found.fit, data, floor), data), data))
-        if len(best.fit.hypothesis.free) < 2 or not explains_most(best.fit, start, data):
+        if explained(given, start, best.fit, given) < EXPLAINED:
+            best = replace(best, fit=polished(where_it_holds(best.fit, start, given), data))
+        enough = explains_most(best.fit, start, data) or bool(
+            explained_by_axis(given, start, best.fit, given)
+        )
+        if len(best.fit.hypothesis.free) < 2 or not enough:
             continue
         sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
         if sound and not spoils(best.fit, start, data):
@@ -124,13 +134,21 @@ def _promising(
     if not columns:
         return []
     pieces, held_out = equations(scene, [], columns, data, start.simulated)
-    floor = floor_of_judging(data)
-    most = floor + _PROMISING * max(start.judged - floor, 0.0)
+    floor, excess = floor_of_judging(data), _excess(start, data)
+    options = (*((name,) for name in names), _FRICTION, _DRIVES)
+    everywhere = set(scene.model.axes)
+    tries = [(option, everywhere) for option in options]
+    for option in options:
+        gains = {a: start.judged - _least(at_drives, option, a) for a in everywhere}
+        shown = {a for a in everywhere if gains[a] > _SHOWN * excess[a]}
+        if MANY <= len(shown) < len(everywhere):
+            tries.append((option, shown))
     found: list[tuple[float, tuple[str, ...], list[Candidate]]] = []
-    for option in (*((name,) for name in names), _FRICTION, _DRIVES):
-        own = [e for name in option for e in entries if e.key.effect == name]
+    for option, axes in tries:
+        own = [e for name in option for e in entries if e.key.effect == name and e.key.axis in axes]
         if len(own) < 2:
             continue
+        most = floor + max(start.judged - floor, 0.0) - (1.0 - _PROMISING) * sum(excess[a] for a in axes)
         bounds = [np.concatenate(b) for b in zip(*(limits_of(scene, e) for e in own), strict=True)]
         index = [k for e in own for k in e.linear]
         fixed = [e.fixed for e in own if e.fixed is not None]
@@ -140,6 +158,18 @@ def _promising(
         if judged < most:
             found.append((judged, option, chosen))
     return [(option, chosen) for _, option, chosen in sorted(found, key=lambda f: f[0])]
+
+
+def _excess(start: Fit, data: Data) -> dict[str, float]:
+    """Judged error above the noise, by axis."""
+    part = data.held_out_judges
+    above = np.maximum(data.pool(start.mean_squares, part) - data.least(part), 0.0)
+    return dict(zip(data.recordings[0].axes, np.sum(above * data.weight**2, axis=0).tolist(), strict=True))
+
+
+def _least(candidates: Mapping[tuple[str, str | None], Candidate], names: Sequence[str], axis: str) -> float:
+    """Judged error that the best of these effects would leave by itself on one axis."""
+    return min((candidates[n, axis].judged for n in names if (n, axis) in candidates), default=np.inf)
 
 
 def _columns(scene: Scene, candidates: Sequence[Candidate]) -> tuple[list[Column], list[Entry]]:
@@ -169,7 +199,8 @@ def _stages(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> t
         for k in np.argsort(left, kind="stable")
         if left[k] < np.inf
     )
-    margin = margin_over(best.fit, [f.fit.judged for f in fits if not set(f.effects) & set(best.effects)])
+    forms = set(best.effects) | {e.name for e in EFFECTS if set(e.contains) & set(best.effects)}
+    margin = margin_over(best.fit, [f.fit.judged for f in fits if not set(f.effects) & forms])
     before, stages = start, []
     for result in (*grown, best.fit):
         added = next(a.key for a in order if a.key not in _keys(before) and a.key in _keys(result))

@@ -52,7 +52,7 @@ def _probability(stage: Stage, found: Search) -> float:
     `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more).
     """
     alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(stage.margin - 1.0, 0.0)))
-    whole = 1.0 if found.consistent_after else found.explained
+    whole = 1.0 if found.consistent_after else found.by_axis.get(stage.added.axis or "", found.explained)
     return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(stage.rivals) ** 2))
 
 

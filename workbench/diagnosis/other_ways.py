@@ -42,11 +42,11 @@ def otherwise(way: Way, quest: Quest) -> Way:
         stages = begin(quest.scene, data, start, quest.progress)
         if not stages:
             continue
-        other = with_stages(Way(start, data), stages, quest.seed)
-        if not nearly_at_floor(other.current, other.data):
-            other = onwards(other, quest, met=met)
-        if enough(other, quest):
-            return other
+        begun = with_stages(Way(start, data), stages, quest.seed)
+        ended = begun if nearly_at_floor(begun.current, begun.data) else onwards(begun, quest, met=met)
+        for other in (ended, begun):
+            if enough(other, quest):
+                return other
     return next((other for other in _leaps(way, quest) if _sure(other, quest)), way)
 
 

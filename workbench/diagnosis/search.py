@@ -9,6 +9,7 @@ import numpy as np
 from workbench.core import HOPELESS, Recording, SimulationError
 from workbench.models import Model
 
+from .by_axis import explained_by_axis
 from .data import Data, gather
 from .hypothesis import Fit, Hypothesis
 from .judging import explained, mostly_explained, rejudged, stands_out
@@ -92,6 +93,7 @@ def search(
         done,
         explained(first, start, current, data),
         mostly_explained(first, start, current, data) if wanders(current) else 0.0,
+        explained_by_axis(first, start, current, data),
     )
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from workbench.comparison import Simulated
 from workbench.core import EffectKey
@@ -51,7 +52,8 @@ class Search:
     """The whole way: data and fit at the start, stages, first screening, whether noise explains the end.
 
     `explained` is the share of the excess that is gone; `mostly` the same of the recording in the middle,
-    where the final model's runs part by themselves (else 0).
+    where the final model's runs part by themselves (else 0). `by_axis`: the same of each axis that what its
+    drive has explains, where these are most of many.
     """
 
     model: Model
@@ -64,6 +66,7 @@ class Search:
     consistent_after: bool
     explained: float
     mostly: float = 0.0
+    by_axis: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def final(self) -> Fit:

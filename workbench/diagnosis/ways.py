@@ -13,6 +13,7 @@ from workbench.comparison.compare import consistent
 from workbench.core import EffectKey, SimulationError
 from workbench.effects import effect_named
 
+from .by_axis import explained_by_axis
 from .data import Data, floor_of
 from .hypothesis import Fit
 from .judging import (
@@ -134,10 +135,9 @@ def holds(way: Way, quest: Quest) -> bool:
     """Whether what was found explains the data."""
     if way.done or not way.stages:
         return way.done
-    shares = [explained(quest.data, quest.start, way.current, way.data)]
-    if wanders(way.current):
-        shares.append(mostly_explained(quest.data, quest.start, way.current, way.data))
-    return max(shares) >= EXPLAINED
+    ends = quest.data, quest.start, way.current, way.data
+    shares = [explained(*ends), mostly_explained(*ends) if wanders(way.current) else 0.0]
+    return max(shares) >= EXPLAINED or bool(explained_by_axis(*ends))
 
 
 def with_stages(way: Way, found: Sequence[Stage], seed: int, *, wide: bool = True) -> Way:

@@ -14,6 +14,7 @@ import scipy
 
 from workbench.core import Recording
 
+from .lags import is_broad
 from .result import Remark
 
 _LOWEST_HZ, _HIGHEST_HZ = 1.0, 40.0
@@ -47,7 +48,8 @@ def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
             remarks.append(Remark("problem", "swap", None, text, {**value, "axes": [names[i], names[j]]}))
     for i, axis in enumerate(names):
         backward = mobility[i, i] < -_SURE * spread[i, i] and explained[i] > _EXPLAINED
-        if backward and i not in swapped:
+        # at one frequency a spring, or another axis that is driven at it, turns the phase of an inertia
+        if backward and i not in swapped and is_broad(tau[:, i]):
             text = f"'{axis}' accelerates against its measured torque: one of them has the wrong sign."
             remarks.append(Remark("problem", "sign", axis, text, value))
     return remarks

@@ -1,4 +1,4 @@
-"""How alike two columns are, and at which lag."""
+"""How alike two columns are, at which lag, and whether they hold enough to tell one."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 
 _MOST = 200_000  # rows; more would not move a lag
+_TONES = 4.0  # frequencies that a column is made of, below which its phase is no delay; one tone counts two
 
 
 def alike(a: np.ndarray, b: np.ndarray) -> float:
@@ -31,3 +32,13 @@ def follow(leader: np.ndarray, follower: np.ndarray, reach: int) -> tuple[int, f
     at = np.abs(scipy.signal.correlate(b, a, mode="full", method="fft")[middle - reach : middle + reach + 1])
     lag = int(np.argmax(at))
     return lag - reach, float(min(1.0, at[lag] / size))
+
+
+def is_broad(column: np.ndarray) -> bool:
+    """Whether a column (N,) has enough frequencies to tell a delay or an inertia from the phase of a tone.
+
+    Counts the frequencies among which its power is shared: the participation ratio of its spectrum.
+    """
+    x = column[:_MOST] - column[:_MOST].mean()
+    power = np.abs(np.fft.rfft(x * np.hanning(len(x)))) ** 2
+    return bool(power.sum() ** 2 > _TONES * (power**2).sum())

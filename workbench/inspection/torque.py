@@ -10,7 +10,7 @@ from workbench.core import Recording
 from workbench.recordings.noise import NoiseLevels
 
 from .factors import name_factor
-from .lags import follow
+from .lags import follow, is_broad
 from .result import Remark
 
 _REACH_S = 0.1  # the largest delay looked for
@@ -74,7 +74,10 @@ def _follows(
         cause = f"a mix-up of {meaning}" if meaning else "torque constant, gear ratio or current loop"
         text = f"Measured torque of '{axis}' is {abs(gain):.4g} times its command: {cause}."
         remarks.append(Remark(severity, "unit", axis, text, {"factor": gain, "meaning": meaning}))
-    if delay < -0.25 * period:
+    if not is_broad(np.diff(command)):
+        text = f"The command of '{axis}' is one tone, whose phase tells no delay of its measured torque."
+        remarks.append(Remark("note", "delay", axis, text, {"gain": gain}))
+    elif delay < -0.25 * period:
         text = f"Measured torque of '{axis}' comes {-1e3 * delay:.3g} ms before its command."
         remarks.append(Remark("problem", "clock", axis, text, {"delay_s": delay}))
     else:
