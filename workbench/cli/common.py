@@ -24,7 +24,7 @@ ModelArgument = Annotated[
     str,
     typer.Argument(
         metavar="MODEL",
-        help="Model file (.toml or .xml), or a shipped model's name.",
+        help="Model file (.toml, .xml or .urdf), or a shipped model's name.",
         autocompletion=complete.models,
     ),
 ]

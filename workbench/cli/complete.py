@@ -33,6 +33,7 @@ EXPERIMENTS = {
 }
 
 _EFFECTS = Path(workbench.__file__).parent / "effects"
+_MOVING = "hinge", "slide", "revolute", "continuous", "prismatic"  # of MJCF, of URDF
 _LARGEST = 2**20  # bytes of a model file that is read for the names of its axes
 
 
@@ -41,7 +42,7 @@ def models(incomplete: str) -> list[str]:
     if "/" in incomplete:
         return []
     shipped = sorted(p.stem for p in models_folder().glob("*.toml"))
-    here = sorted(p.name for p in Path().glob("*") if p.suffix in (".toml", ".xml") and _is_model(p))
+    here = sorted(p.name for p in Path().glob("*") if p.suffix in (".toml", ".xml", ".urdf") and _is_model(p))
     return _begun(incomplete, [*shipped, *here])
 
 
@@ -141,9 +142,9 @@ def _axes(model: str) -> tuple[str, ...]:
     file = given if given.is_file() else models_folder() / f"{given.stem}.toml"
     try:
         text = file.read_bytes()[:_LARGEST]
-        if file.suffix == ".xml":
+        if file.suffix in (".xml", ".urdf"):
             joints = parse_xml(text, file).iter("joint")
-            names: Any = [j.get("name") for j in joints if j.get("type", "hinge") in ("hinge", "slide")]
+            names: Any = [j.get("name") for j in joints if j.get("type", "hinge") in _MOVING]
         else:
             table: Any = tomllib.loads(text.decode())
             names = table.get("axes") or table.get("transmission", {}).get("joints") or []
@@ -158,7 +159,8 @@ def _is_model(file: Path) -> bool:
         text = file.read_bytes()[:_LARGEST]
     except OSError:
         return False
-    return (b"<mujoco" in text) if file.suffix == ".xml" else re.search(rb"(?m)^serial\s*=", text) is not None
+    sign = {".xml": rb"<mujoco", ".urdf": rb"<robot"}.get(file.suffix, rb"(?m)^serial\s*=")
+    return re.search(sign, text) is not None
 
 
 def _begun(incomplete: str, names: Any) -> list[str]:

@@ -21,7 +21,7 @@ def ui(
         str | None,
         typer.Argument(
             metavar="[MODEL]",
-            help="Model file (.toml or .xml), or a shipped model's name.",
+            help="Model file (.toml, .xml or .urdf), or a shipped model's name.",
             autocompletion=complete.models,
         ),
     ] = None,

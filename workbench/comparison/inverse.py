@@ -42,9 +42,11 @@ def torque_sums(
     return np.stack([np.sum(x[valid] ** 2, axis=0) for x in (measured - needed, measured)])
 
 
-def inverse_of(sums: np.ndarray, recording: Recording) -> InverseDynamics:
-    """The relative error of `torque_sums` (2, n), of recordings like this one."""
+def inverse_of(sums: np.ndarray, recording: Recording) -> InverseDynamics | None:
+    """The relative error of `torque_sums` (2, n), of recordings like this one; None where no drive pushed."""
     top, bottom = sums
+    if not bottom.sum() > 0.0:
+        return None
     name = f"zero-phase Butterworth, order {_ORDER}, {cutoff_hz(recording):g} Hz, on both torques"
     with np.errstate(invalid="ignore", divide="ignore"):
         axes = np.sqrt(top / bottom)

@@ -167,7 +167,7 @@ def _excess(start: Fit, data: Data) -> dict[str, float]:
     return dict(zip(data.recordings[0].axes, np.sum(above * data.weight**2, axis=0).tolist(), strict=True))
 
 
-def _least(candidates: Mapping[tuple[str, str | None], Candidate], names: Sequence[str], axis: str) -> float:
+def _least(candidates: Mapping[tuple[str, str], Candidate], names: Sequence[str], axis: str) -> float:
     """Judged error that the best of these effects would leave by itself on one axis."""
     return min((candidates[n, axis].judged for n in names if (n, axis) in candidates), default=np.inf)
 

@@ -14,6 +14,7 @@ from .judging import stands_out
 from .stage import Search, Stage
 
 NEAR = 0.8  # share of the excess from which a cause is worth telling that may not be named
+_SOME = 0.2  # the same from which it is said that there is something
 _SUREST = 0.98
 
 
@@ -70,8 +71,13 @@ def ranking_of(found: Search) -> tuple[tuple[EffectKey, float], ...]:
 
 
 def step_of(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectKey, tuple[str, ...]]) -> Step:
-    """A stage as a step of an improvement, with the evidence of the finding where there is some."""
-    applied = next(a for a in stage.fit.hypothesis.added if a.key == stage.added)
+    """A stage as a step of an improvement, with the evidence of the finding where there is some.
+
+    Errors are those of the model at that step; parameters those of the last model, where it still has the
+    effect.
+    """
+    added = (*found.final.hypothesis.added, *stage.fit.hypothesis.added)
+    applied = next(a for a in added if a.key == stage.added)
     score = found.start_data.score
     return Step(
         key=stage.added,
@@ -85,10 +91,18 @@ def step_of(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectK
 
 
 def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
-    """A line on what takes off most of the excess, but not so much that it could be named."""
+    """A line on what takes off most of the excess, but not so much that it could be named.
+
+    What takes off less has no name, but that there is something is told.
+    """
     added = found.final.hypothesis.added
-    if verdict != "unexplained" or found.explained < NEAR or not all(map(stands_out, added)):
+    if verdict != "unexplained" or found.explained < _SOME or not all(map(stands_out, added)):
         return ()
+    if found.explained < NEAR:
+        return (
+            f"known effects take off {100 * found.explained:.0f} % of the squared error above the noise, on "
+            "data left out of the fit too: too little to be the cause; improve --nearest adds them",
+        )
     share = f"{100 * found.explained:.0f} % of the squared error above the noise"
     return (
         f"nearest, but not enough to be named: {' and '.join(map(_estimated, added))}; it removes {share} on "

@@ -39,7 +39,7 @@ def find_robots(
     Args:
         paths: recordings, patterns of them (``"logs/**/*.toml"``) or folders, which are searched.
         models: a model for all robots; ``RIG=MODEL`` for those whose name fits the pattern RIG, the last that
-            fits counts. A folder as MODEL has one file a robot, ``NAME.toml`` or ``NAME.xml``.
+            fits counts. A folder as MODEL has one file a robot, ``NAME.toml``, ``NAME.xml`` or ``NAME.urdf``.
         held_out: patterns of names of recordings that judge; without them, one in four of each robot with
             three or more, chosen by its name alone, whatever the order and place of the files.
 
@@ -130,7 +130,9 @@ def _model_of(name: str, models: Sequence[str]) -> str:
         raise InputError(f"robot '{name}' has no model", remedy=f"give one: --model '{name}=MODEL'")
     if not Path(chosen).is_dir():
         return chosen
-    own = [file for ending in (".toml", ".xml") if (file := Path(chosen) / f"{name}{ending}").is_file()]
+    own = [
+        file for ending in (".toml", ".xml", ".urdf") if (file := Path(chosen) / f"{name}{ending}").is_file()
+    ]
     if not own:
         raise InputError(
             f"no model of robot '{name}' is in this folder", file=chosen, remedy=f"add {name}.toml"

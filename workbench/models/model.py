@@ -13,6 +13,7 @@ from workbench.core.provenance import digest
 from workbench.core.shown import Shown
 
 from .mjcf import check_mjcf
+from .urdf import is_urdf
 
 #: Structural effects that each S3N variant already contains (paper, Sec. III).
 VARIANTS: Mapping[str, tuple[str, ...]] = {
@@ -143,7 +144,7 @@ class Model(Shown):
         Raises:
             InputError: the serial tree cannot be read any more.
         """
-        return [*self._named, *check_mjcf(self.serial)[1:]]
+        return [*self._named, *([] if is_urdf(self.serial) else check_mjcf(self.serial)[1:])]
 
     @property
     def _named(self) -> list[Path]:

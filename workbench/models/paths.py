@@ -21,4 +21,6 @@ def find_model(path: str | Path) -> Path:
     if given.suffix in ("", ".toml") and given.parent.name in ("", "models") and shipped.is_file():
         return shipped
     names = ", ".join(sorted(p.stem for p in models_folder().glob("*.toml")))
-    raise InputError("no such model file", file=path, remedy=f"give a .toml or .xml file, or one of {names}")
+    raise InputError(
+        "no such model file", file=path, remedy=f"give a .toml, .xml or .urdf file, or one of {names}"
+    )

@@ -1,4 +1,4 @@
-"""Model files as they are read: TOML for people, MJCF alone where no more is known."""
+"""Model files as they are read: TOML for people, MJCF or URDF alone where no more is known."""
 
 from __future__ import annotations
 
@@ -15,20 +15,21 @@ from .from_table import from_table
 from .model import Model
 from .paths import find_model
 from .schema import ModelTable
+from .urdf import is_urdf
 
 
 def read_model(path: str | Path) -> Model:
-    """Read a model from a TOML file, or from an MJCF file with identity transmission and no drives.
+    """Read a model from a TOML file, or from an MJCF or URDF with identity transmission and no drives.
 
     Args:
-        path: a ``.toml`` or ``.xml`` file, or the name of a shipped model.
+        path: a ``.toml``, ``.xml`` or ``.urdf`` file, or the name of a shipped model.
 
     Raises:
         InputError: anything wrong with the file; one line with the key and the remedy.
     """
     finish(Path(path).parent)
     file = find_model(path)
-    if file.suffix == ".xml":
+    if file.suffix == ".xml" or is_urdf(file):
         return from_table(ModelTable(format=1, name=file.stem, serial=file.name), file)
     try:
         raw = tomllib.loads(file.read_text(encoding="utf-8-sig"))

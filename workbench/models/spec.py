@@ -1,4 +1,4 @@
-"""The MJCF of a model as MuJoCo parses it: its joints, and where it ends."""
+"""The MJCF or URDF of a model as MuJoCo parses it: its joints, and where it ends."""
 
 from __future__ import annotations
 
@@ -10,17 +10,20 @@ from workbench.core import InputError
 
 from .engine import warned
 from .mjcf import check_mjcf
+from .urdf import is_urdf, load_urdf
 
 _STRONGEST = 1e6  # m/s^2; no machine stands where gravity is stronger
 
 
 def load_mjcf(path: Path) -> mujoco.MjSpec:
-    """Parse an MJCF file.
+    """Parse an MJCF or URDF file.
 
     Raises:
         InputError: MuJoCo cannot read it; its own reason is kept. Or it has plugins, or names files that do
             not lie beside or below it.
     """
+    if is_urdf(path):
+        return load_urdf(path)
     check_mjcf(path)
     try:
         return mujoco.MjSpec.from_file(str(path))
@@ -59,7 +62,7 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
             spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(
-            f"MuJoCo cannot compile this MJCF: {error}", file=file, remedy="correct what it names"
+            f"MuJoCo cannot compile this model: {error}", file=file, remedy="correct what it names"
         ) from error
     return names
 

@@ -139,7 +139,7 @@ def read_description(path: Path) -> Description:
 
 def _other_kind(path: Path, content: Mapping[str, Any]) -> str:
     """What to do where the file is a model or a table; empty where it may be a recording."""
-    if path.suffix == ".xml" or "serial" in content:
+    if path.suffix in (".xml", ".urdf") or "serial" in content:
         return "it is a model, which comes first: MODEL REC..."
     if path.suffix != ".toml":
         return f"make one of it: workbench import {path.name}"

@@ -136,6 +136,7 @@ def improvement_table(result: Improvement) -> Group:
         _verdict(sentence(result), result.verdict == "consistent"),
         table,
         Text("± is half a 95 % interval."),
+        *([Text("Of the model as given:")] if rest and result.nearest else []),
         *(_text(w.capital(line)) for line in rest),
         *(_text(f"Note: {note}") for note in result.notes),
     )

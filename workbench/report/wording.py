@@ -131,7 +131,12 @@ def comparison_sentence(result: Comparison) -> str:
 
 def loop_sentence(result: Comparison) -> str:
     """Why no motion was compared, where that is so; else empty."""
-    names = [plain(e.recording.name) for e in result.recordings if np.isnan(e.position_rmse).all()]
+    names = [
+        plain(e.recording.name)
+        for e in result.recordings
+        if np.isnan(e.position_rmse).all()
+        and not any("along the measured motion" in n for n in e.recording.notes)
+    ]
     if not names:
         return ""
     which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

@@ -1,0 +1,56 @@
+"""A URDF as a serial tree: joints and inertias; its looks are left out, so that no mesh is needed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+
+from workbench.core import InputError
+from workbench.core.xml import parse_xml
+
+_LOOKS = "visual", "collision"
+_KEPT = {"link", "joint"}
+_COMPILER = {"fusestatic": "false", "discardvisual": "true"}
+
+
+def is_urdf(file: Path) -> bool:
+    """Whether a model's file is a URDF, by its ending."""
+    return file.suffix.lower() == ".urdf"
+
+
+def load_urdf(file: Path) -> mujoco.MjSpec:
+    """Parse the links and joints of a URDF; where it ends in one link, its frame is a site for a payload.
+
+    Raises:
+        InputError: no URDF, one that xacro has yet to expand, or one that MuJoCo cannot read.
+    """
+    try:
+        raw = file.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"cannot be read ({reason})", file=file, remedy="check the path") from error
+    root = parse_xml(raw, file, prefixes=False)
+    if root.tag != "robot":
+        raise InputError(f"it is a <{root.tag}>", file=file, remedy="a URDF is a <robot>")
+    if b"<xacro:" in raw or b"${" in raw:
+        raise InputError("holds xacro macros", file=file, remedy="expand it: xacro robot.xacro > robot.urdf")
+    for child in list(root):
+        if child.tag not in _KEPT:
+            root.remove(child)
+    for link in root.iter("link"):
+        for looks in [part for part in link if part.tag in _LOOKS]:
+            link.remove(looks)
+    settings = ElementTree.SubElement(root, "mujoco")
+    ElementTree.SubElement(settings, "compiler", _COMPILER)
+    try:
+        spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
+    except (ValueError, mujoco.FatalError) as error:
+        raise InputError(
+            f"MuJoCo cannot read this URDF: {error}", file=file, remedy="correct what it names"
+        ) from error
+    ends = [body for body in spec.bodies if body.parent is not None and not body.bodies]
+    if len(ends) == 1:
+        ends[0].add_site(name=ends[0].name)
+    return spec
