@@ -1,7 +1,7 @@
 """How far a model is from measurements, and where."""
 
 from .compare import check_recordings, compare, evaluate, simulate_with_noise
-from .following import followed
+from .following import MeasuredMotion, followed
 from .long import compare_logs
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
@@ -10,6 +10,7 @@ from .simulated import Simulated
 
 __all__ = [
     "DRAWS",
+    "MeasuredMotion",
     "NoiseModel",
     "Replay",
     "Scale",

@@ -24,9 +24,11 @@ from .judging import EXPLAINED, contradicted, stands_out
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, UnstableLoop, search
 from .stage import Search
+from .too_much import parameters_of, too_much
 
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
 _UNSTABLE = "The model is unstable in the loop"
+_PLAIN = 2  # parameters of effects that leave but noise, which nobody asks whether a mass is wrong instead
 _OFF_GROUND = 1.5  # error over the noise floor
 
 
@@ -162,6 +164,10 @@ def _diagnosis(found: Search) -> Diagnosis:
         or _far_off_the_ground(found)
     ):
         verdict = "unexplained"
+    doubtful = not found.consistent_after or parameters_of(found) > _PLAIN
+    less = too_much(found) if doubtful and not found.consistent_before else None
+    if less is not None and less.plainer_than(found):
+        verdict = "unexplained"
     named = verdict == "missing_effect"
     before = _comparison(found.model, found.start_runs, found)
     after = before
@@ -185,6 +191,7 @@ def _diagnosis(found: Search) -> Diagnosis:
         ranking=ranking_of(found),
         evidence=(
             *refuting_line(verdict, found),
+            *(less.lines if less and not named else ()),
             *near_line(verdict, found),
             *(clues.of_rest(after.where) if clues else ()),
         ),

@@ -35,7 +35,8 @@ def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
         return []
     band = _band_pass(recording)
     v, tau = band(recording.velocity[:, live]), band(torque[:, live])
-    mobility, spread, explained = _mobility(np.gradient(v, recording.period, axis=0), tau, v)
+    drag = np.hstack([v, band(np.sign(recording.velocity[:, live]))])
+    mobility, spread, explained = _mobility(np.gradient(v, recording.period, axis=0), tau, drag)
     names = [recording.axes[i] for i in live]
     value = {"mobility": mobility, "explained": explained}
     remarks: list[Remark] = []
@@ -63,9 +64,9 @@ def _band_pass(recording: Recording) -> Callable[[np.ndarray], np.ndarray]:
     return lambda x: scipy.signal.sosfiltfilt(sos, x, axis=0)
 
 
-def _mobility(a: np.ndarray, tau: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Least squares of ``a = M^-1 tau + D v``: M^-1 (n, n), its deviations, and the part of `a` explained."""
-    columns = np.hstack([tau, v])
+def _mobility(a: np.ndarray, tau: np.ndarray, drag: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Least squares of ``a = M^-1 tau + D drag``: M^-1 (n, n), its deviations, the part of `a` explained."""
+    columns = np.hstack([tau, drag])
     n = a.shape[1]
     found, *_ = np.linalg.lstsq(columns, a, rcond=None)
     rest = a - columns @ found

@@ -1,0 +1,68 @@
+"""A link that the model has too heavy: no effect can take it away, and none is named in its place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.core import Controller, Diagnosis, Recording
+from workbench.diagnosis import diagnose, improve
+from workbench.effects import load_model
+from workbench.models import Model
+
+_STEP, _INERTIA, _GRAVITY = 0.002, 0.15, 3.0
+_PENDULUM = """<mujoco><worldbody><body><joint name="shoulder" axis="0 1 0"/>
+<inertial pos="0 0 -0.25" mass="{mass}" diaginertia="{own} {own} {own}"/></body></worldbody></mujoco>"""
+
+
+def _model(folder: Path, inertia: float) -> Model:
+    mass = _GRAVITY / (0.25 * 9.81)
+    file = folder / f"pendulum_{inertia}.xml"
+    file.write_text(_PENDULUM.format(mass=mass, own=inertia - mass * 0.0625))
+    return load_model(file)
+
+
+def _swung(name: str, seed: int) -> Recording:
+    """A pendulum along a motion, with the torque that this takes; who closed the loop is not known."""
+    generator, t = np.random.default_rng(seed), np.arange(4000) * _STEP
+    tones, phase = np.array([0.3, 0.7, 1.1, 1.9]), generator.uniform(0.0, 2.0 * np.pi, 4)
+    arc, turn = 2.0 * np.pi * tones, 2.0 * np.pi * tones * t[:, None] + phase
+    q, w, a = (
+        x.sum(axis=1)[:, None]
+        for x in (0.4 * np.sin(turn), 0.4 * arc * np.cos(turn), -0.4 * arc**2 * np.sin(turn))
+    )
+    torque = _INERTIA * a + _GRAVITY * np.sin(q)
+    signals = {
+        "position": q + 2e-5 * generator.standard_normal(q.shape),
+        "velocity": w + 1e-3 * generator.standard_normal(q.shape),
+        "torque_measured": torque + 0.01 * generator.standard_normal(q.shape),
+    }
+    return Recording(name, ("shoulder",), "actuator", t, signals, ("rad",), controller=Controller())
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
+    recordings = [_swung(f"r{k}", k) for k in range(2)]
+    return diagnose(_model(tmp_path_factory.mktemp("heavy"), 0.30), recordings)
+
+
+def test_too_much_inertia_is_told_with_its_size_and_not_explained_away(told: Diagnosis) -> None:
+    assert told.verdict == "unexplained"
+    assert not told.findings
+    line = next(x for x in told.evidence if "too much" in x)
+    assert "reflected_inertia@shoulder -0.15" in line
+
+
+def test_nothing_is_too_much_of_a_right_model(tmp_path: Path) -> None:
+    recordings = [_swung(f"r{k}", k) for k in range(2)]
+    right = diagnose(_model(tmp_path, _INERTIA), recordings)
+    assert right.verdict == "consistent"
+
+
+def test_what_is_lacking_is_added_and_not_called_too_much(tmp_path: Path) -> None:
+    recordings = [_swung(f"r{k}", k) for k in range(2)]
+    result, _ = improve(_model(tmp_path, 0.10), recordings)
+    assert [str(step.key) for step in result.steps] == ["reflected_inertia@shoulder"]
+    assert abs(result.steps[0].parameters["inertia"].value - 0.05) < 0.001
