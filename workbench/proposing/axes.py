@@ -50,7 +50,7 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
     if not wanted:
         draft.assume("axes", ", ".join(own), 0.97 if all(joints) else 0.93, "names of the columns")
         return joints, own
-    found = {axis: _same(axis, joints, own) for axis in wanted}
+    found = {axis: _verbatim(axis, positions) or _same(axis, joints, own) for axis in wanted}
     matched = [found[a] for a in wanted]
     if all(m is not None for m in matched) and len(set(matched)) == len(matched):
         because = "you said so" if draft.answers.axes else "the model's names"
@@ -85,6 +85,13 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
     return joints, wanted
 
 
+def _verbatim(axis: str, positions: dict[str, str]) -> str | None:
+    """The joint in whose column's name the axis' name stands as it is."""
+    whole = re.compile(rf"(?<![a-z0-9]){re.escape(axis.lower())}(?![a-z0-9])")
+    having = [joint for joint, column in positions.items() if whole.search(column.lower())]
+    return having[0] if len(having) == 1 else None
+
+
 def _same(axis: str, joints: list[str], own: list[str]) -> str | None:
     """The joint that an axis' name means: the same words, else the one joint that has it in its name."""
     plain = [_plain(o) for o in own]
@@ -95,7 +102,7 @@ def _same(axis: str, joints: list[str], own: list[str]) -> str | None:
 
 
 def _plain(name: str) -> str:
-    words = [w for w in re.split(r"[^a-z0-9]+", name.lower()) if w not in ("joint", "axis", "motor", "")]
+    words = [w for w in re.findall(r"[a-z]+|[0-9]+", name.lower()) if w not in ("joint", "axis", "motor")]
     return "".join(words)
 
 

@@ -261,13 +261,16 @@ def _torques(out: Signals, data: dict[str, np.ndarray]) -> None:
     plain = out.columns.pop("torque", {})
     because, sure = out.because.pop("torque", "its name"), out.sure.pop("torque", 0.97)
     del sure
+    # columns of one name are one signal, whatever a joint that hardly moves looks like
+    held = bool(plain) and float(np.median([held_share(data[c]) for c in plain.values()])) > 0.4
+    commanded = "torque_command" in out.columns
     for joint, column in plain.items():
         if joint in out.columns.get("torque_measured", {}):
             if joint not in out.columns.get("torque_command", {}):
                 out.put("torque_command", joint, column, "the other torque is measured", 0.91)
-        elif joint in out.columns.get("torque_command", {}) or "torque_command" in out.columns:
+        elif commanded:
             out.put("torque_measured", joint, column, f"{because}; the other one is the command", 0.96)
-        elif held_share(data[column]) > 0.4:
+        elif held:
             out.put("torque_command", joint, column, "held for rows, as a controller's output is", 0.9)
         else:
             out.put("torque_measured", joint, column, "its name; not said whether measured", 0.91)
