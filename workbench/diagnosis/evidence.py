@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -117,12 +117,13 @@ class Clues:
         return tuple(lines)
 
 
-def finding_lines(stage: Stage, applied: AppliedEffect) -> tuple[str, ...]:
+def finding_lines(stage: Stage, applied: AppliedEffect, found: Collection[EffectKey] = ()) -> tuple[str, ...]:
     """What an effect removes, where, and beside which other explanation.
 
     Args:
         stage: at which it was accepted.
         applied: the effect.
+        found: all effects of the final model, none of which is another explanation.
     """
     judged = stage.by_held_out
     source = "held-out recordings" if judged else "data left out of the fit"
@@ -131,7 +132,8 @@ def finding_lines(stage: Stage, applied: AppliedEffect) -> tuple[str, ...]:
         f"removes {100 * stage.removed_share:.1f} % of the squared error above the noise on {source}",
         f"helps on {agree} of {of} {'held-out recordings' if judged else 'folds'}",
     ]
-    others = [(k, s) for k, s in stage.ranking if k != applied.key and k not in stage.rivals]
+    known = {applied.key, *stage.rivals, *found}
+    others = [(k, s) for k, s in stage.ranking if k not in known]
     if others:
         key, share = others[0]
         beside = f"simpler than {key}, which" if share > stage.removed_share else f"next best, {key},"

@@ -22,6 +22,7 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
     """Effects of the final model, the one that explains most first."""
     judged = found.start_data.held_out
     findings = []
+    keys = {applied.key for applied in found.final.hypothesis.added}
     for applied in found.final.hypothesis.added:
         index = next(k for k, s in enumerate(found.stages) if s.added == applied.key)
         stage = found.stages[index]
@@ -37,7 +38,7 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
                 probability=_probability(stage, found),
                 indistinguishable_from=stage.rivals,
                 evidence=(
-                    *finding_lines(stage, applied),
+                    *finding_lines(stage, applied, keys),
                     *Clues(found.start_data, previous).of_finding(applied.key),
                 ),
             )

@@ -64,8 +64,8 @@ def next_experiment(
     for finding in findings:
         stage = next(s for s in found.stages if s.added == finding.key)
         rivals = finding.indistinguishable_from
-        if not rivals and finding.probability >= _DOUBTFUL:
-            continue
+        if not rivals and (finding.probability >= _DOUBTFUL or found.by_axis):
+            continue  # where drives leave a rest, that is what to look at
         models = {key: model for key, model in stage.others if key in rivals or not rivals}
         if data_on_ground and (models or rivals):
             rival = next(iter(models), None) or rivals[0]
