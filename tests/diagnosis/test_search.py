@@ -9,6 +9,7 @@ import pytest
 
 import workbench.diagnosis.search as search
 from workbench.core import EffectKey, Estimate
+from workbench.diagnosis.effort import Effort
 from workbench.diagnosis.ways import Way, onwards
 from workbench.models import AppliedEffect
 
@@ -47,7 +48,7 @@ def test_a_search_ends_where_it_has_been(monkeypatch: pytest.MonkeyPatch) -> Non
         raise AssertionError(f"went on: {text}")
 
     friction = stage("coulomb_friction", (), torque=(0.2, 0.01))
-    way = Way(friction.fit, SimpleNamespace())  # type: ignore[arg-type]
+    way = Way(friction.fit, SimpleNamespace(effort=Effort()))  # type: ignore[arg-type]
     quest: Any = SimpleNamespace(start=None, progress=begun, limit=6)
     assert onwards(way, quest, met=[frozenset({friction.added})]) == way
     with pytest.raises(AssertionError, match="went on"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -19,10 +19,13 @@ from workbench.comparison import (
 from workbench.core import Recording
 from workbench.models import Model
 
+from .effort import Effort
+
 _BLOCKS = 5  # contiguous folds of a lone recording; a recording of half of all rows has half as many
 # Where a model cannot reach the noise, a signal with little noise would rule alone; this share of its
 # present error counts as noise when signals are weighed against each other.
 _TOLERANCE = 0.03
+_NOISY = 6  # runs of each recording that a noise floor takes
 HEARD = 1.1  # squared error over the noise from which held-out recordings have something to say
 
 
@@ -48,6 +51,7 @@ class Data:
             (N, 2, n) each; used for the scatter of estimates.
         weight: one over the deviation that residuals are divided by, (2, n); 0 for absent signals.
         silent: whether held-out recordings show nothing of what the model lacks, so that folds judge.
+        effort: what was simulated so far, one count for all data of a search.
     """
 
     recordings: tuple[Recording, ...]
@@ -58,6 +62,7 @@ class Data:
     draws: tuple[tuple[np.ndarray, ...], ...]
     weight: np.ndarray
     silent: bool = False
+    effort: Effort = field(default_factory=Effort)
 
     @property
     def held_out(self) -> bool:
@@ -114,6 +119,21 @@ class Data:
         order = np.argsort(-excess)
         enough = np.searchsorted(np.cumsum(excess[order]), share * excess.sum()) + 1
         return tuple(sorted(int(i) for i in order[:enough]))
+
+    def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
+        """`Replay.run`, counted."""
+        self.effort.add(self.recordings[:first], len(models))
+        return self.replay.run(models, first)
+
+    def of_model(self, model: Model, seed: int) -> tuple[Data, Simulated]:
+        """The same recordings with the noise floor of a model's own runs, and these.
+
+        Raises:
+            SimulationError: the model is unstable in a recording's loop.
+        """
+        self.effort.add(self.recordings, _NOISY)
+        simulated = self.replay.with_noise(model, seed)
+        return replace(floor_of(self.replay, self.training, simulated), effort=self.effort), simulated
 
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
         """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
@@ -172,7 +192,7 @@ def gather(
     """
     replay = replay_of(model, (*training, *held_out))
     simulated = replay.with_noise(model, seed)
-    data = floor_of(replay, len(training), simulated)
+    data = replace(floor_of(replay, len(training), simulated), effort=Effort.for_search(training))
     return data.reweighed(data.mean_squares(simulated.clean)), simulated
 
 

@@ -19,7 +19,7 @@ from workbench.simulation import scored_torque
 
 from .data import Data
 from .evidence import Clues
-from .findings import NEAR, findings_of, near_line, ranking_of, refuting_line, step_of
+from .findings import NEAR, cut_short_line, findings_of, near_line, ranking_of, refuting_line, step_of
 from .judging import EXPLAINED, contradicted, stands_out
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, UnstableLoop, search
@@ -193,6 +193,7 @@ def _diagnosis(found: Search) -> Diagnosis:
             *refuting_line(verdict, found),
             *(less.lines if less and not named else ()),
             *near_line(verdict, found),
+            *cut_short_line(found),
             *(clues.of_rest(after.where) if clues else ()),
         ),
         shapes=clues.shapes if clues else (),

@@ -131,3 +131,13 @@ def _estimated(applied: AppliedEffect) -> str:
 def _value(name: str, estimate: Estimate) -> str:
     unit = estimate.unit.replace("*", " ")
     return f"{name} {estimate.value:.3g} ± {2 * estimate.std:.2g} {unit}".strip()
+
+
+def cut_short_line(found: Search) -> tuple[str, ...]:
+    """That there may be more to find, where a search ended because it had simulated enough."""
+    if not found.cut_short:
+        return ()
+    return (
+        "the search ended after as many simulations as it may take, before everything was tried; fewer or "
+        "shorter recordings, or the model that `improve` wrote, let it look further",
+    )

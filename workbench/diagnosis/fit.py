@@ -29,7 +29,7 @@ PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of no
 
 def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
     """Training objective of hypotheses as they are; infinite where they do not run."""
-    squares = [data.mean_squares(runs) for runs in data.replay.run([h.model for h in hypotheses])]
+    squares = [data.mean_squares(runs) for runs in data.run([h.model for h in hypotheses])]
     return np.array([data.objective(data.pool(s)) if np.isfinite(s).all() else np.inf for s in squares])
 
 
@@ -121,7 +121,7 @@ def race(
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
     """Run what is to be tried; keep it where it is better, else shorten the next step."""
-    results = data.replay.run([w.tried.model for w in works])
+    results = data.run([w.tried.model for w in works])
     for work, runs in zip(works, results, strict=True):
         mean_squares = data.mean_squares(runs)
         value = data.objective(data.pool(mean_squares)) if np.isfinite(mean_squares).all() else np.inf

@@ -39,6 +39,8 @@ def otherwise(way: Way, quest: Quest) -> Way:
         (two_at_once, _sure),
     )
     for begin, enough in beginnings:
+        if data.effort.spent:
+            return way
         stages = begin(quest.scene, data, start, quest.progress)
         if not stages:
             continue
@@ -55,7 +57,7 @@ def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
     tried: set[tuple[Keys, EffectKey]] = set()
     yield from _refined(way, quest, tried)
     for leap in (partial(_by_torque, quest), partial(_boldly, way, quest)):
-        bold = leap()
+        bold = None if quest.data.effort.spent else leap()
         if bold is not None:
             other = _through(bold, quest)
             yield other
@@ -71,6 +73,8 @@ def _refined(way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]]) -> Iter
         before = way.stages[:k]
         current = before[-1].fit if before else quest.start
         step = keys_of(current), stage.added
+        if quest.data.effort.spent:
+            return
         if passed_over(stage.added, stage.ranking) and step not in tried:
             tried.add(step)
             quest.progress(f"beginning again from where {stage.added} was taken")
@@ -85,7 +89,8 @@ def fewer(way: Way, quest: Quest) -> Way:
     Where what was found first had rivals, what came after may only mend the choice.
     """
     size = _parameters(way)
-    if len(way.stages) < 2 or size < 3 or not any(s.rivals for s in way.stages[:-1]):
+    few = len(way.stages) < 2 or size < 3
+    if few or quest.data.effort.spent or not any(s.rivals for s in way.stages[:-1]):
         return way
     stages = two_at_once(quest.scene, quest.data, quest.start, quest.progress)
     if stages is None:

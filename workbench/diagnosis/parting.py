@@ -24,7 +24,7 @@ def parting(found: Fit, data: Data) -> np.ndarray:
     Returns:
         Per recording, (R, 2, n); zero where fewer than two of the runs are finite.
     """
-    runs = [found.simulated, *data.replay.run([h.model for h in _around(found.hypothesis)])]
+    runs = [found.simulated, *data.run([h.model for h in _around(found.hypothesis)])]
     apart = []
     for one, other in combinations(runs, 2):
         rows = [

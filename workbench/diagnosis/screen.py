@@ -108,7 +108,7 @@ def on_the_ground(scene: Scene, data: Data) -> list[Candidate]:
     for key, coefficients, shape in tried:
         values = effect_named(key.effect).to_parameters(coefficients, shape)
         models.append(scene.model.with_effect(applied_effect(scene.model, AppliedEffect(key), values)))
-    squares = [data.mean_squares(runs) for runs in data.replay.run(models)] if models else []
+    squares = [data.mean_squares(runs) for runs in data.run(models)] if models else []
     part = data.held_out_judges
     judged = [data.objective(data.pool(s, part)) if np.isfinite(s).all() else np.inf for s in squares]
     best: dict[EffectKey, Candidate] = {}

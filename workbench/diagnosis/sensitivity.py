@@ -259,6 +259,7 @@ def _marched(
                 {k: part for k, c in enumerate(own) if (part := getattr(c, name)[i]) is not None}
                 for name in ("tap", "command", "reading")
             )
+            data.effort.add(data.recordings[i : i + 1], width)
             loops.append(scene.loops[i])
             disturbances.append(Disturbance(torque, taps, commands, readings))
     flat = iter(data.replay.propagate(loops, disturbances) if loops else ())
@@ -275,7 +276,7 @@ def _empty(run: Recording) -> np.ndarray:
 def _tried(scenes: Sequence[Scene], trials: Sequence[Sequence[Trial]], data: Data) -> list[list[np.ndarray]]:
     """The same by differences of simulations, all in one batch; what does not run changes nothing."""
     asked = [t.model for own in trials for t in own]
-    runs = data.replay.run(asked, len(scenes[0].runs)) if asked else []
+    runs = data.run(asked, len(scenes[0].runs)) if asked else []
     made = iter([r for own in runs for r in own])
     out = []
     for scene, own in zip(scenes, trials, strict=True):

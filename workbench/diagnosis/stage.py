@@ -69,6 +69,11 @@ class Search:
     by_axis: Mapping[str, float] = field(default_factory=dict)
 
     @property
+    def cut_short(self) -> bool:
+        """Whether it left something unexplained when it had simulated as much as it may."""
+        return self.start_data.effort.spent and not self.consistent_after
+
+    @property
     def final(self) -> Fit:
         """The last accepted fit."""
         return self.stages[-1].fit if self.stages else self.start

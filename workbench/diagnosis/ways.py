@@ -14,7 +14,7 @@ from workbench.core import EffectKey, SimulationError
 from workbench.effects import effect_named
 
 from .by_axis import explained_by_axis
-from .data import Data, floor_of
+from .data import Data
 from .hypothesis import Fit
 from .judging import (
     EXPLAINED,
@@ -89,7 +89,7 @@ def onwards(
     start, progress = quest.start, quest.progress
     most = len(stages) + quest.limit
     while not done and len(stages) < most and not (stages and as_good_as_done(current, start, data)):
-        if keys_of(current) in met:
+        if keys_of(current) in met or data.effort.spent:
             break
         progress(f"screening effects, step {len(stages) + 1}")
         scene, screened = screened_at(current, data, quest) if stages else (quest.scene, quest.screened)
@@ -171,10 +171,9 @@ def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[D
     Where noise is more than its loop stands, it is judged by the noise of the model before, and has no runs.
     """
     try:
-        simulated = data.replay.with_noise(found.hypothesis.model, seed)
+        fresh, simulated = data.of_model(found.hypothesis.model, seed)
     except SimulationError:
         return data.reweighed(found.mean_squares).heard(found.mean_squares), None
-    fresh = floor_of(data.replay, data.training, simulated)
     if wide and wanders(found):
         fresh = replace(fresh, floor=np.maximum(fresh.floor, parting(found, data)))
     return fresh.reweighed(found.mean_squares).heard(found.mean_squares), simulated

@@ -1,0 +1,59 @@
+"""A search ends by what it has simulated, never by the clock, and says so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import workbench.diagnosis.effort as effort
+from workbench.diagnosis import diagnose
+from workbench.diagnosis.effort import Effort
+from workbench.effects import load_model
+from workbench.rigs import HiddenEffect
+
+from .rig import recordings
+
+BOTH = (
+    HiddenEffect("coulomb_friction", "hip", parameters={"torque": 0.5}),
+    HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3}),
+)
+
+
+def test_work_is_counted_in_steps_of_coordinates() -> None:
+    (one, *_), _ = recordings(seed=1)
+    seldom = replace(one, time=one.time * 10.0)
+    counts = []
+    for recording in (one, seldom):
+        count = Effort()
+        count.add((recording,), 3)
+        counts.append(count.done)
+    assert counts[0] == 3 * len(one) * 2
+    assert counts[1] == pytest.approx(10 * counts[0]), "between rows far apart there are steps too"
+    assert not Effort().spent
+    assert Effort(most=1.0, done=2.0).spent
+
+
+def test_more_data_may_take_more_work() -> None:
+    training, _ = recordings(seed=1)
+    assert Effort.for_search(training).most < Effort.for_search(training * 50).most
+
+
+def test_a_search_that_ends_early_says_so_and_is_the_same_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    training, held_out = recordings(*BOTH)
+    model = load_model("leg")
+    monkeypatch.setattr(effort, "_STEPS", 1e6)
+    monkeypatch.setattr(effort, "_RUNS", 1)
+    first, again = (diagnose(model, training, held_out) for _ in range(2))
+    assert any("ended after as many simulations" in line for line in first.evidence)
+    assert [f.key for f in first.findings] == [f.key for f in again.findings]
+    assert first.unexplained_fraction == again.unexplained_fraction
+    assert np.isfinite(first.unexplained_fraction)
+
+
+def test_a_search_that_finds_everything_says_nothing_of_it() -> None:
+    training, held_out = recordings(BOTH[0])
+    found = diagnose(load_model("leg"), training, held_out)
+    assert [f.key.effect for f in found.findings] == ["coulomb_friction"]
+    assert not any("ended after" in line for line in found.evidence)
