@@ -43,7 +43,7 @@ def test_more_data_may_take_more_work() -> None:
 def test_a_search_that_ends_early_says_so_and_is_the_same_again(monkeypatch: pytest.MonkeyPatch) -> None:
     training, held_out = recordings(*BOTH)
     model = load_model("leg")
-    monkeypatch.setattr(effort, "_STEPS", 1e6)
+    monkeypatch.setattr(effort, "_STEPS", 1e5)
     monkeypatch.setattr(effort, "_RUNS", 1)
     first, again = (diagnose(model, training, held_out) for _ in range(2))
     assert any("ended after as many simulations" in line for line in first.evidence)

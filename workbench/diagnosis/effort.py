@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 from workbench.core import Recording
 
-# Steps of one coordinate after which nothing new is begun: ten times what one missing effect of a minute at
-# 1 kHz of two axes takes, some minutes on two cores. Long recordings are worth as many runs of each.
-_STEPS, _RUNS = 4e8, 800
+# Steps of one coordinate after which nothing new is begun: twenty times what one missing effect takes in a
+# minute of two axes at 1 kHz, some minutes on two cores. Longer recordings are run so often at least.
+_STEPS, _RUNS = 1e8, 200
+_COLUMN = 0.1  # of a run: what a column takes that travels along a linearised loop
 _TICK = 1e-3  # s; simulation takes no longer steps, however seldom was recorded
 
 
@@ -35,9 +36,9 @@ class Effort:
         """Whether nothing new is to be begun."""
         return self.done > self.most
 
-    def add(self, recordings: Sequence[Recording], times: int) -> None:
-        """Counts so many runs of these recordings, or columns that travel along them."""
-        self.done += times * _steps(recordings)
+    def add(self, recordings: Sequence[Recording], runs: int = 0, columns: int = 0) -> None:
+        """Counts so many runs of these recordings, and columns that travel along them."""
+        self.done += (runs + _COLUMN * columns) * _steps(recordings)
 
 
 def _steps(recordings: Sequence[Recording]) -> float:

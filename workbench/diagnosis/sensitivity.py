@@ -259,7 +259,7 @@ def _marched(
                 {k: part for k, c in enumerate(own) if (part := getattr(c, name)[i]) is not None}
                 for name in ("tap", "command", "reading")
             )
-            data.effort.add(data.recordings[i : i + 1], width)
+            data.effort.add(data.recordings[i : i + 1], columns=width)
             loops.append(scene.loops[i])
             disturbances.append(Disturbance(torque, taps, commands, readings))
     flat = iter(data.replay.propagate(loops, disturbances) if loops else ())
