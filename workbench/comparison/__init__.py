@@ -7,6 +7,7 @@ from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
 from .simulated import Simulated
+from .swings import is_free
 
 __all__ = [
     "DRAWS",
@@ -20,6 +21,7 @@ __all__ = [
     "compare_logs",
     "evaluate",
     "followed",
+    "is_free",
     "needs_inverse",
     "normalised",
     "replay_of",

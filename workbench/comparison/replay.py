@@ -19,6 +19,7 @@ from .grounded import Grounded
 from .noise import DRAWS, NoiseModel
 from .simulated import Simulated
 from .standing import on_ground
+from .swings import Swings, is_free
 
 
 class Replay(Protocol):
@@ -76,7 +77,8 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     """How these recordings can be held against models like this one.
 
     Where one is on the ground, all run in short windows; where one loop is unknown, or open and drifting,
-    all are replayed along their measured motion: so that one score counts.
+    all are replayed along their measured motion: so that one score counts. What nothing drives runs swing by
+    swing.
 
     Raises:
         InputError: a loop is unknown and no torque was recorded.
@@ -84,6 +86,8 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     noise = noise or NoiseModel.of(recordings)
     if any(map(on_ground, recordings)):
         return Grounded(model, recordings, noise)
+    if all(map(is_free, recordings)):
+        return Swings(recordings, noise)
     if not any(needs_inverse(model, r) for r in recordings) and not drifts(model, recordings):
         known = with_loops(model, recordings)
         return ClosedLoop(known, noise.with_unlogged_rate([prepare(r, model) for r in known]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
 
 from workbench.core import Recording
@@ -9,6 +11,7 @@ from workbench.recordings import NoiseLevels
 
 _WINDOW_S, _SHORTEST = 0.03, 5  # of a window; rows
 _HALF_S = 0.003  # about a start
+_ORDER = 5  # of a polynomial that follows an eighth of a period either way
 
 
 def half_rows(period: float) -> int:
@@ -16,18 +19,25 @@ def half_rows(period: float) -> int:
     return max(2, round(_HALF_S / period))
 
 
-def local_state(recording: Recording, levels: NoiseLevels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def local_state(
+    recording: Recording, levels: NoiseLevels, half: int | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Position and velocity (N, n) at every row, and the deviation (n,) that noise leaves of the latter.
 
     A parabola through the positions, its slope through the measured velocities, each by its noise, over the
-    rows about each; the first and last rows take those of the next that has enough.
+    rows about each; the first and last rows take those of the next that has enough. Over `half` rows before
+    and behind, if given: then as high an order as these bear.
     """
-    half, period = half_rows(recording.period), recording.period
+    period, order = recording.period, 2
+    if half is None:
+        half = half_rows(period)
+    else:
+        order = min(_ORDER, max(2, half - 1))
     position, velocity, spread = np.empty_like(recording.position), np.empty_like(recording.position), []
     measured = None if "velocity" in recording.derived else recording.get("velocity")
     t = np.arange(-half, half + 1) * period
-    basis = np.stack([np.ones_like(t), t, 0.5 * t**2], axis=1)
-    slopes = np.stack([np.zeros_like(t), np.ones_like(t), t], axis=1)
+    basis = np.stack([t**k / factorial(k) for k in range(order + 1)], axis=1)
+    slopes = np.hstack([np.zeros((len(t), 1)), basis[:, :-1]])
     for i in range(position.shape[1]):
         noise = _known(levels.position_std[i], 1e-9)
         rows, values = basis / noise, [recording.position[:, i] / noise]

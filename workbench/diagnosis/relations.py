@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.comparison import is_free
 from workbench.comparison.inverse import lowpass, torque_at_tap
 from workbench.core import Recording
 from workbench.core.units import torque_unit
@@ -57,8 +58,9 @@ class Missing:
 
     Attributes:
         torque: measured less required torque, (N, n), each recording's mean taken off [N m or N].
-        position, speed, acceleration: of the motion, (N, n).
-        load: the torque that the model needs for it, (N, n).
+        position, speed: of the motion, (N, n).
+        acceleration: of it, (N, n); load: the torque that the model needs for it, (N, n); both zero where
+            nothing drives it.
         time: since the start of each recording, (N,) [s].
         temperature: (N, n) [K], or None where one recording has none.
         start: rows at which recordings start.
@@ -110,7 +112,10 @@ def missing_torque(
         if scored_torque(recording) is None or len(recording) < 100:
             continue
         to_actuator = np.eye(model.size) if recording.coordinates == "actuator" else model.transmission
-        track = smooth_track(recording, run, to_actuator, levels.position_std, levels.velocity_std)
+        # what nothing drives begins anew at each swing, and all its torque is load and inertia
+        free = is_free(recording)
+        about = None if free else run
+        track = smooth_track(recording, about, to_actuator, levels.position_std, levels.velocity_std)
         tap = torque_at_tap(plant, recording, track, to_actuator)
         stride = max(1, round(_STEP_S / recording.period))
         edge = min(len(recording) // 10, int(0.1 / recording.period))
@@ -123,7 +128,8 @@ def missing_torque(
         good = recording.valid[rows]
         heat = recording.get("temperature")
         warm.append(None if heat is None else heat[rows][good])
-        columns = (rest - rest[good].mean(axis=0), thin.position, thin.velocity, thin.acceleration, needed)
+        pushed, load = (np.zeros_like(needed) if free else x for x in (thin.acceleration, needed))
+        columns = (rest - rest[good].mean(axis=0), thin.position, thin.velocity, pushed, load)
         parts.append((*(c[good] for c in columns), recording.time[rows][good], stride * recording.period))
     if not parts:
         return None

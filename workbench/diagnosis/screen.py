@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from workbench.comparison import is_free
 from workbench.core import EffectKey, Recording
 from workbench.effects import effect_named, places
 from workbench.models import AppliedEffect, Placement
@@ -248,6 +249,8 @@ def _strength(scene: Scene, columns: list[Column]) -> float:
         return float(np.sqrt(np.mean(there))) if there else 0.0
 
     motor = size([m.torque for m in scene.motions])
+    if all(map(is_free, scene.data.recordings)):  # then what accelerates the mechanism stands for the motor's
+        motor = size([np.einsum("kij,kj->ki", m.inertia(), m.acceleration) for m in scene.motions])
     moved = size([m.position - m.position.mean(axis=0) for m in scene.motions])
     rate = size([m.velocity for m in scene.motions])
     shares = [

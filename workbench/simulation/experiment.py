@@ -111,7 +111,8 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         if replayed is None:
             raise InputError(
                 "an open loop without any torque cannot be run", file=recording.source,
-                column="torque_command", remedy="name the column of the torque command",
+                column="torque_command",
+                remedy="name the column of the torque command, one of zeros where nothing drives it",
             )  # fmt: skip
         period = recording.period
     elif controller.kind != "unknown" and reference is None:

@@ -24,11 +24,19 @@ from .world import march, world_of
 
 @dataclass(frozen=True)
 class Run:
-    """One model on one recording; with `noise`, sensors are noisy and the noise goes round the loop."""
+    """One model on one recording.
+
+    Attributes:
+        model, recording: what runs, and how.
+        noise: with it, sensors are noisy and the noise goes round the loop.
+        start: position and rate (2, n) at the first row, the recording's coordinates; without it, as the
+            recording and its loop say.
+    """
 
     model: Model
     recording: Recording
     noise: SensorNoise | None = None
+    start: np.ndarray | None = None
 
 
 def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
@@ -47,7 +55,7 @@ def simulate(runs: Sequence[Run], *, strict: bool = True) -> list[Recording]:
     Raises:
         SimulationError: unstable (with `strict`), naming model, recording and time.
     """
-    experiments = [prepare(run.recording, run.model) for run in runs]
+    experiments = [_prepared(run, run.model) for run in runs]
     compiled: dict[tuple[int, float], Plant | None] = {}
     for run, e in zip(runs, experiments, strict=True):
         if (id(run.model), e.step) not in compiled:
@@ -76,9 +84,17 @@ def _compiled(model: Model, step: float, strict: bool) -> Plant | None:
         return None
 
 
+def _prepared(run: Run, model: Model) -> Experiment:
+    """The experiment of a run, from where it begins."""
+    e = prepare(run.recording, model)
+    if run.start is None:
+        return e
+    return replace(e, start=run.start @ (np.linalg.inv(e.transmission) @ e.to_actuator).T)
+
+
 def _again(model: Model, run: Run) -> Recording:
     """Another model, run the same way."""
-    experiment = prepare(run.recording, model)
+    experiment = _prepared(run, model)
     return _run(replace(run, model=model), experiment, compile_plant(model, experiment.step))
 
 
