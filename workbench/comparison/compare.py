@@ -28,6 +28,7 @@ from .replay import replay_of
 from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 from .standing import check_ground, on_ground
+from .swings import is_free
 from .where import locate
 
 # A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
@@ -231,7 +232,7 @@ def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
     notes = []
     for r in recordings:
         notes += [f"{r.name}: {note}" for note in r.notes]
-        if scored_torque(r) == "torque_command":
+        if scored_torque(r) == "torque_command" and not is_free(r):
             notes.append(
                 f"{r.name}: torque was not measured behind the drive; the command is compared instead"
             )
