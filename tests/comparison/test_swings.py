@@ -50,6 +50,11 @@ def test_what_was_held_first_counts_from_its_release() -> None:
     assert starts(recorded(moving))[0][0] < PERIOD / STEP
 
 
+def test_noise_of_what_hangs_still_is_explained(tmp_path: Path) -> None:
+    still = [recorded(np.zeros(2000), seed=k) for k in range(3)]
+    assert compare(pendulum(tmp_path), still).consistent
+
+
 def test_few_rows_are_refused() -> None:
     with pytest.raises(InputError, match="too few for a motion that nothing drives"):
         starts(recorded(swing(0.8, duration=0.1)))

@@ -49,9 +49,12 @@ def swing_starts(recording: Recording, levels: NoiseLevels) -> tuple[np.ndarray,
     # a slope over the rows that say the state
     rise = position[2 * half :] - position[: -2 * half]
     speed = np.sum((rise / np.maximum(np.ptp(position, axis=0), 1e-300)) ** 2, axis=1)
+    # among rows that stand, noise alone would choose, and the worst of it
+    speed[(np.abs(rise) < _AWAY * np.sqrt(2.0) * noise).all(axis=1)] = 0.0
 
     def fastest(low: int, high: int) -> int:
-        return low + int(np.argmax(speed[low - half : high - half]))
+        own = speed[low - half : high - half]
+        return low + (int(np.argmax(own)) if own.any() else len(own) // 2)
 
     out = [fastest(first, first + max(1, swing // 2))]
     while (high := out[-1] + 5 * swing // 4 + 1) <= rows - max(half, _LEAST):
