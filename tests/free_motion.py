@@ -1,4 +1,4 @@
-"""Motion that nothing drives, integrated without the project's simulator: a pendulum and a wheel."""
+"""Motion that nothing drives, integrated without the project's simulator: a pendulum."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ from .standing import (
     tap_torque,
     without_ground,
 )
-from .starts import local_state
+from .starts import local_state, shaken
 
 
 class Grounded:
@@ -106,8 +106,9 @@ class Grounded:
         for seeds in noise_seeds(len(clean), draws, seed):
             seen = [self._seen(s, n) for s, n in zip(smooth, seeds, strict=True)]
             moved = on_all_cores(lambda s: s.run(plant), seen)
-            parts = zip(clean, smooth, still, seen, moved, strict=True)
-            noisy.append(tuple(_shaken(*each) for each in parts))
+            quiet, shown = ([s.recording for s in standing] for standing in (smooth, seen))
+            parts = zip(clean, quiet, still, shown, moved, strict=True)
+            noisy.append(tuple(shaken(*each) for each in parts))
         return Simulated(self.recordings, tuple(clean), tuple(noisy), self.noise)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
@@ -202,26 +203,6 @@ def force_squares(simulated: Simulated, index: int) -> tuple[np.ndarray, np.ndar
     rows, made = measured.valid, clean.extra[FORCE]
     noise = [(draw[index].extra[FORCE] - made)[rows] ** 2 for draw in simulated.noisy]
     return ((measured.extra[FORCE] - made)[rows] ** 2).mean(axis=0), np.mean(noise, axis=(0, 1))
-
-
-def _shaken(
-    clean: Recording, smooth: Standing, still: Recording, seen: Standing, moved: Recording
-) -> Recording:
-    """A run with what noise does to the difference of a recording and a run from its own states."""
-
-    def of(own: str, part: str) -> np.ndarray:
-        recorded, quiet = (getattr(s.recording, part)[own] for s in (seen, smooth))
-        return (
-            getattr(clean, part)[own]
-            + recorded
-            - quiet
-            - getattr(moved, part)[own]
-            + getattr(still, part)[own]
-        )
-
-    names = [name for name in ("position", GROUND_TORQUE) if name in smooth.recording.signals]
-    extra = {FORCE: of(FORCE, "extra")} if on_ground(smooth.recording) else {}
-    return replace(clean.with_signals(**{name: of(name, "signals") for name in names}), extra=extra)
 
 
 def _step_of(recording: Recording) -> tuple[int, float]:

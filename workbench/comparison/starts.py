@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import factorial
 
 import numpy as np
 
 from workbench.core import Recording
 from workbench.recordings import NoiseLevels
+from workbench.simulation import GROUND_TORQUE
 
 _WINDOW_S, _SHORTEST = 0.03, 5  # of a window; rows
 _HALF_S = 0.003  # about a start
@@ -84,3 +86,28 @@ def choose_starts(recording: Recording, force: np.ndarray | None) -> np.ndarray:
         away = np.abs(np.arange(low, low + len(own)) - start)
         out.append(low + int(np.argmin(own * (1.0 + 0.05 * away))))
     return np.unique(np.array(out, int))
+
+
+def shaken(
+    clean: Recording, quiet: Recording, still: Recording, seen: Recording, moved: Recording
+) -> Recording:
+    """A run with what noise does to the difference of a recording and a run from its own states.
+
+    Args:
+        clean: the run from the recording's states.
+        quiet, still: the recording as smooth as these states, and the run from there.
+        seen, moved: that as noisy sensors would have shown it, and the run from there.
+    """
+
+    def of(own: str, part: str) -> np.ndarray:
+        run, smooth, there, shown, elsewhere = (
+            getattr(r, part)[own] for r in (clean, quiet, still, seen, moved)
+        )
+        return run + shown - smooth - elsewhere + there
+
+    signals = [name for name in ("position", GROUND_TORQUE) if name in quiet.signals]
+    extra = [name for name in clean.extra if name in quiet.extra]
+    return replace(
+        clean.with_signals(**{name: of(name, "signals") for name in signals}),
+        extra={name: of(name, "extra") for name in extra},
+    )

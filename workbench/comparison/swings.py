@@ -32,7 +32,7 @@ from workbench.simulation import (
 
 from .noise import DRAWS, NoiseModel, noise_seeds
 from .simulated import Simulated
-from .starts import local_state
+from .starts import local_state, shaken
 from .swing_starts import swing_starts
 
 _TORQUES = ("torque_command", "torque_measured", "torque_feedforward")
@@ -134,7 +134,7 @@ class Swings:
             seen = [self._seen(q, s) for q, s in zip(quiet, seeds, strict=True)]
             (moved,) = self._made([model], self._swinging, seen)
             each = zip(clean, quiet, still, seen, moved, strict=True)
-            noisy.append(tuple(_shaken(*parts) for parts in each))
+            noisy.append(tuple(shaken(*parts) for parts in each))
         return Simulated(self.recordings, clean, tuple(noisy), self.noise)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
@@ -226,11 +226,3 @@ def _part(d: Disturbance, part: slice) -> Disturbance:
         {k: x[part] for k, x in d.commands.items()},
         {k: x[:, part] for k, x in d.readings.items()},
     )
-
-
-def _shaken(
-    clean: Recording, quiet: Recording, still: Recording, seen: Recording, moved: Recording
-) -> Recording:
-    """A run with what noise does to the difference of a recording and a run from its own states."""
-    noise = (seen.position - quiet.position) - (moved.position - still.position)
-    return clean.with_signals(position=clean.position + noise)
