@@ -69,12 +69,12 @@ def _refined(way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]]) -> Iter
 
     No step is taken again that is among `tried`, to which it is added.
     """
+    if quest.data.effort.spent:
+        return
     for k, stage in enumerate(way.stages):
         before = way.stages[:k]
         current = before[-1].fit if before else quest.start
         step = keys_of(current), stage.added
-        if quest.data.effort.spent:
-            return
         if passed_over(stage.added, stage.ranking) and step not in tried:
             tried.add(step)
             quest.progress(f"beginning again from where {stage.added} was taken")

@@ -133,6 +133,7 @@ def _blocks(
     """All effects in all places and shapes, in blocks of `size` columns that are numbered from `first`."""
     columns: list[Column] = []
     entries: list[Entry] = []
+    sizes = _sizes(scene)
     for key in places(scene.model):
         if key in taken:
             continue
@@ -152,7 +153,7 @@ def _blocks(
             columns += own
             where = start + len(linear) if fixed is not None else None
             numbers = list(range(start, start + len(linear)))
-            entries.append(Entry(key, shape, numbers, where, _strength(scene, own)))
+            entries.append(Entry(key, shape, numbers, where, _strength(own, sizes)))
     yield columns, entries
 
 
@@ -241,24 +242,30 @@ def _shifted(piece: Normal, index: list[int], fixed: Sequence[int]) -> Normal:
     return piece.pick(index)
 
 
-def _strength(scene: Scene, columns: list[Column]) -> float:
-    """What one unit of the largest column does: torque over the motor's, or a reading over the motion's."""
+def _size(parts: Sequence[np.ndarray | None]) -> float:
+    """Root mean square of all that is there."""
+    there = [np.mean(p**2) for p in parts if p is not None]
+    return float(np.sqrt(np.mean(there))) if there else 0.0
 
-    def size(parts: Sequence[np.ndarray | None]) -> float:
-        there = [np.mean(p**2) for p in parts if p is not None]
-        return float(np.sqrt(np.mean(there))) if there else 0.0
 
-    motor = size([m.torque for m in scene.motions])
+def _sizes(scene: Scene) -> tuple[float, float, float]:
+    """Of the motors' torque, of the motion and of its rate."""
+    motor = _size([m.torque for m in scene.motions])
     if all(map(is_free, scene.data.recordings)):  # then what accelerates the mechanism stands for the motor's
-        motor = size([np.einsum("kij,kj->ki", m.inertia(), m.acceleration) for m in scene.motions])
-    moved = size([m.position - m.position.mean(axis=0) for m in scene.motions])
-    rate = size([m.velocity for m in scene.motions])
+        motor = _size([np.einsum("kij,kj->ki", m.inertia(), m.acceleration) for m in scene.motions])
+    moved = _size([m.position - m.position.mean(axis=0) for m in scene.motions])
+    return motor, moved, _size([m.velocity for m in scene.motions])
+
+
+def _strength(columns: list[Column], sizes: tuple[float, float, float]) -> float:
+    """What one unit of the largest column does: torque over the motor's, or a reading over the motion's."""
+    motor, moved, rate = (max(x, 1e-300) for x in sizes)
     shares = [
         max(
-            size(c.torque) / max(motor, 1e-300),
-            size(c.command) / max(motor, 1e-300),
-            size([None if r is None else r[0] for r in c.reading]) / max(moved, 1e-300),
-            size([None if r is None else r[1] for r in c.reading]) / max(rate, 1e-300),
+            _size(c.torque) / motor,
+            _size(c.command) / motor,
+            _size([None if r is None else r[0] for r in c.reading]) / moved,
+            _size([None if r is None else r[1] for r in c.reading]) / rate,
         )
         for c in columns
     ]
