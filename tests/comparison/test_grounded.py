@@ -87,7 +87,7 @@ def test_what_does_not_fit_is_told_in_one_line(tmp_path) -> None:
             having(MODEL, EffectKey("joint_compliance", "knee"), stiffness=60.0, damping=0.1),
             recording,
         ),
-        "a floating base is not run on the ground yet; leave its columns out": (
+        "the base moves, and that of model 'leg_on_plate' is fixed; give its MJCF a <freejoint/>": (
             MODEL,
             replace(recording, extra={**recording.extra, "base_position": force}),
         ),

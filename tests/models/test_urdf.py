@@ -76,7 +76,7 @@ def test_a_model_file_may_name_a_urdf(tmp_path: Path) -> None:
         (_ARM.replace("robot", "sdf"), "a URDF is a <robot>"),
         (_ARM.replace('value="2.0"', 'value="${mass}"'), "xacro"),
         (_ARM.replace("<robot", "<!DOCTYPE x><robot"), "document type"),
-        (_ARM.replace('type="revolute"', 'type="floating"'), "free or a ball"),
+        (_ARM.replace('type="revolute"', 'type="floating"'), "floats inside of another"),
         (_ARM.replace('<mass value="1.0"/>', '<mass value="-1.0"/>'), "MuJoCo cannot"),
         (_ARM[:400], "no XML"),
     ],

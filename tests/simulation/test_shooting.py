@@ -12,7 +12,7 @@ from tests.simulation.make import having
 from workbench.core import EffectKey
 from workbench.effects import compile_plant, load_model
 from workbench.models import Model
-from workbench.simulation import Windows, sensitivities, shoot
+from workbench.simulation import Tangents, Windows, shoot
 
 MODEL = load_model("leg_on_plate")
 SOFT = EffectKey("contact_compliance", None)
@@ -105,7 +105,9 @@ def test_small_changes_are_those_of_two_runs() -> None:
     push = np.stack([np.sin(30.0 * t), np.cos(50.0 * t)], axis=1)
     shift = np.stack([np.tile([0.1, -0.05], (len(t), 1)), np.zeros((len(t), 2))])
     zero = np.zeros_like(push)
-    moved, felt = sensitivities(plant, plan, np.stack([push, zero]), np.stack([np.zeros_like(shift), shift]))
+    moved, felt = Tangents(plant, plan).travel(
+        np.stack([push, zero]), np.stack([np.zeros_like(shift), shift])
+    )
     base = shoot(plant, plan)
     pushed = shoot(plant, replace(plan, torque=plan.torque + size * push))
     shifted = shoot(plant, replace(plan, position=plan.position - size * shift[0]))

@@ -106,7 +106,7 @@ def excite(
         said = ", ".join(f"--{name.replace('_', '-')}" for name in idle)
         raise InputError(f"a chirp has no {said}", remedy="leave that out, or take --kind multisine")
     check_outputs(output, json, force=force)
-    loaded = load_model(model)
+    loaded = load_model(model).on_its_stand("an excitation of its drives")
     asked = {name: value.value for name, value in parse_values(posture or []).items()}
     hold = held_posture(loaded, asked)
     size = amplitude or [1.0 if drive == "torque" else 0.1]

@@ -49,7 +49,8 @@ def frf(
     from .frf_output import frf_dict, frf_table
 
     check_outputs(json, html, figure, force=force)
-    loaded, data = read_model(model), read_recordings(recordings)
+    loaded = read_model(model).on_its_stand("a comparison of responses")
+    data = read_recordings(recordings)
     with progress(quiet) as tell:
         tell("estimating responses")
         found = compare_frf(loaded, data)

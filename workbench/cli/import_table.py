@@ -167,9 +167,9 @@ def _model_axes(model: str | None) -> tuple[tuple[str, ...], tuple[bool, ...], n
     from workbench.effects import axis_units, load_model
 
     loaded = load_model(model)
-    slides = tuple(unit == "m" for unit in axis_units(loaded))
-    plain = np.array_equal(loaded.transmission, np.eye(loaded.size))
-    return loaded.axes, slides, None if plain else loaded.transmission
+    n = len(loaded.driven)
+    slides, transmission = tuple(unit == "m" for unit in axis_units(loaded)[:n]), loaded.transmission[:n, :n]
+    return loaded.driven, slides, None if np.array_equal(transmission, np.eye(n)) else transmission
 
 
 def proposal_dict(proposal: Proposal, written: list[Path], found: Inspection) -> dict[str, Any]:

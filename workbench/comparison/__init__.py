@@ -1,6 +1,6 @@
 """How far a model is from measurements, and where."""
 
-from .compare import check_recordings, compare, evaluate, simulate_with_noise
+from .compare import compare, evaluate, matched, simulate_with_noise
 from .following import MeasuredMotion, followed
 from .long import compare_logs
 from .noise import DRAWS, NoiseModel
@@ -16,12 +16,12 @@ __all__ = [
     "Replay",
     "Scale",
     "Simulated",
-    "check_recordings",
     "compare",
     "compare_logs",
     "evaluate",
     "followed",
     "is_free",
+    "matched",
     "needs_inverse",
     "normalised",
     "replay_of",

@@ -20,6 +20,7 @@ from workbench.effects import axis_units
 from workbench.models import Model
 from workbench.simulation import check_axes, scored_torque
 
+from .floating import with_base
 from .grounded import force_squares
 from .inverse import inverse_dynamics
 from .lines import line_shares
@@ -55,11 +56,12 @@ def simulate_with_noise(
     return replay_of(model, recordings, noise).with_noise(model, seed, draws)
 
 
-def check_recordings(model: Model, recordings: Sequence[Recording]) -> None:
-    """Refuse recordings that cannot be compared with this model.
+def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Recordings as they are compared with this model: with the axes of a base that floats.
 
     Raises:
-        InputError: none given, other axes, or a transmission that changes with the posture.
+        InputError: none given, other axes, a base that floats on one side only, or a transmission that
+            changes with the posture.
     """
     if not recordings:
         raise InputError("no recordings given", remedy="name at least one recording's TOML file")
@@ -69,10 +71,12 @@ def check_recordings(model: Model, recordings: Sequence[Recording]) -> None:
             "constant one", file=model.source, column="transmission.posture_dependent",
             remedy="check and normalize know such mechanisms; compare and diagnose do not yet",
         )  # fmt: skip
-    for r in recordings:
+    out = tuple(with_base(r, model) for r in recordings)
+    for r in out:
         check_axes(r, model)
         if on_ground(r):
             check_ground(model, r)
+    return out
 
 
 def compare(
@@ -90,8 +94,7 @@ def compare(
         InputError: recordings that do not fit the model.
         SimulationError: the model is unstable in the recording's loop.
     """
-    check_recordings(model, recordings)
-    simulated = simulate_with_noise(model, recordings, draws=draws, seed=seed)
+    simulated = simulate_with_noise(model, matched(model, recordings), draws=draws, seed=seed)
     return evaluate(model, simulated)
 
 

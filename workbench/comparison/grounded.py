@@ -21,14 +21,15 @@ from workbench.simulation import (
     GROUND_TORQUE,
     LONGEST_STEP,
     Disturbance,
+    Tangents,
     motion_of,
     on_all_cores,
     scored_torque,
-    sensitivities,
     smooth_track,
 )
 
 from .feet import Feet
+from .floating import floats
 from .noise import DRAWS, NoiseModel, noise_seeds
 from .simulated import Simulated
 from .standing import (
@@ -55,7 +56,7 @@ class Grounded:
         self.noise, self._model = noise, model
         self._step = _step_of(recordings[0])
         plant = compile_plant(model, self._step[1], grounded=True)
-        told = [white_noise(f, r.valid) for r in recordings if on_ground(r) for f in r.extra[FORCE].T]
+        told = [white_noise(f, r.valid) for r in recordings if FORCE in r.extra for f in r.extra[FORCE].T]
         known = [x for x in told if np.isfinite(x)]
         self._force_noise = float(np.median(known)) if known else 0.0
         self._standing = tuple(
@@ -112,31 +113,36 @@ class Grounded:
         return Simulated(self.recordings, tuple(clean), tuple(noisy), self.noise)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
-        """The motion that was measured, whatever the run, with what the feet do on it."""
-        del run
+        """The motion that was measured, whatever the run, with what the feet do on it.
+
+        Where no plate measured the force on the feet of a base that floats, it is that of the run.
+        """
         s, levels = self._standing[index], self.noise.levels
         track = smooth_track(s.recording, None, s.to_actuator, levels.position_std, levels.velocity_std)
         base = motion_of(track, without_ground(s.recording), plant, s.to_actuator)
         standing = self._compiled(plant.model)
         assert standing is not None
         feet = Feet.along(standing, track.position)
-        contact = None
-        if on_ground(s.recording):
+        contact, force = None, s.force
+        if FORCE not in s.recording.extra and floats(s.recording):
+            force = np.nan_to_num(run.extra[FORCE])
+        if FORCE in s.recording.extra:
             contact = feet.contact(s.windows.velocity, s.force, self._force_noise, s.velocity_noise)
 
         def required(other: Model) -> np.ndarray:
             held = feet if other is plant.model else Feet.along(self._on_ground(other), track.position)
-            return base.required(other) - held.torque(s.force) / base.gain
+            return base.required(other) - held.torque(force) / base.gain
 
         return replace(base, required=required, contact=contact)
 
-    def loop(self, plant: Plant, index: int, motion: Motion) -> tuple[Standing, Plant]:
+    def loop(self, plant: Plant, index: int, motion: Motion) -> tuple[Standing, Tangents]:
         """What `propagate` takes."""
         del motion
-        return self._standing[index], self._on_ground(plant.model)
+        standing = self._standing[index]
+        return standing, Tangents(self._on_ground(plant.model), standing.windows)
 
     def propagate(
-        self, loops: Sequence[tuple[Standing, Plant]], disturbances: Sequence[Disturbance]
+        self, loops: Sequence[tuple[Standing, Tangents]], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Through the windows, linearised row by row."""
         return on_all_cores(_respond, loops, disturbances)
@@ -174,7 +180,7 @@ class Grounded:
         seen = r.with_signals(position=q, velocity=w)
         if torque == "torque_measured":
             seen = seen.with_signals(torque_measured=u)
-        if GROUND_TORQUE in r.signals:
+        if FORCE in r.extra:
             felt = self._force_noise * generator.standard_normal(smooth.force.shape)
             seen = seen.with_signals(**{GROUND_TORQUE: r.signals[GROUND_TORQUE] + smooth.torque(felt)})
             seen = replace(seen, extra={**r.extra, FORCE: r.extra[FORCE] + felt})
@@ -195,10 +201,10 @@ class Grounded:
 def force_squares(simulated: Simulated, index: int) -> tuple[np.ndarray, np.ndarray] | None:
     """Mean squares of the force on the feet, (3 F,) each: measured minus simulated, and of the noise.
 
-    None for a recording that is not on the ground.
+    None where it was not measured.
     """
     measured, clean = simulated.recordings[index], simulated.clean[index]
-    if not (on_ground(measured) and on_ground(clean)):
+    if not (FORCE in measured.extra and FORCE in clean.extra):
         return None
     rows, made = measured.valid, clean.extra[FORCE]
     noise = [(draw[index].extra[FORCE] - made)[rows] ** 2 for draw in simulated.noisy]
@@ -211,15 +217,15 @@ def _step_of(recording: Recording) -> tuple[int, float]:
     return stride, recording.period / stride
 
 
-def _respond(loop: tuple[Standing, Plant], disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:
-    s, plant = loop
+def _respond(loop: tuple[Standing, Tangents], disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:
+    s, tangents = loop
     extra = np.array(disturbance.torque)
     # the torque at the tap was logged, whatever the model says of what is before it
     extra[list(disturbance.taps)] = 0.0
     readings = np.zeros((len(extra), 2, *extra.shape[1:]))
     for column, values in disturbance.readings.items():
         readings[column] = values
-    position, force = sensitivities(plant, s.windows, extra, readings)
+    position, force = tangents.travel(extra, readings)
     back = np.linalg.inv(s.to_actuator)
     position = np.einsum("ij,kjc->kic", back, position)
     torque = (

@@ -13,7 +13,7 @@ from workbench.models import Model
 from workbench.recordings import Log, Stretch
 from workbench.simulation import scored_torque
 
-from .compare import Sums, check_recordings, compare, concluded, notes_of
+from .compare import Sums, compare, concluded, matched, notes_of
 from .inverse import inverse_of, torque_sums
 from .lines import line_shares
 from .noise import DRAWS
@@ -56,18 +56,24 @@ def compare_logs(
     held = [s for s in sources if isinstance(s, Recording)]
     if len(held) == len(sources):
         return compare(model, held, draws=draws, seed=seed)
+    if model.floats:
+        raise InputError(
+            f"the base of model '{model.name}' floats, which is not run from logs too long to be held",
+            file=next(s.source for s in sources if not isinstance(s, Recording)),
+            remedy="cut shorter recordings out of them",
+        )  # fmt: skip
     progress("reading the logs", 0.0)
     survey = Survey(model)
     for source in sources:
         survey.add(source, _pieces(source))
-    check_recordings(model, survey.sample)
-    standing = next((r for r in survey.sample if on_ground(r)), None)
+    sample = matched(model, survey.sample)
+    standing = next((r for r in sample if on_ground(r)), None)
     if standing is not None:
         raise InputError(
             "recordings on the ground are not run from logs too long to be held", file=standing.source,
             column="columns.ground_force", remedy="cut shorter ones out of them",
         )  # fmt: skip
-    replay = replay_of(model, survey.sample)
+    replay = replay_of(model, sample)
     scale = survey.scale(replay.recordings)
     parts = []
     for i, source in enumerate(sources):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.core import InputError, Recording
+from workbench.core import Controller, InputError, Recording
 from workbench.effects import FEWEST_SLIPS, Contact, Plant, effect_named, ratio_in_slip
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
@@ -14,6 +14,7 @@ from workbench.recordings.resample import looks_held
 from workbench.simulation import GROUND_TORQUE, Windows, scored_torque, shoot
 
 from .feet import Feet
+from .floating import floats
 from .starts import choose_starts, half_rows, local_state
 
 FORCE = "ground_force"
@@ -21,37 +22,33 @@ _PRESSED, _LEAST = 6.0, 0.02  # of the force's noise, of its largest: a foot tha
 
 
 def on_ground(recording: Recording) -> bool:
-    """Whether a recording was made on the ground: it has the ground's force."""
-    return FORCE in recording.extra
+    """Whether a recording was made on the ground: it has the ground's force, or a base that floats."""
+    return FORCE in recording.extra or floats(recording)
 
 
 def check_ground(model: Model, recording: Recording) -> None:
     """Refuse a recording on the ground that this model cannot stand through.
 
     Raises:
-        InputError: the model has no ground, or other feet; the base floats; no torque was recorded; or an
-            effect has a state that no sensor shows.
+        InputError: the model has no ground, or other feet; no torque was recorded; or an effect has a state
+            that no sensor shows.
     """
 
     def refuse(problem: str, column: str, remedy: str) -> InputError:
         return InputError(problem, file=recording.source, column=column, remedy=remedy)
 
+    measured = recording.extra.get(FORCE)
     if model.ground is None:
         raise refuse(
-            f"the recording is on the ground, and model '{model.name}' has none", f"columns.{FORCE}",
+            f"the recording is on the ground, and model '{model.name}' has none",
+            f"columns.{'base_position' if measured is None else FORCE}",
             "add a [ground] table to the model (docs/models.md), or leave these columns out",
         )  # fmt: skip
-    forces, feet = recording.extra[FORCE].shape[1], len(model.ground.feet)
-    if forces != 3 * feet:
+    forces, feet = 0 if measured is None else measured.shape[1], len(model.ground.feet)
+    if measured is not None and forces != 3 * feet:
         raise refuse(
             f"{forces} columns, and model '{model.name}' has {feet} feet", f"columns.{FORCE}",
             "give fx, fy, fz for every foot, in the order of ground.feet",
-        )  # fmt: skip
-    moving = next((name for name in recording.extra if name.startswith("base_")), None)
-    if moving is not None:
-        raise refuse(
-            "a floating base is not run on the ground yet", f"columns.{moving}",
-            "leave its columns out if the base was fixed",
         )  # fmt: skip
     if scored_torque(recording) is None:
         raise refuse(
@@ -96,7 +93,7 @@ class Standing:
         back = np.linalg.inv(self.to_actuator).T
         signals = {"position": shots.position @ back, "velocity": shots.velocity @ back}
         signals["torque_command"] = signals["torque_measured"] = self.windows.torque @ self.to_actuator
-        signals[GROUND_TORQUE] = self.torque(shots.force)
+        signals[GROUND_TORQUE] = self.torque(shots.force if FORCE in r.extra else np.zeros_like(shots.force))
         before = slice(0, int(self.windows.starts[0]))
         for name, values in signals.items():
             values[before] = r.signals.get(name, values)[before]
@@ -136,15 +133,18 @@ def stand(
     windows = Windows(starts, q @ to_actuator.T, w @ to_actuator.T, torque, recording.period, stride)
     feet = Feet.along(plant, windows.position)
     signals, valid = dict(recording.signals), _whole(recording, starts)
+    if on_ground(recording):
+        valid &= _before_impacts(starts, half_rows(recording.period), force, force_noise, feet.depth)
     if force is None:
+        # nor is there a torque to be held against: a signal that never moves is left out
         force = np.zeros((len(recording), 3 * len(plant.contacts)))
-    else:
-        signals[GROUND_TORQUE] = feet.torque(force) @ to_actuator
-        valid &= ~_touches_down(force, force_noise)
+    signals[GROUND_TORQUE] = feet.torque(force) @ to_actuator
     noise = np.abs(to_actuator) @ spread
     contact = feet.contact(windows.velocity, force, force_noise, noise)
-    notes = (*recording.notes, *_notes(contact, on_ground(recording)))
-    replayed = replace(recording, signals=signals, valid=valid, notes=notes)
+    notes = (*recording.notes, *_notes(contact, FORCE in recording.extra))
+    # the torque that was logged drives every window, whatever loop it came from
+    loop = Controller("none") if recording.controller.kind == "unknown" else recording.controller
+    replayed = replace(recording, signals=signals, valid=valid, notes=notes, controller=loop)
     return Standing(replayed, windows, to_actuator, feet, force, noise)
 
 
@@ -186,9 +186,23 @@ def _notes(contact: Contact, measured: bool) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _touches_down(force: np.ndarray, noise: float) -> np.ndarray:
-    """Rows (N,) about a foot's touchdown, where a fraction of a row decides how large the force is."""
-    feet = np.linalg.norm(force.reshape(len(force), -1, 3), axis=-1)
-    pressed = feet > np.maximum(_PRESSED * noise, _LEAST * feet.max(axis=0))
-    first = np.diff(pressed.astype(int), axis=0, prepend=pressed[:1]).max(axis=1) > 0
-    return np.convolve(first, np.ones(3), "same") > 0
+def _before_impacts(
+    starts: np.ndarray, half: int, force: np.ndarray | None, noise: float, depth: np.ndarray
+) -> np.ndarray:
+    """Rows (N,) up to the first touchdown of their window, of windows that begin away from one.
+
+    Where in a row a foot lands decides how hard, and how it bounces; no log tells, and all that follows
+    until the next window depends on it. A start there follows a velocity that jumps.
+    """
+    pressed = depth > 0.0
+    if force is not None:
+        feet = np.linalg.norm(force.reshape(len(force), -1, 3), axis=-1)
+        pressed = feet > np.maximum(_PRESSED * noise, _LEAST * feet.max(axis=0))
+    landing = np.diff(pressed.astype(int), axis=0, prepend=pressed[:1]).max(axis=1, initial=0) > 0
+    out = np.ones(len(landing), bool)
+    for start, end in zip(starts, np.append(starts[1:], len(out)), strict=True):
+        hits = np.flatnonzero(landing[start:end])
+        # a foot touches a row before its force is seen
+        last = start + max(hits[0] - 1, 0) if len(hits) else end
+        out[start if landing[max(start - half, 0) : start + half + 1].any() else last : end] = False
+    return out

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.comparison import Simulated, check_recordings, evaluate, followed
+from workbench.comparison import Simulated, evaluate, followed, matched
 from workbench.core import (
     Comparison,
     Diagnosis,
@@ -53,7 +53,7 @@ def diagnose(
         InputError: recordings that do not fit the model, or that show neither loop nor torque.
         SimulationError: the model is unstable in a recording's loop.
     """
-    _check(model, training, held_out)
+    training, held_out = _matched(model, training, held_out)
     return _diagnosis(_searched(model, training, held_out, seed, LIMIT, progress))
 
 
@@ -81,7 +81,7 @@ def improve(
     Raises:
         InputError, SimulationError: as `diagnose`.
     """
-    _check(model, training, held_out)
+    training, held_out = _matched(model, training, held_out)
     found = _searched(model, training, held_out, seed, limit, progress)
     diagnosis = _diagnosis(found)
     named = diagnosis.verdict == "missing_effect"
@@ -142,10 +142,10 @@ def _searched(
         return found
 
 
-def _check(model: Model, training: Sequence[Recording], held_out: Sequence[Recording]) -> None:
-    check_recordings(model, training)
-    for r in (*training, *held_out):
-        check_recordings(model, [r])
+def _matched(
+    model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
+) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+    return matched(model, training), matched(model, held_out) if held_out else ()
 
 
 def _diagnosis(found: Search) -> Diagnosis:

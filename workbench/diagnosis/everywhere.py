@@ -136,7 +136,7 @@ def _promising(
     pieces, held_out = equations(scene, [], columns, data, start.simulated)
     floor, excess = floor_of_judging(data), _excess(start, data)
     options = (*((name,) for name in names), _FRICTION, _DRIVES)
-    everywhere = set(scene.model.axes)
+    everywhere = set(scene.model.driven)
     tries = [(option, everywhere) for option in options]
     for option in options:
         gains = {a: start.judged - _least(at_drives, option, a) for a in everywhere}

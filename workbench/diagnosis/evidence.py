@@ -151,7 +151,8 @@ def _worst(missing: Missing) -> str:
 
 def _without_rotor(model: Model) -> list[str]:
     """Why no spring could be tried behind a motor: what would stay on its other side?"""
-    bare = [axis for axis, inertia in zip(model.axes, rotors(model)[0], strict=True) if inertia == 0.0]
+    inertia = dict(zip(model.axes, rotors(model)[0], strict=True))
+    bare = [axis for axis in model.driven if inertia[axis] == 0.0]
     advice = (
         "move the motor's part of the inertia into the armature of its joint, and a spring behind it is tried"
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from workbench.comparison import check_recordings
+from workbench.comparison import matched
 from workbench.core import EffectKey, InputError, Recording
 from workbench.effects import effect_named
 from workbench.models import AppliedEffect, Model
@@ -42,7 +42,7 @@ def fit_effect(
         InputError: recordings that do not fit the model, or an effect that these cannot start a fit of.
         SimulationError: the model is unstable in a recording's loop.
     """
-    check_recordings(model, recordings)
+    recordings = matched(model, recordings)
     progress("simulating the model and its noise")
     data, simulated = gather(model, recordings, (), seed)
     start = starting_fit(model, data, simulated.clean)

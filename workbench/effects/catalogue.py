@@ -110,7 +110,7 @@ def places(model: Model) -> tuple[EffectKey, ...]:
         else:
             candidates = [
                 EffectKey(effect.name, axis, location)
-                for index, axis in enumerate(model.axes)
+                for index, axis in enumerate(model.driven)
                 for location in effect.locations
                 if location == "actuator" or _pin_differs(model, index)
             ]

@@ -38,8 +38,8 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
     def refuse(problem: str, remedy: str = "") -> InputError:
         return InputError(problem, file=model.source, remedy=remedy)
 
-    if effect.axes == "each" and key.axis not in model.axes:
-        choices = ", ".join(f"{effect.name}@{axis}" for axis in model.axes)
+    if effect.axes == "each" and key.axis not in model.driven:
+        choices = ", ".join(f"{effect.name}@{axis}" for axis in model.driven)
         raise refuse(f"{effect.name} acts on one axis, not on '{key.axis or 'all'}'", f"say which: {choices}")
     if effect.axes == "all" and key.axis is not None:
         raise refuse(f"{effect.name} acts on all axes at once", f"leave '@{key.axis}' out")

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from workbench.core import EffectKey, Estimate
-from workbench.models import AppliedEffect, Model, Placement, load_mjcf
+from workbench.models import AppliedEffect, Model, Placement, load_tree
 
 from .base import Door, Effect, Parameter
 from .chain import Build
@@ -46,7 +46,7 @@ class LinkLengthError(Effect):
         """To links that have an end: a further joint, or the payload site away from their own joint."""
         if key.axis is None:
             return False
-        if model.axes.index(key.axis) < model.size - 1:
+        if model.driven.index(key.axis) < len(model.driven) - 1:
             return True
         return model.payload_site is not None and _reach(model) > 0.0
 
@@ -115,5 +115,5 @@ def _hang_the_linkage(spec: mujoco.MjSpec, model: Model, length: float, more: fl
 
 def _reach(model: Model) -> float:
     """Distance of the payload site from the last joint [m]."""
-    site = load_mjcf(model.serial).site(model.payload_site)
+    site = load_tree(model.serial).site(model.payload_site)
     return float(np.linalg.norm(site.pos))

@@ -1,17 +1,19 @@
 """Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
 
 from .engine import silence
+from .floating import BASE_AXES
 from .from_table import structural_effect
 from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
 from .paths import find_model
 from .read import read_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds, rotors
-from .spec import load_mjcf
+from .spec import load_mjcf, load_tree
 from .write import model_text, write_model
 
 silence()
 
 __all__ = [
+    "BASE_AXES",
     "VARIANTS",
     "Actuators",
     "AppliedEffect",
@@ -24,6 +26,7 @@ __all__ = [
     "find_model",
     "joint_kinds",
     "load_mjcf",
+    "load_tree",
     "model_text",
     "read_model",
     "rotors",

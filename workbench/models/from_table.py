@@ -12,9 +12,10 @@ import numpy as np
 from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
 from workbench.core.paths import models_folder
 
+from .floating import BASE_AXES
 from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
 from .schema import ActuatorTable, EffectTable, GroundTable, ModelTable, ParameterTable
-from .spec import end_site, hinges_and_slides, load_mjcf
+from .spec import end_site, hinges_and_slides, load_tree
 
 _SINGULAR = 1e9  # condition of a transmission that no drives have
 _LINKAGE_KEYS = {"linkage_inertia": ("M11", "M12", "M22"), "linkage_gravity": ("g1", "g2")}
@@ -32,8 +33,10 @@ def from_table(table: ModelTable, file: Path) -> Model:
         InputError: anything wrong with it, or with the MJCF that it names.
     """
     serial = _resolve(file, table.serial, "serial")
-    spec = load_mjcf(serial)
-    axes, joints, matrix = _transmission(table, hinges_and_slides(spec, serial), file)
+    spec = load_tree(serial)
+    known = hinges_and_slides(spec, serial)
+    base = tuple(name for name in known if name in BASE_AXES)
+    axes, joints, matrix = _transmission(table, [name for name in known if name not in base], file)
     n = len(axes)
     payload_site = _payload_site(table, spec, file)
     linkage = Linkage(**table.linkage.model_dump()) if table.linkage else None
@@ -41,10 +44,10 @@ def from_table(table: ModelTable, file: Path) -> Model:
     return Model(
         name=table.name,
         serial=serial,
-        axes=axes,
-        joints=joints,
-        transmission=matrix,
-        actuators=_actuators(table.actuators, n, file),
+        axes=(*axes, *base),
+        joints=(*joints, *base),
+        transmission=_with_base(matrix, len(base)),
+        actuators=_actuators(table.actuators, n, len(base), file),
         closed_chain=_mechanism(table, n, file),
         posture_dependent=bool(table.transmission and table.transmission.posture_dependent),
         linkage=linkage,
@@ -55,8 +58,16 @@ def from_table(table: ModelTable, file: Path) -> Model:
         sliding_speed=table.friction.sliding_speed,
         flank_retardation_s=table.backlash.retardation_s,
         ground=_ground(table.ground, spec, file),
+        floats=bool(base),
         source=file,
     )
+
+
+def _with_base(matrix: np.ndarray, base: int) -> np.ndarray:
+    """A transmission with so many axes of the base, each a joint of its own."""
+    out, n = np.eye(len(matrix) + base), len(matrix)
+    out[:n, :n] = matrix
+    return out
 
 
 def _resolve(file: Path, name: str, key: str) -> Path:
@@ -116,11 +127,12 @@ def _transmission(
     return tuple(axes), tuple(joints), matrix
 
 
-def _actuators(table: ActuatorTable, n: int, file: Path) -> Actuators:
+def _actuators(table: ActuatorTable, n: int, base: int, file: Path) -> Actuators:
+    """Of n drives; the axes of a base that floats have none."""
     return Actuators(
-        _per_axis(table.inertia, n, file, "actuators.inertia"),
-        _per_axis(table.damping, n, file, "actuators.damping"),
-        _per_axis(table.torque_limit, n, file, "actuators.torque_limit"),
+        (*_per_axis(table.inertia, n, file, "actuators.inertia"), *[0.0] * base),
+        (*_per_axis(table.damping, n, file, "actuators.damping"), *[0.0] * base),
+        (*_per_axis(table.torque_limit, n, file, "actuators.torque_limit"), *[float("inf")] * base),
         table.delay_s,
         table.full_braking,
     )

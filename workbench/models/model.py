@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.core import Controller, EffectKey, Estimate, Mechanism
+from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
 from workbench.core.provenance import digest
 from workbench.core.shown import Shown
 
+from .floating import BASE_AXES
 from .mjcf import check_mjcf
 from .urdf import is_urdf
 
@@ -110,6 +111,7 @@ class Model(Shown):
         controller: the loop it usually runs in.
         payload_site: MJCF site that carries a payload.
         ground: what it stands on, where recordings are made on the ground.
+        floats: its base is free, and the last six axes (`floating.BASE_AXES`) are those of the base.
         sliding_speed: speed at which dry friction has its full value [rad/s; a tenth of it in m/s];
             below, an axis creeps. Bearings and gears do so, and no log tells 0 from a very small one.
         flank_retardation_s: damping of a gap's flanks over their stiffness [s], while they touch.
@@ -134,6 +136,7 @@ class Model(Shown):
     sliding_speed: float = 0.0005
     flank_retardation_s: float = 0.0
     ground: Ground | None = None
+    floats: bool = False
     source: Path | None = None
 
     @property
@@ -167,6 +170,25 @@ class Model(Shown):
     def size(self) -> int:
         """Number of axes n."""
         return len(self.axes)
+
+    @property
+    def driven(self) -> tuple[str, ...]:
+        """Axes that have a drive: all but those of a base that floats."""
+        return self.axes[: -len(BASE_AXES)] if self.floats else self.axes
+
+    def on_its_stand(self, doing: str) -> Model:
+        """This model, for what is done with machines whose base is fixed.
+
+        Raises:
+            InputError: its base floats; `doing` says what cannot be done with it.
+        """
+        if self.floats:
+            raise InputError(
+                f"the base of model '{self.name}' floats, and {doing} takes one that is fixed",
+                file=self.source,
+                remedy="take the <freejoint/> out of a copy of its MJCF",
+            )  # fmt: skip
+        return self
 
     def has(self, effect: str, axis: str | None = None) -> bool:
         """Whether an effect of this name (on this axis, if given) is in the model."""

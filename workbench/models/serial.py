@@ -13,7 +13,7 @@ import numpy as np
 from workbench.core import EffectKey
 
 from .model import Model
-from .spec import load_mjcf
+from .spec import load_tree
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
         timestep: integration step [s].
         held: joints that a rig holds still; they are removed.
     """
-    spec = load_mjcf(model.serial)
+    spec = load_tree(model.serial)
     for kind in (spec.keys, spec.sensors, spec.actuators):
         for element in list(kind):
             spec.delete(element)
@@ -104,7 +104,7 @@ def rotors(model: Model) -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=64)
 def _at_joints(serial: Path, joints: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Armature and damping (n,) of an MJCF's joints."""
-    m = load_mjcf(serial).compile()
+    m = load_tree(serial).compile()
     dofs = [m.joint(name).dofadr[0] for name in joints]
     return m.dof_armature[dofs].copy(), m.dof_damping[dofs].copy()
 
@@ -116,6 +116,6 @@ def joint_kinds(model: Model) -> tuple[str, ...]:
 
 @lru_cache(maxsize=64)
 def _kinds(serial: Path, joints: tuple[str, ...]) -> tuple[str, ...]:
-    spec = load_mjcf(serial)
+    spec = load_tree(serial)
     slide = mujoco.mjtJoint.mjJNT_SLIDE
     return tuple("slide" if spec.joint(name).type == slide else "hinge" for name in joints)

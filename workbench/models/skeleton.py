@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import Recording
 
 from .model import Model
-from .spec import load_mjcf
+from .spec import load_tree
 
 _FEWEST, _MOST = 64, 1800  # pictures; between them a page interpolates
 _RATE_HZ = 60.0
@@ -39,7 +39,7 @@ class Skeleton:
     @staticmethod
     def of(serial: Path) -> Skeleton:
         """Capsules and cylinders of an MJCF; where a body has none, lines from joint to joint."""
-        m = load_mjcf(serial).compile()
+        m = load_tree(serial).compile()
         rows: list[tuple[int, np.ndarray, float]] = []
         for body in range(1, m.nbody):
             own = _shapes(m, body) or _lines(m, body)

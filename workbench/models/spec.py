@@ -9,6 +9,7 @@ import mujoco
 from workbench.core import InputError
 
 from .engine import warned
+from .floating import take_apart
 from .mjcf import check_mjcf
 from .urdf import is_urdf, load_urdf
 
@@ -33,6 +34,17 @@ def load_mjcf(path: Path) -> mujoco.MjSpec:
         ) from error
 
 
+def load_tree(path: Path) -> mujoco.MjSpec:
+    """The same for a model: a base that floats hangs on six joints (`floating.BASE_AXES`).
+
+    Raises:
+        InputError: as `load_mjcf`; or several bodies float.
+    """
+    spec = load_mjcf(path)
+    take_apart(spec, path)
+    return spec
+
+
 def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
     """Names of its joints, of which each turns or slides, in a tree that MuJoCo can compile.
 
@@ -44,9 +56,9 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
     for joint in spec.joints:
         if joint.type not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
             raise InputError(
-                f"joint '{joint.name}' is free or a ball",
+                f"joint '{joint.name}' is a ball",
                 file=file,
-                remedy="a model has hinge and slide joints only: fix the base",
+                remedy="below its base a model has hinge and slide joints only",
             )
         if not joint.name:
             raise InputError("a joint has no name", file=file, remedy="name every joint")

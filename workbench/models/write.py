@@ -49,26 +49,27 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
     inside = tuple(structural_effect(name, model.linkage) for name in VARIANTS[model.variant])
     variant = model.variant if model.effects[: len(inside)] == inside else "kin_only"
     skip = len(VARIANTS[variant])
+    n = len(model.driven)  # of a base that floats the MJCF speaks
     table: dict[str, Any] = {
         "format": 1,
         "name": model.name,
         "serial": _relative(model.serial, folder),
         "variant": variant,
-        "axes": list(model.axes),
+        "axes": list(model.driven),
         "transmission": {
-            "joints": list(model.joints),
-            "matrix": model.transmission.tolist(),
+            "joints": list(model.joints[:n]),
+            "matrix": model.transmission[:n, :n].tolist(),
             **({"posture_dependent": True} if model.posture_dependent else {}),
         },
         "actuators": {
-            "inertia": list(model.actuators.inertia),
-            "damping": list(model.actuators.damping),
+            "inertia": list(model.actuators.inertia[:n]),
+            "damping": list(model.actuators.damping[:n]),
             "delay_s": model.actuators.delay_s,
             **({"full_braking": True} if model.actuators.full_braking else {}),
         },
     }
-    if any(np.isfinite(model.actuators.torque_limit)):
-        table["actuators"]["torque_limit"] = list(model.actuators.torque_limit)
+    if any(np.isfinite(model.actuators.torque_limit[:n])):
+        table["actuators"]["torque_limit"] = list(model.actuators.torque_limit[:n])
     if model.closed_chain:
         table["closed_chain"] = _closed_chain_table(model.closed_chain, folder)
     if model.controller.kind != "unknown":

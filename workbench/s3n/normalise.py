@@ -77,10 +77,10 @@ def normalise(
         integrator: of the file; None keeps the user's. ``Euler`` integrates a tendon's damping explicitly.
 
     Raises:
-        InputError: no such variant, or a transmission that changes with the posture.
+        InputError: no such variant, a base that floats, or a transmission that changes with the posture.
         SimulationError: MuJoCo cannot have the model as plain MJCF; says why.
     """
-    need_constant_transmission(model, "a plain MJCF file")
+    need_constant_transmission(model.on_its_stand("S3N"), "a plain MJCF file")
     model = model if variant is None else with_variant(model, variant)
     own = load_mjcf(model.serial)
     elastic = replace(model, flank_retardation_s=0.0)

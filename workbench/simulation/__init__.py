@@ -10,7 +10,7 @@ from .march import Disturbance, propagate
 from .motion import motion_of
 from .run import Run, simulate
 from .sense import true_motion
-from .shooting import Shots, Windows, sensitivities, shoot
+from .shooting import Shots, Tangents, Windows, shoot
 from .trajectory import TRUE_MOTION, Track, interpolate, joint_columns, smooth_track
 from .unlogged_rate import differentiates, rate_read
 
@@ -24,6 +24,7 @@ __all__ = [
     "Run",
     "SensorNoise",
     "Shots",
+    "Tangents",
     "Track",
     "Windows",
     "as_recording",
@@ -44,7 +45,6 @@ __all__ = [
     "required_torque",
     "rigid_torque",
     "scored_torque",
-    "sensitivities",
     "shoot",
     "simulate",
     "slopes",

@@ -12,7 +12,7 @@ from workbench.core import Controller, InputError, Recording
 from workbench.effects import axis_units
 from workbench.frf import Design, Limit
 from workbench.models import Model
-from workbench.models.spec import load_mjcf
+from workbench.models.spec import load_tree
 
 from .run import Run, simulate
 
@@ -51,7 +51,7 @@ def joint_limits(model: Model) -> list[tuple[float, float]]:
     """Range of every joint [rad or m]: the mechanism's, else the serial tree's, else none."""
     if model.closed_chain is not None and model.closed_chain.limits:
         return list(model.closed_chain.limits)
-    tree = load_mjcf(model.serial).compile()
+    tree = load_tree(model.serial).compile()
     joints = [tree.joint(name) for name in model.joints]
     return [tuple(float(x) for x in j.range) if tree.jnt_limited[j.id] else (-np.inf, np.inf) for j in joints]  # type: ignore[return-value]
 

@@ -7,7 +7,9 @@ Bock, "Recent advances in parameter identification techniques for O.D.E.", 1983)
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numba import njit
@@ -81,42 +83,89 @@ def shoot(plant: Plant, windows: Windows) -> Shots:
     return Shots(*seen, force)
 
 
-def sensitivities(
-    plant: Plant, windows: Windows, extra: np.ndarray, readings: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Small changes of what a model does in all windows, linearised row by row.
+@dataclass(frozen=True)
+class _Rows:
+    """What the rows of some windows do to small changes of state (2 nv) and torque (n).
 
-    Args:
-        plant, windows: as for `shoot`.
-        extra: torque on the mechanism of C columns, (C, N, n).
-        readings: change of the position and velocity that are read, (C, 2, N, n): where windows begin, the
-            true state is another by as much.
-
-    Returns:
-        Change of the position read, (N, n, C), and of the force on the feet, (N, 3 F, C); zero before the
-        first window.
+    `edges`: of the windows. `slopes`, `touch`: of the state after each row, and of the force in it,
+    (rows, 2 nv or 3 F, 2 nv + n).
     """
-    world, keep, states, shaft = _ready(plant, windows)
-    rows = len(windows.torque)
-    columns = plate_columns(plant.mujoco, plant.contacts)
-    lift = plant.lift @ np.linalg.inv(plant.model.transmission)
-    moved = np.concatenate(
-        [np.einsum("ji,cki->ckj", lift, -readings[:, k]) for k in range(2)],
-        axis=-1,
-    )
-    push_of = np.ascontiguousarray(np.moveaxis(extra, 0, -1))
-    starts_of = np.ascontiguousarray(np.moveaxis(moved, 0, -1))
-    state = np.zeros((rows, 2 * plant.mujoco.nv, len(extra)))
-    force = np.zeros((rows, len(columns), len(extra)))
-    _spread(
-        world, keep.data.sensordata, columns, shaft, windows.stride, _edges(windows), states,
-        push_of, starts_of, state, force,
-    )  # fmt: skip
-    position = np.einsum("ij,kjc->kic", plant.drives, state[:, : plant.mujoco.nv])
-    position[windows.starts[0] :] += np.moveaxis(readings[:, 0], 0, -1)[windows.starts[0] :]
-    return np.nan_to_num(position), np.nan_to_num(force)
+
+    edges: np.ndarray
+    slopes: np.ndarray
+    touch: np.ndarray
 
 
+@dataclass(frozen=True)
+class Tangents:
+    """How small changes travel through all windows of a plant, linearised row by row.
+
+    What the rows do is worked out once and kept, where it is not too much.
+    """
+
+    plant: Plant
+    windows: Windows
+
+    def travel(self, extra: np.ndarray, readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What C small changes come to.
+
+        Args:
+            extra: torque on the mechanism, (C, N, n).
+            readings: change of the position and velocity that are read, (C, 2, N, n): where windows begin,
+                the true state is another by as much.
+
+        Returns:
+            Change of the position read, (N, n, C), and of the force on the feet, (N, 3 F, C); zero before
+            the first window.
+        """
+        plant, rows = self.plant, len(self.windows.torque)
+        lift = plant.lift @ np.linalg.inv(plant.model.transmission)
+        moved = np.concatenate([np.einsum("ji,cki->ckj", lift, -readings[:, k]) for k in range(2)], axis=-1)
+        push_of = np.ascontiguousarray(np.moveaxis(extra, 0, -1))
+        starts_of = np.ascontiguousarray(np.moveaxis(moved, 0, -1))
+        state = np.zeros((rows, 2 * plant.mujoco.nv, len(extra)))
+        force = np.zeros((rows, 3 * len(plant.contacts), len(extra)))
+        for part in self._parts():
+            _travel(part.edges, part.slopes, part.touch, push_of, starts_of, state, force)
+        position = np.einsum("ij,kjc->kic", plant.drives, state[:, : plant.mujoco.nv])
+        begin = self.windows.starts[0]
+        position[begin:] += np.moveaxis(readings[:, 0], 0, -1)[begin:]
+        return np.nan_to_num(position), np.nan_to_num(force)
+
+    def _parts(self) -> Iterable[_Rows]:
+        return self._kept if self._numbers * len(self.windows.torque) <= _KEPT else self._worked_out()
+
+    @cached_property
+    def _kept(self) -> tuple[_Rows, ...]:
+        return tuple(self._worked_out())
+
+    @property
+    def _numbers(self) -> int:
+        """In one row."""
+        size = 2 * self.plant.mujoco.nv
+        return (size + 3 * len(self.plant.contacts)) * (size + self.windows.torque.shape[1])
+
+    def _worked_out(self) -> Iterator[_Rows]:
+        """Some windows after the other, each part of a size that can be held."""
+        world, keep, states, shaft = _ready(self.plant, self.windows)
+        columns, edges = plate_columns(self.plant.mujoco, self.plant.contacts), _edges(self.windows)
+        size = 2 * self.plant.mujoco.nv
+        together = max(1, _KEPT // self._numbers)
+        first = 0
+        while first < len(states):
+            last = max(first + 1, int(np.searchsorted(edges, edges[first] + together, "right")) - 1)
+            own = edges[first : last + 1]
+            shape = len(shaft[own[0] : own[-1]]), size + shaft.shape[1]
+            slopes, touch = np.zeros((shape[0], size, shape[1])), np.zeros((shape[0], len(columns), shape[1]))
+            _differentiate(
+                world, keep.data.sensordata, columns, shaft, self.windows.stride, own, states[first:last],
+                slopes, touch,
+            )  # fmt: skip
+            yield _Rows(own, slopes, touch)
+            first = last
+
+
+_KEPT = 20_000_000  # numbers of eight bytes
 _TOO_FAST = 1e4  # rad/s or m/s
 
 
@@ -178,7 +227,7 @@ def _shoot(
 
 
 @njit(cache=True, nogil=True)
-def _spread(
+def _differentiate(
     world: World,
     sensed: np.ndarray,
     columns: np.ndarray,
@@ -186,29 +235,19 @@ def _spread(
     stride: int,
     edges: np.ndarray,
     states: np.ndarray,
-    extra: np.ndarray,
-    starts: np.ndarray,
-    out: np.ndarray,
-    force: np.ndarray,
+    slopes: np.ndarray,
+    touch: np.ndarray,
 ) -> None:
-    """Fill changes of the state (N, 2 nv, C) and the force (N, 3 F, C).
-
-    `extra` (N, n, C) on the drives, `starts` (N, 2 nv, C) at the windows' beginnings.
-    """
-    joints, n, count, feet = len(world.speed), shaft.shape[1], out.shape[2], force.shape[1]
+    """Fill what each row of windows that begin in `states` does to small changes (see `_Rows`)."""
+    joints, n, feet = len(world.speed), shaft.shape[1], len(columns)
     size = 2 * joints
-    slopes, touch = np.zeros((size, size + n)), np.zeros((feet, size + n))
     base, felt, other, pushed = np.zeros((2, joints)), np.zeros(feet), np.zeros(feet), np.zeros(n)
     after, now, end = np.zeros((2, joints)), np.zeros((2, joints)), np.zeros((2, joints))
-    fresh = np.zeros((size, count))
     for w in range(len(states)):
         after[:] = states[w]
-        for c in range(count):
-            for i in range(size):
-                fresh[i, c] = starts[edges[w], i, c]
         for k in range(edges[w], edges[w + 1]):
+            row = k - edges[0]
             now[:] = after
-            out[k] = fresh
             _place(world, now)
             _row(world, sensed, columns, shaft[k], stride, felt)
             after[0], after[1] = world.position, world.speed
@@ -222,15 +261,33 @@ def _spread(
                 _row(world, sensed, columns, pushed, stride, other)
                 end[0], end[1] = world.position, world.speed
                 for j in range(size):
-                    slopes[j, i] = (end[j // joints, j % joints] - after[j // joints, j % joints]) / _PROBE
+                    slopes[row, j, i] = (
+                        end[j // joints, j % joints] - after[j // joints, j % joints]
+                    ) / _PROBE
                 for j in range(feet):
-                    touch[j, i] = (other[j] - felt[j]) / _PROBE
-            fresh[:] = 0.0
-            for i in range(size + n):
-                for c in range(count):
-                    value = out[k, i, c] if i < size else extra[k, i - size, c]
-                    if value != 0.0:
-                        for j in range(size):
-                            fresh[j, c] += slopes[j, i] * value
-                        for j in range(feet):
-                            force[k, j, c] += touch[j, i] * value
+                    touch[row, j, i] = (other[j] - felt[j]) / _PROBE
+
+
+@njit(cache=True, nogil=True)
+def _travel(
+    edges: np.ndarray,
+    slopes: np.ndarray,
+    touch: np.ndarray,
+    extra: np.ndarray,
+    starts: np.ndarray,
+    out: np.ndarray,
+    force: np.ndarray,
+) -> None:
+    """Fill changes of the state (N, 2 nv, C) and the force (N, 3 F, C) in the windows between `edges`.
+
+    `extra` (N, n, C) on the drives, `starts` (N, 2 nv, C) at the windows' beginnings.
+    """
+    size, count, n = out.shape[1], out.shape[2], extra.shape[1]
+    change, fresh = np.zeros((size + n, count)), np.zeros((size, count))
+    for w in range(len(edges) - 1):
+        fresh[:] = starts[edges[w]]
+        for k in range(edges[w], edges[w + 1]):
+            out[k] = fresh
+            change[:size], change[size:] = fresh, extra[k]
+            force[k] = touch[k - edges[0]] @ change
+            fresh = slopes[k - edges[0]] @ change

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench import report
-from workbench.comparison import Replay, check_recordings, evaluate, replay_of, score_runs
+from workbench.comparison import Replay, evaluate, matched, replay_of, score_runs
 from workbench.core import (
     Comparison,
     Diagnosis,
@@ -88,8 +88,7 @@ class Bench:
             InputError: not on the shelf, unreadable, or not made for each other.
         """
         loaded = self.shelf.model(model)
-        data = [self.shelf.recording(name) for name in recordings]
-        check_recordings(loaded, data)
+        data = matched(loaded, [self.shelf.recording(name) for name in recordings])
         names = [r.name for r in data]
         twice = next((n for n in names if names.count(n) > 1), None)
         if twice is not None:

@@ -30,9 +30,9 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
             both are the same mechanism, more where one is CAD and the other was identified.
 
     Raises:
-        InputError: the closed chain cannot be read.
+        InputError: the base floats, or the closed chain cannot be read.
     """
-    subject = Subject.of(model, samples, seed, tolerance)
+    subject = Subject.of(model.on_its_stand("a check of serial trees"), samples, seed, tolerance)
     checks, skipped = kinematic_checks(subject), []
     if subject.left_out:
         skipped.append(f"{', '.join(subject.left_out)}: what is no structure of S3N plays no part here")
