@@ -28,6 +28,10 @@ from .too_much import parameters_of, too_much
 
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
 _UNSTABLE = "The model is unstable in the loop"
+_NO_PAYLOAD = (
+    "a payload was not looked for: the model names no place for one; add a site where the machine ends, or "
+    "name one in [payload]"
+)
 _PLAIN = 2  # parameters of effects that leave but noise, which nobody asks whether a mass is wrong instead
 _OFF_GROUND = 1.5  # error over the noise floor
 
@@ -201,7 +205,10 @@ def _diagnosis(found: Search) -> Diagnosis:
         after=after,
         settled=_settled(found) if named else {},
         holdout_noise_error=_held_out_floor(found.final_data if named else found.start_data),
-        notes=tuple(dict.fromkeys(n for r in found.start_data.recordings for n in r.notes if _UNSTABLE in n)),
+        notes=(
+            *dict.fromkeys(n for r in found.start_data.recordings for n in r.notes if _UNSTABLE in n),
+            *([_NO_PAYLOAD] if verdict != "consistent" and found.model.payload_site is None else []),
+        ),
     )
 
 

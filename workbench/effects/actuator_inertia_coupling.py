@@ -23,6 +23,7 @@ class ActuatorInertiaCoupling(Effect):
     on_links = True
     basic = True
     axes = "all"
+    needs = "drives with inertia that move more than their own joints"
     source = "paper, Eqs. 10 to 14"
     shows = "inertia coupling between the axes at every posture; FRF off the diagonal"
     reveal = "sum- and difference-mode multisines about one posture"

@@ -39,6 +39,7 @@ class Backlash(Effect):
     locations = ("actuator", "joint")
     needs_the_past = True
     trace = Trace.ODD
+    needs = "inertia on both sides: of the drive in [actuators] or as armature, and of the link; once"
     source = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38(10), 2002"
     shows = "torque residual in bursts where the transmitted torque changes sign; small limit cycles"
     reveal = "slow reversals with little load on the axis, and a sweep of small amplitude"

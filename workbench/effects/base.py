@@ -105,6 +105,7 @@ class Effect(ABC):
         trace: what it leaves in a frequency response; None where that says nothing of it. On the input's
             side, or of a sensor on the output's.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
+        needs: what a model must have for it to apply, in words.
         locations: where on an axis it can sit.
         source: where the equation comes from.
         shows: against which quantity, in which band, odd or even: what evidence to look for.
@@ -132,6 +133,7 @@ class Effect(ABC):
     of_a_make: ClassVar[bool] = False
     trace: ClassVar[Trace | None] = None
     axes: ClassVar[Literal["each", "all"]] = "each"
+    needs: ClassVar[str] = "to be there once at most"
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     source: ClassVar[str]
     shows: ClassVar[str]

@@ -48,7 +48,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             f"{effect.name} cannot sit at the {key.location}", f"it sits at the {effect.locations[0]}"
         )
     if not effect.applies(model, key):
-        raise refuse(f"{effect.name} does not apply to model '{model.name}'", f"it needs: {effect.shows}")
+        raise refuse(f"{effect.name} does not apply to model '{model.name}'", f"it needs {effect.needs}")
     known = {p.name: p for p in effect.parameters}
     for name in applied.parameters:
         if name not in known:

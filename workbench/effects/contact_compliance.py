@@ -33,6 +33,7 @@ class ContactCompliance(Effect):
     nonlinear = ("stiffness", "damping")
     by_runs = True
     of_ground = True
+    needs = "a [ground] table, and to be there once at most"
     source = "Kelvin-Voigt contact; K. L. Johnson, Contact Mechanics, 1985, Ch. 6 and 11"
     shows = "normal force that grows with how deep the foot goes, where the model has a hard ground"
     reveal = "pressing slowly to several forces (stiffness), then stepping and bouncing on it (damping)"

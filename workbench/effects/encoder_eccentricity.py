@@ -25,6 +25,7 @@ class EncoderEccentricity(Effect):
     )
     door = Door.SENSOR
     tier = 1
+    needs = "an axis that turns"
     source = "disc off centre by d reads d/R sin(q + p) too much; Heidenhain, Rotary Encoders"
     shows = "position error with one period a turn; over a small arc like an offset and a scale"
     reveal = "a steady turn all the way round, or the widest arc, against a second encoder"

@@ -31,6 +31,7 @@ class GroundFriction(Effect):
     nonlinear = ("coefficient",)
     by_runs = True
     of_ground = True
+    needs = "a [ground] table, and to be there once at most"
     source = "Coulomb 1785; B. Brogliato, Nonsmooth Mechanics, 3rd ed. 2016, Ch. 4"
     shows = "tangential force that stays at a fixed share of the normal one while the foot slips"
     reveal = "pulling a pressed foot sideways until it slips, at several loads"

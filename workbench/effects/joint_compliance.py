@@ -42,6 +42,7 @@ class JointCompliance(Effect):
     locations = ("actuator", "joint")
     needs_the_past = True
     trace = Trace.RESONANCE
+    needs = "inertia on both sides: of the drive in [actuators] or as armature, and of the link; once"
     source = "Spong, Modeling and control of elastic joint robots, J. Dyn. Sys. Meas. Control 109, 1987"
     shows = "less inertia above, more below an antiresonance of the links; FRF with a dip and a peak"
     reveal = "a chirp or multisine of this axis up to beyond the resonance"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -23,10 +25,10 @@ _PROBE = 1e-3  # of the link's length: the change behind the column
 class LinkLengthError(Effect):
     """The far end of a link lies farther out by `length`, and what hangs there with it; no mass changes.
 
-    The link of an axis is the body of its joint; its far end is the next serial joint, on the last link the
-    payload site. In a parallelogram the thigh (hip) takes the coupler along, so that opposite sides stay
-    equal and the transmission stays what it is; a longer shank (knee) moves the foot alone, which on a
-    fixed base only a payload feels.
+    The link of an axis is the body of its joint; its far end is the next joint, on the last link the payload
+    site; a link that carries several others has no such end. In a parallelogram the thigh (hip) takes the
+    coupler along, so that opposite sides stay equal and the transmission stays what it is; a longer shank
+    (knee) moves the foot alone, which on a fixed base only a payload feels.
     """
 
     name = "link_length_error"
@@ -35,6 +37,7 @@ class LinkLengthError(Effect):
     on_links = True
     moves_feet = True
     tier = 1
+    needs = "a link that ends at one further joint, or at the payload site"
     source = "geometric calibration; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6"
     shows = (
         "inertia, coupling and gravity of the axis before the link, in the proportions of a mass at its end"
@@ -46,9 +49,7 @@ class LinkLengthError(Effect):
         """To links that have an end: a further joint, or the payload site away from their own joint."""
         if key.axis is None:
             return False
-        if model.driven.index(key.axis) < len(model.driven) - 1:
-            return True
-        return model.payload_site is not None and _reach(model) > 0.0
+        return _ends(model)[model.axes.index(key.axis)] is not None
 
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
@@ -75,10 +76,10 @@ class LinkLengthError(Effect):
     ) -> None:
         """The end of the link, and every body that sits just there."""
         assert place is not None
-        link = build.spec.joint(model.joints[place.index]).parent
+        link, end = build.spec.joint(model.joints[place.index]).parent, _ends(model)[place.index]
         ends: list[mujoco.MjsBody | mujoco.MjsSite | mujoco.MjsGeom]
-        if place.index + 1 < model.size:
-            ends = [build.spec.joint(model.joints[place.index + 1]).parent]
+        if end:
+            ends = [build.spec.joint(end).parent]
         else:
             site = build.spec.site(model.payload_site)
             feet = {build.spec.pair(name).geomname2 for name in build.contacts}
@@ -113,7 +114,32 @@ def _hang_the_linkage(spec: mujoco.MjSpec, model: Model, length: float, more: fl
             add_gravity(spec, model, beyond * more, 0.0)
 
 
-def _reach(model: Model) -> float:
-    """Distance of the payload site from the last joint [m]."""
-    site = load_tree(model.serial).site(model.payload_site)
-    return float(np.linalg.norm(site.pos))
+def _ends(model: Model) -> tuple[str | None, ...]:
+    """Where each axis's link ends: at a joint by name, at the payload site (empty), or nowhere (None)."""
+    return _ends_of(model.serial, model.joints, model.payload_site)
+
+
+@lru_cache(maxsize=64)
+def _ends_of(serial: Path, joints: tuple[str, ...], payload_site: str | None) -> tuple[str | None, ...]:
+    m = load_tree(serial).compile()
+    links = {name: int(m.joint(name).bodyid[0]) for name in joints}
+    last = {link: name for name, link in links.items()}  # of several joints of a body, the one next to it
+
+    def carrier(body: int) -> int:
+        """The link that a body belongs to; the world, if to none."""
+        while body and body not in last:
+            body = int(m.body_parentid[body])
+        return body
+
+    site = m.site(payload_site) if payload_site else None
+    out: list[str | None] = []
+    for name, link in links.items():
+        further = [b for b in last if carrier(int(m.body_parentid[b])) == link]
+        at_end = site is not None and carrier(int(site.bodyid[0])) == link and np.any(site.pos)
+        if last[link] != name or len(further) > 1:
+            out.append(None)
+        elif further:
+            out.append(last[further[0]] if np.any(m.body_pos[further[0]]) else None)
+        else:
+            out.append("" if at_end else None)
+    return tuple(out)

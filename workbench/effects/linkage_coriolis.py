@@ -27,6 +27,7 @@ class LinkageCoriolis(Effect):
     door = Door.MECHANISM
     on_links = True
     axes = "all"
+    needs = "a parallelogram of variant s3n_full_paper"
     source = "paper, the term neglected before Eq. 21"
     shows = "torque residual even in speed, growing with its square, zero where alpha = 0"
     reveal = "fast opposed swings with the knee bent"

@@ -28,6 +28,7 @@ class LinkageGravity(Effect):
     basic = True
     axes = "all"
     trace = Trace.EVEN
+    needs = "a parallelogram: two drives that turn two joints by ((1, 0), (1, 1))"
     source = "potential energy of the parallelogram; the paper leaves it out (after Eq. 21)"
     shows = "torque residual a sine of each drive's angle, at every speed"
     reveal = "a slow sweep over the widest range of both drives"

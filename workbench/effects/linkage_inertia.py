@@ -32,6 +32,7 @@ class LinkageInertia(Effect):
     tier = 1
     contains = ("reflected_inertia",)
     axes = "all"
+    needs = "a parallelogram: two drives that turn two joints by ((1, 0), (1, 1))"
     source = "paper, Eqs. 16 to 20"
     shows = "inertia of both drives and a coupling that varies with the cosine of the knee angle"
     reveal = "sum- and difference-mode multisines at several knee angles"

@@ -25,6 +25,7 @@ class PayloadMass(Effect):
     basic = True
     axes = "all"
     trace = Trace.EVEN
+    needs = "a place: name a site of the MJCF in [payload], or add one at the end"
     source = "Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8"
     shows = "inertia on all axes that move the site together with gravity of the same mass"
     reveal = "a slow sweep over the whole range (weight), then a fast chirp (inertia)"
