@@ -16,6 +16,7 @@ from rich.table import Table
 
 from workbench import load_model, report
 from workbench.core.palette import COLOURS, LINES
+from workbench.core.picture import Picture
 from workbench.models import Model
 from workbench.report.layout import table as new_table
 from workbench.s3n.gap import InertiaGap, inertia_gap
@@ -77,7 +78,7 @@ def terms_table(gap: InertiaGap) -> Table:
 
 def gap_figure(gap: InertiaGap) -> Figure:
     """Entries of the mass matrix over alpha by variant, and how much too fast Kin-Only answers."""
-    figure = Figure(figsize=(9.0, 2.9), layout="constrained")
+    figure = Picture(figsize=(9.0, 2.9), layout="constrained")
     axes = figure.subplots(1, 4)
     degrees = np.degrees(gap.alpha)
     for ax, (name, i, j) in zip(axes, _ENTRIES, strict=False):

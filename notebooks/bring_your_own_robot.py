@@ -44,6 +44,7 @@ found = diagnosis.findings[0]
 best = AppliedEffect(found.key, found.parameters)
 after = wb.compare(arm.with_effect(best), [sweep, check])
 figure = report.overlay_figure(before, "elbow", after=after)
+figure
 
 # %% [markdown]
 # **Answer.** Two files, and no line about columns, units or gains. The elbow has dry friction that the

@@ -23,6 +23,7 @@ figure = frf_figure(comparison)
 for name in comparison.models:
     print(f"{name:>12}: {100 * comparison.overall(name):5.1f} %")
 print(f"{'uncertainty':>12}: {100 * comparison.overall_noise:5.1f} %")
+figure
 
 # %% [markdown]
 # The same recordings give the leg's inertia, with intervals:

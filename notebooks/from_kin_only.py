@@ -17,6 +17,7 @@ result, better = wb.improve(wb.load_model("leg_kin_only"), recordings, judge)
 # %%
 report.print_table(report.improvement_table(result))
 figure = report.ladder_figure(result)
+figure
 
 # %% [markdown]
 # **Answer.** First the drives behind the transmission, then the linkage: the steps of S3N, found from

@@ -27,6 +27,7 @@ best = AppliedEffect(found.key, found.parameters)
 better = wb.load_model("leg").with_effect(best)
 before, after = wb.compare(wb.load_model("leg"), [judge]), wb.compare(better, [judge])
 figure = report.overlay_figure(before, "knee", after=after)
+figure
 
 # %% [markdown]
 # **Answer.** Yes: by name, in its place, and within its interval.

@@ -34,6 +34,7 @@ report.print_table(papers_table(leg))
 # %%
 report.print_table(terms_table(gap))
 figure = gap_figure(gap)
+figure
 
 # %% [markdown]
 # Are these numbers right? The closed chain in Drake, the tree in Pinocchio and MuJoCo and the closed forms

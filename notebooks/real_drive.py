@@ -28,6 +28,7 @@ result, better = wb.improve(wb.load_model("emps"), recordings)
 # %%
 report.print_table(report.improvement_table(result))
 figure = report.ladder_figure(result)
+figure
 
 # %% [markdown]
 # **Answer.** Friction, dry and viscous, is nearly all of the rest. The force that the better model needs

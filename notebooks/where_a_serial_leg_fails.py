@@ -22,6 +22,7 @@ for comparison in (baseline, normalised):
 
 # %%
 figure = report.overlay_figure(baseline, "knee", after=normalised)
+figure
 
 # %% [markdown]
 # **Answer.** In inertia: the residual grows with frequency, on both axes, because the baseline leaves out

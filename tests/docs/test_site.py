@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pytest.importorskip("mkdocs")
     folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
     # no proxy leads anywhere: a page that needs the network cannot be built
     dead = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
     environment = {**os.environ, **dead, "NO_MKDOCS_2_WARNING": "1"}
@@ -31,7 +31,10 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_page_is_there(site: Path) -> None:
     pages = {p.relative_to(ROOT / "docs").with_suffix(".html") for p in (ROOT / "docs").rglob("*.md")}
     assert pages and all((site / page).is_file() for page in pages)
-    assert "workbench.diagnosis.diagnose" in (site / "api.html").read_text()
+    python = (site / "api.html").read_text()
+    for function in ("comparison.compare.compare", "diagnosis.diagnose.improve", "inspection.inspect.inspect"):
+        assert f'id="workbench.{function}"' in python
+    assert "Sums" not in python, "modules stand there in place of functions"
 
 
 def test_nothing_is_fetched(site: Path) -> None:

@@ -74,7 +74,11 @@ def improve(
     """Diagnose and add until the data are explained.
 
     Args:
-        model, training, held_out, seed, progress: as for `diagnose`.
+        model: what we believe.
+        training: recordings to fit.
+        held_out: recordings that judge.
+        seed: of the noise simulations.
+        progress: told what is being done.
         limit: most effects to add one by one.
         nearest: where no cause can be named, add what lowers the error on data that were not fitted all the
             same. The verdict stays ``unexplained``.

@@ -21,11 +21,11 @@ _DOTS, _BAND = COLOURS["quiet"][0], COLOURS["rule"][0]
 
 def fit_figure(fit: Fit) -> Figure:
     """Measured response with its 95 % band and the fit, magnitude over phase, one column an entry."""
-    from matplotlib.figure import Figure  # slow to import, and only pictures need it
+    from workbench.core.picture import Picture  # slow to import, and only pictures need it
 
     first = fit.frfs[0]
     rows, columns = first.response.shape[1:]
-    figure = Figure(figsize=(3.2 * rows * columns + 0.8, 4.6), layout="constrained")
+    figure = Picture(figsize=(3.2 * rows * columns + 0.8, 4.6), layout="constrained")
     axes = figure.subplots(2, rows * columns, sharex=True, squeeze=False)
     for frf, model in zip(fit.frfs, fit.responses, strict=True):
         for k, (i, j) in enumerate(np.ndindex(rows, columns)):
@@ -50,7 +50,7 @@ def actuator_figure(found: ActuatorIdentification) -> Figure:
     low frequency, inertia in the roll-off, the delay in the phase. A delay of less than a row is drawn a row
     less and a row more instead.
     """
-    from matplotlib.figure import Figure
+    from workbench.core.picture import Picture
 
     frf, fit = found.frf, found.fit
     own = found.inertia.value, found.damping.value, found.delay.value
@@ -63,7 +63,7 @@ def actuator_figure(found: ActuatorIdentification) -> Figure:
         ("delay", names, [(own[0], own[1], delay) for delay in delays]),
     )
     measured, std, model = frf.response[:, 0, 0], frf.std[:, 0, 0], fit.responses[0][:, 0, 0]
-    figure = Figure(figsize=(9.6, 4.6), layout="constrained")
+    figure = Picture(figsize=(9.6, 4.6), layout="constrained")
     axes = figure.subplots(2, len(others), sharex=True, sharey="row")
     for k, (name, labels, values) in enumerate(others):
         _entry(axes[0, k], axes[1, k], frf.frequency, measured, std, model)

@@ -8,6 +8,7 @@ import mujoco
 from matplotlib.figure import Figure
 
 from workbench.core.palette import LINES
+from workbench.core.picture import Picture
 
 from .model import Model
 from .skeleton import Skeleton
@@ -34,7 +35,7 @@ def as_figure(model: Model) -> Figure:
     skeleton = Skeleton.of(model.serial)
     data = mujoco.MjData(skeleton.spec)
     mujoco.mj_kinematics(skeleton.spec, data)
-    figure = Figure(figsize=(4.2, 4.2), layout="constrained")
+    figure = Picture(figsize=(4.2, 4.2), layout="constrained")
     axes = figure.add_subplot(projection="3d")
     style = LINES["closed_chain"]
     for body, ends in zip(skeleton.body, skeleton.ends, strict=True):

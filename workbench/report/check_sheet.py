@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from workbench.core import Verification
+from workbench.core.picture import Picture
 
 from .figures import AFTER, FLOOR
 from .numbers import number, unit_text
@@ -127,7 +128,7 @@ def _stated(result: Verification) -> tuple[Section, ...]:
 
 def _figure(result: Verification) -> Figure:
     with mpl.rc_context({"font.size": 9}):
-        figure = Figure(figsize=(6.0, 2.8), layout="constrained")
+        figure = Picture(figsize=(6.0, 2.8), layout="constrained")
         ax = figure.subplots()
         ax.plot(result.alpha_deg, result.radius, color=AFTER, label="explicit injection")
         ax.axhline(1.0, color=FLOOR, ls=(0, (1, 2)), label="limit of stability")

@@ -16,6 +16,7 @@ from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 from workbench.core import Comparison, Diagnosis, Improvement, InputError
 from workbench.core.files import check_free, write_whole
 from workbench.core.palette import COLOURS, LINES
+from workbench.core.picture import Picture
 
 from .ladder import log_axis, rungs
 from .numbers import handy, number, plain
@@ -230,7 +231,7 @@ def _name(text: str) -> str:
 def _grid(
     rows: int, cols: int, size: tuple[float, float], heights: list[float] | None = None, **kwargs: Any
 ) -> tuple[Figure, np.ndarray]:
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Picture(figsize=size, layout="constrained")
     return figure, figure.subplots(rows, cols, squeeze=False, height_ratios=heights, **kwargs)
 
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from workbench.core import Comparison, Diagnosis, Recording
 from workbench.core.palette import LINES
+from workbench.core.picture import Picture
 from workbench.core.units import torque_unit
 
 from . import wording as w
@@ -108,7 +109,7 @@ def _(value: Recording) -> Figure:
     """Position and torque of every axis against time."""
     names = [(n, label) for n, label in _TRACES if value.get(n) is not None]
     with house_style():
-        figure = Figure(figsize=(7.2, 1.7 * len(names) * len(value.axes) + 0.4), layout="constrained")
+        figure = Picture(figsize=(7.2, 1.7 * len(names) * len(value.axes) + 0.4), layout="constrained")
         axes = figure.subplots(len(names) * len(value.axes), 1, sharex=True, squeeze=False)[:, 0]
         places = iter(axes)
         for k, axis in enumerate(value.axes):

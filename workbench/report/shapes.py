@@ -24,13 +24,13 @@ def shape_figure(result: Diagnosis) -> Figure:
     Args:
         result: a diagnosis that has some.
     """
-    from matplotlib.figure import Figure  # slow to load, and most results are drawn elsewhere
+    from workbench.core.picture import Picture  # slow to load, and most results are drawn elsewhere
 
     from .figures import house_style
 
     shown = result.shapes[:_MOST]
     with house_style():
-        figure = Figure(
+        figure = Picture(
             figsize=(3.6 * min(len(shown), 2), 2.9 * ((len(shown) + 1) // 2)), layout="constrained"
         )
         grid = figure.subplots((len(shown) + 1) // 2, min(len(shown), 2), squeeze=False)

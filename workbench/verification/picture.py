@@ -25,11 +25,11 @@ def frf_figure(comparison: FrfComparison, names: tuple[str, ...] | None = None) 
         comparison: one posture.
         names: models to draw; all if not given.
     """
-    from matplotlib.figure import Figure  # slow to import, and only pictures need it
+    from workbench.core.picture import Picture  # slow to import, and only pictures need it
 
     frf, shown = comparison.frf, names or tuple(comparison.models)
     ny, nu = frf.response.shape[1:]
-    figure = Figure(figsize=(2.9 * ny * nu + 0.9, 6.6), layout="constrained")
+    figure = Picture(figsize=(2.9 * ny * nu + 0.9, 6.6), layout="constrained")
     grid = figure.add_gridspec(3, ny * nu, height_ratios=(1.3, 1.0, 1.0))
     for column, (i, j) in enumerate(np.ndindex(ny, nu)):
         magnitude, phase = figure.add_subplot(grid[0, column]), figure.add_subplot(grid[1, column])
