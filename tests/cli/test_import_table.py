@@ -72,14 +72,12 @@ def test_yes_takes_the_likeliest_and_says_that_it_is_a_guess(tmp_path: Path) -> 
     assert done.returncode == 0 and "a guess" in done.stdout
 
 
-def test_on_a_terminal_it_asks(tmp_path: Path) -> None:
-    torque_in_doubt(tmp_path)
+def at_a_terminal(folder: Path, answer: str, *words: str) -> str:
+    """What is shown where a question is answered; it has to end well."""
     ours, theirs = pty.openpty()
-    done = subprocess.Popen(
-        [*WORKBENCH, "import", "run.csv"], cwd=tmp_path, stdin=theirs, stdout=theirs, stderr=theirs
-    )
+    done = subprocess.Popen([*WORKBENCH, *words], cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs)
     os.close(theirs)
-    os.write(ours, b"N*mm\n")
+    os.write(ours, f"{answer}\n".encode())
     shown = b""
     try:
         while part := os.read(ours, 4096):
@@ -87,8 +85,26 @@ def test_on_a_terminal_it_asks(tmp_path: Path) -> None:
     except OSError:  # the other end is closed
         pass
     assert done.wait() == 0, shown
-    assert b"unit of torque" in shown and b"Wrote run.toml" in shown
+    return shown.decode()
+
+
+def test_on_a_terminal_it_asks(tmp_path: Path) -> None:
+    torque_in_doubt(tmp_path)
+    shown = at_a_terminal(tmp_path, "N*mm", "import", "run.csv")
+    assert "unit of torque" in shown and "Wrote run.toml" in shown
     assert np.abs(load_recording(tmp_path / "run.toml").signals["torque_measured"] - LOG.tau).max() < 1e-9
+
+
+def test_yes_is_an_answer_to_is_it_so(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text(text(columns(LOG)))
+    joint = '<joint name="{}" axis="0 1 0"/><geom size="0.1" pos="0 0 -0.2"/>'
+    inner = f'<body pos="0 0 -0.2">{joint.format("second")}</body>'
+    (tmp_path / "arm.xml").write_text(
+        f"<mujoco><worldbody><body>{joint.format('first')}{inner}</body></worldbody></mujoco>"
+    )
+    shown = at_a_terminal(tmp_path, "yes", "import", "run.csv", "--model", "arm.xml")
+    assert "Is it so" in shown and "Wrote run.toml" in shown
+    assert load_recording(tmp_path / "run.toml").axes == ("first", "second")
 
 
 @pytest.mark.parametrize(

@@ -234,7 +234,22 @@ def test_encoder_counts_are_asked_for(tmp_path: Path) -> None:
         data[f"pos_ref_{joint}"] = LOG.ref[:, i] / (2 * np.pi) * 65536
     table = open_table(put(tmp_path, text(data)))
     assert [q.key for q in propose(table).questions] == ["counts"]
-    same(imported(table.file, Answers(counts=65536))[1], LOG)
+    proposal, recording = imported(table.file, Answers(counts=65536))
+    same(recording, LOG)
+    assert not any("wrong unit" in note for note in proposal.notes)
+
+
+@pytest.mark.parametrize("name", ["rpm", "speed"])
+def test_beside_encoder_counts_the_speed_tells_its_own_unit(tmp_path: Path, name: str) -> None:
+    data = columns(LOG, v=2 * np.pi / 60)
+    for joint, i in (("hip", 0), ("knee", 1)):
+        data[f"pos_{joint}"] = np.round(LOG.q[:, i] / (2 * np.pi) * 65536)
+        data[f"pos_ref_{joint}"] = LOG.ref[:, i] / (2 * np.pi) * 65536
+        data[f"{name}_{joint}"] = data.pop(f"vel_{joint}")
+    table = open_table(put(tmp_path, text(data)))
+    proposal = propose(table, Answers(counts=65536))
+    assert not proposal.questions and proposal.description["units"]["velocity"] == "rpm"
+    assert not any("wrong unit" in note for note in proposal.notes)
 
 
 def test_the_models_axes_by_name_and_by_order(tmp_path: Path) -> None:

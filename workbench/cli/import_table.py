@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from workbench.inspection import Inspection
     from workbench.proposing import Answers, Proposal, Question
 
+_YES = ("y", "yes", "ja")
 _ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
 
 
@@ -112,6 +113,8 @@ def _ask(question: Question, answers: Answers) -> Answers:
         text = str(typer.prompt("Answer", default=question.best or None, err=True)).strip()
         if text.isdigit() and 1 <= int(text) <= len(question.choices):
             text = question.choices[int(text) - 1]
+        if question.best and len(question.choices) <= 1 and text.lower() in _YES:
+            text = question.best
         try:
             return answers.with_answer(question.key, text)
         except ValueError:

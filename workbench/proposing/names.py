@@ -124,6 +124,8 @@ def role_of(name: str, unit: str = "") -> Role:
     ):
         kind = _KIND[word]
         rest.remove(word)
+        if not unit and spelled(word, kind):  # "rpm" says both
+            unit = word
         break
     unit, rest = _unit_at_end(rest, kind, unit)
     if not kind and unit:

@@ -67,7 +67,8 @@ def settle_units(
     if time is not None:
         by_time, why_time = time_weights(draft.table.columns[time], draft.roles[time], draft.answers)
     # per row to per unit of time
-    factors = {i: abs(r.factor) * step for i, r in enumerate(relations) if r.likeness > 0.9}
+    counts = [1.0 if slides else draft.answers.counts or 1.0 for slides in stated.linear]  # a turn
+    factors = {i: abs(r.factor) * step * counts[i] for i, r in enumerate(relations) if r.likeness > 0.9}
     clock, motion = _motion(draft, rows, columns, stated, by_time, factors)
     taken = {kind: [t.unit for t in told] for kind, told in motion.items()}
     ratios = {
