@@ -34,6 +34,19 @@ def test_each_axis_keeps_the_unit_of_its_names(tmp_path: Path) -> None:
     assert np.allclose(recording.controller.kd, KD, rtol=0.02)
 
 
+def test_that_axes_turn_is_no_more_than_likely_where_nobody_says_so(tmp_path: Path) -> None:
+    bare = {
+        name.replace("act", "pos"): v for name, v in mixed(LOG, units=False).items() if "drive" not in name
+    }
+    table = open_table(put(tmp_path, bare))
+
+    def motion(answers: Answers) -> list[tuple[str, str]]:
+        return [(a.value, a.word) for a in propose(table, answers).assumptions if a.what == "motion"]
+
+    assert motion(Answers()) == [("a_1, z: turning", "likely")]
+    assert not motion(SLIDE) and not motion(Answers(units={"position": "deg,mm"}))
+
+
 def test_the_models_slide_is_a_length_where_no_name_says_so(tmp_path: Path) -> None:
     data = {k: v for k, v in mixed(LOG, units=False).items() if "drive" not in k}
     bare = {name.replace("act", "pos"): values for name, values in data.items()}

@@ -26,6 +26,7 @@ _CHOICES = {
     "velocity": (("rad/s", "deg/s", "rpm"), ("m/s", "mm/s")),
     "torque": (("N*m", "mN*m", "N*mm"), ("N",)),
 }
+_TURNS = 0.9  # of joints that nobody says more of
 _TIE = "velocity over slope of position"
 
 
@@ -89,6 +90,10 @@ def settle_units(
         note_clock(draft, time, by_time, why_time, clock.unit)
         why_time = _and(why_time, _TIE) if near else why_time
         units["time"] = _settle(draft, "time", [_Told(clock.unit, clock.sure, why_time)], (False,))
+    if any(stated.guessed) and draft.answers.counts is None:
+        which = [axis for axis, guess in zip(axes, stated.guessed, strict=True) if guess]
+        why = "no unit and no model says that one slides (--unit position=m, or --model)"
+        draft.assume("motion", f"{', '.join(which)}: turning", _TURNS, why)
     note_size(draft, columns, rows, taken["position"], stated)
     if signals_of("torque", columns):
         motion["torque"] = _torques(rows, columns, stated)

@@ -22,12 +22,14 @@ class Stated:
     Attributes:
         linear: whether the axis moves along a line.
         modelled: whether only the model says so.
+        guessed: whether nobody does, so that it is taken to turn.
         units: kind -> units, ``""`` where nobody states one.
         because: kind -> where the unit is from.
     """
 
     linear: tuple[bool, ...]
     modelled: tuple[bool, ...]
+    guessed: tuple[bool, ...]
     units: dict[str, tuple[str, ...]]
     because: dict[str, tuple[str, ...]]
 
@@ -59,18 +61,19 @@ def stated_units(draft: Draft, columns: dict[str, list[str]], axes: Sequence[str
     found = [_first(k, m) for k, m in zip(known, modelled, strict=True)]
     one = {kind: units * n for kind, units in said.items() if len(units) == 1}
     rest = {f for f in found if f is not None}
-    alike = rest.pop() if len(rest) == 1 else False
-    linear = tuple(bool(_first(f, _moves(one, i), alike)) for i, f in enumerate(found))
+    alike = rest.pop() if len(rest) == 1 else None
+    told = [_first(f, _moves(one, i), alike) for i, f in enumerate(found)]
+    linear, guessed = tuple(map(bool, told)), tuple(line is None for line in told)
     from_model = tuple(k is None and m is not None for k, m in zip(known, modelled, strict=True))
     for kind, same in one.items():
         _check_one(draft, kind, same[0], axes, linear)
     units: dict[str, tuple[str, ...]] = {}
     because: dict[str, tuple[str, ...]] = {}
     for kind in EXAMPLES:
-        told = [_unit(draft, kind, i, said[kind], headers[kind], linear) for i in range(n)]
-        units[kind] = tuple(unit for unit, _ in told)
-        because[kind] = tuple(why for _, why in told)
-    return Stated(linear, from_model, units, because)
+        each_told = [_unit(draft, kind, i, said[kind], headers[kind], linear) for i in range(n)]
+        units[kind] = tuple(unit for unit, _ in each_told)
+        because[kind] = tuple(why for _, why in each_told)
+    return Stated(linear, from_model, guessed, units, because)
 
 
 def _unit(
