@@ -2,20 +2,28 @@
 
 In a ``console`` block a line that begins with ``$`` is run; ``# exit 1`` behind it says how it ends. Lines
 below it are found in what it prints, spaces and line breaks aside; ``…`` stands for anything. A ``toml NAME``
-or ``xml NAME`` block is written to that file first. All blocks of a page share one empty folder.
+or ``xml NAME`` block is written to that file first. All blocks of a page share one empty folder. A
+``sh`` block takes hardware, a browser or hours: its commands and options have to be there. What imports
+``workbench`` in a ``python`` block runs.
 """
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+from typer.main import get_command
 
 from tests.cli import here
+from workbench.cli.app import app, load_commands
 from workbench.core.paths import models_folder
+from workbench.recordings import save_recording
+from workbench.rigs import VirtualLeg, chirp
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
@@ -74,3 +82,50 @@ def test_names_in_the_pages_exist() -> None:
     assert listed
     shipped = {file.stem for file in models_folder().glob("*.toml")}
     assert set(re.findall(r"`(\w+)`", listed[1])) == shipped
+
+
+def words_of(kind: str) -> list[tuple[str, list[str]]]:
+    """Page and words of each line of all blocks of a kind, without what only a reader sees."""
+    found = []
+    for page in PAGES:
+        for block in BLOCK.finditer(page.read_text(encoding="utf-8")):
+            for line in block["text"].replace("\\\n", " ").splitlines() if block["kind"] == kind else ():
+                plain = re.sub(r"<[^>]*>", "X", line).replace("[", " ").replace("]", " ").rstrip("& ")
+                for command in plain.split("&&"):
+                    if words := shlex.split(command, comments=True):
+                        found.append((page.name, words))
+    return found
+
+
+def test_what_no_test_runs_names_commands_and_options_that_exist() -> None:
+    load_commands()
+    checked = 0
+    for page, (program, *words) in words_of("sh"):
+        if program == "python":
+            assert (ROOT / words[0]).is_file(), f"{page}: {words[0]}"
+        if program != "workbench":
+            continue
+        command: Any = get_command(app)
+        while words and words[0] in getattr(command, "commands", {}):
+            command = command.commands[words.pop(0)]
+        assert not getattr(command, "commands", {}) or not words or words[0].startswith("-"), (
+            f"{page}: {words}"
+        )
+        known = {o for p in command.params for o in (*p.opts, *p.secondary_opts)} | {"-h", "--help"}
+        asked = {word.split("=")[0] for word in words if re.match(r"--?[a-z]", word)}
+        assert asked <= known, f"{page}: {asked - known}"
+        checked += 1
+    assert checked > 5
+
+
+def test_python_on_the_pages_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = VirtualLeg(seed=1).run([chirp("knee", duration=1.0)])
+    save_recording(made[0], tmp_path / "data" / "chirp.toml")
+    monkeypatch.chdir(tmp_path)
+    blocks = [b["text"] for p in PAGES for b in BLOCK.finditer(p.read_text("utf-8")) if b["kind"] == "python"]
+    for text in blocks:
+        if text.startswith("import workbench"):
+            names: dict[str, Any] = {}
+            exec(text, names)  # the documentation is ours
+            assert names["comparison"].consistent and names["diagnosis"].verdict == "consistent"
+    assert any(text.startswith("import workbench") for text in blocks)
