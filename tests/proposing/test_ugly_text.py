@@ -227,6 +227,19 @@ def test_without_time_the_derivative_offers_the_rate(tmp_path: Path) -> None:
     same(imported(table.file, Answers(rate_hz=200.0))[1], LOG, tolerance=1e-9)
 
 
+def test_a_torque_that_is_the_law_itself_is_the_command(tmp_path: Path) -> None:
+    data = columns(LOG)
+    for joint, i in (("hip", 0), ("knee", 1)):
+        for name in [n for n in data if ("torque" in n and joint in n) or n == f"cmd_{joint}"]:
+            del data[name]
+        data[f"torque_{joint}"] = KP[i] * (LOG.ref[:, i] - LOG.q[:, i]) - KD[i] * LOG.v[:, i]
+    proposal, recording = imported(put(tmp_path, text(data)))
+    assert "torque_command" in recording.signals and "torque_measured" not in recording.signals
+    assert recording.controller.kind == "pd" and not proposal.questions
+    noisy = data | {n: v + 0.05 * np.ptp(v) * np.cos(9.0 * LOG.t) for n, v in data.items() if "torque" in n}
+    assert "torque_measured" in imported(put(tmp_path, text(noisy)))[1].signals
+
+
 def test_encoder_counts_are_asked_for(tmp_path: Path) -> None:
     data = columns(LOG)
     for joint, i in (("hip", 0), ("knee", 1)):

@@ -11,6 +11,7 @@ from workbench.inspection.law import fit_gains, ticks
 from workbench.inspection.ticks import find_ticks
 
 _HOLDS = 0.02  # what a law may leave of the command, as a part of its variation
+_EXACT = 0.005  # of a law row by row
 _FEW = 50
 
 
@@ -57,3 +58,15 @@ def find_law(recording: Recording, transmission: np.ndarray | None = None) -> La
     if min(kp) <= 0 or min(kd) < -0.02 * max(kp):
         return None
     return Law(tuple(kp), tuple(max(0.0, x) for x in kd), ratio * recording.period, fit.rest, where)
+
+
+def is_law(error: np.ndarray, speed: np.ndarray, torque: np.ndarray) -> bool:
+    """Whether torques (N, n) are a law of errors of position and speeds (N, n), whatever their units.
+
+    A measured torque is not: it is late, it is noisy, and a drive has limits.
+    """
+    if not torque.size or len(torque) < _FEW:
+        return False
+    known = np.column_stack([error, speed, np.ones(len(error))])
+    rest = torque - known @ np.linalg.lstsq(known, torque, rcond=None)[0]
+    return bool((rest.std(axis=0) < _EXACT * torque.std(axis=0)).all())
