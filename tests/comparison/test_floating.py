@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from tests import floating_robot
-from workbench.comparison import compare
+from workbench.comparison import compare, matched, replay_of
 from workbench.core import InputError, Recording
-from workbench.effects import load_model
+from workbench.effects import compile_plant, load_model
 from workbench.models import BASE_AXES, Model
 from workbench.recordings import load_recording, save_recording
 
@@ -38,6 +38,14 @@ def test_rates_that_were_not_measured_are_those_of_the_pose(robot: Model) -> Non
     rates = {"base_velocity", "base_angular_velocity"}
     result = compare(robot, [replace(whole, extra={k: v for k, v in whole.extra.items() if k not in rates})])
     assert result.error < 1.2 * result.noise_error
+
+
+def test_without_plates_the_floor_pushes_as_it_does_in_the_run(robot: Model) -> None:
+    replay = replay_of(robot, matched(robot, [floating_robot.recorded(1.0, seed=1, plates=False)]))
+    motion = replay.motion(compile_plant(robot), 0, replay.run([robot])[0][0])
+    lacking = motion.required(robot)[50:, robot.axes.index("base_z")]
+    weight = floating_robot.TRUNK + 4 * (floating_robot.HIP + floating_robot.THIGH + floating_robot.SHANK)
+    assert abs(lacking.mean()) < 0.05 * 9.81 * weight, "nothing drives the base"
 
 
 def test_the_pose_goes_through_files(robot: Model, tmp_path) -> None:
