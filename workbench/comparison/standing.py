@@ -18,6 +18,7 @@ from .floating import floats
 from .starts import choose_starts, half_rows, local_state
 
 FORCE = "ground_force"
+_LIGHT = 0.25  # of what a foot carries at most
 _PRESSED, _LEAST = 6.0, 0.02  # of the force's noise, of its largest: a foot that touches
 
 
@@ -134,7 +135,9 @@ def stand(
     feet = Feet.along(plant, windows.position)
     signals, valid = dict(recording.signals), _whole(recording, starts)
     if on_ground(recording):
-        valid &= _before_impacts(starts, half_rows(recording.period), force, force_noise, feet.depth)
+        light = _LIGHT if floats(recording) else 0.0  # one leg on a fixed base has no other to lean on
+        half = half_rows(recording.period)
+        valid &= _while_feet_are_sure(starts, half, force, force_noise, feet.depth, light)
     if force is None:
         # nor is there a torque to be held against: a signal that never moves is left out
         force = np.zeros((len(recording), 3 * len(plant.contacts)))
@@ -186,23 +189,26 @@ def _notes(contact: Contact, measured: bool) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _before_impacts(
-    starts: np.ndarray, half: int, force: np.ndarray | None, noise: float, depth: np.ndarray
+def _while_feet_are_sure(
+    starts: np.ndarray, half: int, force: np.ndarray | None, noise: float, depth: np.ndarray, light: float
 ) -> np.ndarray:
-    """Rows (N,) up to the first touchdown of their window, of windows that begin away from one.
+    """Rows (N,) up to the first in their window in which nobody can say what a foot does.
 
-    Where in a row a foot lands decides how hard, and how it bounces; no log tells, and all that follows
-    until the next window depends on it. A start there follows a velocity that jumps.
+    Where in a row a foot lands decides how hard, and how it bounces; and one that hardly carries, less than
+    a share `light` of what it does at most, holds, slips or lifts by next to nothing. No log tells, and all
+    that follows until the next window depends on it. Windows that begin there follow a velocity that jumps.
     """
-    pressed = depth > 0.0
+    load, least = depth, np.zeros(depth.shape[1])
     if force is not None:
-        feet = np.linalg.norm(force.reshape(len(force), -1, 3), axis=-1)
-        pressed = feet > np.maximum(_PRESSED * noise, _LEAST * feet.max(axis=0))
-    landing = np.diff(pressed.astype(int), axis=0, prepend=pressed[:1]).max(axis=1, initial=0) > 0
-    out = np.ones(len(landing), bool)
+        load = np.linalg.norm(force.reshape(len(force), -1, 3), axis=-1)
+        least = np.maximum(_PRESSED * noise, _LEAST * load.max(axis=0))
+    pressed = load > least
+    doubt = np.diff(pressed.astype(int), axis=0, prepend=pressed[:1]).max(axis=1, initial=0) > 0
+    doubt |= (pressed & (load < light * np.quantile(load, 0.9, axis=0))).any(axis=1)
+    out = np.ones(len(doubt), bool)
     for start, end in zip(starts, np.append(starts[1:], len(out)), strict=True):
-        hits = np.flatnonzero(landing[start:end])
+        hits = np.flatnonzero(doubt[start:end])
         # a foot touches a row before its force is seen
         last = start + max(hits[0] - 1, 0) if len(hits) else end
-        out[start if landing[max(start - half, 0) : start + half + 1].any() else last : end] = False
+        out[start if doubt[max(start - half, 0) : start + half + 1].any() else last : end] = False
     return out
