@@ -144,6 +144,18 @@ def test_the_report_of_a_changed_model_claims_no_command_for_the_file_s(bench: B
     assert bench.command(plain) == "workbench compare leg slow.toml validation.toml"
 
 
+def test_commands_quote_what_a_shell_would_split(tmp_path: Path) -> None:
+    folder = tmp_path / "a b"
+    folder.mkdir()
+    write_recording(folder, axes=["hip", "knee"])
+    bench = Bench(Shelf.of(None, [], tmp_path), tmp_path)
+    bench.choose(bench.read("leg", ["made"]))
+    found = Diagnosis("leg", "consistent", 0.1, 0.1, (), 0.0, (), None, ())
+    assert bench.command(found).startswith("workbench diagnose CHANGED.toml 'a b/made.toml'")
+    bench.diagnosed = bench.model
+    assert bench.command(found) == "workbench diagnose leg 'a b/made.toml'"
+
+
 def test_unknown_loops_are_compared_too(leg_folder: Path, tmp_path: Path) -> None:
     text = (leg_folder / "slow.toml").read_text().replace("slow.csv.gz", str(leg_folder / "slow.csv.gz"))
     start = text.index("[controller]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -261,9 +262,10 @@ class Bench:
         typed = {label: shelf.typed[shelf.recordings[label]] for label in chosen.labels}
         names = list(typed.values())
         if isinstance(result, Comparison):
-            return " ".join(["workbench compare", model, *names]) + note
+            return shlex.join(["workbench", "compare", model, *names]) + note
         held = ["--holdout", typed[chosen.held_out]] if chosen.held_out else []
-        return " ".join(["workbench diagnose", model, *(n for n in names if n not in held), *held]) + note
+        fitted = [n for n in names if n not in held]
+        return shlex.join(["workbench", "diagnose", model, *fitted, *held]) + note
 
     def _target(self, name: str, ending: str, force: bool) -> Path:
         name = name.strip()
