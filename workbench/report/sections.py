@@ -227,7 +227,11 @@ def _ranking(diagnosis: Diagnosis | None) -> list[dict[str, str]]:
     if diagnosis is None:
         return []
     return [
-        {"label": w.capital(w.effect_phrase(key)), "share": percent(share), "width": bar_width(share)}
+        {
+            "label": w.capital(w.effect_phrase(key)),
+            "share": percent(min(share, 1.0)),
+            "width": bar_width(share),
+        }
         for key, share in diagnosis.ranking[:_RANKED]
     ]
 
