@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 from matplotlib.figure import Figure
 
@@ -42,6 +43,19 @@ def test_each_has_a_picture(comparison, diagnosis) -> None:
 def test_a_model_shows_its_drives_effects_and_links() -> None:
     model = load_model("leg")
     words = Page(model._repr_html_()).text
-    assert "linkage_inertia" in words and "M11 = 0.00967" in words and "hip" in words
+    assert "linkage_inertia" in words and "M11 = 0.00967 kg m²" in words and "hip" in words
+    assert "N m s/rad" in words and "*" not in words
     lines = model.plot().axes[0].lines
     assert len(lines) == 2, "thigh and shank"
+
+
+def test_numbers_of_a_model_s_picture_stand_apart_and_inside_it() -> None:
+    figure = load_model("leg").plot()
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        low, high = sorted(axis.get_view_interval())
+        shown = [tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+        boxes = [label.get_window_extent() for label in [*shown, axis.label]]
+        assert all(figure.bbox.x0 <= b.x0 and b.x1 <= figure.bbox.x1 and b.y0 >= 0 for b in boxes)
+        assert not any(a.overlaps(b) for a, b in pairwise(boxes[:-1]))

@@ -72,6 +72,11 @@ def test_it_says_what_is_missing_how_sure_and_what_else(diagnosis):
     assert "Thermal derating on all axes" in text and "friction at the drive and at the joint" in text
 
 
+def test_an_improvement_says_how_sure_its_names_are(improvement):
+    assert "97 % probable" in Page(render_page(improvement, command=COMMAND)).text
+    assert "probable" not in Page(render_page(replace(improvement, diagnosis=None), command=COMMAND)).text
+
+
 def test_it_shows_the_shape_of_what_no_effect_explains():
     page = Page(render_page(build.unexplained(), command=COMMAND))
     assert "a shape to think about, no cause" in page.text and "hip: position 97 %" in page.text

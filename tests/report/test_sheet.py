@@ -114,8 +114,8 @@ def test_the_drawing_holds_magnitude_phase_and_error_of_the_models():
     delayed = -np.degrees(np.arctan(0.0162 / 0.0972 * 2 * np.pi * f[-1]) + 0.003 * 2 * np.pi * f[-1])
     assert falls[-1] == pytest.approx(delayed, abs=0.1)  # and no jump by a turn on the way
     off = {c["name"]: c for c in error["curves"]}
-    assert np.median(off["kin_only"]["v"]) == pytest.approx(30.0, abs=3.0)
-    assert "kin_only 3" in panel["summary"]
+    assert np.median(off["Kin-Only"]["v"]) == pytest.approx(30.0, abs=3.0)
+    assert "Kin-Only 3" in panel["summary"]
 
 
 def test_a_phase_that_noise_rules_is_not_drawn():

@@ -1,17 +1,20 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from tests.data_helpers import write_recording
 from workbench import compare, load_model, load_recordings
-from workbench.core import Diagnosis, EffectKey, Estimate, InputError, SimulationError
+from workbench.core import Diagnosis, EffectKey, Estimate, Finding, InputError, SimulationError
 from workbench.models import AppliedEffect
 from workbench.ui import Bench, Shelf
+from workbench.ui.changes import Saving
+from workbench.ui.live import Live
 
-from .conftest import FRICTION
+from .conftest import FRICTION, Loop
 
 KNEE = EffectKey("coulomb_friction", "knee")
 
@@ -142,6 +145,62 @@ def test_the_report_of_a_changed_model_claims_no_command_for_the_file_s(bench: B
     assert bench.command(found).startswith("workbench diagnose CHANGED.toml slow.toml --holdout")
     bench.history.undo()
     assert bench.command(plain) == "workbench compare leg slow.toml validation.toml"
+
+
+def test_commands_quote_what_a_shell_would_split(tmp_path: Path) -> None:
+    folder = tmp_path / "a b"
+    folder.mkdir()
+    write_recording(folder, axes=["hip", "knee"])
+    bench = Bench(Shelf.of(None, [], tmp_path), tmp_path)
+    bench.choose(bench.read("leg", ["made"]))
+    found = Diagnosis("leg", "consistent", 0.1, 0.1, (), 0.0, (), None, ())
+    assert bench.command(found).startswith("workbench diagnose CHANGED.toml 'a b/made.toml'")
+    bench.diagnosed = bench.model
+    assert bench.command(found) == "workbench diagnose leg 'a b/made.toml'"
+
+
+def test_a_diagnosis_is_reported_while_it_tells_of_the_model(bench: Bench) -> None:
+    finding = Finding(KNEE, friction(0.2).parameters, 0.1, None, None, 0.9)
+    found = Diagnosis("leg", "missing_effect", 0.2, 0.1, (finding,), 0.0, (), None, ())
+    assert bench.told() is None
+    bench.diagnosis, bench.diagnosed = found, bench.model
+    assert bench.told() is found
+    bench.add_finding(finding)
+    assert bench.told() is found
+    bench.add(AppliedEffect(EffectKey("coulomb_friction", "hip"), {"torque": Estimate(0.1, 0.01, "N*m")}))
+    assert bench.told() is None
+    assert bench.history is not None
+    bench.history.undo()
+    assert bench.told() is found
+    bench.set_value(len(bench.model.effects) - 1, "torque", 0.3)
+    assert bench.told() is None
+    bench.diagnosis = replace(found)
+    bench.history.undo()
+    assert bench.told() is None, "of another diagnosis the findings are others"
+
+
+def test_a_saved_report_is_of_the_model_as_it_is(live: Live, loop: Loop) -> None:
+    live.choose("leg", ("slow",), None)
+    loop.until(lambda: live.now and live.now.comparison)
+    bench, saving = live.bench, Saving(live)
+    finding = Finding(KNEE, friction(FRICTION).parameters, 0.1, None, None, 0.9)
+    given = live.now.comparison  # type: ignore[union-attr]
+    bench.diagnosis = Diagnosis(
+        "leg", "missing_effect", 0.2, 0.1, (finding,), 0.0, (), None, (), before=given, after=given
+    )
+    bench.diagnosed = bench.model
+    live.do(lambda: bench.add_finding(finding))
+    saving._save_report()
+    assert "page of the diagnosis" in live.message[0]
+    hip = AppliedEffect(EffectKey("coulomb_friction", "hip"), {"torque": Estimate(0.1, 0.01, "N*m")})
+    live.do(lambda: bench.add(hip))
+    saving.over.value = True
+    saving._save_report()
+    assert live.message[1] and "being made" in live.message[0]
+    loop.until(lambda: live.now and live.now.comparison)
+    saving._save_report()
+    assert "page of the comparison" in live.message[0]
+    assert "CHANGED.toml" in (bench.folder / "report.html").read_text()
 
 
 def test_unknown_loops_are_compared_too(leg_folder: Path, tmp_path: Path) -> None:

@@ -58,6 +58,11 @@ def chrome(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
         yield chrome
 
 
+_NAMELESS = """every('input:not([type=hidden]), select, .noUi-handle')
+  .filter((e) => !e.ariaLabel && ![...(e.labels ?? [])].some((l) => l.textContent.trim()))
+  .map((e) => e.outerHTML)"""
+
+
 def error(chrome: Chrome) -> float:
     return float(chrome.ask("deep('dd.error').textContent"))
 
@@ -84,6 +89,21 @@ def test_an_effect_is_found_added_with_a_click_and_the_error_falls(
     after = error(chrome)
     assert after < 0.5 * before
     assert float(chrome.ask("deep('dd.given').textContent")) == before
+
+    # whatever can be moved or ticked has a name, and a slider says its number to the digits that matter
+    chrome.wait("deep('.noUi-handle')?.ariaLabel")
+    assert chrome.ask(_NAMELESS) == []
+    assert "[N m]" in chrome.ask("deep('.noUi-handle').ariaLabel")
+    shown = "Math.abs(1 - Number(deep('.noUi-handle').ariaValueNow) / deep('.bk-spin-wrapper input').value)"
+    assert chrome.ask(shown) < 1e-3
+
+    # the key of the responses names what is drawn
+    chrome.ask("button('Estimate the responses').click()")
+    chrome.wait("words().includes('lines.')")
+    keys = "every('.key').map((e) => words(e)).at(-1)"
+    chrome.wait(f"{keys} === 'measured model as given with the changes'")
+    chrome.ask("every('input[type=checkbox]').find((e) => e.ariaLabel?.startsWith('Closed chain')).click()")
+    chrome.wait(f"{keys}.includes('Kin-Only')")
 
     # a slider moves the error, undo takes it back
     chrome.ask("(() => { const e = deep('.noUi-handle'); e.focus(); return true; })()")

@@ -4,49 +4,18 @@ from __future__ import annotations
 
 import queue
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
 
 import pytest
 
 from workbench.core import EffectKey, Estimate
 from workbench.models import AppliedEffect
-from workbench.ui import Bench, Shelf
 from workbench.ui.live import Live
 from workbench.ui.worker import Worker
 
-from .conftest import FRICTION
+from .conftest import FRICTION, Loop
 
 KNEE = EffectKey("coulomb_friction", "knee")
-
-
-@dataclass
-class Loop:
-    waiting: queue.Queue[Callable[[], Any]] = field(default_factory=queue.Queue)
-
-    def until(self, condition: Callable[[], Any], seconds: float = 90.0) -> None:
-        end = time.monotonic() + seconds
-        while not condition():
-            assert time.monotonic() < end, "it never came true"
-            try:
-                self.waiting.get(timeout=0.05)()
-            except queue.Empty:
-                continue
-
-
-@pytest.fixture
-def loop() -> Loop:
-    return Loop()
-
-
-@pytest.fixture
-def live(leg_folder: Path, tmp_path: Path, loop: Loop) -> Iterator[Live]:
-    bench = Bench(Shelf.of(None, [], leg_folder), tmp_path)
-    live = Live(bench, loop.waiting.put, lambda seconds, then: loop.waiting.put(then))
-    yield live
-    live.close()
 
 
 def friction(torque: float) -> AppliedEffect:

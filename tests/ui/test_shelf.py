@@ -62,3 +62,25 @@ def test_a_description_that_changed_is_read_again(folder: Path) -> None:
     assert shelf.recording("one/made.toml") is first
     write_recording(folder / "one", name="other")
     assert shelf.recording("one/made.toml").name == "other"
+
+
+_ARM = """<mujoco><worldbody><body><joint name="a"/><geom size="0.1"/></body></worldbody></mujoco>"""
+
+
+def test_a_folder_s_robots_are_offered_before_the_shipped_models(folder: Path) -> None:
+    (folder / "arm.xml").write_text(_ARM)
+    (folder / "one" / "hand.urdf").write_text("<robot name='hand'><joint name='a' type='revolute'/></robot>")
+    (folder / "notes.xml").write_text("<notes><joint/></notes>")
+    (folder / "looks.xml").write_text("<mujoco><asset/></mujoco>")
+    (folder / "broken.urdf").write_bytes(b"\xff<robot")
+    shelf = Shelf.of(None, [], folder)
+    assert list(shelf.models)[:2] == ["arm", "hand"] and {"notes", "looks", "broken"}.isdisjoint(shelf.models)
+    assert shelf.unreadable == ("broken.toml",)
+    assert shelf.model("arm").axes == ("a",)
+
+
+def test_the_tree_of_a_described_model_is_not_offered_beside_it(folder: Path) -> None:
+    (folder / "arm.xml").write_text(_ARM)
+    (folder / "arm.toml").write_text('serial = "arm.xml"')
+    shelf = Shelf.of(None, [], folder)
+    assert shelf.models["arm"] == folder / "arm.toml" and folder / "arm.xml" not in shelf.models.values()

@@ -9,6 +9,7 @@ import pytest
 from workbench.models import read_model
 from workbench.recordings import load_recording
 from workbench.report import render_sheet
+from workbench.report.response import words_of
 from workbench.rigs import VirtualLeg, multisine
 from workbench.verification import FrfComparison, compare_frf, frf_sheet
 
@@ -26,10 +27,10 @@ def test_it_holds_every_model_beside_the_measurement(found: list[FrfComparison])
     drawn = [s for s in sheet.sections if s.drawings]
     assert len(drawn) == 1 and len(drawn[0].drawings[0].panels) == 5  # four entries, and all together
     names = {c.name for p in drawn[0].drawings[0].panels for r in p.rows for c in r.curves}
-    assert {"measured", "uncertainty", "closed chain", "kin_only", "s3n_act", "s3n_full", "exact"} <= names
+    assert {"measured", "uncertainty", "closed chain", "Kin-Only", "S3N-Act", "S3N-Full", "exact"} <= names
     table = sheet.sections[0].tables[0]
-    assert [row[0] for row in table.rows] == list(found[0].models)
-    assert "of the serial trees exact" in sheet.sentence and "kin_only by" in sheet.sentence
+    assert [row[0] for row in table.rows] == [words_of(name) for name in found[0].models]
+    assert "of the serial trees exact" in sheet.sentence and "Kin-Only by" in sheet.sentence
     assert "frequency responses of leg" in render_sheet(sheet, command="workbench frf leg").lower()
 
 
@@ -37,7 +38,10 @@ def test_the_verdict_follows_the_numbers(found: list[FrfComparison]) -> None:
     c = found[0]
     true = {**c.error, "closed_chain": c.noise}
     right = frf_sheet("leg", [replace(c, error=true)])
-    assert right.tone == "consistent" and "within its uncertainty" in right.sentence
+    assert right.tone == "consistent" and "within the measurement's uncertainty" in right.sentence
+    near = frf_sheet("leg", [replace(c, error={**c.error, "closed_chain": 1.4 * c.noise})])
+    assert near.tone == "consistent" and "within" not in near.sentence
+    assert "agrees" in near.sentence and "1.4 times the measurement's uncertainty" in near.sentence
     wrong = frf_sheet("leg", [replace(c, error={**c.error, "closed_chain": 4.0 * c.noise})])
     assert wrong.tone == "missing_effect" and "4.0 times the measurement's uncertainty" in wrong.sentence
 
@@ -49,7 +53,7 @@ def test_a_model_without_a_closed_chain_is_judged_by_its_best_tree(found: list[F
         models={k: v for k, v in c.models.items() if k in ("kin_only", "s3n_act")},
         error={k: v for k, v in c.error.items() if k in ("kin_only", "s3n_act")},
     )
-    assert frf_sheet("leg", [bare]).sentence.startswith("s3n_act misses")
+    assert frf_sheet("leg", [bare]).sentence.startswith("S3N-Act misses")
 
 
 def test_many_postures_draw_the_worst(found: list[FrfComparison]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -201,7 +202,7 @@ def deliver_sheet(
 
 def _made_by(files: Sequence[Path], seeds: Mapping[str, int]) -> dict[str, Any]:
     """How a page says that it can be made again."""
-    command = " ".join(["workbench", *sys.argv[1:]])
+    command = shlex.join(["workbench", *sys.argv[1:]])
     return {"command": command, "seeds": seeds, "inputs": files}
 
 

@@ -19,7 +19,7 @@ COLOURS: dict[str, tuple[str, str]] = {
     "before": ("#d55e00", "#f0a03c"),
     "after": ("#0072b2", "#62bbee"),
     "noise": ("#8a9096", "#7d858c"),
-    "measured": ("#a4a9ae", "#6d757c"),
+    "measured": ("#868c92", "#6d757c"),  # 3:1 on paper and on soft ground
     "good": ("#00745a", "#4cc9a4"),
     "accent": ("#0067a3", "#7cc4f0"),
     "fifth": ("#a8457f", "#e08fbd"),

@@ -3,27 +3,41 @@
 from __future__ import annotations
 
 import html
+from typing import Any
 
 import mujoco
+import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from workbench.core.palette import LINES
 from workbench.core.picture import Picture
 
 from .model import Model
+from .serial import joint_kinds
 from .skeleton import Skeleton
+
+_SLIM = 0.5  # least width of the box of links over its largest: numbers on a slimmer one overlap
+
+#: Of inertia, damping and limit, where the joint turns and where it slides.
+_UNITS = {"hinge": ("kg m²", "N m s/rad", "N m"), "slide": ("kg", "N s/m", "N")}
 
 
 def as_html(model: Model) -> str:
     """Drives and effects in two tables; strangers' strings are escaped."""
     a = model.actuators
-    drives = zip(model.axes, a.inertia, a.damping, a.torque_limit, strict=True)
+    kinds = joint_kinds(model)
+    units = [_UNITS[kinds[int(row.argmax())]] for row in np.abs(model.transmission)]
+    drives = zip(model.axes, zip(a.inertia, a.damping, a.torque_limit, strict=True), units, strict=True)
     effects = [
-        (str(e.key), ", ".join(f"{n} = {x.value:.4g} {x.unit}".strip() for n, x in e.parameters.items()))
+        (
+            str(e.key),
+            ", ".join(f"{n} = {_number(x.value, _printed(x.unit))}" for n, x in e.parameters.items()),
+        )
         for e in model.effects
     ]
     head = ("drive", "inertia", "damping", "limit")
-    first = _table(head, [(name, *(f"{x:.4g}" for x in numbers)) for name, *numbers in drives])
+    first = _table(head, [(name, *map(_number, numbers, of)) for name, numbers, of in drives])
     second = _table(("effect", "parameters"), effects) if effects else "<p>No effects.</p>"
     told = f"{model.serial.name}, delay {1e3 * a.delay_s:.3g} ms, loop: {model.controller.kind}"
     title = f"<p><strong>{html.escape(model.name)}</strong> ({html.escape(told)})</p>"
@@ -35,16 +49,40 @@ def as_figure(model: Model) -> Figure:
     skeleton = Skeleton.of(model.serial)
     data = mujoco.MjData(skeleton.spec)
     mujoco.mj_kinematics(skeleton.spec, data)
-    figure = Picture(figsize=(4.2, 4.2), layout="constrained")
-    axes = figure.add_subplot(projection="3d")
+    figure = Picture(figsize=(4.6, 4.6))
+    axes: Any = figure.add_axes((0.02, 0.04, 0.9, 0.88), projection="3d")
     style = LINES["closed_chain"]
+    drawn = []
     for body, ends in zip(skeleton.body, skeleton.ends, strict=True):
         points = ends @ data.xmat[body].reshape(3, 3).T + data.xpos[body]
         axes.plot(*points.T, "-o", color=style.light, lw=3, ms=5)
-    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")  # pyright: ignore[reportCallIssue]
+        drawn.append(points)
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.set_title(model.name.replace("$", r"\$"), fontsize=10)
-    axes.set_aspect("equal")
+    _to_scale(axes, np.concatenate(drawn))
     return figure
+
+
+def _to_scale(axes: Any, points: np.ndarray) -> None:
+    """A box around points (N, 3) with room for the numbers on its edges."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    wide = np.maximum(1.1 * (high - low), _SLIM * float(np.ptp(points, axis=0).max()))
+    middle = 0.5 * (low + high)
+    axes.set(**{f"{n}lim": (m - 0.5 * w, m + 0.5 * w) for n, m, w in zip("xyz", middle, wide, strict=True)})
+    axes.set_box_aspect(wide, zoom=0.82)
+    for axis, width in zip((axes.xaxis, axes.yaxis, axes.zaxis), wide, strict=True):
+        axis.set_major_locator(MaxNLocator(3 if width < 0.8 * wide.max() else 5))
+        axis.labelpad = 12 if axis is axes.zaxis else 7  # its numbers stand beside it, not below
+    axes.tick_params(labelsize=8)
+
+
+def _number(value: float, unit: str) -> str:
+    return f"{value:.4g}".replace("-", "−") + (f" {unit}" if unit else "")
+
+
+def _printed(unit: str) -> str:
+    """``"kg*m^2"`` as it is read."""
+    return "" if unit == "1" else unit.replace("^2", "²").replace("^3", "³").replace("*", " ")
 
 
 def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:

@@ -98,6 +98,15 @@ def error_row(
     )
 
 
+#: Names of models as the text writes them.
+_WORDS = {
+    "closed_chain": "closed chain",
+    "kin_only": "Kin-Only",
+    "s3n_act": "S3N-Act",
+    "s3n_full": "S3N-Full",
+}
+
+
 def words_of(name: str) -> str:
-    """``"closed_chain"`` as it is printed; variants keep the names that commands take."""
-    return name.replace("_", " ") if name == "closed_chain" else name
+    """``"closed_chain"`` and the variants as they are printed; any other name as it is."""
+    return _WORDS.get(name, name)

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from workbench.core import Comparison, Diagnosis, Estimate, Finding, Improvement, Share, Step
+from workbench.core import Comparison, Diagnosis, EffectKey, Estimate, Finding, Improvement, Share, Step
 
 from . import wording as w
 from .json import Truth
 from .ladder import log_axis, rungs
-from .numbers import interval, number, percent, plain, short
+from .numbers import interval, number, percent, plain
 from .scores import scores
 from .shapes import shape_rows
+from .shares import bar_width, share_groups
 from .truth import truth_rows
 
 Result = Comparison | Diagnosis | Improvement
 _RANKED = 10
-_QUANTITIES = ("speed", "position", "frequency", "time")
 
 
 def sections(
@@ -42,8 +42,8 @@ def sections(
         if diagnosis and diagnosis.next_experiment
         else "",
         "not_excited": [w.capital(p) for p in w.effect_phrases(diagnosis.not_excited)] if diagnosis else [],
-        "where": _where(before.where if before else ()),
-        "where_after": _where(_left(result, after)),
+        "where": share_groups(before.where if before else ()),
+        "where_after": share_groups(_left(result, after)),
         "shapes": shape_rows(diagnosis.shapes) if diagnosis else [],
         "rest": [plain(line) for line in diagnosis.evidence] if diagnosis else [],
         "scores": scores(before, after),
@@ -185,6 +185,7 @@ def _effects(result: Result) -> list[dict[str, Any]]:
     if isinstance(result, Comparison):
         return []
     found: Iterable[Finding | Step] = result.findings if isinstance(result, Diagnosis) else result.steps
+    chances = _chances(result)
     out = []
     for f in found:
         error = f.error_after if isinstance(f, Finding) else f.error
@@ -195,7 +196,7 @@ def _effects(result: Result) -> list[dict[str, Any]]:
         out.append(
             {
                 "title": w.capital(w.effect_phrase(f.key)),
-                "chance": percent(f.probability) if isinstance(f, Finding) else "",
+                "chance": percent(chances[f.key]) if f.key in chances else "",
                 "error": number(error),
                 "parameters": _parameters(f.parameters),
                 "evidence": [plain(e) for e in f.evidence],
@@ -203,6 +204,12 @@ def _effects(result: Result) -> list[dict[str, Any]]:
             }
         )
     return out
+
+
+def _chances(result: Diagnosis | Improvement) -> dict[EffectKey, float]:
+    """How probable each name is; a step bears that of its finding."""
+    diagnosis = result.diagnosis if isinstance(result, Improvement) else result
+    return {f.key: f.probability for f in diagnosis.findings} if diagnosis else {}
 
 
 def _effects_title(result: Result) -> str:
@@ -220,7 +227,11 @@ def _ranking(diagnosis: Diagnosis | None) -> list[dict[str, str]]:
     if diagnosis is None:
         return []
     return [
-        {"label": w.capital(w.effect_phrase(key)), "share": percent(share), "width": _width(share)}
+        {
+            "label": w.capital(w.effect_phrase(key)),
+            "share": percent(min(share, 1.0)),
+            "width": bar_width(share),
+        }
         for key, share in diagnosis.ranking[:_RANKED]
     ]
 
@@ -229,25 +240,3 @@ def _left(result: Result, after: Comparison | None) -> tuple[Share, ...]:
     if isinstance(result, Comparison) or result.verdict == "consistent" or after is None:
         return ()
     return result.where if isinstance(result, Diagnosis) else after.where
-
-
-def _where(shares: Iterable[Share]) -> list[dict[str, Any]]:
-    """Shares of the excess in groups: by speed, position, frequency and time."""
-    groups: dict[str, list[dict[str, str]]] = {}
-    for s in sorted(shares, key=lambda s: -s.share):
-        low, high = s.range
-        groups.setdefault(s.quantity, []).append(
-            {
-                "axis": plain(s.axis),
-                "signal": plain(s.signal).replace("_measured", ""),
-                "range": f"{short(low)} to {short(high)} {plain(s.unit)}",
-                "share": percent(s.share),
-                "width": _width(s.share),
-            }
-        )
-    order = [q for q in _QUANTITIES if q in groups] + [q for q in groups if q not in _QUANTITIES]
-    return [{"quantity": plain(q), "rows": groups[q][:6]} for q in order]
-
-
-def _width(share: float) -> str:
-    return f"{100 * min(1.0, max(0.0, share if share == share else 0.0)):.1f}"

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from workbench import report
-from workbench.comparison import Replay, evaluate, matched, replay_of, score_runs
+from workbench.comparison import evaluate, matched, replay_of, score_runs
 from workbench.core import (
     Comparison,
     Diagnosis,
@@ -27,37 +28,11 @@ from workbench.models import AppliedEffect, Model, write_model
 from workbench.recordings import source_files
 from workbench.report.numbers import plain
 
+from .chosen import Chosen
 from .history import History
 from .shelf import Shelf
 
 _CHANGED = "CHANGED.toml"  # a model that no file holds yet
-
-
-@dataclass(frozen=True)
-class Chosen:
-    """What lies on the bench.
-
-    Attributes:
-        model_label, labels: names on the shelf.
-        held_out: the label of the recording that judges a diagnosis; None where none does.
-        model: as its file has it.
-        recordings: as they are replayed, in the order of `labels`.
-        replay: how models are run on them.
-    """
-
-    model_label: str
-    labels: tuple[str, ...]
-    held_out: str | None
-    model: Model
-    recordings: tuple[Recording, ...]
-    replay: Replay
-
-    def split(self) -> tuple[list[Recording], list[Recording]]:
-        """Recordings to fit, and those that judge."""
-        pairs = list(zip(self.labels, self.recordings, strict=True))
-        return [r for name, r in pairs if name != self.held_out], [
-            r for name, r in pairs if name == self.held_out
-        ]
 
 
 @dataclass
@@ -80,6 +55,7 @@ class Bench:
     history: History | None = None
     diagnosis: Diagnosis | None = None
     diagnosed: Model | None = None
+    _grown: list[tuple[Diagnosis, Model]] = field(default_factory=list, repr=False)
 
     def read(self, model: str, recordings: Sequence[str], held_out: str | None = None) -> Chosen:
         """Read what was chosen, without choosing it yet; slow where files are large.
@@ -107,6 +83,7 @@ class Bench:
         if not same or self.history is None:
             self.history = History(chosen.model)
         self.diagnosis = self.diagnosed = None
+        self._grown.clear()
 
     @property
     def model(self) -> Model:
@@ -135,9 +112,18 @@ class Bench:
             InputError: it does not belong in this model any more.
         """
         model, applied = self.model, AppliedEffect(finding.key, finding.parameters)
+        told = self.told()
         if self.diagnosis is not None:
             model = with_settled(model, self.diagnosis.settled, [finding.key])
         self.take(f"adding {finding.key}", model.with_effect(check_effect(model, applied)))
+        if told is not None and finding in told.findings:
+            self._grown.append((told, self.model))
+
+    def told(self) -> Diagnosis | None:
+        """The diagnosis as long as it tells of the model: of the one diagnosed, or that with its findings."""
+        found, model = self.diagnosis, self.model
+        of_it = model is self.diagnosed or any(d is found and m is model for d, m in self._grown)
+        return found if of_it else None
 
     def take(self, what: str, model: Model) -> None:
         """Go on with a model that somebody else made of the present one."""
@@ -261,9 +247,10 @@ class Bench:
         typed = {label: shelf.typed[shelf.recordings[label]] for label in chosen.labels}
         names = list(typed.values())
         if isinstance(result, Comparison):
-            return " ".join(["workbench compare", model, *names]) + note
+            return shlex.join(["workbench", "compare", model, *names]) + note
         held = ["--holdout", typed[chosen.held_out]] if chosen.held_out else []
-        return " ".join(["workbench diagnose", model, *(n for n in names if n not in held), *held]) + note
+        fitted = [n for n in names if n not in held]
+        return shlex.join(["workbench", "diagnose", model, *fitted, *held]) + note
 
     def _target(self, name: str, ending: str, force: bool) -> Path:
         name = name.strip()

@@ -166,7 +166,8 @@ class Saving:
     def _save_report(self) -> None:
         bench, now = self.live.bench, self.live.now
         # a diagnosis tells of the model it was made of; of another one, the comparison does
-        result = bench.diagnosis or (now.comparison if now else None)
+        told = None if bench.history is None else bench.told()
+        result = told or (now.comparison if now else None)
         if result is None:
             self.live.say("There is nothing to report yet: the comparison is still being made.", wrong=True)
             return

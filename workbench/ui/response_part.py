@@ -10,7 +10,7 @@ import panel as pn
 from workbench.report.numbers import plain
 
 from .live import Live
-from .responses import LOOKS, Responses, ResponseView, responses
+from .responses import Responses, ResponseView, responses
 from .widgets import button, column, key, plot_pane, row, safe, text, widget
 
 
@@ -22,12 +22,14 @@ class ResponsePart:
         self.plots = ResponseView()
         self.entry = widget(pn.widgets.Select, name="Response", options={}, width=180)
         self.variants = widget(pn.widgets.Checkbox, name="Closed chain and serial variants", width=240)
-        self.told = text()
+        self.told, self.key, self.notes = text(), text(), text()
         self.view = column(
             row(button("Estimate the responses", self._estimate, width=200), self.entry, self.variants),
             self.told,
+            self.key,
             plot_pane(self.plots.magnitude),
             plot_pane(self.plots.phase),
+            self.notes,
         )
         self._found: Responses | None = None
         for part in (self.entry, self.variants):
@@ -36,7 +38,8 @@ class ResponsePart:
 
     def forget(self) -> None:
         """Other recordings are looked at."""
-        self._found, self.told.object = None, ""
+        self._found = None
+        self.told.object = self.key.object = self.notes.object = ""
         self.entry.visible = self.variants.visible = False
         self.plots.magnitude.visible = self.plots.phase.visible = False
 
@@ -72,18 +75,18 @@ class ResponsePart:
         self.entry.options = options
         self.entry.value = self.entry.value if self.entry.value in options.values() else (0, 0)
         several = set(found.models) - {"before", "after"}
-        shown = set(found.models)
         self.entry.visible, self.variants.visible = True, bool(several)
         self.plots.magnitude.visible = self.plots.phase.visible = True
         out = frf.outputs[0].signal.replace("_", " ")
         self.told.object = (
             f"<p class=quiet>From {safe(frf.inputs[0].signal.replace('_', ' '))} to {safe(out)}; runs of the "
             f"model go through the same estimate. Grey: 95 % of the measurement. {len(frf)} lines.</p>"
-            + key([name for name in LOOKS if name in shown])
         )
+        self.notes.object = "".join(f"<p class=quiet>{safe(note)}</p>" for note in frf.notes)
         self._draw()
 
     def _draw(self) -> None:
         if self._found is not None and self.entry.value is not None:
             i, j = self.entry.value
-            self.plots.show(self._found, i, j, self.variants.value)
+            drawn = self.plots.show(self._found, i, j, self.variants.value)
+            self.key.object = key(["measured", *drawn])

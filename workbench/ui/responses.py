@@ -111,8 +111,12 @@ class ResponseView:
                 drawn = line(plot, self.lines, "f", f"{name}{part}", name)
                 self.drawn.setdefault(name, []).append(drawn)
 
-    def show(self, found: Responses, i: int, j: int, variants: bool) -> None:
-        """Draw output `i` over input `j`, with closed chain and variants or without."""
+    def show(self, found: Responses, i: int, j: int, variants: bool) -> list[str]:
+        """Draw output `i` over input `j`, with closed chain and variants or without.
+
+        Returns:
+            The looks of the lines that are drawn.
+        """
         frf = found.measured
         f, g = frf.frequency, frf.response[:, i, j]
         size = np.abs(g)
@@ -128,19 +132,20 @@ class ResponseView:
         }
         columns: dict[str, Any] = {"f": f}
         empty = np.full(len(f), np.nan)
+        shown = [n for n in LOOKS if n in found.models and (variants or n in ("before", "after"))]
         for name in LOOKS:
             model = found.models.get(name)
-            own = variants or name in ("before", "after")
             for drawn in self.drawn[name]:
-                drawn.visible = own and model is not None
+                drawn.visible = name in shown
             entry = empty if model is None else model[:, i, j]
             turn = np.degrees(np.angle(entry))
             jump = np.abs(np.diff(turn, prepend=turn[:1])) > 180.0
             columns[name], columns[f"{name}_phase"] = np.abs(entry), np.where(jump, np.nan, turn)
         self.lines.data = columns
         out, into = frf.outputs[i], frf.inputs[j]
-        self.magnitude.yaxis.axis_label = f"{out.unit} / ({into.unit})"
+        self.magnitude.yaxis.axis_label = f"magnitude [{out.unit} / ({into.unit})]"
         set_range(self.frequency, float(f[0]) / 1.1, float(f[-1]) * 1.1)
         low, high = span_of(*(float(np.log10(x)) for x in np.quantile(size, [0.0, 1.0])))
         set_range(self.magnitude.y_range, 10**low, 10**high)
         set_range(self.phase.y_range, -190, 190)
+        return shown

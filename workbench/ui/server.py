@@ -54,8 +54,8 @@ def serve(bench: Bench, port: int, ready: Callable[[str], None]) -> None:
         start=False,
         title="workbench",
     )
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # which Panel replaced by one that ends well
     loop = server.io_loop
+    interrupted = _stop_on_interrupt(loop)
     live = Live(bench, loop.add_callback, loop.call_later)
     lives.append(live)
     chosen = bench.chosen
@@ -69,6 +69,24 @@ def serve(bench: Bench, port: int, ready: Callable[[str], None]) -> None:
     finally:
         live.close()
         server.stop()
+    if interrupted:
+        raise KeyboardInterrupt
+
+
+def _stop_on_interrupt(loop: Any) -> list[int]:
+    """End the loop at Ctrl-C; what is returned is no longer empty then.
+
+    An exception that the signal raises itself is lost in a finaliser or in a weak reference's callback.
+    """
+    caught: list[int] = []
+
+    def stop(number: int, frame: object) -> None:
+        caught.append(number)
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a second one need not wait for the loop
+        loop.asyncio_loop.call_soon_threadsafe(loop.stop)
+
+    signal.signal(signal.SIGINT, stop)
+    return caught
 
 
 def _only_by_own_name(application: Application, hosts: set[str]) -> None:

@@ -5,6 +5,7 @@ A page sends labels, never paths: what is not on the shelf cannot be opened.
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,6 +19,12 @@ from workbench.recordings import load_recording
 
 _MOST = 200  # files of a folder that are looked into
 _LARGEST = 1_000_000  # bytes of a description; data tables are not TOML
+_ENDINGS = (".toml", ".xml", ".urdf")
+#: Model files to what stands in those with something that moves, or that include it; not in parts of others.
+_SIGNS = {
+    ".xml": re.compile(rb"<mujoco\b.*<(joint|freejoint|include)\b", re.DOTALL),
+    ".urdf": re.compile(rb"<robot\b.*<joint\b", re.DOTALL),
+}
 
 
 @dataclass
@@ -99,13 +106,12 @@ def _offered(shelf: Mapping[str, Path], label: str, kind: str) -> Path:
 
 def _look_through(folder: Path) -> tuple[dict[str, list[Path]], tuple[str, ...]]:
     """Models and recordings in a folder and those right below it, and files that are no TOML."""
-    root = folder.resolve()
-    files = sorted(p for pattern in ("*.toml", "*/*.toml") for p in root.glob(pattern))
     found: dict[str, list[Path]] = {"model": [], "recording": []}
-    unreadable = []
-    for path in files[:_MOST]:
-        hidden = any(part.startswith(".") for part in path.relative_to(root).parts)
-        if hidden or not path.is_file() or path.stat().st_size > _LARGEST:
+    unreadable, parts, bare = [], set(), []
+    root = folder.resolve()
+    for path in _files(root):
+        if path.suffix in _SIGNS:
+            bare += [path] if _is_model(path) else []
             continue
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
@@ -115,4 +121,30 @@ def _look_through(folder: Path) -> tuple[dict[str, list[Path]], tuple[str, ...]]
         kind = "recording" if "table" in table else "model" if "serial" in table else None
         if kind:
             found[kind].append(path)
+        if kind == "model":
+            parts.add((path.parent / str(table["serial"])).resolve())
+    # the tree of a TOML is that model without its drives
+    found["model"] += [path for path in bare if path.resolve() not in parts]
     return found, tuple(unreadable)
+
+
+def _files(root: Path) -> list[Path]:
+    """What may be a model or a recording, by name and size."""
+    patterns = [f"{below}*{ending}" for ending in _ENDINGS for below in ("", "*/")]
+    files = sorted(
+        (p for pattern in patterns for p in root.glob(pattern)), key=lambda p: (p.suffix != ".toml", p)
+    )
+    return [p for p in files[:_MOST] if _may_be_read(p, root)]
+
+
+def _may_be_read(path: Path, root: Path) -> bool:
+    hidden = any(part.startswith(".") for part in path.relative_to(root).parts)
+    return not hidden and path.is_file() and path.stat().st_size <= _LARGEST
+
+
+def _is_model(path: Path) -> bool:
+    """Whether an MJCF or URDF looks like one."""
+    try:
+        return _SIGNS[path.suffix].search(path.read_bytes()) is not None
+    except OSError:
+        return False

@@ -11,6 +11,7 @@ import panel as pn
 
 from workbench.core.palette import LINES
 from workbench.report.numbers import plain, unbroken
+from workbench.report.response import words_of
 
 
 @cache
@@ -62,16 +63,21 @@ def safe(content: object) -> str:
     return unbroken(html.escape(plain(content)))
 
 
-_WORDS = {"before": "model as given", "after": "with the changes", "closed_chain": "closed chain"}
+_WORDS = {"before": "model as given", "after": "with the changes"}
 
 
 def key(names: list[str]) -> str:
-    """What the lines of a diagram mean, as HTML."""
+    """What a diagram shows, as HTML: measured points, and lines."""
     parts = []
     for name in names:
         look = LINES[name]
         dash = " ".join(f"{1.25 * d:g}" for d in look.dash) or "none"
         style = f"stroke: var(--{look.colour}); stroke-dasharray: {dash}; stroke-width: {1.25 * look.width:g}"
-        line = f'<svg width="28" height="8" aria-hidden="true"><path d="M0 4H28" style="{style}"/></svg>'
-        parts.append(f"<span>{line}{_WORDS.get(name, name)}</span>")
+        mark = f'<path d="M0 4H28" style="{style}"/>'
+        if name == "measured":
+            mark = "".join(
+                f'<circle cx="{x}" cy="4" r="2.5" style="fill: var(--{look.colour})"/>' for x in (8, 20)
+            )
+        line = f'<svg width="28" height="8" aria-hidden="true">{mark}</svg>'
+        parts.append(f"<span>{line}{_WORDS.get(name) or words_of(name)}</span>")
     return f"<p class=key>{''.join(parts)}</p>"

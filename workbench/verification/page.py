@@ -66,18 +66,16 @@ def percent_of(share: float) -> str:
 
 def _sentence(truth: str, error: dict[str, float], noise: float, good: bool) -> str:
     others = {n: e for n, e in error.items() if n != truth}
-    named = "The closed chain" if truth == "closed_chain" else truth
-    how = (
-        f"{named} agrees with the measured response to {percent_of(error[truth])}, within its uncertainty"
-        if good
-        else f"{named} misses the measured response by {percent_of(error[truth])}, "
-        f"{number(error[truth] / noise, 2)} times the measurement's uncertainty"
-    )
+    named = "The closed chain" if truth == "closed_chain" else words_of(truth)
+    verb = "agrees with the measured response to" if good else "misses the measured response by"
+    times = f"{number(error[truth] / noise, 2)} times the measurement's uncertainty"
+    beside = "within the measurement's uncertainty" if error[truth] <= noise else times
+    how = f"{named} {verb} {percent_of(error[truth])}, {beside}"
     if not others:
         return f"{how}."
     best, last = min(others, key=others.__getitem__), max(others, key=others.__getitem__)
-    tail = f"; {last} by {percent_of(others[last])}" if last != best else ""
-    return f"{how}; of the serial trees {best} misses it by {percent_of(others[best])}{tail}."
+    tail = f"; {words_of(last)} by {percent_of(others[last])}" if last != best else ""
+    return f"{how}; of the serial trees {words_of(best)} misses it by {percent_of(others[best])}{tail}."
 
 
 def _shown(error: dict[str, float], truth: str) -> list[str]:
@@ -106,7 +104,7 @@ def _table(found: Sequence[FrfComparison]) -> SheetTable:
     several = len(found) > 1
     rows = [
         (
-            name,
+            words_of(name),
             *([_posture(c)] if several else []),
             percent_of(c.overall(name)),
             number(c.overall(name) / c.overall_noise, 3),

@@ -15,6 +15,8 @@
     stage.start(named("motion"), named("cursor"), timeOf(page));
     zoom(timeOf(page));
     mapOf(page).on_event("tap", () => byId("curves").scrollIntoView({ behavior: calm ? "auto" : "smooth" }));
+    name();
+    setInterval(name, 500); // widgets come and go, and say their numbers anew
     document.documentElement.dataset.ready = "yes";
   }, 50);
 
@@ -64,6 +66,25 @@
     };
     for (const button of document.querySelectorAll("[data-zoom]")) button.addEventListener("click", () => look(button.dataset.zoom));
     byId("plots").addEventListener("dblclick", () => look("all"));
+  };
+
+  // Panel writes the words of a checkbox and of a slider beside them, and gives neither a name.
+  const every = (selector, root = document) => [...root.querySelectorAll(selector),
+    ...[...root.querySelectorAll("*")].flatMap((e) => (e.shadowRoot ? every(selector, e.shadowRoot) : []))];
+  const wordsIn = (node) => (["STYLE", "LINK", "SCRIPT"].includes(node.tagName) ? "" : node.nodeType === Node.TEXT_NODE
+    ? node.textContent : [...node.childNodes, ...(node.shadowRoot?.childNodes ?? [])].map(wordsIn).join(" "));
+  const tell = (e, name, value) => { if (value && e.getAttribute(name) !== value) e.setAttribute(name, value); };
+  const name = () => {
+    for (const box of every("input[type=checkbox]")) if (!box.labels.length) tell(box, "aria-label", wordsIn(box.getRootNode()).trim());
+    for (const track of every(".noUi-target")) {
+      const handle = track.querySelector(".noUi-handle"), value = Number(track.noUiSlider?.get(true));
+      const whole = track.getRootNode().host?.getRootNode(); // title and number field, then the track
+      const words = [...whole.children].map((e) => wordsIn(e).trim()).find(Boolean)?.replace(/:$/, "");
+      for (const e of [handle, ...every(".bk-spin-wrapper input", whole)]) tell(e, "aria-label", words);
+      if (!Number.isFinite(value)) continue;
+      tell(handle, "aria-valuenow", value.toPrecision(4));
+      tell(handle, "aria-valuetext", value.toPrecision(4));
+    }
   };
 
   // The links in space, seen from a camera that turns about their middle.
