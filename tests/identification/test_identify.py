@@ -149,5 +149,5 @@ def test_pages_hold_estimates_fit_residual_and_judgement() -> None:
     page = leg_sheet(of_leg, with_leg(with_actuator(read_model("leg_kin_only"), found), of_leg))
     rows = {row[0]: row for row in page.sections[0].tables[0].rows}
     assert rows["M11"][1].startswith("0.047") or rows["M11"][1].startswith("0.048")
-    assert rows["M22"][2].startswith("0.0162") and rows["M12"][2] == "0"
+    assert rows["M22"][2].startswith("0.0162") and rows["M12"][2] == "0 kg m²"
     assert len(next(s for s in page.sections if s.drawings).drawings[0].panels) == 4

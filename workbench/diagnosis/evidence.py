@@ -128,8 +128,9 @@ def finding_lines(stage: Stage, applied: AppliedEffect, found: Collection[Effect
     judged = stage.by_held_out
     source = "held-out recordings" if judged else "data left out of the fit"
     agree, of = stage.folds
+    removed = 100.0 * min(stage.removed_share, 1.0)
     lines = [
-        f"removes {100 * stage.removed_share:.1f} % of the squared error above the noise on {source}",
+        f"removes {removed:.1f} % of the squared error above the noise on {source}",
         f"helps on {agree} of {of} {'held-out recordings' if judged else 'folds'}",
     ]
     known = {applied.key, *stage.rivals, *found}
@@ -137,7 +138,7 @@ def finding_lines(stage: Stage, applied: AppliedEffect, found: Collection[Effect
     if others:
         key, share = others[0]
         beside = f"simpler than {key}, which" if share > stage.removed_share else f"next best, {key},"
-        lines.append(f"{beside} removes {100 * max(share, 0.0):.1f} %")
+        lines.append(f"{beside} removes {100 * min(max(share, 0.0), 1.0):.1f} %")
     effect = effect_named(applied.key.effect)
     stated = effect.stated_words(stage.fit.hypothesis.model)
     return (*lines, *([stated] if stated else []), f"where to see it: {effect.shows}")

@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import Estimate
 from workbench.frf import Fit, Frf
 from workbench.models import Model
-from workbench.report.numbers import interval, number
+from workbench.report.numbers import interval, number, unit_text
 from workbench.report.response import response_panel
 from workbench.report.sheet import Drawing, Section, Sheet, SheetTable
 
@@ -47,7 +47,7 @@ def leg_sheet(found: LegIdentification, built: Model) -> Sheet:
     totals = (("M11", found.M11), ("M12", found.M12), ("M22", found.M22))
     shares = ((own[0], linkage.M11), (0.0, linkage.M12), (own[1], linkage.M22))
     rows = [
-        (name, interval(readable(v)), number(a, 4), number(over, 4))
+        (name, interval(readable(v)), *(f"{number(x, 4)} {unit_text(v.unit)}" for x in (a, over)))
         for (name, v), (a, over) in zip(totals, shares, strict=True)
     ]
     others = (

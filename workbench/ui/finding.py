@@ -92,7 +92,8 @@ class Findings:
         return column(text(head), add, text(tail), css_classes=["effect"])
 
     def _other(self, key: EffectKey, share: float) -> Any:
-        width = 100.0 * min(1.0, max(0.0, share))
+        share = min(1.0, max(0.0, share))
+        width = 100.0 * share
         bar = (
             f"<div class=share><span style='width:{width:.1f}%'></span></div><small>{percent(share)}</small>"
         )
