@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import struct
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +99,23 @@ def test_damaged_logs(ending: str, tmp_path: Path, capfd: pytest.CaptureFixture[
     (tmp_path / f"run{ending}").write_bytes(raw)
     assert "no readable log" in refused(path).problem
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("packed", [True, False])
+def test_a_log_that_its_reader_would_never_leave(packed: bool, tmp_path: Path) -> None:
+    path = logged(tmp_path, ".blf")
+    raw = bytearray((tmp_path / "run.blf").read_bytes())
+    at = raw.index(b"LOBJ")  # the first container: 16 bytes of header, 16 of its own, then what it holds
+    size = int.from_bytes(raw[at + 8 : at + 12], "little")
+    held = bytearray(zlib.decompress(raw[at + 32 : at + size]))
+    second = held.index(b"LOBJ", 200)
+    held[second + 8 : second + 12] = bytes(4)  # of no size: the next begins where it begins
+    body = zlib.compress(held) if packed else bytes(held)
+    length = 32 + len(body)
+    container = raw[at : at + 8] + length.to_bytes(4, "little") + raw[at + 12 : at + 16]
+    container += (2 if packed else 0).to_bytes(2, "little") + raw[at + 18 : at + 32] + body
+    (tmp_path / "run.blf").write_bytes(raw[:at] + container + bytes(length % 4))
+    assert "no readable log: an object of 0 bytes is shorter than its header" in refused(path).problem
 
 
 def test_a_log_that_crashes_its_reader(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from workbench.core import InputError
 
+from .blf import check_blf
 from .mf4 import mf4_messages
 from .missing import missing_column
 
@@ -171,6 +172,8 @@ def _messages(path: Path) -> Iterator[can.Message]:
         if path.suffix.lower() == ".mf4":
             reading = contextlib.closing(mf4_messages(path))
         else:
+            if path.suffix.lower() == ".blf":
+                check_blf(path)
             reading = can.LogReader(path)
         with _whole(), reading as messages:
             for message in messages:
