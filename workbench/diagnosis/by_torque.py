@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .choosing import behind
 from .data import Data
 from .fit import fit
 from .giving import pins_of, what_gives_way
@@ -52,7 +53,7 @@ def plain_by_torque(
         others=(),
         dropped=(),
         ranking=tuple((c.key, 1.0 - c.judged) for c in found),
-        margin=min((c.judged for c in others), default=float("inf")) / max(plain.judged, 1e-12),
+        behind=behind(plain.key, plain.judged, ((c.key, c.judged) for c in others)),
         folds=(int(np.sum(fitted.agreeing < start.agreeing)), len(fitted.agreeing)),
         by_held_out=data.held_out_judges,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Protocol, TypeVar
 
 from workbench.core import EffectKey
@@ -16,6 +16,8 @@ from .screen import Candidate
 
 #: An effect in a place that was simulated, with its fit.
 Explanation = tuple[Candidate, Fit]
+#: An effect with what is left where it explains the data.
+Judged = tuple[EffectKey, float]
 
 # An explanation near the floor is not passed over for a basic one that leaves this many times as much.
 _FAR_WORSE = 4.0
@@ -126,16 +128,15 @@ def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[
     return sorted(found, key=rank)
 
 
-def margin(chosen: Candidate, found: Fit, fits: Sequence[Explanation]) -> float:
-    """How much worse the best other explanation is, leaving out those that contain this one."""
-    others = [
-        f.judged
-        for c, f in fits
-        if c is not chosen and not contains(c.key, chosen.key) and not contains(chosen.key, c.key)
-    ]
-    return margin_over(found, others)
+def behind(key: EffectKey, judged: float, others: Iterable[Judged]) -> tuple[Judged, ...]:
+    """How far other explanations are behind one: the least of their judged errors over its own, best first.
+
+    Forms of the same cause are left out.
+    """
+    apart = ((k, left / max(judged, 1e-12)) for k, left in others if not same_cause(k, key))
+    return tuple(sorted(apart, key=lambda kl: kl[1]))
 
 
-def margin_over(found: Fit, others: Sequence[float]) -> float:
-    """The least of the others' judged errors over a fit's."""
-    return min(others, default=float("inf")) / max(found.judged, 1e-12)
+def same_cause(one: EffectKey, other: EffectKey) -> bool:
+    """Whether two effects are one, or forms of one."""
+    return one == other or contains(one, other) or contains(other, one)

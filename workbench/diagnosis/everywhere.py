@@ -11,7 +11,7 @@ from workbench.core import EffectKey
 from workbench.effects import EFFECTS
 
 from .by_axis import MANY, explained_by_axis, where_it_holds
-from .choosing import margin_over, simplest_first
+from .choosing import behind, simplest_first
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
@@ -200,7 +200,7 @@ def _stages(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> t
         if left[k] < np.inf
     )
     forms = set(best.effects) | {e.name for e in EFFECTS if set(e.contains) & set(best.effects)}
-    margin = margin_over(best.fit, [f.fit.judged for f in fits if not set(f.effects) & forms])
+    instead = [(f.fit.hypothesis.free[0].key, f.fit.judged) for f in fits if not set(f.effects) & forms]
     before, stages = start, []
     for result in (*grown, best.fit):
         added = next(a.key for a in order if a.key not in _keys(before) and a.key in _keys(result))
@@ -214,7 +214,7 @@ def _stages(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> t
                 others=(),
                 dropped=(),
                 ranking=ranking,
-                margin=margin,
+                behind=behind(added, best.fit.judged, instead),
                 folds=(int(np.sum(result.agreeing < before.agreeing)), len(result.agreeing)),
                 by_held_out=data.held_out_judges,
             )

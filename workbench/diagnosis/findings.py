@@ -9,6 +9,7 @@ import numpy as np
 from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
 from workbench.models import AppliedEffect
 
+from .choosing import same_cause
 from .evidence import Clues, finding_lines
 from .judging import stands_out
 from .stage import Search, Stage
@@ -36,7 +37,7 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
                 holdout_error_before=score(previous.mean_squares, held_out=True) if judged else None,
                 holdout_error_after=score(stage.fit.mean_squares, held_out=True) if judged else None,
                 probability=_probability(stage, found),
-                indistinguishable_from=stage.rivals,
+                indistinguishable_from=_rivals(stage, found),
                 evidence=(
                     *finding_lines(stage, applied, keys),
                     *Clues(found.start_data, previous).of_finding(applied.key),
@@ -53,9 +54,20 @@ def _probability(stage: Stage, found: Search) -> float:
     which is more often the true one: a lone rival takes a fifth of the chance, three take two thirds (in
     `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more).
     """
-    alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(stage.margin - 1.0, 0.0)))
+    next_best = min((left for key, left in stage.behind if not _found_too(key, found)), default=np.inf)
+    alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(next_best - 1.0, 0.0)))
     whole = 1.0 if found.consistent_after else found.by_axis.get(stage.added.axis or "", found.explained)
-    return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(stage.rivals) ** 2))
+    return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(_rivals(stage, found)) ** 2))
+
+
+def _rivals(stage: Stage, found: Search) -> tuple[EffectKey, ...]:
+    """What does as well as an effect and was not found beside it; what was found too is no doubt."""
+    return tuple(key for key in stage.rivals if not _found_too(key, found))
+
+
+def _found_too(key: EffectKey, found: Search) -> bool:
+    """Whether the final model has this cause in some form."""
+    return any(same_cause(key, applied.key) for applied in found.final.hypothesis.added)
 
 
 def ranking_of(found: Search) -> tuple[tuple[EffectKey, float], ...]:
@@ -85,7 +97,7 @@ def step_of(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectK
         parameters=dict(applied.parameters),
         error=score(stage.fit.mean_squares),
         holdout_error=score(stage.fit.mean_squares, held_out=True) if judged else None,
-        indistinguishable_from=stage.rivals,
+        indistinguishable_from=_rivals(stage, found),
         evidence=evidence.get(stage.added) or finding_lines(stage, applied),
         removed=stage.dropped,
     )

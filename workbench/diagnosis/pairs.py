@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 
-from .choosing import margin_over, simplest_first
+from .choosing import behind, simplest_first
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
@@ -106,7 +106,7 @@ def _stages(
                 others=tuple((k, f.hypothesis.model) for k, f in instead),
                 dropped=(),
                 ranking=shares,
-                margin=margin_over(best.fit, [f.judged for _, f in instead]),
+                behind=behind(keys[n], best.fit.judged, ((k, f.judged) for k, f in instead)),
                 folds=(int(np.sum(result.agreeing < before[n].agreeing)), len(result.agreeing)),
                 by_held_out=data.held_out_judges,
             )

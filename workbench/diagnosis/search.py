@@ -11,6 +11,7 @@ from workbench.models import Model
 
 from .by_axis import explained_by_axis
 from .data import Data, gather
+from .further_axes import on_further_axes
 from .hypothesis import Fit, Hypothesis
 from .judging import explained, mostly_explained, rejudged, stands_out
 from .other_ways import fewer, otherwise
@@ -77,7 +78,7 @@ def search(
         if not holds(way, quest) and limit > 1:
             way = otherwise(way, quest)
         elif limit > 1:
-            way = fewer(way, quest)
+            way = on_further_axes(fewer(way, quest), quest)
     way = _plain(_simplified(way, seed, progress), start, first)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect

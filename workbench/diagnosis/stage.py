@@ -27,7 +27,7 @@ class Stage:
         others: models with the best other explanations in place of it, best first.
         dropped: earlier effects that it made needless.
         ranking: what every simulated candidate removed of the excess, best first.
-        margin: judged error of the best other explanation over this one's; infinite where there is none.
+        behind: other explanations with their judged error over this one's, best first.
         folds: (agreeing, all).
         by_held_out: whether held-out recordings judged.
         runs: the model's runs, without and with noise; filled in when the stage is accepted.
@@ -41,7 +41,7 @@ class Stage:
     others: tuple[tuple[EffectKey, Model], ...]
     dropped: tuple[EffectKey, ...]
     ranking: tuple[tuple[EffectKey, float], ...]
-    margin: float
+    behind: tuple[tuple[EffectKey, float], ...]
     folds: tuple[int, int]
     by_held_out: bool
     runs: Simulated | None = None

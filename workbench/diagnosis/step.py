@@ -13,7 +13,7 @@ from workbench.models import Model
 
 from .beside import named_beside, special_case
 from .channel import astray
-from .choosing import Explanation, choose, margin
+from .choosing import Explanation, behind, choose
 from .data import Data
 from .giving import pins_of
 from .hypothesis import Fit
@@ -131,7 +131,7 @@ def _stage(choice: _Choice, tried: Tried, at: Standpoint) -> Stage:
         ),
         dropped=tuple(a.key for a in before.hypothesis.added if a.key not in left),
         ranking=_ranking(tried, at),
-        margin=margin(choice.candidate, choice.found, tried.fits),
+        behind=behind(choice.key, choice.found.judged, ((c.key, f.judged) for c, f in tried.fits)),
         folds=(int(np.sum(kept.agreeing < before.agreeing)), len(kept.agreeing)),
         by_held_out=data.held_out_judges,
     )

@@ -1,0 +1,47 @@
+"""How sure a finding is, and what it could be instead."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from workbench.core import EffectKey
+from workbench.diagnosis.findings import _probability, step_of
+
+_HIP, _KNEE = EffectKey("coulomb_friction", "hip"), EffectKey("coulomb_friction", "knee")
+_DAMPED = EffectKey("viscous_damping", "hip")
+
+
+def told(*added: EffectKey, rivals: tuple[EffectKey, ...]) -> tuple[float, tuple[EffectKey, ...]]:
+    """The chance of friction on the hip, and what looks the same, where the final model has `added`."""
+    free = tuple(SimpleNamespace(key=k, parameters={}) for k in added)
+    fit: Any = SimpleNamespace(hypothesis=SimpleNamespace(added=free), mean_squares=None)
+    stage: Any = SimpleNamespace(
+        added=_HIP, fit=fit, rivals=rivals, behind=tuple((k, 1.0) for k in rivals), dropped=()
+    )
+    found: Any = SimpleNamespace(
+        final=fit,
+        consistent_after=True,
+        explained=1.0,
+        by_axis={},
+        start_data=SimpleNamespace(score=lambda *_, **__: 0.0),
+    )
+    step = step_of(stage, found, False, {_HIP: ("a line",)})
+    return _probability(stage, found), step.indistinguishable_from
+
+
+def test_what_does_as_well_makes_a_name_doubtful() -> None:
+    chance, alike = told(_HIP, rivals=(_DAMPED,))
+    assert chance == pytest.approx(0.4)
+    assert alike == (_DAMPED,)
+
+
+@pytest.mark.parametrize(
+    "form", ["coulomb_friction", "stribeck_friction"], ids=["the same", "a form of the same"]
+)
+def test_a_second_cause_is_no_other_name_for_the_first(form: str) -> None:
+    chance, alike = told(_HIP, _KNEE, rivals=(EffectKey(form, "knee"),))
+    assert chance == pytest.approx(0.98)
+    assert alike == ()
