@@ -11,6 +11,7 @@ from .errors import InputError
 
 MOST_BYTES = 512 * 2**20  # of a table once it is unpacked
 MOST_CELLS = 64 * 2**20  # as floats the same
+_POINTER = b"version https://git-lfs.github.com/spec/"
 _HEADROOM = 4 * 2**30  # address space above what is used already; libraries reserve more than they touch
 
 
@@ -48,6 +49,14 @@ def too_large(path: Path) -> InputError:
         file=path,
         remedy="cut out the part and the columns that matter",
     )
+
+
+def check_fetched(path: Path) -> None:
+    """Raises InputError where a file is what Git LFS leaves in its place until the file itself is fetched."""
+    with path.open("rb") as file:
+        if file.read(len(_POINTER)) == _POINTER:
+            remedy = "run 'git lfs pull' in its repository"
+            raise InputError("stands for a file that was not fetched with Git LFS", file=path, remedy=remedy)
 
 
 def check_cells(count: int, path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import InputError
-from workbench.core.bounds import bounded
+from workbench.core.bounds import bounded, check_fetched
 
 from ..table import Table
 from .arrays import read_matlab_file, read_numpy_file, read_parquet_file
@@ -46,6 +46,8 @@ def open_table(path: Path, *, episode: int = 0) -> Table:
     """
     if not path.exists():
         raise InputError("there is no such file", file=path, remedy="check the path")
+    if path.is_file():
+        check_fetched(path)
     with bounded(path):
         return _measurable(_folder(path, episode) if path.is_dir() else _reader(path)(path))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import InputError
-from workbench.core.bounds import bounded
+from workbench.core.bounds import bounded, check_fetched
 
 from .can_table import read_can
 from .csv_table import read_csv
@@ -58,6 +58,7 @@ def read_table(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     if not path.is_file():
         remedy = "check `table` in the recording's TOML; it is relative to that file"
         raise InputError("the table is missing", file=path, remedy=remedy)
+    check_fetched(path)
     with bounded(path):
         data = READERS[max(endings, key=len)](path, list(dict.fromkeys(columns)))
     _check_lengths(data, path)
