@@ -9,6 +9,7 @@ import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis.findings import _probability, step_of
+from workbench.diagnosis.stage import Stage
 
 _HIP, _KNEE = EffectKey("coulomb_friction", "hip"), EffectKey("coulomb_friction", "knee")
 _DAMPED = EffectKey("viscous_damping", "hip")
@@ -18,9 +19,8 @@ def told(*added: EffectKey, rivals: tuple[EffectKey, ...]) -> tuple[float, tuple
     """The chance of friction on the hip, and what looks the same, where the final model has `added`."""
     free = tuple(SimpleNamespace(key=k, parameters={}) for k in added)
     fit: Any = SimpleNamespace(hypothesis=SimpleNamespace(added=free), mean_squares=None)
-    stage: Any = SimpleNamespace(
-        added=_HIP, fit=fit, rivals=rivals, behind=tuple((k, 1.0) for k in rivals), dropped=()
-    )
+    none: Any = None
+    stage = Stage(_HIP, fit, none, 1.0, rivals, (), (), (), tuple((k, 1.0) for k in rivals), (1, 1), True)
     found: Any = SimpleNamespace(
         final=fit,
         consistent_after=True,

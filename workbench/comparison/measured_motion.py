@@ -81,15 +81,11 @@ class Reading:
         size = _SLACK * np.sqrt(np.mean(torque**2, axis=0)) / np.sqrt(np.mean(white**2, axis=0))
         return np.where(self.counts, size * white, 0.0)
 
-    def timed(self, plant: Plant, columns: np.ndarray) -> np.ndarray:
-        """Columns (N, n, C), in own coordinates, without what a shift of the torque in time would take up."""
+    def late(self, plant: Plant) -> np.ndarray:
+        """What a row's delay of the measured torque takes off (N, n), where it may be shifted; else zero."""
         rest, late = self._rest(plant)
         shift = self._shift(rest, late)
-        free = (shift > _EARLY) & (shift < _LATE)
-        late = np.where(self.counts & free, late, 0.0)
-        size = np.maximum(np.sum(late**2, axis=0), 1e-300)
-        out = np.where(self.counts[:, :, None], columns, 0.0)
-        return out - late[:, :, None] * (np.einsum("ki,kic->ic", late, out) / size[:, None])
+        return np.where(self.counts & (shift > _EARLY) & (shift < _LATE), late, 0.0)
 
     def _rest(self, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
         """Measured minus needed torque, and what a row's delay of the measured one takes off, (N, n)."""
@@ -198,7 +194,18 @@ class Follower:
         needed = -np.moveaxis(torque / np.maximum(self.motion.gain, _LEAST_GAIN), 0, -1)
         passed = lowpass(needed, self.reading.recording, self.reading.corner_hz)
         passed = np.einsum("kjc,ji->kic", passed, self.reading.to_actuator)
-        return np.zeros_like(passed), self.reading.timed(self.plant, passed)
+        return np.zeros_like(passed), self._timed(passed)
+
+    def _timed(self, columns: np.ndarray) -> np.ndarray:
+        """Columns (N, n, C), in own coordinates, without what a shift of the torque in time would take up."""
+        late = self._late
+        size = np.maximum(np.sum(late**2, axis=0), 1e-300)
+        out = np.where(self.reading.counts[:, :, None], columns, 0.0)
+        return out - late[:, :, None] * (np.einsum("ki,kic->ic", late, out) / size[:, None])
+
+    @cached_property
+    def _late(self) -> np.ndarray:
+        return self.reading.late(self.plant)
 
     def _shifted(self, position: np.ndarray) -> np.ndarray:
         """Torque (N, n) that a change of what the encoders read stands for."""

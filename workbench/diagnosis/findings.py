@@ -9,10 +9,9 @@ import numpy as np
 from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
 from workbench.models import AppliedEffect
 
-from .choosing import same_cause
 from .evidence import Clues, finding_lines
 from .judging import stands_out
-from .stage import Search, Stage
+from .stage import Search, Stage, has_cause
 
 NEAR = 0.8  # share of the excess from which a cause is worth telling that may not be named
 _SOME = 0.2  # the same from which it is said that there is something
@@ -37,7 +36,7 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
                 holdout_error_before=score(previous.mean_squares, held_out=True) if judged else None,
                 holdout_error_after=score(stage.fit.mean_squares, held_out=True) if judged else None,
                 probability=_probability(stage, found),
-                indistinguishable_from=_rivals(stage, found),
+                indistinguishable_from=stage.rivals_of(found.final),
                 evidence=(
                     *finding_lines(stage, applied, keys),
                     *Clues(found.start_data, previous).of_finding(applied.key),
@@ -54,20 +53,10 @@ def _probability(stage: Stage, found: Search) -> float:
     which is more often the true one: a lone rival takes a fifth of the chance, three take two thirds (in
     `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more).
     """
-    next_best = min((left for key, left in stage.behind if not _found_too(key, found)), default=np.inf)
+    next_best = min((left for key, left in stage.behind if not has_cause(found.final, key)), default=np.inf)
     alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(next_best - 1.0, 0.0)))
     whole = 1.0 if found.consistent_after else found.by_axis.get(stage.added.axis or "", found.explained)
-    return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(_rivals(stage, found)) ** 2))
-
-
-def _rivals(stage: Stage, found: Search) -> tuple[EffectKey, ...]:
-    """What does as well as an effect and was not found beside it; what was found too is no doubt."""
-    return tuple(key for key in stage.rivals if not _found_too(key, found))
-
-
-def _found_too(key: EffectKey, found: Search) -> bool:
-    """Whether the final model has this cause in some form."""
-    return any(same_cause(key, applied.key) for applied in found.final.hypothesis.added)
+    return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(stage.rivals_of(found.final)) ** 2))
 
 
 def ranking_of(found: Search) -> tuple[tuple[EffectKey, float], ...]:
@@ -97,7 +86,7 @@ def step_of(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectK
         parameters=dict(applied.parameters),
         error=score(stage.fit.mean_squares),
         holdout_error=score(stage.fit.mean_squares, held_out=True) if judged else None,
-        indistinguishable_from=_rivals(stage, found),
+        indistinguishable_from=stage.rivals_of(found.final),
         evidence=evidence.get(stage.added) or finding_lines(stage, applied),
         removed=stage.dropped,
     )

@@ -90,7 +90,7 @@ def fewer(way: Way, quest: Quest) -> Way:
     """
     size = _parameters(way)
     few = len(way.stages) < 2 or size < 3
-    if few or quest.data.effort.spent or not any(s.rivals for s in way.stages[:-1]):
+    if few or quest.data.effort.spent or not any(s.rivals_of(way.current) for s in way.stages[:-1]):
         return way
     stages = two_at_once(quest.scene, quest.data, quest.start, quest.progress)
     if stages is None:

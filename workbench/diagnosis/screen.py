@@ -195,8 +195,8 @@ def equations(
     `known`: responses of the unknowns that stand before `columns`, per recording.
     """
     parts = [respond([scene], [columns[k : k + _BLOCK]], data)[0] for k in range(0, len(columns), _BLOCK)]
-    fresh = [np.concatenate(part, axis=-1) for part in zip(*parts, strict=True)]
-    responses = [np.concatenate(pair, axis=-1) for pair in zip(known, fresh, strict=True)] if known else fresh
+    each = zip(*([known] if known else []), *parts, strict=True)
+    responses = [own[0] if len(own) == 1 else np.concatenate(own, axis=-1) for own in each]
     residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
     pieces = [normal(responses[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
     held_out: Normal | None = None

@@ -234,10 +234,11 @@ def respond(
         second = [k for k, c in enumerate(own) if isinstance(c, Trial)]
         rows = []
         for i, run in enumerate(scenes[s].runs):
-            whole = np.zeros((len(run), 2, len(run.axes), len(own)))
-            whole[..., first] = marched[s][i][..., : len(first)]
-            whole[..., second] = tried[s][i]
-            whole *= data.weight[None, :, :, None]
+            whole = marched[s][i][..., : len(first)]
+            if second:
+                whole = np.zeros((len(run), 2, len(run.axes), len(own)))
+                whole[..., first], whole[..., second] = marched[s][i][..., : len(first)], tried[s][i]
+            whole = whole * data.weight[:, :, None]
             whole[~data.recordings[i].valid] = 0.0
             rows.append(whole)
         out.append(rows)

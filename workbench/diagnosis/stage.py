@@ -9,6 +9,7 @@ from workbench.comparison import Simulated
 from workbench.core import EffectKey
 from workbench.models import Model
 
+from .choosing import same_cause
 from .data import Data
 from .hypothesis import Fit
 from .screen import Candidate
@@ -45,6 +46,15 @@ class Stage:
     folds: tuple[int, int]
     by_held_out: bool
     runs: Simulated | None = None
+
+    def rivals_of(self, end: Fit) -> tuple[EffectKey, ...]:
+        """What does as well and was not found beside it, in any form: that would be no other name for it."""
+        return tuple(key for key in self.rivals if not has_cause(end, key))
+
+
+def has_cause(found: Fit, key: EffectKey) -> bool:
+    """Whether a fit has a cause in some form."""
+    return any(same_cause(key, applied.key) for applied in found.hypothesis.added)
 
 
 @dataclass(frozen=True)
