@@ -6,9 +6,9 @@ import re
 
 from workbench.core import InputError
 
+from .assignment import Signals
 from .draft import Draft
 from .proposal import Question
-from .signals import Signals
 
 
 def named_axes(signals: Signals, draft: Draft) -> tuple[list[str], dict[str, list[str]]]:

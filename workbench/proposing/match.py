@@ -9,6 +9,8 @@ import scipy
 
 from workbench.recordings.velocity import derive_velocity
 
+#: Likeness from which two columns are of one thing.
+ALIKE = 0.9
 _MOST = 60_000  # rows looked at
 _REACH = 40  # rows of delay looked for
 

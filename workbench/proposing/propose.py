@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.core import AXIS_SIGNALS, InputError
 
+from .assignment import Signals
 from .axes import named_axes
 from .clean import Clean, clean
 from .clock import find_time, rate_question
@@ -18,7 +19,7 @@ from .names import name_joints, role_of
 from .proposal import Answers, Proposal, Question, listed
 from .scaling import settle_scales
 from .settle import settle_units
-from .signals import Signals, read_signals
+from .signals import read_signals
 from .stated import EXAMPLES
 from .table import Table
 from .units import pint_unit

@@ -1,0 +1,59 @@
+"""Columns that are torques: measured, or asked for by a command."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .assignment import Signals, filled
+from .law import is_law
+from .match import held_share
+from .names import Role
+from .roles import drives
+
+
+def settle_torques(out: Signals, data: dict[str, np.ndarray]) -> None:
+    """A torque without a role: measured, unless it is the smooth one of two or is held like a command."""
+    plain = out.columns.pop("torque", {})
+    because = out.because.pop("torque", "its name")
+    out.sure.pop("torque", None)
+    # columns of one name are one signal, whatever a joint that hardly moves looks like
+    held = bool(plain) and float(np.median([held_share(data[c]) for c in plain.values()])) > 0.4
+    commanded = "torque_command" in out.columns
+    law = not commanded and bool(plain) and is_law(*_loop(out, data, list(plain.values())))
+    for joint, column in plain.items():
+        if joint in out.columns.get("torque_measured", {}):
+            if joint not in out.columns.get("torque_command", {}):
+                out.put("torque_command", joint, column, "the other torque is measured", 0.91)
+        elif commanded:
+            out.put("torque_measured", joint, column, f"{because}; the other one is the command", 0.96)
+        elif law:
+            out.put("torque_command", joint, column, "a law of the logged errors and speeds", 0.97)
+        elif held:
+            out.put("torque_command", joint, column, "held for rows, as a controller's output is", 0.9)
+        else:
+            out.put("torque_measured", joint, column, "its name; not said whether measured", 0.91)
+
+
+def take_drives(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
+    """What drives gave or were asked for, where nothing else is a torque."""
+    if any(signal.startswith("torque") for signal in out.columns):
+        return
+    free = [n for n in data if n not in out.used()]
+    for signal, joint, column in drives(free, roles, list(out.columns.get("position", {}))):
+        if joint not in out.columns.get(signal, {}):
+            out.put(signal, joint, column, "a drive's by its name; taken for torque", 0.91)
+
+
+def _loop(
+    out: Signals, data: dict[str, np.ndarray], torques: list[str]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Errors, speeds and torques (N, n) of all joints; no columns where not all are logged."""
+    signals = [out.columns.get(s, {}) for s in ("position_reference", "position", "velocity")]
+    asked, seen, speeds = ({j: c for j, c in own.items() if c in data} for own in signals)
+    joints = [j for j in seen if j in asked and j in speeds] if len(torques) == len(seen) else []
+    if len(joints) < len(seen):
+        return np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
+    error = [filled(data[asked[j]]) - filled(data[seen[j]]) for j in joints]
+    speed = [filled(data[speeds[j]]) for j in joints]
+    torque = [filled(data[name]) for name in torques]
+    return np.stack(error, axis=1), np.stack(speed, axis=1), np.stack(torque, axis=1)
