@@ -9,6 +9,7 @@ import pytest
 
 from tests import floating_robot
 from workbench.comparison import compare, matched, replay_of
+from workbench.comparison.floating import with_base
 from workbench.core import InputError, Recording
 from workbench.effects import compile_plant, load_model
 from workbench.models import BASE_AXES, Model
@@ -66,10 +67,10 @@ def test_what_does_not_fit_is_told_in_one_line(robot: Model) -> None:
     refused = {
         "nothing says where it was; name its columns, or fix the base": other(base_position=None),
         "3 columns, and it takes 4": other(base_orientation=made.extra["base_position"]),
-        "its four numbers have the length 2 in row 0; give unit quaternions": other(
+        "its four numbers have the length 2 in row 1; give unit quaternions": other(
             base_orientation=2.0 * made.extra["base_orientation"]
         ),
-        "the base pitches by 90 degrees in row 0": other(base_orientation=turned),
+        "the base pitches by 90 degrees in row 1": other(base_orientation=turned),
         "6 columns, and model 'robot' has 4 feet": other(ground_force=made.extra["ground_force"][:, :6]),
     }
     for line, recording in refused.items():
@@ -80,3 +81,13 @@ def test_what_does_not_fit_is_told_in_one_line(robot: Model) -> None:
     fixed = replace(robot, floats=False, axes=robot.driven, joints=robot.driven)
     with pytest.raises(InputError, match="the base moves, and that of model 'robot' is fixed"):
         compare(replace(fixed, transmission=np.eye(fixed.size)), [made])
+
+
+def test_a_quaternion_that_changes_its_sign_is_no_motion(robot: Model) -> None:
+    made = floating_robot.recorded(1.0, seed=1)
+    flips = np.where(np.arange(len(made)) % 3 == 0, -1.0, 1.0)[:, None]
+    pose = {
+        name: np.tile(made.extra[name][:1], (len(made), 1)) for name in ("base_position", "base_orientation")
+    }
+    still = replace(made, extra={**pose, "base_orientation": flips * pose["base_orientation"]})
+    assert with_base(still, replace(robot, floats=False)) is still

@@ -40,8 +40,7 @@ def with_base(recording: Recording, model: Model) -> Recording:
         return recording
     if not model.floats:
         for name, still in _STILL.items():
-            values = recording.extra.get(name)
-            if values is not None and np.ptp(values[recording.valid], axis=0).max(initial=0.0) > still:
+            if _range(recording, name) > still:
                 raise _refusal(
                     recording, name, f"the base moves, and that of model '{model.name}' is fixed",
                     "give its MJCF a <freejoint/>, or leave these columns out",
@@ -77,15 +76,27 @@ def with_base(recording: Recording, model: Model) -> Recording:
     )
 
 
+def _range(recording: Recording, name: str) -> float:
+    """Largest range of any of a pose's numbers; a quaternion and its negative are one turn."""
+    values = recording.extra.get(name)
+    if values is None or not recording.valid.any():
+        return 0.0
+    values = values[recording.valid]
+    if name == "base_orientation":
+        values = values * np.where(values @ values[0] < 0.0, -1.0, 1.0)[:, None]
+    return float(np.ptp(values, axis=0).max())
+
+
 def _angles(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Yaw, pitch, roll and their rates, (N, 3) each; rates NaN where none were measured."""
     quaternion = recording.extra["base_orientation"]
     length = np.linalg.norm(quaternion, axis=1)
     wrong = np.abs(length - 1.0) > _UNIT
     if (wrong & recording.valid).any():
-        row = int(np.argmax(wrong & recording.valid))
+        row = 1 + int(np.argmax(wrong & recording.valid))
         raise _refusal(
-            recording, "base_orientation", f"its four numbers have the length {length[row]:.3g} in row {row}",
+            recording, "base_orientation",
+            f"its four numbers have the length {length[row - 1]:.3g} in row {row}",
             "give unit quaternions, w x y z",
         )  # fmt: skip
     safe = np.where(wrong[:, None], (1.0, 0.0, 0.0, 0.0), quaternion)
@@ -93,10 +104,10 @@ def _angles(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     pitch = np.arcsin(np.clip(-turn.as_matrix()[:, 2, 0], -1.0, 1.0))
     steep = np.abs(pitch) > _STEEPEST
     if (steep & recording.valid).any():
-        row = int(np.argmax(steep & recording.valid))
+        row = 1 + int(np.argmax(steep & recording.valid))
         raise _refusal(
             recording, "base_orientation",
-            f"the base pitches by {np.degrees(pitch[row]):.0f} degrees in row {row}",
+            f"the base pitches by {np.degrees(pitch[row - 1]):.0f} degrees in row {row}",
             "unit quaternions w x y z of a base that stays within 80 degrees of level are taken",
         )  # fmt: skip
     turn[steep] = Rotation.identity()
