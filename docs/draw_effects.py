@@ -11,6 +11,7 @@ seen, not to be typical.
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import matplotlib
@@ -88,21 +89,23 @@ MOTION = (
 DRIVE = ("command_delay", "torque_saturation", "speed_torque_limit", "current_loop_lag")
 #: Drawn as the ground's force, less that of the nominal ground from the same states.
 ON_A_PLATE = ("contact_compliance", "ground_friction")
-#: A longer link without a load at its end changes nothing on a fixed base.
-WITHOUT_PICTURE = ("link_length_error",)
+#: A longer link without a load at its end changes nothing on a fixed base: it is drawn with one, in kg.
+LOADED = {"link_length_error": 1.0}
 
 
 def main() -> None:
     """Draws the effects named, or all."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     for effect in EFFECTS:
-        if effect.name not in WITHOUT_PICTURE and (not sys.argv[1:] or effect.name in sys.argv[1:]):
+        if not sys.argv[1:] or effect.name in sys.argv[1:]:
             draw(effect.name, effect.axes == "each")
 
 
 def draw(name: str, on_axis: bool) -> None:
     """One effect's picture."""
     nominal = load_model(WITHOUT.get(name, "leg"))
+    if name in LOADED:
+        nominal = with_effect(nominal, "payload_mass", None, {"mass": LOADED[name]})
     if name in ON_A_PLATE:
         run, lacking = on_a_plate(name)
         rows = np.flatnonzero(run.valid)
@@ -111,9 +114,7 @@ def draw(name: str, on_axis: bool) -> None:
         run = simulate([Run(nominal, experiment(nominal))])[0]
         rows, lacking = np.arange(len(run)), velocity_torque(nominal, run)
     else:
-        estimates = {key: Estimate(value, 0.0, "") for key, value in VALUES.get(name, {}).items()}
-        applied = AppliedEffect(EffectKey(name, "knee" if on_axis else None), estimates)
-        machine = nominal.with_effect(check_effect(nominal, applied))
+        machine = with_effect(nominal, name, "knee" if on_axis else None, VALUES.get(name, {}))
         run = simulate([Run(machine, experiment(nominal))])[0]
         rows, lacking = np.arange(300, len(run)), np.zeros(0)
         if name in MOTION:
@@ -145,6 +146,12 @@ def draw(name: str, on_axis: bool) -> None:
     axes[0].set_ylabel(label, fontsize=8)
     figure.savefig(FOLDER / f"{name}.png", dpi=110, metadata={"Software": None})
     pyplot.close(figure)
+
+
+def with_effect(model: Model, name: str, axis: str | None, values: Mapping[str, float]) -> Model:
+    """The model with an effect of the given size."""
+    estimates = {key: Estimate(value, 0.0, "") for key, value in values.items()}
+    return model.with_effect(check_effect(model, AppliedEffect(EffectKey(name, axis), estimates)))
 
 
 def on_a_plate(name: str) -> tuple[Recording, np.ndarray]:
