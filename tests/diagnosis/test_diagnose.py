@@ -96,6 +96,11 @@ def test_what_follows_a_stranger_is_added_only_when_asked_for() -> None:
     assert way.holdout_error_after is not None and way.holdout_error_before is not None
     assert way.holdout_error_after < 0.3 * way.holdout_error_before
     assert wb.compare(better, training).error == pytest.approx(way.error_after, rel=1e-6)
+    assert way.held_out is not None
+    before, after = way.held_out
+    assert [e.recording.name for e in after.recordings] == [r.name for r in held_out]
+    assert before.error == pytest.approx(way.holdout_error_before, rel=1e-6)
+    assert after.error == pytest.approx(way.holdout_error_after, rel=1e-6)
 
 
 def test_what_only_held_out_motion_shows_is_no_consistent_model() -> None:

@@ -153,6 +153,14 @@ def unexplained() -> Diagnosis:
     return replace(found, verdict="unexplained", findings=(), shapes=(spring, tone, both), after=None)
 
 
+def held_out(fitted: Comparison) -> Comparison:
+    """As if it were of another recording."""
+    first = fitted.recordings[0]
+    return replace(
+        fitted, recordings=(replace(first, recording=replace(first.recording, name="walk, held out")),)
+    )
+
+
 def improvement(seconds: float = 12.0, rate: float = 500.0) -> Improvement:
     found = diagnosis(seconds, rate)
     assert found.before and found.after
@@ -173,7 +181,6 @@ def improvement(seconds: float = 12.0, rate: float = 500.0) -> Improvement:
             0.0312,
             evidence=("The hip torque residual is proportional to the torque.",),
             removed=(DAMPING,),
-            comparison=found.after,
         ),
     )
     return Improvement(
@@ -187,6 +194,7 @@ def improvement(seconds: float = 12.0, rate: float = 500.0) -> Improvement:
         verdict="consistent",
         before=found.before,
         after=found.after,
+        held_out=(held_out(found.before), held_out(found.after)),
         diagnosis=found,
         holdout_noise_error=0.0303,
     )

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from workbench.core import InputError
+from workbench.core import Diagnosis, Improvement, InputError
 from workbench.report import render_page, write_page
 from workbench.report.pack import plots
 
@@ -240,3 +240,9 @@ def test_what_is_only_nearest_is_shown_as_no_cause(improvement):
     near = replace(improvement, verdict="unexplained", nearest=True)
     assert "What was added: near, but no cause" in Page(render_page(near, command=COMMAND)).text
     assert "no cause" not in Page(render_page(improvement, command=COMMAND)).text
+
+
+def test_held_out_recordings_have_their_own_numbers(improvement: Improvement, diagnosis: Diagnosis) -> None:
+    shown = Page(render_page(improvement, command=COMMAND)).text
+    assert "The same of the held-out recordings" in shown and "walk, held out" in shown
+    assert "held-out recordings, which" not in Page(render_page(diagnosis, command=COMMAND)).text

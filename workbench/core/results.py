@@ -181,6 +181,7 @@ class Diagnosis(Shown):
         not_excited: effects that this data could not have shown.
         ranking: every candidate tried: (key, share of the excess that it removes), best first.
         before, after: the comparisons behind the verdict.
+        held_out: the same two of held-out recordings; None where there are none.
         settled: properties of the model that the findings were fitted with and that the model as given has
             not: ``sliding_speed`` [rad/s], ``flank_retardation_s`` [s], ``full_braking`` (0 or 1).
         evidence: what the unexplained rest goes with, one line each.
@@ -201,6 +202,7 @@ class Diagnosis(Shown):
     ranking: tuple[tuple[EffectKey, float], ...] = ()
     before: Comparison | None = None
     after: Comparison | None = None
+    held_out: tuple[Comparison, Comparison] | None = None
     evidence: tuple[str, ...] = ()
     shapes: tuple[Shape, ...] = ()
     settled: Mapping[str, float] = field(default_factory=dict)
@@ -220,7 +222,6 @@ class Step:
     indistinguishable_from: tuple[EffectKey, ...] = ()
     evidence: tuple[str, ...] = ()
     removed: tuple[EffectKey, ...] = ()
-    comparison: Comparison | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
@@ -241,6 +242,7 @@ class Improvement:
     verdict: Verdict
     before: Comparison | None = None
     after: Comparison | None = None
+    held_out: tuple[Comparison, Comparison] | None = None
     diagnosis: Diagnosis | None = None
     used: float = 1.0
     notes: tuple[str, ...] = ()

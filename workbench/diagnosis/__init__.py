@@ -1,6 +1,7 @@
 """Which physical effect is missing from a model, and how sure one can be."""
 
-from .diagnose import EXPLAINED, diagnose, improve
+from .diagnose import diagnose, improve
+from .judging import EXPLAINED
 from .one_effect import fit_effect
 
 __all__ = ["EXPLAINED", "diagnose", "fit_effect", "improve"]

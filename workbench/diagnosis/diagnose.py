@@ -13,18 +13,16 @@ from workbench.core import (
     Recording,
     Verdict,
 )
-from workbench.effects import effect_named
 from workbench.models import Model
 from workbench.simulation import scored_torque
 
 from .data import Data
 from .evidence import Clues
 from .findings import NEAR, cut_short_line, findings_of, near_line, ranking_of, refuting_line, step_of
-from .judging import EXPLAINED, contradicted, stands_out
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, UnstableLoop, search
 from .stage import Search
-from .too_much import parameters_of, too_much
+from .verdict import refuted, verdict_of
 
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
 _UNSTABLE = "The model is unstable in the loop"
@@ -32,8 +30,6 @@ _NO_PAYLOAD = (
     "a payload was not looked for: the model names no place for one; add a site where the machine ends, or "
     "name one in [payload]"
 )
-_PLAIN = 2  # parameters of effects that leave but noise, which nobody asks whether a mass is wrong instead
-_OFF_GROUND = 1.5  # error over the noise floor
 
 
 def diagnose(
@@ -93,11 +89,12 @@ def improve(
     found = _searched(model, training, held_out, seed, limit, progress)
     diagnosis = _diagnosis(found)
     named = diagnosis.verdict == "missing_effect"
-    stages = found.stages if named or (nearest and not _refuted(found)) else ()
+    stages = found.stages if named or (nearest and not refuted(found)) else ()
     end = found.final if stages else found.start
-    after = diagnosis.after
+    after, held = diagnosis.after, diagnosis.held_out
     if stages and not named and stages[-1].runs is not None:
-        after = _comparison(end.hypothesis.model, stages[-1].runs, found)
+        after, *judging = _comparisons(end.hypothesis.model, stages[-1].runs, found)
+        held = (held[0], judging[0]) if held else None
     data = found.start_data
     judged = data.held_out
     evidence = {f.key: f.evidence for f in diagnosis.findings}
@@ -114,6 +111,7 @@ def improve(
         verdict=verdict,
         before=diagnosis.before,
         after=after,
+        held_out=held,
         diagnosis=diagnosis,
         holdout_noise_error=diagnosis.holdout_noise_error,
         notes=diagnosis.notes,
@@ -157,30 +155,12 @@ def _matched(
 
 
 def _diagnosis(found: Search) -> Diagnosis:
-    verdict: Verdict = "unexplained"
-    refuted = _refuted(found)
-    if found.consistent_before:
-        verdict = "unexplained" if refuted else "consistent"
-    elif found.stages and (
-        found.consistent_after or found.by_axis or max(found.explained, found.mostly) >= EXPLAINED
-    ):
-        verdict = "missing_effect"
-    if verdict == "missing_effect" and (
-        refuted
-        or _another_shape(found)
-        or not all(stands_out(a) for a in found.final.hypothesis.free)
-        or _far_off_the_ground(found)
-    ):
-        verdict = "unexplained"
-    doubtful = not found.consistent_after or parameters_of(found) > _PLAIN
-    less = too_much(found) if doubtful and not found.consistent_before else None
-    if less is not None and less.plainer_than(found):
-        verdict = "unexplained"
+    verdict, less = verdict_of(found)
     named = verdict == "missing_effect"
-    before = _comparison(found.model, found.start_runs, found)
-    after = before
+    before, *judging = _comparisons(found.model, found.start_runs, found)
+    after, *judged = before, *judging
     if named and found.stages[-1].runs is not None:
-        after = _comparison(found.final.hypothesis.model, found.stages[-1].runs, found)
+        after, *judged = _comparisons(found.final.hypothesis.model, found.stages[-1].runs, found)
     findings = findings_of(found) if named else ()
     rest = 0.0 if verdict == "consistent" else 1.0 - (found.explained if named else 0.0)
     if named and found.consistent_after:
@@ -207,6 +187,7 @@ def _diagnosis(found: Search) -> Diagnosis:
         shapes=clues.shapes if clues else (),
         before=before,
         after=after,
+        held_out=(judging[0], judged[0]) if judging else None,
         settled=_settled(found) if named else {},
         holdout_noise_error=_held_out_floor(found.final_data if named else found.start_data),
         notes=(
@@ -231,35 +212,6 @@ def _settled(found: Search) -> dict[str, float]:
     return {name: float(new) for name, (old, new) in pairs.items() if new != old}
 
 
-def _refuted(found: Search) -> bool:
-    """Whether held-out motion says no, where the recordings that were fitted have nothing left to say.
-
-    Where it showed the lack from the start, its say is part of what is explained.
-    """
-    heard = not (found.consistent_before or found.start_data.silent)
-    return not heard and contradicted(found.final, found.final_data)
-
-
-def _another_shape(found: Search) -> bool:
-    """Whether a torque that positions decide was named and the rest still follows positions.
-
-    A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
-    """
-    added = found.final.hypothesis.free
-    named = any(effect_named(a.key.effect).of_position for a in added)
-    return named and Clues(found.final_data, found.final).follows_positions
-
-
-def _far_off_the_ground(found: Search) -> bool:
-    """Whether a search on the ground ends well above the noise.
-
-    A foot a millimetre off is many newtons, nearly all of which any other way to lift it takes off as well.
-    """
-    data = found.final_data
-    error, floor = data.score(found.final.mean_squares), data.score(data.floor)
-    return data.replay.on_ground and error > _OFF_GROUND * floor
-
-
 def _clues_of_rest(verdict: Verdict, found: Search) -> Clues | None:
     """What shows the part that stays unexplained; None where noise explains it."""
     named = verdict == "missing_effect"
@@ -268,10 +220,13 @@ def _clues_of_rest(verdict: Verdict, found: Search) -> Clues | None:
     return Clues(found.start_data, found.final if named else found.start)
 
 
-def _comparison(model: Model, runs: Simulated, found: Search) -> Comparison:
-    count = found.start_data.training
-    part = Simulated(
-        runs.recordings[:count], runs.clean[:count], tuple(d[:count] for d in runs.noisy), runs.noise,
-        runs.shifted[:count],
-    )  # fmt: skip
-    return evaluate(model, part)
+def _comparisons(model: Model, runs: Simulated, found: Search) -> list[Comparison]:
+    """Of the recordings that were fitted, and of held-out ones where there are some."""
+    data = found.start_data
+    fitted, judging = slice(0, data.training), slice(data.training, None)
+    return [evaluate(model, _part(runs, rows)) for rows in ([fitted, judging] if data.held_out else [fitted])]
+
+
+def _part(runs: Simulated, of: slice) -> Simulated:
+    noisy = tuple(draw[of] for draw in runs.noisy)
+    return Simulated(runs.recordings[of], runs.clean[of], noisy, runs.noise, runs.shifted[of])

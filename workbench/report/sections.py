@@ -47,12 +47,18 @@ def sections(
         "shapes": shape_rows(diagnosis.shapes) if diagnosis else [],
         "rest": [plain(line) for line in diagnosis.evidence] if diagnosis else [],
         "scores": scores(before, after),
+        "held_scores": _held_scores(result, after),
         "inverse": w.inverse_sentence(before, after),
         "notes": _notes(result, before),
         "truth": truth_rows(result, truth)
         if truth is not None and not isinstance(result, Comparison)
         else None,
     }
+
+
+def _held_scores(result: Result, after: Comparison | None) -> dict[str, Any]:
+    held = None if isinstance(result, Comparison) else result.held_out
+    return scores(held[0] if held else None, held[1] if held and after else None)
 
 
 def _notes(result: Result, before: Comparison | None) -> list[str]:

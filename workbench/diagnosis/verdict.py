@@ -1,0 +1,63 @@
+"""What a search comes to: nothing missing, a cause that can be named, or something unexplained."""
+
+from __future__ import annotations
+
+from workbench.core import Verdict
+from workbench.effects import effect_named
+
+from .evidence import Clues
+from .judging import EXPLAINED, contradicted, stands_out
+from .stage import Search
+from .too_much import TooMuch, parameters_of, too_much
+
+_PLAIN = 2  # parameters of effects that leave but noise, which nobody asks whether a mass is wrong instead
+_OFF_GROUND = 1.5  # error over the noise floor
+
+
+def verdict_of(found: Search) -> tuple[Verdict, TooMuch | None]:
+    """The verdict, and what the model has too much of, where that was asked."""
+    if found.consistent_before:
+        return "unexplained" if refuted(found) else "consistent", None
+    explains = found.consistent_after or found.by_axis or max(found.explained, found.mostly) >= EXPLAINED
+    named = (
+        found.stages
+        and explains
+        and not refuted(found)
+        and not _another_shape(found)
+        and all(stands_out(a) for a in found.final.hypothesis.free)
+        and not _far_off_the_ground(found)
+    )
+    doubtful = not found.consistent_after or parameters_of(found) > _PLAIN
+    less = too_much(found) if doubtful else None
+    if less is not None and less.plainer_than(found):
+        named = False
+    return "missing_effect" if named else "unexplained", less
+
+
+def refuted(found: Search) -> bool:
+    """Whether held-out motion says no, where the recordings that were fitted have nothing left to say.
+
+    Where it showed the lack from the start, its say is part of what is explained.
+    """
+    heard = not (found.consistent_before or found.start_data.silent)
+    return not heard and contradicted(found.final, found.final_data)
+
+
+def _another_shape(found: Search) -> bool:
+    """Whether a torque that positions decide was named and the rest still follows positions.
+
+    A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
+    """
+    added = found.final.hypothesis.free
+    named = any(effect_named(a.key.effect).of_position for a in added)
+    return named and Clues(found.final_data, found.final).follows_positions
+
+
+def _far_off_the_ground(found: Search) -> bool:
+    """Whether a search on the ground ends well above the noise.
+
+    A foot a millimetre off is many newtons, nearly all of which any other way to lift it takes off as well.
+    """
+    data = found.final_data
+    error, floor = data.score(found.final.mean_squares), data.score(data.floor)
+    return data.replay.on_ground and error > _OFF_GROUND * floor
