@@ -1,0 +1,47 @@
+"""What a slider of the live workbench waits for, beside the bare simulator's steps on the same machine."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import mujoco
+import pytest
+
+from tests.diagnosis.rig import recordings
+from workbench.comparison import replay_of
+from workbench.core import EffectKey, Estimate
+from workbench.effects import check_effect, compile_plant, load_model
+from workbench.models import AppliedEffect
+
+# At most three times the bare steps: those of 10 s at 1 kHz take 0.07 s of a laptop's core, and a curve that
+# follows a slider is to take less than 0.2 s.
+_MOST = 3.0
+
+
+def least(work: Callable[[], object], repeats: int = 5) -> float:
+    """CPU time of the quickest of some repeats [s]."""
+    times = []
+    for _ in range(repeats):
+        begun = time.process_time()
+        work()
+        times.append(time.process_time() - begun)
+    return min(times)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("viscous_damping", {"damping": 0.15}),
+        ("stribeck_friction", {"coulomb": 0.15, "static": 0.45, "speed": 0.5}),
+        ("backlash", {"gap": 0.03, "stiffness": 200.0}),
+    ],
+)
+def test_a_run_costs_little_more_than_its_bare_steps(name: str, values: dict[str, float]) -> None:
+    model, (recording, *_) = load_model("leg"), recordings()[0]
+    estimates = {key: Estimate(value, 0.0, "") for key, value in values.items()}
+    changed = model.with_effect(check_effect(model, AppliedEffect(EffectKey(name, "knee"), estimates)))
+    replay, plain = replay_of(model, [recording]), compile_plant(model).mujoco
+    state, steps = mujoco.MjData(plain), round(recording.time[-1] / plain.opt.timestep)
+    replay.run([changed])  # compiled machine code is there from now on
+    assert least(lambda: replay.run([changed])) < _MOST * least(lambda: mujoco.mj_step(plain, state, steps))
