@@ -60,6 +60,28 @@ def test_a_true_pair_is_found() -> None:
     assert start.judged > stages[0].fit.judged > stages[1].fit.judged
 
 
+def test_two_of_three_causes_are_a_pair() -> None:
+    """Beside what the third leaves, the smaller of the two is little of the whole and much of its axis."""
+    friction = {"damping_positive": 0.126, "damping_negative": 0.032}
+    hidden = (
+        HiddenEffect(
+            "asymmetric_friction",
+            "hip",
+            parameters={**friction, "torque_positive": 1.263, "torque_negative": 0.316},
+        ),
+        HiddenEffect("torque_bias", "knee", parameters={"torque": -0.226}),
+        HiddenEffect("command_delay", parameters={"time": 0.00027}),
+    )
+    model = load_model("leg")
+    training, held_out = recordings(*hidden)
+    data, runs = gather(model, training, held_out, seed=0)
+    start = starting_fit(model, data, runs.clean)
+    stages = two_at_once(Scene.of(model, data, start.simulated, 4), data, start, lambda text: None)
+    assert stages is not None
+    assert [str(s.added) for s in stages] == ["asymmetric_friction@hip", "torque_bias@knee"]
+    assert stages[1].fit.hypothesis.free[0].values["torque"] == pytest.approx(-0.226, abs=0.03)
+
+
 def test_a_single_cause_is_no_pair() -> None:
     model = load_model("leg")
     training, _ = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.15}))

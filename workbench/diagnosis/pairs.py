@@ -15,7 +15,16 @@ from .choosing import behind, simplest_first
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
-from .judging import TIE, cancels, explains_most, floor_of_judging, spoils, witnessed
+from .judging import (
+    LATER_SHARE,
+    TIE,
+    cancels,
+    explains_most,
+    floor_of_judging,
+    helps_an_axis,
+    spoils,
+    witnessed,
+)
 from .normal import Normal, total
 from .refining import polished, with_candidates
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of
@@ -26,6 +35,7 @@ _MOST_VALUES = 3e8  # that responses of all effects to all rows may have; larger
 _SOLVED = 300  # pairs that are solved with bounds, and judged
 _SIMULATED = 6
 _PROMISING = 0.4  # share of the excess that a pair may leave by the linearised loop, to be simulated
+_FAR_BEHIND = 1.5  # times what is left, fitted: with more, what does as well judged is no other explanation
 _RIDGE = 1e-9
 
 Pair = tuple[Candidate, Candidate]
@@ -63,16 +73,21 @@ def two_at_once(
     progress(f"fitting {', '.join(f'{a.key} with {b.key}' for a, b in pairs)}")
     tried = [with_candidates(scene, pair, start) for pair in pairs]
     fits = [_Fitted(p, f) for p, f in zip(pairs, race(tried, start, data)[0], strict=True) if f is not None]
-    for found in simplest_first(fits, data):
+    for found in simplest_first(fits, data, LATER_SHARE):
         best = replace(found, fit=polished(found.fit, data))
         sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
         if not sound or spoils(best.fit, start, data) or not explains_most(best.fit, start, data):
             continue
         free = best.fit.hypothesis.free
         singles = fit([replace(best.fit.hypothesis, free=(a,)) for a in free], data)
-        if all(s is not None and explains_most(best.fit, s, data) for s in singles):
+        if all(s is not None and _needs_both(best.fit, s, data) for s in singles):
             return _stages(best, [s for s in singles if s is not None], fits, data, start)
     return None
+
+
+def _needs_both(both: Fit, alone: Fit, data: Data) -> bool:
+    """Whether one leaves plainly more than both: in the whole, or on an axis, as where a third is missing."""
+    return explains_most(both, alone, data) or helps_an_axis(both, alone, data)
 
 
 def _stages(
@@ -90,7 +105,9 @@ def _stages(
         instead = [
             (_other(f.pair, partner), f.fit)
             for f in fits
-            if partner in {c.key for c in f.pair} and _other(f.pair, partner) != keys[n]
+            if partner in {c.key for c in f.pair}
+            and _other(f.pair, partner) != keys[n]
+            and f.fit.trained < _FAR_BEHIND * best.fit.trained
         ]
         stages.append(
             Stage(
