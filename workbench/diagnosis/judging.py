@@ -139,15 +139,18 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     if _explains_the_rest(found, current, data):
         return True
     plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
+    removed = {}
     for held_out in {False, data.held_out_judges}:
-        before = plain.objective(plain.pool(current.mean_squares, held_out))
-        after = plain.objective(plain.pool(found.mean_squares, held_out))
-        floor = plain.objective(plain.pool(plain.floor, held_out))
+        before, after, floor = (
+            plain.objective(plain.pool(ms, held_out))
+            for ms in (current.mean_squares, found.mean_squares, plain.floor)
+        )
         if np.sqrt(after) > (1.0 - _LATER) * np.sqrt(before):
             return False
-        if before - after < LATER_SHARE * (before - floor):
-            return False
-    return True
+        removed[held_out] = (before - after) / max(before - floor, 1e-12)
+    # what foretells nearly all of motion that it was not fitted on may leave more to what else is missing
+    least = 0.0 if removed.get(True, 0.0) > _MOST else LATER_SHARE
+    return min(removed.values()) > least
 
 
 def helps_an_axis(found: Fit, current: Fit, data: Data) -> bool:
