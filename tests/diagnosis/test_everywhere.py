@@ -9,16 +9,18 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from workbench.core import Controller, Diagnosis, Recording
+from workbench.core import Controller, Diagnosis, EffectKey, Estimate, Recording
 from workbench.diagnosis import diagnose
-from workbench.diagnosis.data import gather
-from workbench.diagnosis.everywhere import on_every_axis
+from workbench.diagnosis.data import Data, gather
+from workbench.diagnosis.everywhere import needed, on_every_axis
+from workbench.diagnosis.fit import fit
+from workbench.diagnosis.hypothesis import Fit, Hypothesis
 from workbench.diagnosis.screen import screen
 from workbench.diagnosis.search import starting_fit
 from workbench.diagnosis.sensitivity import Scene
 from workbench.diagnosis.stage import Stage
 from workbench.effects import load_model
-from workbench.models import Model
+from workbench.models import AppliedEffect, Model
 
 _MASS = np.array([4.0, 2.0, 1.0, 0.5])
 _KP, _KD, _STEP = 400.0 * _MASS, 40.0 * _MASS, 0.002
@@ -141,3 +143,33 @@ def test_an_axis_where_something_strange_is_larger_takes_nothing_from_the_others
 def test_friction_on_two_axes_of_three_is_not_named_where_much_stays() -> None:
     told = diagnosed((1.5, 0.8, 0.0), 0.5 * np.array([1.5, 0.8, 0.4]))
     assert told.verdict == "unexplained"
+
+
+def fitted(*effects: tuple[str, str]) -> tuple[Fit, Data]:
+    """Slides with damping and a hum, explained by effects on all three of them."""
+    recordings = [played(f"r{k}", k, (0.0, 0.0, 0.0), (12.0, 5.0, 2.0), hum=0.1) for k in range(2)]
+    data, simulated = gather(gantry(), recordings, [], 0)
+    data = data.heard(data.mean_squares(simulated.clean))
+    free = tuple(
+        AppliedEffect(EffectKey(effect, axis), {parameter: Estimate(0.0, 0.0, "")})
+        for effect, parameter in effects
+        for axis in _AXES[:3]
+    )
+    (whole,) = fit([Hypothesis(gantry(), free)], data)
+    assert whole is not None
+    return whole, data
+
+
+def test_of_many_effects_those_without_which_little_more_stays_are_left_out() -> None:
+    whole, data = fitted(("viscous_damping", "damping"), ("reflected_inertia", "inertia"))
+    effects = [a.key.effect for a in needed(whole, data).hypothesis.free]
+    assert effects == ["viscous_damping"] * 3
+
+
+def test_what_is_not_doubted_stays() -> None:
+    whole, data = fitted(("viscous_damping", "damping"), ("reflected_inertia", "inertia"))
+    doubted = {EffectKey("reflected_inertia", "x"), EffectKey("viscous_damping", "y")}
+    kept = needed(whole, data, doubted).hypothesis.free
+    assert {a.key for a in whole.hypothesis.free} - {a.key for a in kept} == {
+        EffectKey("reflected_inertia", "x")
+    }

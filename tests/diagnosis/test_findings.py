@@ -1,4 +1,4 @@
-"""How sure a finding is, and what it could be instead."""
+"""How sure a finding is, what it could be instead, and what is said of causes that may not be named."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from workbench.core import EffectKey
-from workbench.diagnosis.findings import _probability, step_of
+from workbench.diagnosis.findings import _probability, near_line, step_of
 from workbench.diagnosis.stage import Stage
 
 _HIP, _KNEE = EffectKey("coulomb_friction", "hip"), EffectKey("coulomb_friction", "knee")
@@ -45,3 +45,19 @@ def test_a_second_cause_is_no_other_name_for_the_first(form: str) -> None:
     chance, alike = told(_HIP, _KNEE, rivals=(EffectKey(form, "knee"),))
     assert chance == pytest.approx(0.98)
     assert alike == ()
+
+
+def found(explained: float) -> Any:
+    nothing = SimpleNamespace(hypothesis=SimpleNamespace(added=()))
+    return SimpleNamespace(explained=explained, final=nothing)
+
+
+def test_a_share_that_is_not_enough_does_not_read_as_if_it_were() -> None:
+    (line,) = near_line("unexplained", found(0.9463))
+    assert "it removes 94 %" in line
+
+
+@pytest.mark.parametrize(("explained", "said"), [(0.68, ["too little to be named"]), (0.1, [])])
+def test_less_has_no_name_and_hardly_anything_no_line(explained: float, said: list[str]) -> None:
+    lines = near_line("unexplained", found(explained))
+    assert len(lines) == len(said) and all(s in line for s, line in zip(said, lines, strict=True))

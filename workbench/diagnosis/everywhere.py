@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -85,7 +85,7 @@ def on_every_axis(
     fits = [_Fitted(names, f) for (names, _), f in raced if f is not None]
     floor = floor_of_judging(data)
     for found in simplest_first(fits, data, LATER_SHARE):
-        best = replace(found, fit=polished(_needed(settle(found.fit, data, floor), data), data))
+        best = replace(found, fit=polished(needed(settle(found.fit, data, floor), data), data))
         if explained(given, start, best.fit, given) < EXPLAINED:
             best = replace(best, fit=polished(where_it_holds(best.fit, start, given), data))
         enough = explains_most(best.fit, start, data) or bool(
@@ -99,12 +99,16 @@ def on_every_axis(
     return ()
 
 
-def _needed(whole: Fit, data: Data) -> Fit:
-    """The fit with only those effects without any of which more would be left than the whole fit leaves."""
+def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None) -> Fit:
+    """The fit with only those effects without any of which more would be left than the whole fit leaves.
+
+    `doubted`: of which it is asked; all where it is left out.
+    """
     found = whole
     while len(found.hypothesis.free) > 1:
         free = found.hypothesis.free
-        others = [tuple(b for b in free if b is not a) for a in free]
+        asked = [a for a in free if doubted is None or a.key in doubted]
+        others = [tuple(b for b in free if b is not a) for a in asked]
         without = fit([replace(found.hypothesis, free=rest) for rest in others], data, iterations=3)
         idle = [
             f

@@ -103,9 +103,10 @@ def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
     if found.explained < NEAR:
         return (
             f"known effects take off {100 * found.explained:.0f} % of the squared error above the noise, on "
-            "data left out of the fit too: too little to be the cause; improve --nearest adds them",
+            "data left out of the fit too: too little to be named; improve --nearest adds them",
         )
-    share = f"{100 * found.explained:.0f} % of the squared error above the noise"
+    # cut, not rounded: what is not enough must not read as if it were
+    share = f"{int(100 * found.explained)} % of the squared error above the noise"
     return (
         f"nearest, but not enough to be named: {' and '.join(map(_estimated, added))}; it removes {share} on "
         "data left out of the fit",

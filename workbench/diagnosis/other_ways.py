@@ -11,10 +11,11 @@ from workbench.core import EffectKey
 from .by_torque import plain_by_torque
 from .choosing import passed_over
 from .data import Data
-from .everywhere import on_every_axis
+from .everywhere import needed, on_every_axis
 from .hypothesis import Fit
 from .judging import NEARLY_ALL, explained, nearly_at_floor, overshadowed, reached, rejudged
 from .pairs import two_at_once
+from .refining import polished
 from .screen import screen
 from .sensitivity import Scene
 from .stage import Stage
@@ -46,10 +47,28 @@ def otherwise(way: Way, quest: Quest) -> Way:
             continue
         begun = with_stages(Way(start, data), stages, quest.seed)
         ended = begun if nearly_at_floor(begun.current, begun.data) else onwards(begun, quest, met=met)
-        for other in (ended, begun):
+        plain = _without_stand_ins(ended, begun, quest)
+        for other in (ended, begun) if plain is ended else (plain,):
             if enough(other, quest):
                 return other
     return next((other for other in _leaps(way, quest) if _sure(other, quest)), way)
+
+
+def _without_stand_ins(ended: Way, begun: Way, quest: Quest) -> Way:
+    """Without effects of several that it began with at once, which those found later have made needless.
+
+    Rotors on the axes of an arm stand in for a load at its end, until the load itself is found.
+    """
+    if len(begun.stages) < 2 or len(ended.stages) == len(begun.stages):
+        return ended
+    *earlier, last = ended.stages
+    kept = needed(ended.current, ended.data, keys_of(begun.current))
+    idle = sorted(keys_of(ended.current) - keys_of(kept), key=str)
+    if not idle:
+        return ended
+    quest.progress(f"leaving out {', '.join(map(str, idle))}, needless since {last.added}")
+    plain = replace(last, fit=polished(kept, ended.data), dropped=(*last.dropped, *idle))
+    return with_stages(replace(ended, stages=tuple(earlier)), (plain,), quest.seed)
 
 
 def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
