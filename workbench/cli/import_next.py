@@ -41,6 +41,8 @@ def _way(remark: Remark, description: Mapping[str, Any]) -> str:
         return "exchange the swapped names in [columns], or give --column with --force"
     if remark.topic == "unit":
         return f"give the right unit in [units], or a factor, e.g. {{column = '{column}', scale = 2.0}}"
+    if "rate_hz" in remark.value:
+        return f"mend the clock, e.g. --rate {remark.value['rate_hz']:.4g} --force if no column is time"
     return "mend the log, or what [columns], [units] and [controller] say of it"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -47,9 +48,25 @@ def remark_on_motion(recording: Recording, held: np.ndarray) -> list[Remark]:
             remarks.append(
                 Remark("problem", "swap", None, text, {"axes": [recording.axes[a], recording.axes[b]]})
             )
-    for i in moving:
-        remarks += _one_axis(recording.axes[i], v[:, i], slope[:, order[i]], recording.period)
-    return remarks
+    each = [_one_axis(recording.axes[i], v[:, i], slope[:, order[i]], recording.period) for i in moving]
+    clock = _one_clock(each, recording.period)
+    return [*remarks, *([clock] if clock else (r for axis in each for r in axis))]
+
+
+def _one_clock(each: Sequence[Sequence[Remark]], period: float) -> Remark | None:
+    """One factor on every axis is the clock they share, more likely than as many gears alike."""
+    wrong = [r for axis in each for r in axis if r.topic == "unit" and r.severity == "problem"]
+    factors = np.abs([r.value["factor"] for r in wrong])
+    named = any(r.value["meaning"] for r in wrong)
+    if len(each) < 2 or len(wrong) < len(each) or named or np.ptp(factors) > _SCALE * factors.min():
+        return None
+    factor = float(np.median(factors))
+    rates = f"{factor / period:.4g} rows a second and not {1 / period:.4g}"
+    text = (
+        f"Velocity of every axis is {factor:.4g} times the derivative of its position: most likely the "
+        f"clock, {rates}; else a gear or a unit alike on all."
+    )
+    return Remark("problem", "clock", None, text, {"factor": factor, "rate_hz": factor / period})
 
 
 def _one_axis(axis: str, v: np.ndarray, slope: np.ndarray, period: float) -> list[Remark]:

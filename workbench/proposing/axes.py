@@ -69,10 +69,12 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
         )
     if len(wanted) != len(joints):
         names = ",".join(["NAME"] * len(wanted))
+        shown = ", ".join(list(positions.values())[:12])
         raise InputError(
             f"has positions of {len(joints)} joints ({', '.join(own)}) for {len(wanted)} axes",
             file=draft.table.file,
-            remedy=f"say which belong to {', '.join(wanted)}, in this order: --column position={names}",
+            remedy=f"say which belong to {', '.join(wanted)}, in this order: --column position={names} "
+            f"of the columns {shown}",
         )
     if draft.answers.axes or "position" in draft.answers.columns:
         draft.assume("axes", ", ".join(wanted), 1.0, "you said so")

@@ -77,6 +77,31 @@ def note_factors(
         )
 
 
+def note_rate(
+    draft: Draft, units: Mapping[str, Sequence[str]], clock: str, ratios: Mapping[int, float]
+) -> bool:
+    """Say where a stated rate puts every velocity off alike; whether it was said.
+
+    Args:
+        draft: takes the note.
+        units: ``position`` and ``velocity`` -> unit of each axis.
+        clock: unit of time.
+        ratios: axis -> velocity over the derivative of position in these units.
+    """
+    rate, each = draft.answers.rate_hz, np.array(list(ratios.values()))
+    if rate is None or len(each) < 2 or is_near(float(np.median(each))) or np.ptp(each) > _FITS * each.min():
+        return False
+    if any(_fitting(kind, clock, _pair(units, i), r) for i, r in ratios.items() for kind in _OTHERS):
+        return False
+    ratio = float(np.median(each))
+    draft.notes.append(
+        f"At {rate:g} rows a second velocity is {ratio:.4g} times the derivative of position on every axis: "
+        f"the data say {ratio * rate:.4g} rows a second. {rate:g} is taken, as stated. "
+        f"If not: --rate {ratio * rate:.4g}"
+    )
+    return True
+
+
 def note_size(
     draft: Draft, columns: dict[str, list[str]], rows: Clean, units: Sequence[str], stated: Stated
 ) -> None:

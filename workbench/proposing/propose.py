@@ -57,7 +57,8 @@ def _check_answers(table: Table, answers: Answers) -> None:
             raise InputError(f"there is no signal '{signal}'", file=table.file, remedy=f"one of {known}")
         for name in names:
             if name not in table.columns:
-                shown = ", ".join(list(table.columns)[:20])
+                more = len(table.columns) - 20
+                shown = ", ".join(list(table.columns)[:20]) + (f" and {more} more" if more > 0 else "")
                 raise InputError(
                     "there is no such column", file=table.file, column=name, remedy=f"it has: {shown}"
                 )
@@ -118,7 +119,10 @@ def _take_stated(draft: Draft, signals: Signals) -> None:
     for signal, names in draft.answers.columns.items():
         if signal in AXIS_SIGNALS:
             before = signals.columns.get("position", {})
-            joints = list(before) if len(before) == len(names) else [draft.roles[n].joint or n for n in names]
+            known = {column: joint for joint, column in before.items()}
+            joints = [known.get(n) or draft.roles[n].joint or n for n in names]
+            if len(before) == len(names) and not (signal == "position" and set(names) <= known.keys()):
+                joints = list(before)
             for other in signals.columns.values():
                 for joint in [j for j, c in other.items() if c in names]:
                     del other[joint]

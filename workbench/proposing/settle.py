@@ -12,7 +12,7 @@ from workbench.core import InputError
 
 from .clean import Clean
 from .clock import time_weights
-from .disagree import is_near, note_clock, note_factors, note_size
+from .disagree import is_near, note_clock, note_factors, note_rate, note_size
 from .draft import FALLBACK_RATE, Draft
 from .match import Relation
 from .proposal import ASK, Question
@@ -84,7 +84,8 @@ def settle_units(
     near = [i for i, ratio in ratios.items() if is_near(ratio)]
     for told in (motion[kind][i] for kind in motion for i in near):
         told.because = _and(told.because, _TIE)
-    note_factors(draft, columns, axes, clock.unit, taken, ratios)
+    if not (time is None and note_rate(draft, taken, clock.unit, ratios)):
+        note_factors(draft, columns, axes, clock.unit, taken, ratios)
     units: dict[str, tuple[str, ...]] = {}
     if time is not None:
         note_clock(draft, time, by_time, why_time, clock.unit)

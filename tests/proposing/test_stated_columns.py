@@ -1,0 +1,70 @@
+"""A table without names, of which the user says a little: the numbers say the rest, and what disagrees."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.proposing.make import log, text
+from workbench.core import InputError
+from workbench.inspection import inspect
+from workbench.proposing import Answers, open_table, propose
+
+from .make import imported
+
+LOG = log()
+
+
+@pytest.fixture
+def nameless(tmp_path: Path) -> Path:
+    """Three positions, their speeds, three torques; the third joint is of no interest."""
+    third = 0.3 * np.sin(1.7 * LOG.t + 1.0) + 0.1 * np.sin(5.0 * LOG.t)
+    q, v = np.column_stack([LOG.q, third]), np.column_stack([LOG.v, np.gradient(third, 0.005)])
+    data = {str(k): column for k, column in enumerate(np.column_stack([q, v, LOG.tau, LOG.tau[::-1, 0]]).T)}
+    file = tmp_path / "run.csv"
+    file.write_text(text(data, header=False))
+    return file
+
+
+def answers(rate: float | None, *positions: str) -> Answers:
+    return Answers(columns={"position": positions}, model_axes=("a", "b"), rate_hz=rate)
+
+
+def test_speeds_of_stated_positions_are_found(nameless: Path) -> None:
+    columns = propose(open_table(nameless), answers(200.0, "column_1", "column_2")).description["columns"]
+    assert columns["velocity"] == ["column_4", "column_5"]
+
+
+def test_speeds_follow_the_order_in_which_positions_are_stated(nameless: Path) -> None:
+    said = Answers(columns={"position": ("column_3", "column_1", "column_2")}, rate_hz=200.0)
+    columns = propose(open_table(nameless), said).description["columns"]
+    assert columns["velocity"] == ["column_6", "column_4", "column_5"]
+
+
+def test_they_tell_the_rate(nameless: Path) -> None:
+    (asked,) = propose(open_table(nameless), answers(None, "column_1", "column_2")).questions
+    assert asked.key == "rate" and float(asked.best) == pytest.approx(200.0, rel=0.03)
+
+
+def test_a_stated_rate_that_all_speeds_contradict_is_called_that(nameless: Path) -> None:
+    proposal, recording = imported(nameless, answers(400.0, "column_1", "column_2"))
+    (note,) = [n for n in proposal.notes if "rows a second" in n]
+    assert "on every axis" in note and float(note.split("--rate ")[1]) == pytest.approx(200.0, rel=0.03)
+    (problem,) = [r for r in inspect([recording]).recordings[0].remarks if r.severity == "problem"]
+    assert problem.topic == "clock" and problem.value["rate_hz"] == pytest.approx(200.0, rel=0.03)
+
+
+def test_degrees_a_second_are_no_wrong_rate(nameless: Path) -> None:
+    table = np.loadtxt(nameless, delimiter=",")
+    table[:, 3:6] *= 180.0 / np.pi
+    np.savetxt(nameless, table, delimiter=",")
+    said = Answers(**{**vars(answers(200.0, "column_1", "column_2")), "units": {"velocity": "rad/s"}})
+    notes = propose(open_table(nameless), said).notes
+    assert not [n for n in notes if "rows a second" in n] and any("deg/s" in n for n in notes)
+
+
+def test_too_many_positions_are_shown_by_their_columns(nameless: Path) -> None:
+    with pytest.raises(InputError, match="of the columns column_1, column_2, column_3"):
+        propose(open_table(nameless), Answers(model_axes=("a", "b"), rate_hz=200.0))
