@@ -20,6 +20,7 @@ from workbench.core import Recording
 from workbench.models import Model
 
 from .effort import Effort
+from .repeating import repeat_of
 
 _BLOCKS = 5  # contiguous folds of a lone recording; a recording of half of all rows has half as many
 # Where a model cannot reach the noise, a signal with little noise would rule alone; this share of its
@@ -34,7 +35,7 @@ class Fold:
     """A piece of the training data: rows of one recording."""
 
     recording: int
-    rows: slice
+    rows: slice | np.ndarray
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,7 @@ class Data:
         weight: one over the deviation that residuals are divided by, (2, n); 0 for absent signals.
         silent: whether held-out recordings show nothing of what the model lacks, so that folds judge.
         effort: what was simulated so far, one count for all data of a search.
+        repeats: rows after which the motion of each recording repeats itself, None where it does not.
     """
 
     recordings: tuple[Recording, ...]
@@ -63,6 +65,7 @@ class Data:
     weight: np.ndarray
     silent: bool = False
     effort: Effort = field(default_factory=Effort)
+    repeats: tuple[int | None, ...] = ()
 
     @property
     def held_out(self) -> bool:
@@ -99,6 +102,18 @@ class Data:
             out += [Fold(i, slice(a, b)) for a, b in pairwise(edges)]
         return tuple(out)
 
+    @property
+    def unlike(self) -> tuple[Fold, ...]:
+        """The folds, of motion that repeats itself by its phase: no piece has copies in the others."""
+        out: list[Fold] = []
+        for i, period in enumerate(self.repeats[: self.training]):
+            own = [f for f in self.folds if f.recording == i]
+            if period and len(own) > 1:
+                phase = np.arange(len(self.recordings[i])) % period * len(own) // period
+                own = [Fold(i, np.flatnonzero(phase == k)) for k in range(len(own))]
+            out += own
+        return tuple(out) or self.folds
+
     def part(self, chosen: Sequence[int]) -> Data:
         """Only these training recordings, none held out; weights as here."""
         return replace(
@@ -109,6 +124,7 @@ class Data:
             floor=self.floor[list(chosen)],
             immaterial=self.immaterial[list(chosen)],
             draws=tuple(tuple(draw[i] for i in chosen) for draw in self.draws),
+            repeats=tuple(self.repeats[i] for i in chosen if self.repeats),
         )
 
     def telling(self, mean_squares: np.ndarray, share: float) -> tuple[int, ...]:
@@ -133,7 +149,8 @@ class Data:
         """
         self.effort.add(self.recordings, _NOISY)
         simulated = self.replay.with_noise(model, seed)
-        return replace(floor_of(self.replay, self.training, simulated), effort=self.effort), simulated
+        fresh = floor_of(self.replay, self.training, simulated)
+        return replace(fresh, effort=self.effort, repeats=self.repeats), simulated
 
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
         """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
@@ -192,7 +209,10 @@ def gather(
     """
     replay = replay_of(model, (*training, *held_out))
     simulated = replay.with_noise(model, seed)
-    data = replace(floor_of(replay, len(training), simulated), effort=Effort.for_search(training))
+    repeats = tuple(repeat_of(r) for r in replay.recordings)
+    data = replace(
+        floor_of(replay, len(training), simulated), effort=Effort.for_search(training), repeats=repeats
+    )
     return data.reweighed(data.mean_squares(simulated.clean)), simulated
 
 

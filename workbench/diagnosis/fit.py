@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -44,6 +44,7 @@ class _Work:
     value: float = np.inf
     damping: float = 0.0
     pieces: list[Normal] | None = None
+    unlike: list[Normal] = field(default_factory=list)
     noise: np.ndarray | None = None
     done: bool = False
 
@@ -158,7 +159,10 @@ def _linearise_together(works: list[_Work], data: Data) -> None:
             work.value, work.done = np.inf, True  # the loop about this motion runs away: nothing to follow
             continue
         residuals = [data.residual(i, work.runs[i]) * data.weight for i in range(data.training)]
-        work.pieces = [normal(own[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
+        work.pieces, work.unlike = (
+            [normal(own[f.recording][f.rows], residuals[f.recording][f.rows]) for f in folds]
+            for folds in (data.folds, data.unlike if any(data.repeats) else ())
+        )
         work.noise = sum(
             (_scatter([draw[i] for draw in data.draws], own[i], data) for i in range(data.training)),
             np.zeros((own[0].shape[-1],) * 2),
@@ -201,7 +205,9 @@ def _finish(work: _Work, data: Data) -> Fit | None:
     if data.held_out_judges:
         judged = data.objective(data.pool(work.mean_squares, held_out=True))
         folds = np.array([data.objective(ms) for ms in work.mean_squares[data.training :]])
-    covariance = covariance_of(whole, work.noise, np.array(changes), work.value, data)
+    # what is wrong with the model is the same in every copy of a motion, and would not show in their scatter
+    moves = [solve(whole - piece, low, high) for piece in work.unlike] or changes
+    covariance = covariance_of(whole, work.noise, np.array(moves), work.value, data)
     return Fit(
         with_deviations(work.best, covariance, data), work.runs, work.mean_squares, work.value, judged, folds
     )

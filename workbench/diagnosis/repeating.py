@@ -1,0 +1,47 @@
+"""Whether a recorded motion repeats itself: then a piece of it has copies in all other pieces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.core import Recording
+
+_MOVES = 0.9  # correlation from row to row, below which a position is noise about a hold
+_ELSEWHERE = 0.5  # squared distance from which the motion has left where it was ...
+_AGAIN = 0.01  # ... and at which it is there again; 1: as far as two random instants
+
+
+def repeat_of(recording: Recording) -> int | None:
+    """Rows after which the motion of all axes repeats itself, None where it does not.
+
+    It has to be there twice, whole.
+    """
+    q = recording.position - recording.position.mean(axis=0)
+    rows = len(q)
+    power = np.sum(q**2, axis=0)
+    safe = np.where(power > 0, power, 1.0)
+    moves = (power > 0) & (np.sum(q[1:] * q[:-1], axis=0) > _MOVES * safe)
+    if rows < 4 or not moves.any():
+        return None
+    q = q[:, moves] / np.sqrt(safe[moves] / rows)
+    apart = _distance(q, rows // 2)
+    left = np.flatnonzero(apart > _ELSEWHERE)
+    if not len(left):
+        return None
+    near = np.flatnonzero(apart[left[0] :] < _AGAIN) + left[0]
+    if not len(near):
+        return None
+    gaps = np.flatnonzero(np.diff(near) > 1)
+    valley = near[: gaps[0] + 1] if len(gaps) else near
+    return int(valley[np.argmin(apart[valley])])
+
+
+def _distance(q: np.ndarray, longest: int) -> np.ndarray:
+    """Mean squared distance over twice the variance of the motion and itself later, by rows of delay."""
+    rows, axes = q.shape
+    spectrum = np.fft.rfft(q, 2 * rows, axis=0)
+    product = np.fft.irfft(np.sum(np.abs(spectrum) ** 2, axis=1), 2 * rows)[: longest + 1]
+    energy = np.concatenate([[0.0], np.cumsum(np.sum(q**2, axis=1))])
+    delay = np.arange(longest + 1)
+    both = energy[rows - delay] + energy[-1] - energy[delay]
+    return (both - 2.0 * product) / (2.0 * axes * (rows - delay))
