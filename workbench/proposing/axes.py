@@ -48,7 +48,9 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
     own = [_readable(j, k, len(joints)) for k, j in enumerate(joints)]
     wanted = list(draft.answers.axes or draft.answers.model_axes)
     if not wanted:
-        draft.assume("axes", ", ".join(own), 0.97 if all(joints) else 0.93, "names of the columns")
+        named = not all(not j or j.startswith("column_") for j in joints)
+        because = "names of the columns" if named else "counted; the columns have no names"
+        draft.assume("axes", ", ".join(own), 0.97 if all(joints) and named else 0.93, because)
         return joints, own
     found = {axis: _verbatim(axis, positions) or _same(axis, joints, own) for axis in wanted}
     matched = [found[a] for a in wanted]

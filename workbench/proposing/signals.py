@@ -7,6 +7,7 @@ import numpy as np
 from .assignment import Signals, filled, moves
 from .match import ALIKE, derivative, follows
 from .names import Role
+from .ranks import in_rank
 from .references import hold_references, settle_commands, speeds_that_are_references, unnamed_references
 from .roles import pairs
 from .siblings import held, without_joint
@@ -115,13 +116,12 @@ def _by_derivative(out: Signals, data: dict[str, np.ndarray], roles: dict[str, R
     """Positions without a name: columns of which another is the derivative."""
     free = [n for n in data if n not in out.used()]
     velocities = out.columns.get("velocity", {})
-    pairs = []
+    alike: dict[tuple[str, str], float] = {}
     for a in free:
         others = velocities.values() if velocities else (b for b in free if b != a)
         for b in others:
-            relation = derivative(filled(data[a]), filled(data[b]))
-            if relation.likeness > 0.97:
-                pairs.append((relation.likeness, a, b))
+            alike[a, b] = derivative(filled(data[a]), filled(data[b])).likeness
+    pairs = [(likeness, a, b) for (a, b), likeness in alike.items() if likeness > 0.97]
     taken: set[str] = set()
     found: dict[str, tuple[str, str]] = {}
     for _, a, b in sorted(pairs, reverse=True):
@@ -132,8 +132,11 @@ def _by_derivative(out: Signals, data: dict[str, np.ndarray], roles: dict[str, R
             (j for j, c in velocities.items() if c == b), "" if a.startswith("column_") else roles[a].joint
         )
         found[a] = (joint or a, b)
+    rank = in_rank({a: b for a, (_, b) in found.items()}, list(data), alike) if found else {}
+    found |= {a: (a, b) for a, b in rank.items()}
     for a in (n for n in data if n in found):  # in the file's order
         joint, b = found[a]
-        out.put("position", joint, a, f"'{b}' is its derivative", 0.95)
+        sure, nearly = (0.91, "nearly ") if a in rank else (0.95, "")
+        out.put("position", joint, a, f"'{b}' is {nearly}its derivative", sure)
         if b not in velocities.values():
-            out.put("velocity", joint, b, f"it is the derivative of '{a}'", 0.95)
+            out.put("velocity", joint, b, f"it is {nearly}the derivative of '{a}'", sure)

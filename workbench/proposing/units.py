@@ -114,9 +114,10 @@ def by_size(kind: str, values: np.ndarray, linear: bool) -> dict[str, float]:
     if kind == "position":
         whole = bool(np.all(values[np.isfinite(values)] == np.round(values[np.isfinite(values)])))
         spread = float(np.nanmax(np.ptp(np.nan_to_num(values), axis=0), initial=0.0))
+        # a joint that turns more than once reads like degrees of one that hardly moves: then it is asked
         return {
             "rad": _falls(max(top / 1.5, spread), 7.0, 3.0),
-            "deg": _rises(top, 7.0, 3.0) * _falls(top, 3000.0, 3.0),
+            "deg": _rises(top, 15.0, 3.0) * _falls(top, 3000.0, 3.0),
             "turn": 0.01,
             "counts": 30.0 if whole and top > 500 else 0.0,
         }
