@@ -34,7 +34,7 @@ def told(*added: EffectKey, rivals: tuple[EffectKey, ...]) -> tuple[float, tuple
 
 def test_what_does_as_well_makes_a_name_doubtful() -> None:
     chance, alike = told(_HIP, rivals=(_DAMPED,))
-    assert chance == pytest.approx(0.4)
+    assert chance == pytest.approx(0.784)
     assert alike == (_DAMPED,)
 
 

@@ -41,14 +41,20 @@ def test_a_stiff_spring_is_a_rigid_drive(model: Model, key: EffectKey) -> None:
     assert np.abs(moved).max() < 1e-2 * np.abs(far).max()
 
 
+def at_the_knee(model: Model, location: str) -> np.ndarray:
+    soft = having(model, EffectKey("joint_compliance", "knee", location), stiffness=60.0, damping=0.02)
+    return simulated(soft, experiment("leg")).position
+
+
 def test_a_spring_at_the_knee_is_one_at_its_drive() -> None:
-    """Only one drive turns the knee: whether it bends before or after is two words for one machine."""
-    drive, pin = (
-        simulated(having(LEG, EffectKey("joint_compliance", "knee", at), stiffness=60.0, damping=0.02),
-                  experiment("leg"))
-        for at in ("actuator", "joint")
-    )  # fmt: skip
-    np.testing.assert_allclose(pin.position, drive.position, atol=1e-8)
+    """Only one drive turns the knee: without a linkage between them it is two words for one machine."""
+    drive, pin = (at_the_knee(load_model("leg_s3n_act"), at) for at in ("actuator", "joint"))
+    np.testing.assert_allclose(pin, drive, atol=1e-8)
+
+
+def test_crank_and_coupler_are_ahead_of_a_spring_at_the_knee() -> None:
+    drive, pin = (at_the_knee(LEG, at) for at in ("actuator", "joint"))
+    assert 1e-3 < np.abs(pin - drive).max() < 1e-2
 
 
 def test_backlash_without_a_gap_is_a_spring() -> None:

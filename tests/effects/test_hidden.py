@@ -89,7 +89,9 @@ HIDDEN = [
     Hidden("presliding_hysteresis", "knee", {"torque": 0.2, "stiffness": 40.0}, alike=5e-3),
     Hidden("joint_compliance", "knee", {"stiffness": 60.0, "damping": 0.02}, alike=1e-4),
     Hidden("joint_compliance", "hip", {"stiffness": 150.0, "damping": 0.05}, alike=1e-4),
+    Hidden("joint_compliance", "knee", {"stiffness": 60.0, "damping": 0.02}, "joint", alike=1e-4),
     Hidden("backlash", "knee", {"gap": 0.01, "stiffness": 200.0}, alike=5e-3, near=0.05),
+    Hidden("backlash", "knee", {"gap": 0.01, "stiffness": 200.0}, "joint", alike=5e-3, near=0.05),
     Hidden(
         "backlash",
         "hip",

@@ -62,6 +62,12 @@ def test_the_reference_leg_comes_back_with_nothing_typed(tmp_path: Path) -> None
     assert model.actuators.inertia == pytest.approx((0.0162, 0.0162))
     assert model.linkage is not None
     np.testing.assert_allclose(model.linkage.M12, -0.05 * 0.0875 * 0.06)
+    # its tree has all of thigh and shank; the shipped one lacks some of the shank, but not the crank
+    shipped = read_model("leg").linkage
+    assert model.linkage.crank is not None and shipped is not None and shipped.crank is not None
+    for key, value in vars(model.linkage.crank).items():
+        assert value == pytest.approx(getattr(shipped.crank, key), rel=1e-6), key
+        assert value == getattr(model.linkage, key)
     read = read_model(tmp_path / "own.toml")
     assert verify(read, samples=10).passed
 

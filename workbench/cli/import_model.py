@@ -75,6 +75,7 @@ def import_mechanism(
     """
     from workbench.core import Mechanism
     from workbench.importing import Drives, contents_of, import_model
+    from workbench.models import linkage_table
 
     path, serial = asked.file, tuple(asked.joints)
     contents = contents_of(path)
@@ -117,7 +118,7 @@ def import_mechanism(
             "joints": list(made.joints),
             "transmission": made.transmission.tolist(),
             "posture_dependent": made.posture_dependent,
-            "linkage": None if made.linkage is None else vars(made.linkage),
+            "linkage": None if made.linkage is None else linkage_table(made.linkage),
         }
         write_result(content, json, files=[path], force=force)
     if quiet or json == "-":
@@ -125,7 +126,7 @@ def import_mechanism(
     kind = "changes with the posture" if made.posture_dependent else "is constant"
     echo(f"Wrote {output} and {made.serial.name}: the transmission {kind}: {made.transmission.tolist()}.")
     if made.linkage is not None:
-        sizes = {k: v for k, v in vars(made.linkage).items() if k != "identified"}
+        sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         echo(
             "A parallelogram; over the serial tree its linkage has "
             + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())

@@ -51,12 +51,15 @@ def _probability(stage: Stage, found: Search) -> float:
 
     An explanation 10 % worse leaves about a fifth to doubt. Of those that do as well the simplest is named,
     which is more often the true one: a lone rival takes a fifth of the chance, three take two thirds (in
-    `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more).
+    `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more). What counts as
+    a rival does not count as the next explanation besides.
     """
-    next_best = min((left for key, left in stage.behind if not has_cause(found.final, key)), default=np.inf)
+    rivals = stage.rivals_of(found.final)
+    others = (left for key, left in stage.behind if key not in rivals and not has_cause(found.final, key))
+    next_best = min(others, default=np.inf)
     alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(next_best - 1.0, 0.0)))
     whole = 1.0 if found.consistent_after else found.by_axis.get(stage.added.axis or "", found.explained)
-    return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(stage.rivals_of(found.final)) ** 2))
+    return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(rivals) ** 2))
 
 
 def ranking_of(found: Search) -> tuple[tuple[EffectKey, float], ...]:

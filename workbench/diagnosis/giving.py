@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Motion, effect_named, giving_way, places
-from workbench.models import Model, Placement
+from workbench.effects import Motion, crank_of, effect_named, giving_way, places
+from workbench.models import Crank, Model, Placement
 
 from .screen import Candidate
 from .sensitivity import Scene
@@ -64,14 +64,18 @@ def _less(motion: Motion, torque: np.ndarray) -> Callable[[Model], np.ndarray]:
 
 
 def drive_of(model: Model, key: EffectKey) -> EffectKey | None:
-    """The place at the drive that is the same machine as this pin: where only one drive turns the pin."""
+    """The place at the drive that is the same machine as this pin: where only one drive turns the pin.
+
+    Of a linkage that the model has, crank and coupler are behind a spring at the drive and ahead of one in
+    the pin.
+    """
     if key.axis is None or key.location != "joint" or not effect_named(key.effect).splits:
         return None
     index = model.axes.index(key.axis)
     turned = np.flatnonzero(model.transmission[:, index])
     drive = EffectKey(key.effect, key.axis)
-    alone = turned.tolist() == [index] and effect_named(key.effect).applies(model, drive)
-    return drive if alone else None
+    alone = turned.tolist() == [index] and crank_of(model) == Crank()
+    return drive if alone and effect_named(key.effect).applies(model, drive) else None
 
 
 def pins_of(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:

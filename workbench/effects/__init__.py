@@ -15,6 +15,7 @@ from .presliding_hysteresis import wound
 from .response import Response, smooth_sign
 from .settled import with_settled
 from .stiffness import tendon_row
+from .structure import crank_of
 
 __all__ = [
     "BASE_JOINT",
@@ -44,6 +45,7 @@ __all__ = [
     "check_effect",
     "compile_plant",
     "contains",
+    "crank_of",
     "effect_named",
     "feet_of",
     "follow",

@@ -57,10 +57,10 @@ class Backlash(Effect):
     ) -> Sequence[tuple[Mapping[str, float], float]]:
         """The gap that foresees best what passes through it: a grid, then downhill from its best."""
         assert place is not None
-        inertia, _ = link_inertia(motions[0], place.index)
+        inertia, _ = link_inertia(motions[0], model, place)
         rotor = float(motions[0].rotor[0][place.index])
         way = max(float(np.ptp(m.position[:, place.index])) for m in motions) + 1e-9
-        pieces = [Passage.of(m, model, place.index) for m in motions]
+        pieces = [Passage.of(m, model, place) for m in motions]
         stiffnesses = inertia * frequencies(motions, 10.0, 100.0, 9) ** 2
         top = stiffest(model, place)
         gaps = way * np.geomspace(2e-4, 0.1, 9)
@@ -97,8 +97,8 @@ class Backlash(Effect):
     ) -> Response:
         """No free coefficient: what the links do not feel of the motor's motion while they cross the gap."""
         assert place is not None
-        inertia, column = link_inertia(motion, place.index)
-        passage = Passage.of(motion, model, place.index)
+        inertia, column = link_inertia(motion, model, place)
+        passage = Passage.of(motion, model, place)
         retardation = shape.get("retardation", model.flank_retardation_s)
         error = passage.unforeseen(inertia, shape["gap"], shape["stiffness"], retardation)
         # foreseen is what passed less the error; what rigid links would take beyond that, the motor need not
@@ -114,9 +114,9 @@ class Backlash(Effect):
     ) -> bool:
         """Where the torque does not lead it by the hand."""
         assert place is not None
-        inertia, _ = link_inertia(motions[0], place.index)
+        inertia, _ = link_inertia(motions[0], model, place)
         retardation = shape.get("retardation", model.flank_retardation_s)
-        pieces = [Passage.of(m, model, place.index) for m in motions]
+        pieces = [Passage.of(m, model, place) for m in motions]
         return foresees(pieces, inertia, shape["gap"], shape["stiffness"], retardation)
 
     def blur(

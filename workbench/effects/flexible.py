@@ -3,13 +3,15 @@
 A rigid drive turns with a row of the transmission. Here its motor turns a joint of its own at the base,
 which carries all that sits at the drive (its tendon: inertia, damping, friction, spring), and a tendon
 couples it to the links by a spring. At a pin it is the coordinate of that pin which the transmission moves,
-ahead of the joint of the links: every drive that turns with it turns with the new joint. Where only one
-drive does, as at the knee of a parallelogram, that is the same machine in other words.
+ahead of the joint of the links: every drive that turns with it turns with the new joint, and at the knee of
+a parallelogram crank and coupler do. Where only one drive does, and nothing else, that is the same machine
+as with the spring at the drive in other words.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -23,6 +25,7 @@ from .base import is_rotary
 from .chain import Build, FlankTerm
 from .lacking import Lack
 from .motion import Motion
+from .structure import crank_of, gravity_columns, inertia_columns
 
 SPLITTING = ("joint_compliance", "backlash")
 _RIGID = 200.0  # Hz: what rings faster, no loop and no log of a millisecond's rows tells from rigid
@@ -61,9 +64,16 @@ def split(
 ) -> None:
     """Give an axis a joint on its motor's side and a spring to the links; before anything sits there."""
     name = rotor_name(place.index, place.location)
-    # a tendon couples inertias of joints along one branch only, and other joints turn with a pin's drives
-    before = build.spec.joint(model.joints[place.index]).parent.parent
-    _add_joint(build.spec.worldbody if place.location == "actuator" else before, model, place.index, name)
+    if place.location == "actuator":
+        hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+        kind = hinge if is_rotary(model, model.axes[place.index]) else slide
+        _add_joint(build.spec.worldbody, name, {"type": kind, "axis": [0.0, -1.0, 0.0]})
+    else:
+        # a tendon couples inertias of joints along one branch only, and other joints turn with a pin's drives
+        pin = build.spec.joint(model.joints[place.index])
+        like = {key: getattr(pin, key) for key in ("type", "axis", "pos", "ref")}
+        body = _add_joint(pin.parent.parent, name, like)
+        body.pos, body.quat = pin.parent.pos, pin.parent.quat
     if place.location == "actuator":
         own = axis_tendon(place.index)
         links, build.rows[own] = build.rows[own], {name: 1.0}
@@ -87,12 +97,12 @@ def split(
     spring.springlength = np.array([-0.5, 0.5]) * gap
 
 
-def _add_joint(parent: mujoco.MjsBody, model: Model, index: int, name: str) -> None:
-    kind = mujoco.mjtJoint.mjJNT_HINGE if is_rotary(model, model.axes[index]) else mujoco.mjtJoint.mjJNT_SLIDE
+def _add_joint(parent: mujoco.MjsBody, name: str, like: Mapping[str, Any]) -> mujoco.MjsBody:
     body = parent.add_body(name=name, gravcomp=1.0)
-    body.add_joint(name=name, type=kind, axis=[0.0, -1.0, 0.0])
+    body.add_joint(name=name, **like)
     body.explicitinertial, body.mass, body.ipos = True, _NOTHING, np.zeros(3)
     body.inertia = np.full(3, _NOTHING)
+    return body
 
 
 def _wrap_again(build: Build, tendon: str) -> None:
@@ -112,24 +122,36 @@ def _move_rotor(build: Build, model: Model, place: Placement, name: str) -> None
     rotor.armature, rotor.damping[0] = inertia, damping
 
 
-def link_inertia(motion: Motion, index: int) -> tuple[float, np.ndarray]:
-    """Inertia of the links at a drive (mean over a motion), and their column of inertia there, (N, n)."""
+def link_inertia(motion: Motion, model: Model, place: Placement) -> tuple[float, np.ndarray]:
+    """Inertia behind a drive or a pin (mean over a motion), and its column at the drives, (N, n)."""
+    index = place.index
     column = motion.inertia()[:, :, index].copy()
     column[:, index] -= motion.rotor[0][index]
+    if place.location == "joint" and index == 1:
+        crank = crank_of(model)
+        alpha = motion.position[:, 1] - motion.position[:, 0]
+        column[:, 0] -= crank.M12 * np.cos(alpha)
+        column[:, 1] -= crank.M22
     return float(column[:, index].mean()), column
 
 
-def transmitted(motion: Motion, model: Model, index: int) -> np.ndarray:
-    """Torque (N,) that would reach rigid links by a model: what it needs, less what the rotor takes."""
+def transmitted(motion: Motion, model: Model, place: Placement) -> np.ndarray:
+    """Torque (N,) that would pass rigidly by a model: what it needs, less what is on the motor's side."""
+    index = place.index
     inertia, damping = (part[index] for part in motion.rotor)
     needed = (motion.gain * motion.required(model))[:, index]
-    return needed - inertia * motion.acceleration[:, index] - damping * motion.velocity[:, index]
+    torque = needed - inertia * motion.acceleration[:, index] - damping * motion.velocity[:, index]
+    if place.location == "joint" and index == 1:
+        crank = crank_of(model)
+        coupling, own = inertia_columns(motion)[1:, :, 1]
+        torque += crank.M12 * coupling + crank.M22 * own + crank.g2 * gravity_columns(motion)[1, :, 1]
+    return torque
 
 
-def spring_lack(motion: Motion, model: Model, index: int) -> tuple[Lack, float]:
-    """What a motion asks of a spring behind a drive, and the inertia on it."""
-    inertia, column = link_inertia(motion, index)
-    return Lack.of(motion, model, transmitted(motion, model, index), column), inertia
+def spring_lack(motion: Motion, model: Model, place: Placement) -> tuple[Lack, float]:
+    """What a motion asks of a spring behind a drive or in a pin, and the inertia on it."""
+    inertia, column = link_inertia(motion, model, place)
+    return Lack.of(motion, model, transmitted(motion, model, place), column), inertia
 
 
 def spring_wind(

@@ -57,13 +57,13 @@ class JointCompliance(Effect):
     ) -> Sequence[tuple[Mapping[str, float], float]]:
         """What the lacking torque asks for, from antiresonances from 4 Hz on, hardly and well damped."""
         assert place is not None
-        inertia, _ = link_inertia(motions[0], place.index)
+        inertia, _ = link_inertia(motions[0], model, place)
         starts = [
             (inertia * w**2, 2.0 * share * inertia * w)
             for w in frequencies(motions, 4.0, 150.0, 10)
             for share in (0.03, 0.3)
         ]
-        made = [spring_lack(m, model, place.index) for m in motions]
+        made = [spring_lack(m, model, place) for m in motions]
 
         def left(values: np.ndarray) -> np.ndarray:
             return np.concatenate(
@@ -91,8 +91,8 @@ class JointCompliance(Effect):
     ) -> Response:
         """No free coefficient: what the links do not feel of the motor's motion, as the spring winds up."""
         assert place is not None
-        inertia, column = link_inertia(motion, place.index)
-        torque = transmitted(motion, model, place.index)
+        inertia, column = link_inertia(motion, model, place)
+        torque = transmitted(motion, model, place)
         moved = torque - torque[0]  # the motion starts from rest, with the spring wound up by the weights
         wind = spring_wind(moved, motion.step, inertia, shape["stiffness"], shape["damping"])
         return Response(np.zeros((0, *motion.position.shape)), offset=column * wind[:, None])

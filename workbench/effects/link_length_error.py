@@ -14,10 +14,11 @@ from workbench.models import AppliedEffect, Model, Placement, load_tree
 
 from .base import Door, Effect, Parameter
 from .chain import Build
+from .flexible import rotor_name
 from .motion import Motion
 from .response import Response
-from .structure import is_parallelogram
-from .weights import add_gravity, add_inertia, mass_at_the_end, weight_at_the_end
+from .structure import crank_of, is_parallelogram
+from .weights import add_gravity, add_inertia, masses_at_the_end, weight_at_the_end
 
 _PROBE = 1e-3  # of the link's length: the change behind the column
 
@@ -80,6 +81,8 @@ class LinkLengthError(Effect):
         ends: list[mujoco.MjsBody | mujoco.MjsSite | mujoco.MjsGeom]
         if end:
             ends = [build.spec.joint(end).parent]
+            crank = build.spec.body(rotor_name(model.joints.index(end), "joint"))
+            ends += [crank] if crank else []
         else:
             site = build.spec.site(model.payload_site)
             feet = {build.spec.pair(name).geomname2 for name in build.contacts}
@@ -107,7 +110,8 @@ def _hang_the_linkage(spec: mujoco.MjSpec, model: Model, length: float, more: fl
     for applied in model.effects:
         if applied.key.effect == "linkage_inertia":
             v = applied.values
-            beyond = mass - mass_at_the_end(length, v["M11"], v["M12"], v["M22"])
+            hung = masses_at_the_end(spec, length, v["M11"], v["M12"], v["M22"], crank_of(model))
+            beyond = mass - sum(hung)
             add_inertia(spec, model, beyond * ((length + more) ** 2 - length**2), 0.0, 0.0)
         if applied.key.effect == "linkage_gravity":
             beyond = mass * gravity - weight_at_the_end(applied.values["g2"])

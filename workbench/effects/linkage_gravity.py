@@ -13,7 +13,7 @@ from .base import INF, Door, Effect, Parameter, Trace
 from .chain import Build
 from .motion import Motion
 from .response import Response
-from .structure import gravity_columns, is_parallelogram
+from .structure import crank_of, gravity_columns, is_parallelogram
 from .weights import add_gravity
 
 
@@ -61,4 +61,4 @@ class LinkageGravity(Effect):
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
     ) -> None:
         """Bodies that have weight and next to no mass."""
-        add_gravity(build.spec, model, values["g1"], values["g2"])
+        add_gravity(build.spec, model, values["g1"], values["g2"], crank_of(model))

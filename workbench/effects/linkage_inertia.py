@@ -13,7 +13,7 @@ from .base import INF, Door, Effect, Parameter
 from .chain import Build
 from .motion import Motion
 from .response import Response
-from .structure import inertia_columns, is_parallelogram
+from .structure import crank_of, inertia_columns, is_parallelogram
 from .weights import add_inertia
 
 
@@ -66,4 +66,4 @@ class LinkageInertia(Effect):
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
     ) -> None:
         """Bodies that have inertia and no weight."""
-        add_inertia(build.spec, model, values["M11"], values["M12"], values["M22"])
+        add_inertia(build.spec, model, values["M11"], values["M12"], values["M22"], crank_of(model))

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from scipy.optimize import minimize
 
-from workbench.models import Model
+from workbench.models import Model, Placement
 
 from .flexible import transmitted
 from .lacking import lacking
@@ -36,7 +36,7 @@ _DAMPED = 0.95  # of what elastic flanks leave
 
 @dataclass(frozen=True)
 class Passage:
-    """One motion of an axis as a gap behind its motor sees it.
+    """One motion of an axis as a gap behind its motor, or in its pin, sees it.
 
     Attributes:
         step: of the rows [s].
@@ -49,10 +49,10 @@ class Passage:
     passed: np.ndarray
 
     @staticmethod
-    def of(motion: Motion, model: Model, index: int) -> Passage:
+    def of(motion: Motion, model: Model, place: Placement) -> Passage:
         """Along a motion, by a model that has no gap."""
-        load = transmitted(motion, model, index)
-        return Passage(motion.step, load, load - lacking(motion, model)[:, index])
+        load = transmitted(motion, model, place)
+        return Passage(motion.step, load, load - lacking(motion, model)[:, place.index])
 
     def unforeseen(self, inertia: float, gap: float, stiffness: float, retardation: float) -> np.ndarray:
         """Torque that passed less what a gap foresees, (N,).

@@ -5,9 +5,11 @@ All in actuator coordinates of the first two axes: q1 of the thigh, q2 of the sh
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from workbench.models import Model
+from workbench.models import Crank, Model
 
 from .motion import Motion
 
@@ -18,6 +20,14 @@ PARALLELOGRAM = np.array([[1.0, 0.0], [1.0, 1.0]])
 def is_parallelogram(model: Model) -> bool:
     """Whether the model states a linkage and drives two joints through the parallelogram's J."""
     return model.linkage is not None and np.array_equal(model.transmission, PARALLELOGRAM)
+
+
+def crank_of(model: Model) -> Crank:
+    """What of the linkage that is in a model turns with the knee's drive, ahead of the pin of the shank."""
+    crank = model.linkage.crank if model.linkage is not None else None
+    if crank is None or not is_parallelogram(model) or not model.has("linkage_inertia"):
+        return Crank()
+    return crank if model.has("linkage_gravity") else replace(crank, g2=0.0)
 
 
 def inertia_columns(motion: Motion) -> np.ndarray:

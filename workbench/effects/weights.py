@@ -12,36 +12,64 @@ import mujoco
 import numpy as np
 
 from workbench.core import SimulationError
-from workbench.models import Model
+from workbench.models import Crank, Model
+
+from .flexible import rotor_name
 
 _FEATHER = 1e-12  # kg: 1e-14 kg m^2 at the links' lengths, below rounding of what the links have
 _ARM = 0.1  # m, where the weights hang; only the product with their force matters
+NONE = Crank()
 
 
-def add_inertia(spec: mujoco.MjSpec, model: Model, m11: float, m12: float, m22: float) -> None:
+def add_inertia(
+    spec: mujoco.MjSpec, model: Model, m11: float, m12: float, m22: float, crank: Crank = NONE
+) -> None:
     """Add kinetic energy m11 w1^2/2 + m12 cos(alpha) w1 w2 + m22 w2^2/2, without weight.
 
     A point mass m at the distance r along the shank gives m12 = m l1 r; what is missing then is rotary
     inertia of the two links. Any m between m12^2/(l1^2 m22) and m11/l1^2 does; the geometric mean is taken.
 
-    What is negative is taken from the links' own inertia.
+    What is negative is taken from the links' own inertia. Where the shank's pin has a spring, `crank` is the
+    part that turns on the motor's side of it.
 
     Raises:
         SimulationError: a link would be left without inertia.
     """
     thigh, shank, along, length = _links(spec, model)
-    mass = mass_at_the_end(length, m11, m12, m22)
-    reach = m12 / (length * mass)
-    _turn(thigh, model.joints[0], m11 - mass * length**2)
-    _turn(shank, model.joints[1], m22 - mass * reach**2)
-    _body(shank, reach * along, mass, 0.0, 1.0)
+    own, rest = masses_at_the_end(spec, length, m11, m12, m22, crank)
+    if ahead := spec.body(rotor_name(1, "joint")):
+        _swing(ahead, shank, model, along, own, crank.M12 / length, crank.M22)
+        m12, m22 = m12 - crank.M12, m22 - crank.M22
+    _turn(thigh, thigh, model.joints[0], m11 - (own + rest) * length**2)
+    _swing(shank, shank, model, along, rest, m12 / length, m22)
 
 
-def mass_at_the_end(length: float, m11: float, m12: float, m22: float) -> float:
-    """The point mass [kg] that `add_inertia` hangs on the end of a thigh of this length [m]."""
+def masses_at_the_end(
+    spec: mujoco.MjSpec, length: float, m11: float, m12: float, m22: float, crank: Crank = NONE
+) -> tuple[float, float]:
+    """Point masses [kg] that `add_inertia` hangs on a thigh's end: on the crank's side, on the shank's."""
+    if not spec.body(rotor_name(1, "joint")):
+        return 0.0, _mass(length, m11, m12, m22)
+    # as much as gives half of M22; the rest of it turns in place
+    most = (2.0 * crank.M12) ** 2 / crank.M22 if crank.M22 > 0 else 0.0
+    own = _mass(length, most, crank.M12, crank.M22)
+    return own, _mass(length, m11 - own * length**2, m12 - crank.M12, m22 - crank.M22)
+
+
+def _mass(length: float, m11: float, m12: float, m22: float) -> float:
     low = (m12 / length) ** 2 / m22 if m22 > 0 else np.inf
     high = m11 / length**2
     return float(np.sqrt(low * high)) if 0 < low <= high else max(abs(m12) / (length * _ARM), _FEATHER)
+
+
+def _swing(
+    carrier: mujoco.MjsBody, shank: mujoco.MjsBody, model: Model, along: np.ndarray,
+    mass: float, moment: float, inertia: float,
+) -> None:  # fmt: skip
+    """Hang a mass on what turns at the thigh's end, for a first moment [kg m] and an inertia there."""
+    reach = moment / mass
+    _turn(carrier, shank, model.joints[1], inertia - mass * reach**2)
+    _body(carrier, reach * along, mass, 0.0, 1.0)
 
 
 def weight_at_the_end(g2: float) -> float:
@@ -49,10 +77,10 @@ def weight_at_the_end(g2: float) -> float:
     return g2 / _ARM
 
 
-def _turn(link: mujoco.MjsBody, joint: str, inertia: float) -> None:
-    """Add rotary inertia to a link: as a body where it is positive, else by taking it from the link's own."""
+def _turn(carrier: mujoco.MjsBody, link: mujoco.MjsBody, joint: str, inertia: float) -> None:
+    """Add rotary inertia: on `carrier` where it is positive, else by taking it from the link's own."""
     if inertia >= 0.0:
-        _body(link, np.zeros(3), _FEATHER, inertia, 1.0)
+        _body(carrier, np.zeros(3), _FEATHER, inertia, 1.0)
         return
     x, y, z = np.asarray(link.inertia, float)
     left = y + inertia
@@ -65,15 +93,22 @@ def _turn(link: mujoco.MjsBody, joint: str, inertia: float) -> None:
     link.inertia = np.array([np.clip(x, abs(left - z), left + z), left, z])
 
 
-def add_gravity(spec: mujoco.MjSpec, model: Model, g1: float, g2: float) -> None:
-    """Add the torques -g1 sin(q1) and -g2 sin(q2) in actuator coordinates, without inertia."""
+def add_gravity(spec: mujoco.MjSpec, model: Model, g1: float, g2: float, crank: Crank = NONE) -> None:
+    """Add the torques -g1 sin(q1) and -g2 sin(q2) in actuator coordinates, without inertia.
+
+    Where the shank's pin has a spring, `crank` is the part that hangs on the motor's side of it.
+    """
     thigh, shank, along, length = _links(spec, model)
     gravity = float(np.linalg.norm(spec.option.gravity))
     if gravity == 0.0:
         raise SimulationError(f"model '{model.name}' has no gravity, so its linkage cannot have any")
     lower = weight_at_the_end(g2)
     upper = (g1 - lower * length) / _ARM
-    for parent, force in ((thigh, upper), (shank, lower)):
+    hung = [(thigh, upper), (shank, lower)]
+    if ahead := spec.body(rotor_name(1, "joint")):
+        own = weight_at_the_end(crank.g2)
+        hung = [(thigh, upper), (shank, lower - own), (ahead, own)]
+    for parent, force in hung:
         _body(parent, _ARM * along, _FEATHER, 0.0, 1.0 - force / (_FEATHER * gravity))
     # MuJoCo leaves gravity compensation out altogether where no body's is above zero
     _body(thigh, np.zeros(3), _FEATHER, 0.0, 1.0)

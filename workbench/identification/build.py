@@ -66,7 +66,8 @@ def with_leg(model: Model, found: LegIdentification) -> Model:
     tree, gravity = serial_form(model)
     increment = links - tree
     weight = np.array([g.value for g in found.gravity]) - gravity
-    linkage = Linkage(*map(float, increment), *map(float, weight), identified=True)
+    crank = model.linkage.crank if model.linkage else None
+    linkage = Linkage(*map(float, increment), *map(float, weight), identified=True, crank=crank)
     known = replace(model, linkage=linkage, variant="kin_only", effects=_others(model))
     return with_variant(known, "s3n_full")
 

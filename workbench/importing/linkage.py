@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.effects.structure import PARALLELOGRAM
 from workbench.mechanism import ClosedChain, sample_joints
-from workbench.models import Linkage, Model
+from workbench.models import Crank, Linkage, Model
 from workbench.serial_tree import SerialTree
 
 _SAMPLES = 60
@@ -42,4 +42,6 @@ def parallelogram_linkage(chain: ClosedChain, model: Model) -> Linkage | None:
     off_pull = np.abs(pull + np.array([g1, g2]) * sine).max() / max(np.abs(weights).max(), 1e-12)
     if max(off_mass, off_pull) > _SAME:
         return None
-    return Linkage(float(m11), float(m12), float(m22), float(g1), float(g2), identified=True)
+    # the tree has thigh and shank whole, so that what it lacks of the knee's drive is crank and coupler
+    crank = Crank(float(m12), float(m22), float(g2))
+    return Linkage(float(m11), float(m12), float(m22), float(g1), float(g2), identified=True, crank=crank)

@@ -3,12 +3,12 @@
 from .engine import silence
 from .floating import BASE_AXES
 from .from_table import structural_effect
-from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
+from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
 from .paths import find_model
 from .read import read_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds, rotors
 from .spec import load_mjcf, load_tree
-from .write import model_text, write_model
+from .write import linkage_table, model_text, write_model
 
 silence()
 
@@ -17,6 +17,7 @@ __all__ = [
     "VARIANTS",
     "Actuators",
     "AppliedEffect",
+    "Crank",
     "Ground",
     "Linkage",
     "Model",
@@ -25,6 +26,7 @@ __all__ = [
     "base_spec",
     "find_model",
     "joint_kinds",
+    "linkage_table",
     "load_mjcf",
     "load_tree",
     "model_text",

@@ -13,8 +13,8 @@ from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanis
 from workbench.core.paths import models_folder
 
 from .floating import BASE_AXES
-from .model import VARIANTS, Actuators, AppliedEffect, Ground, Linkage, Model
-from .schema import ActuatorTable, EffectTable, GroundTable, ModelTable, ParameterTable
+from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
+from .schema import ActuatorTable, EffectTable, GroundTable, LinkageTable, ModelTable, ParameterTable
 from .spec import end_site, hinges_and_slides, load_tree
 
 _SINGULAR = 1e9  # condition of a transmission that no drives have
@@ -39,7 +39,7 @@ def from_table(table: ModelTable, file: Path) -> Model:
     axes, joints, matrix = _transmission(table, [name for name in known if name not in base], file)
     n = len(axes)
     payload_site = _payload_site(table, spec, file)
-    linkage = Linkage(**table.linkage.model_dump()) if table.linkage else None
+    linkage = _linkage(table.linkage) if table.linkage else None
     structural = _structural_effects(table.variant, linkage, file)
     return Model(
         name=table.name,
@@ -147,6 +147,11 @@ def _payload_site(table: ModelTable, spec: mujoco.MjSpec, file: Path) -> str | N
             remedy=f"sites are {', '.join(s.name for s in spec.sites if s.name) or 'none: add one'}",
         )  # fmt: skip
     return table.payload.site
+
+
+def _linkage(table: LinkageTable) -> Linkage:
+    crank = Crank(**table.crank.model_dump()) if table.crank else None
+    return Linkage(**table.model_dump(exclude={"crank"}), crank=crank)
 
 
 def _structural_effects(variant: str, linkage: Linkage | None, file: Path) -> list[AppliedEffect]:

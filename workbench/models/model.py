@@ -42,11 +42,24 @@ class Actuators:
 
 
 @dataclass(frozen=True)
+class Crank:
+    """What turns with the knee's drive even where the pin of thigh and shank is soft: crank and coupler.
+
+    M12 (factor of cos alpha), M22 [kg m^2], g2 [N m]: their part of a linkage's increments.
+    """
+
+    M12: float = 0.0
+    M22: float = 0.0
+    g2: float = 0.0
+
+
+@dataclass(frozen=True)
 class Linkage:
     """Increments of a parallelogram over its serial tree, in actuator coordinates (paper, Eq. 18).
 
     M11, M12 (factor of cos alpha), M22 [kg m^2]; g1, g2 [N m], torque -g sin q. `identified` says
     that the numbers come from identification, so that adding the linkage costs no free parameter.
+    `crank`: what of them is not the links', None where that is not known.
     """
 
     M11: float = 0.0
@@ -55,6 +68,7 @@ class Linkage:
     g1: float = 0.0
     g2: float = 0.0
     identified: bool = False
+    crank: Crank | None = None
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,14 @@ class ControllerTable(_Table):
     period_s: _Positive | None = None
 
 
+class CrankTable(_Table):
+    """``crank`` of ``[linkage]``: what of the increments turns with the knee's drive."""
+
+    M12: _Number = 0.0
+    M22: _Number = 0.0
+    g2: _Number = 0.0
+
+
 class LinkageTable(_Table):
     """``[linkage]``: increments of the parallelogram over the serial tree."""
 
@@ -71,6 +79,7 @@ class LinkageTable(_Table):
     g1: _Number = 0.0
     g2: _Number = 0.0
     identified: bool = False
+    crank: CrankTable | None = None
 
 
 class PayloadTable(_Table):

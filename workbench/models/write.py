@@ -15,7 +15,7 @@ from workbench.core.paths import models_folder
 from workbench.core.text import plain
 
 from .from_table import structural_effect
-from .model import VARIANTS, AppliedEffect, Model
+from .model import VARIANTS, AppliedEffect, Linkage, Model
 
 
 def write_model(model: Model, path: str | Path, *, force: bool = False) -> None:
@@ -79,7 +79,7 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
         if c.period_s:
             table["controller"]["period_s"] = c.period_s
     if model.linkage:
-        table["linkage"] = dict(vars(model.linkage))
+        table["linkage"] = linkage_table(model.linkage)
     if model.payload_site:
         table["payload"] = {"site": model.payload_site}
     table["friction"] = {"sliding_speed": model.sliding_speed}
@@ -92,6 +92,13 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
     if not table["effects"]:
         del table["effects"]
     return table
+
+
+def linkage_table(linkage: Linkage) -> dict[str, Any]:
+    """A linkage as ``[linkage]`` and JSON have it; without the crank where that is not known."""
+    table = dict(vars(linkage))
+    crank = table.pop("crank")
+    return table | ({"crank": dict(vars(crank))} if crank else {})
 
 
 def _closed_chain_table(chain: Mechanism, folder: Path) -> dict[str, Any]:
