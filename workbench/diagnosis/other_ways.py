@@ -21,7 +21,7 @@ from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
 from .trying import Progress
-from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, with_stages
+from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, size_of, with_stages
 
 
 def otherwise(way: Way, quest: Quest) -> Way:
@@ -107,7 +107,7 @@ def fewer(way: Way, quest: Quest) -> Way:
 
     Where what was found first had rivals, what came after may only mend the choice.
     """
-    size = _parameters(way)
+    size = size_of(way.current)
     few = len(way.stages) < 2 or size < 3
     if few or quest.data.effort.spent or not any(s.rivals_of(way.current) for s in way.stages[:-1]):
         return way
@@ -115,7 +115,7 @@ def fewer(way: Way, quest: Quest) -> Way:
     if stages is None:
         return way
     other = with_stages(Way(quest.start, quest.data), stages, quest.seed)
-    return other if _parameters(other) < size and reached(other.current, other.data) else way
+    return other if size_of(other.current) < size and reached(other.current, other.data) else way
 
 
 def _through(way: Way, quest: Quest, *, basics_first: bool = True) -> Way:
@@ -166,7 +166,3 @@ def _sure(way: Way, quest: Quest) -> bool:
         or nearly_at_floor(way.current, way.data)
         or explained(quest.data, quest.start, way.current, way.data) > NEARLY_ALL
     )
-
-
-def _parameters(way: Way) -> int:
-    return sum(len(a.parameters) for a in way.current.hypothesis.free)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,10 +14,11 @@ from .by_axis import explained_by_axis
 from .data import Data, gather
 from .further_axes import on_further_axes
 from .hypothesis import Fit, Hypothesis
+from .instead import others_instead
 from .judging import explained, mostly_explained, rejudged, stands_out
 from .other_ways import fewer, otherwise
 from .sensitivity import Scene
-from .simpler import simpler
+from .simpler import simpler, without
 from .stage import Search
 from .sticking import candidates
 from .trying import Progress
@@ -79,6 +81,7 @@ def search(
             way = otherwise(way, quest)
         elif limit > 1:
             way = on_further_axes(fewer(way, quest), quest)
+        way = others_instead(way, quest)
     way = _plain(_simplified(way, seed, progress), start, first)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
@@ -113,7 +116,13 @@ def _plain(way: Way, start: Fit, first: Data) -> Way:
 
 
 def _simplified(way: Way, seed: int, progress: Progress) -> Way:
-    """Once all causes are there, a simpler form of an earlier one where it does as well."""
+    """Once all causes are there, without earlier ones that may be none, and simpler forms of the others."""
+    for stage in way.stages[:-1]:
+        *earlier, last = way.stages
+        rest = without(stage.added, way.current, way.data) if stage.added != last.added else None
+        if rest:
+            last = replace(last, fit=rest, dropped=(*last.dropped, stage.added))
+            way = with_stages(replace(way, stages=tuple(earlier)), (last,), seed)
     for stage in way.stages:
         simple = simpler(stage, way.current, way.data, progress, last=stage is way.stages[-1])
         if simple:

@@ -12,7 +12,7 @@ from workbench.effects import contains, effect_named
 from .data import Data
 from .fit import fit
 from .hypothesis import Fit
-from .judging import TIE
+from .judging import TIE, stands_out
 from .refining import polished, with_candidates
 from .screen import Candidate, screen
 from .sensitivity import Scene
@@ -63,6 +63,20 @@ def simpler(
             best, found = min(good, key=lambda sf: sf[1].judged)
             return _stages(stage, given_up.key, best, polished(found, data), data)
     return ()
+
+
+def without(key: EffectKey, current: Fit, data: Data) -> Fit | None:
+    """The fit without an effect that may be none, now that all causes are there; None where it is needed."""
+    applied = next((a for a in current.hypothesis.free if a.key == key), None)
+    if applied is None or stands_out(applied):
+        return None
+    free = tuple(a for a in current.hypothesis.free if a is not applied)
+    (rest,) = fit([replace(current.hypothesis, free=free)], data)
+    if rest is None:
+        return None
+    rest = polished(rest, data)
+    most = 1.0 + _LOSS
+    return rest if rest.judged < most * current.judged and rest.trained < most * current.trained else None
 
 
 def _enough(now: float, without: float) -> float:

@@ -1,0 +1,98 @@
+"""Other causes in place of one that was taken while others were still missing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from .choosing import Explanation, Judged, behind
+from .fit import fit
+from .giving import pins_of, what_gives_way
+from .hypothesis import Fit
+from .judging import TIE, floor_of_fitting, floor_of_judging, nearly_at_floor, witnessed
+from .refining import polished, with_candidate
+from .sensitivity import Scene
+from .stage import Stage, has_cause
+from .sticking import candidates
+from .ways import Quest, Way, onwards, size_of, with_stages
+
+_CLOSE = 2.5  # times what the cause left that was taken: others that left no more may be what it stood for
+_MOST = 3  # others that are tried in place of each
+_HALF = 0.5  # of what is left above the noise: an exchange that leaves more mends nothing
+
+
+def others_instead(way: Way, quest: Quest) -> Way:
+    """Others in place of causes beside which they did nearly as well; `way` where none does much better.
+
+    While a delay is missing, a spring in the pin passes for one at the drive: only where all other causes are
+    there can it be told which one it is. In place of the last cause, others may lead on to one more.
+    """
+    for stage in reversed(way.stages):
+        if way.done or way.data.effort.spent:
+            return way
+        found = _in_its_place(stage, way, quest)
+        if found and _mends(found[0], way):
+            way = onwards(with_stages(way, found[:1], quest.seed), quest)
+        elif stage is way.stages[-1] and not nearly_at_floor(way.current, way.data):
+            led = [onwards(with_stages(way, (each,), quest.seed), quest) for each in found]
+            good = [o for o in led if o.done or nearly_at_floor(o.current, o.data)]
+            way = min(good, key=lambda o: (not o.done, size_of(o.current), o.current.judged), default=way)
+    return way
+
+
+def _in_its_place(stage: Stage, way: Way, quest: Quest) -> tuple[Stage, ...]:
+    """Stages with another cause each in place of one, all others kept, best first."""
+    current, data = way.current, way.data
+    keys = [key for key, left in stage.behind if left < _CLOSE and not has_cause(current, key)]
+    if not keys or all(a.key != stage.added for a in current.hypothesis.free):
+        return ()
+    quest.progress(f"trying others in place of {stage.added}")
+    free = tuple(a for a in current.hypothesis.free if a.key != stage.added)
+    (rest,) = fit([replace(current.hypothesis, free=free)], data, iterations=1)
+    if rest is None:
+        return ()
+    scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
+    known = (
+        *candidates(scene, rest, data, quest.seed),
+        *what_gives_way(scene, data.training, rest.judged),
+    )
+    chosen = [c for key in keys for c in known if c.key == key][:_MOST]
+    fits = fit([with_candidate(scene, c, rest) for c in chosen], data)
+    tried = [(c, f) for c, f in zip(chosen, fits, strict=True) if f is not None and witnessed(scene, f)]
+    tried.sort(key=lambda cf: cf[1].judged)
+    left = [*((c.key, f.judged) for c, f in tried), (stage.added, current.judged)]
+    return tuple(_stage(explanation, left, stage, rest, way) for explanation in tried)
+
+
+def _stage(explanation: Explanation, left: Sequence[Judged], stage: Stage, rest: Fit, way: Way) -> Stage:
+    """One cause in place of another; `left`: what each of these leaves."""
+    (candidate, found), data = explanation, way.data
+    found = polished(found, data)
+    excess = max(rest.judged - floor_of_judging(data), 1e-12)
+    alike = [key for key, judged in left if judged <= found.judged * (1.0 + TIE)]
+    pins = pins_of(way.current.hypothesis.base, candidate.key)
+    return Stage(
+        added=candidate.key,
+        fit=found,
+        data=data,
+        removed_share=(rest.judged - found.judged) / excess,
+        rivals=tuple(dict.fromkeys(key for key in (*alike, *pins) if key != candidate.key)),
+        others=(),
+        dropped=(stage.added,),
+        ranking=tuple(sorted(((k, (rest.judged - j) / excess) for k, j in left), key=lambda r: -r[1])),
+        behind=behind(candidate.key, found.judged, left),
+        folds=(int(np.sum(found.agreeing < way.current.agreeing)), len(found.agreeing)),
+        by_held_out=data.held_out_judges,
+    )
+
+
+def _mends(stage: Stage, way: Way) -> bool:
+    """Whether so much less is left, fitted and judged, that the other cause was a stand-in."""
+    now, then, data = way.current, stage.fit, way.data
+    pairs = (
+        (now.judged, then.judged, floor_of_judging(data)),
+        (now.trained, then.trained, floor_of_fitting(data)),
+    )
+    return all(after - floor < _HALF * (before - floor) for before, after, floor in pairs)
