@@ -11,12 +11,20 @@ from .choosing import Explanation, Judged, behind
 from .fit import fit
 from .giving import pins_of, what_gives_way
 from .hypothesis import Fit
-from .judging import TIE, floor_of_fitting, floor_of_judging, nearly_at_floor, witnessed
+from .judging import (
+    NEARLY_ALL,
+    TIE,
+    explained,
+    floor_of_fitting,
+    floor_of_judging,
+    nearly_at_floor,
+    witnessed,
+)
 from .refining import polished, with_candidate
 from .sensitivity import Scene
 from .stage import Stage, has_cause
 from .sticking import candidates
-from .ways import Quest, Way, onwards, size_of, with_stages
+from .ways import Quest, Way, onwards, size_of, wanders, with_stages
 
 _CLOSE = 2.5  # times what the cause left that was taken: others that left no more may be what it stood for
 _MOST = 3  # others that are tried in place of each
@@ -27,8 +35,12 @@ def others_instead(way: Way, quest: Quest) -> Way:
     """Others in place of causes beside which they did nearly as well; `way` where none does much better.
 
     While a delay is missing, a spring in the pin passes for one at the drive: only where all other causes are
-    there can it be told which one it is. In place of the last cause, others may lead on to one more.
+    there can it be told which one it is. In place of the last cause, others may lead on to one more. Asked
+    where nearly all is explained and yet more than noise is left: what explains less has no wrong name.
     """
+    share = explained(quest.data, quest.start, way.current, way.data)
+    if not way.stages or share < NEARLY_ALL or wanders(way.current):
+        return way
     for stage in reversed(way.stages):
         if way.done or way.data.effort.spent:
             return way
