@@ -22,6 +22,7 @@ def told(*added: EffectKey, rivals: tuple[EffectKey, ...]) -> tuple[float, tuple
     none: Any = None
     stage = Stage(_HIP, fit, none, 1.0, rivals, (), (), (), tuple((k, 1.0) for k in rivals), (1, 1), True)
     found: Any = SimpleNamespace(
+        model=None,
         final=fit,
         consistent_after=True,
         explained=1.0,

@@ -1,5 +1,6 @@
 """How far a model is from measurements, and where."""
 
+from .closed_loop import ClosedLoop
 from .compare import compare, evaluate, matched, simulate_with_noise
 from .following import MeasuredMotion, followed
 from .long import compare_logs
@@ -11,6 +12,7 @@ from .swings import is_free
 
 __all__ = [
     "DRAWS",
+    "ClosedLoop",
     "MeasuredMotion",
     "NoiseModel",
     "Replay",

@@ -2,33 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Motion, crank_of, effect_named, giving_way, places
-from workbench.models import Crank, Model, Placement
+from workbench.effects import Motion, Springs, crank_of, effect_named, giving_way, places
+from workbench.models import AppliedEffect, Crank, Model, Placement
 
 from .screen import Candidate
 from .sensitivity import Scene
 
 _LEFT = 0.7  # of the lacking torque: what leaves more is no explanation
 _BESIDE = 5.0  # times what the best leaves: what closed loops may still tell apart
+_NO_MORE = 0.95  # the same of one more spring, since the noise of what two leave is as large as of one
 _LITTLE = 0.1  # of the lacking torque: a spring that leaves no more is asked beside any gap
 _MOST = 4
+_SPRING = "joint_compliance"
 
 
-def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate]:
+def what_gives_way(
+    scene: Scene, training: int, judged: float, found_before: Sequence[AppliedEffect] = ()
+) -> list[Candidate]:
     """Effects that let motors, links and base move apart, as far as they explain the lacking torque.
 
     Args:
         scene: the model that lacks something, on recordings of which the first `training` are looked at.
         training: their number.
         judged: what the model leaves now, for the candidates' own.
+        found_before: effects of the model whose parameters may follow. A spring among them was fitted to the
+            softness of all, so that another one is asked for together with it.
     """
     found: list[Candidate] = []
+    springs = [a for a in found_before if a.key.effect == _SPRING and drive_of(scene.model, a.key) is None]
     motions = [_eased(m, scene.model) for m in scene.motions[:training]]
     for key in places(scene.model):
         effect = effect_named(key.effect)
@@ -37,6 +44,9 @@ def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate
             or not scene.data.replay.shows(key.effect)
             or drive_of(scene.model, key) is not None
         ):
+            continue
+        if springs and key.effect == _SPRING:
+            found += _beside(springs, key, scene, training, judged)
             continue
         for shape, left in effect.guesses(motions, scene.model, Placement.of(scene.model, key)):
             if left < _LEFT:
@@ -49,6 +59,26 @@ def what_gives_way(scene: Scene, training: int, judged: float) -> list[Candidate
         if c.judged <= _BESIDE * found[0].judged
         or (c.judged <= _LITTLE * judged and not effect_named(c.key.effect).wanders)
     ][:_MOST]
+
+
+def _beside(
+    springs: Sequence[AppliedEffect], key: EffectKey, scene: Scene, training: int, judged: float
+) -> list[Candidate]:
+    """One more spring, with the stiffness that the others have beside it."""
+    keys = {a.key for a in springs}
+    rigid = replace(scene.model, effects=tuple(e for e in scene.model.effects if e.key not in keys))
+    motions = [_eased(m, rigid) for m in scene.motions[:training]]
+    places = [Placement.of(rigid, k) for k in (*(a.key for a in springs), key)]
+    if any(place is None for place in places):
+        return []
+    known = [place for place in places if place is not None]
+    alone, together = Springs(motions, rigid, known[:-1]), Springs(motions, rigid, known)
+    *others, own = together.guess()
+    left = together.share([*others, own]) / max(alone.share([a.values for a in springs]), 1e-12)
+    if left > _NO_MORE:
+        return []
+    beside = {a.key: shape for a, shape in zip(springs, others, strict=True)}
+    return [Candidate(key, np.zeros(0), own, left * judged, np.inf, beside)]
 
 
 def _eased(motion: Motion, model: Model) -> Motion:

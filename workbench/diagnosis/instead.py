@@ -68,7 +68,7 @@ def _in_its_place(stage: Stage, way: Way, quest: Quest) -> tuple[Stage, ...]:
     scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
     known = (
         *candidates(scene, rest, data, quest.seed),
-        *what_gives_way(scene, data.training, rest.judged),
+        *what_gives_way(scene, data.training, rest.judged, rest.hypothesis.free),
     )
     chosen = [c for key in keys for c in known if c.key == key][:_MOST]
     fits = fit([with_candidate(scene, c, rest) for c in chosen], data)

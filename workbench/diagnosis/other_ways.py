@@ -8,10 +8,12 @@ from functools import partial
 
 from workbench.core import EffectKey
 
+from .along_motion import along_the_motion
 from .by_torque import plain_by_torque
 from .choosing import passed_over
 from .data import Data
 from .everywhere import needed, on_every_axis
+from .giving import pins_of
 from .hypothesis import Fit
 from .judging import NEARLY_ALL, explained, nearly_at_floor, overshadowed, reached, rejudged
 from .pairs import two_at_once
@@ -38,6 +40,7 @@ def otherwise(way: Way, quest: Quest) -> Way:
         (_by_training, _sure),
         (partial(on_every_axis, quest.screened), holds),  # one of a dozen, not of thousands
         (two_at_once, _sure),
+        (lambda *_: along_the_motion(quest), _sure),
     )
     for begin, enough in beginnings:
         if data.effort.spent:
@@ -109,13 +112,19 @@ def fewer(way: Way, quest: Quest) -> Way:
     """
     size = size_of(way.current)
     few = len(way.stages) < 2 or size < 3
-    if few or quest.data.effort.spent or not any(s.rivals_of(way.current) for s in way.stages[:-1]):
+    if few or quest.data.effort.spent or not any(_doubtful(s, way, quest) for s in way.stages[:-1]):
         return way
     stages = two_at_once(quest.scene, quest.data, quest.start, quest.progress)
     if stages is None:
         return way
     other = with_stages(Way(quest.start, quest.data), stages, quest.seed)
     return other if size_of(other.current) < size and reached(other.current, other.data) else way
+
+
+def _doubtful(stage: Stage, way: Way, quest: Quest) -> bool:
+    """Whether another cause did as well, not only the same machine in other words."""
+    same = pins_of(quest.start.hypothesis.model, stage.added)
+    return any(key not in same for key in stage.rivals_of(way.current))
 
 
 def _through(way: Way, quest: Quest, *, basics_first: bool = True) -> Way:

@@ -29,7 +29,9 @@ def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothes
     """The current model with a candidate; effects that it contains in the same place make room for it."""
     effect = effect_named(candidate.key.effect)
     base, free = current.hypothesis.base, current.hypothesis.free
-
+    free = tuple(
+        applied_effect(scene.model, a, {**a.values, **candidate.beside.get(a.key, {})}) for a in free
+    )
     if effect.free(scene.model) == 0:
         added = structural_effect(effect.name, scene.model.linkage)
         return Hypothesis(base, free, (*current.hypothesis.stated, added))

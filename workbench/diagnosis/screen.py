@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -35,6 +35,7 @@ class Candidate:
         judged: weighted mean square that it would leave on data it was not fitted on.
         detectable: how many standard deviations of noise an effect of 2 % of the torque would show,
             beyond what simpler effects in the same place can imitate.
+        beside: nonlinear parameters of effects of the model, as they are with this one beside them.
     """
 
     key: EffectKey
@@ -42,6 +43,7 @@ class Candidate:
     shape: Mapping[str, float]
     judged: float
     detectable: float
+    beside: Mapping[EffectKey, Mapping[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

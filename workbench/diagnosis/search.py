@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.core import HOPELESS, Recording, SimulationError
 from workbench.models import Model
 
 from .by_axis import explained_by_axis
 from .data import Data, gather
 from .further_axes import on_further_axes
-from .hypothesis import Fit, Hypothesis
+from .hypothesis import Fit
 from .instead import others_instead
 from .judging import explained, mostly_explained, rejudged, stands_out
 from .other_ways import fewer, otherwise
@@ -22,7 +20,7 @@ from .simpler import simpler, without
 from .stage import Search
 from .sticking import candidates
 from .trying import Progress
-from .ways import Quest, Way, holds, is_consistent, onwards, wanders, with_stages
+from .ways import Quest, Way, holds, is_consistent, onwards, starting_fit, wanders, with_stages
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
 
@@ -128,11 +126,3 @@ def _simplified(way: Way, seed: int, progress: Progress) -> Way:
         if simple:
             way = with_stages(way, simple, seed)
     return way
-
-
-def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
-    """The model as it is, as a fit of nothing."""
-    return rejudged(
-        Fit(Hypothesis(model, ()), tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0)),
-        data,
-    )

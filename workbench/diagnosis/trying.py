@@ -127,7 +127,7 @@ def _springs_and_gaps(rigid: Sequence[Explanation], at: Standpoint) -> Tried:
     """What lets motors and links move apart; dear to simulate, and seldom asked for where all is rigid."""
     at.progress("looking for springs and gaps")
     best = min((f.judged for _, f in rigid), default=np.inf)
-    late = what_gives_way(at.scene, at.data.training, at.current.judged)
+    late = what_gives_way(at.scene, at.data.training, at.current.judged, at.current.hypothesis.free)
     late = [c for c in late if c.judged < _WORTH * best]
     return _fitted(late, at) if late else Tried()
 

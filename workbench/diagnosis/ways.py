@@ -10,12 +10,13 @@ import numpy as np
 
 from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.compare import consistent
-from workbench.core import EffectKey, SimulationError
+from workbench.core import EffectKey, Recording, SimulationError
 from workbench.effects import effect_named
+from workbench.models import Model
 
 from .by_axis import explained_by_axis
 from .data import Data
-from .hypothesis import Fit
+from .hypothesis import Fit, Hypothesis
 from .judging import (
     EXPLAINED,
     as_good_as_done,
@@ -68,6 +69,14 @@ class Way:
     data: Data
     stages: tuple[Stage, ...] = ()
     done: bool = False
+
+
+def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
+    """The model as it is, as a fit of nothing."""
+    return rejudged(
+        Fit(Hypothesis(model, ()), tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0)),
+        data,
+    )
 
 
 def onwards(

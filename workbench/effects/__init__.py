@@ -14,6 +14,7 @@ from .motion import Contact, Line, Motion, held, torque_bounds
 from .presliding_hysteresis import wound
 from .response import Response, smooth_sign
 from .settled import with_settled
+from .springs import Springs
 from .stiffness import tendon_row
 from .structure import crank_of
 
@@ -36,6 +37,7 @@ __all__ = [
     "Plant",
     "Response",
     "SensorErrors",
+    "Springs",
     "TorqueChain",
     "TorqueTerm",
     "Trace",

@@ -1,0 +1,60 @@
+"""A beginning that no loop closes: what the torque along the measured motion lacks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from workbench.comparison import ClosedLoop, followed, scored_signals
+from workbench.core import SimulationError
+
+from .data import gather
+from .fit import fit
+from .refining import polished
+from .sensitivity import Scene
+from .stage import Stage
+from .sticking import candidates
+from .ways import Quest, Way, onwards, starting_fit
+
+
+def along_the_motion(quest: Quest) -> tuple[Stage, ...]:
+    """Effects that explain the torque along the measured motion, fitted in the closed loop from there.
+
+    A pendulum that swings freely on a cart swings on where its friction is missing: the model's run soon is
+    another motion than the measured one, and small changes to it tell nothing. Along the measured motion the
+    friction is plain.
+
+    Returns:
+        One stage an effect, whose data and runs are not its own yet; none where that was asked already, where
+        no torque was recorded, or where it lacks nothing.
+    """
+    recordings, model = quest.data.recordings, quest.start.hypothesis.model
+    blind = any(len(scored_signals(r)) < 2 for r in recordings)
+    if blind or not isinstance(quest.data.replay, ClosedLoop):
+        return ()
+    quest.progress("asking the torque along the measured motion")
+    along, training = followed(recordings), quest.data.training
+    try:
+        data, runs = gather(model, along[:training], along[training:], quest.seed)
+    except SimulationError:
+        return ()
+    data = data.heard(data.mean_squares(runs.clean))
+    start = starting_fit(model, data, runs.clean)
+    scene = Scene.of(model, data, start.simulated, len(data.recordings))
+    screened = candidates(scene, start, data, quest.seed)
+    way = onwards(
+        Way(start, data), replace(quest, start=start, data=data, scene=scene, screened=tuple(screened))
+    )
+    return _in_the_loop(way, quest)
+
+
+def _in_the_loop(way: Way, quest: Quest) -> tuple[Stage, ...]:
+    """The stages of a way along the motion, each fitted in the loops of the quest."""
+    if not way.stages:
+        return ()
+    fits = fit([stage.fit.hypothesis for stage in way.stages], quest.data)
+    if fits[-1] is None:
+        return ()
+    last = polished(fits[-1], quest.data)
+    # on the way there a loop may not run; what it leads to does
+    stages = [replace(s, fit=f or last, data=quest.data) for s, f in zip(way.stages, fits, strict=True)]
+    return (*stages[:-1], replace(stages[-1], fit=last))
