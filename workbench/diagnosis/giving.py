@@ -45,7 +45,7 @@ def what_gives_way(
             or drive_of(scene.model, key) is not None
         ):
             continue
-        if springs and key.effect == _SPRING:
+        if key.effect == _SPRING and springs and all(a.key.axis != key.axis for a in springs):
             found += _beside(springs, key, scene, training, judged)
             continue
         for shape, left in effect.guesses(motions, scene.model, Placement.of(scene.model, key)):
@@ -68,13 +68,13 @@ def _beside(
     keys = {a.key for a in springs}
     rigid = replace(scene.model, effects=tuple(e for e in scene.model.effects if e.key not in keys))
     motions = [_eased(m, rigid) for m in scene.motions[:training]]
-    places = [Placement.of(rigid, k) for k in (*(a.key for a in springs), key)]
-    if any(place is None for place in places):
-        return []
-    known = [place for place in places if place is not None]
+    seats = (Placement.of(rigid, k) for k in (*(a.key for a in springs), key))
+    known, now = [seat for seat in seats if seat is not None], [a.values for a in springs]
     alone, together = Springs(motions, rigid, known[:-1]), Springs(motions, rigid, known)
-    *others, own = together.guess()
-    left = together.share([*others, own]) / max(alone.share([a.values for a in springs]), 1e-12)
+    if not together.apart:
+        return []
+    *others, own = together.guess(now)
+    left = together.share([*others, own]) / max(alone.share(now), 1e-12)
     if left > _NO_MORE:
         return []
     beside = {a.key: shape for a, shape in zip(springs, others, strict=True)}

@@ -11,6 +11,7 @@ from workbench.models import Model
 from .by_axis import explained_by_axis
 from .data import Data, gather
 from .further_axes import on_further_axes
+from .honing import honed
 from .hypothesis import Fit
 from .instead import others_instead
 from .judging import explained, mostly_explained, rejudged, stands_out
@@ -74,9 +75,10 @@ def search(
     quest = Quest(start, data, scene, screened, limit, seed, progress)
     way = Way(start, data, done=before)
     if not before:
-        way = onwards(way, quest)
+        way = _honed(onwards(way, quest), quest)
         if not holds(way, quest) and limit > 1:
-            way = otherwise(way, quest)
+            other = otherwise(way, quest)
+            way = way if other is way else _honed(other, quest)
         elif limit > 1:
             way = on_further_axes(fewer(way, quest), quest)
         way = others_instead(way, quest)
@@ -97,6 +99,18 @@ def search(
         mostly_explained(first, start, current, data) if wanders(current) else 0.0,
         explained_by_axis(first, start, current, data),
     )
+
+
+def _honed(way: Way, quest: Quest) -> Way:
+    """With gaps of the size with which loops run best."""
+    if not wanders(way.current) or way.data.effort.spent:
+        return way
+    quest.progress("trying sizes of the gap")
+    better = honed(way.current, way.data)
+    if better is way.current:
+        return way
+    *earlier, last = way.stages
+    return with_stages(replace(way, stages=tuple(earlier)), (replace(last, fit=better),), quest.seed)
 
 
 def _plain(way: Way, start: Fit, first: Data) -> Way:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
 
 import numpy as np
 import scipy
@@ -15,7 +14,9 @@ from .flexible import frequencies, link_inertia, spring_lack, stiffest
 from .lacking import Lack, refined, share_left
 from .motion import Motion
 
-_STARTS = 5  # frequencies a spring to begin with
+_STARTS = 8  # frequencies to begin with
+_HARDER = (1.0, 1.3, 2.0)  # times the stiffness that springs had before
+_APART = 1e-6  # of links that move by themselves: what is left of the inertia of each where others follow
 _SHARE = 0.1  # of critical damping, to begin with
 
 
@@ -38,18 +39,32 @@ class Springs:
         self._lacks = [[spring_lack(m, model, p)[0] for p in places] for m in motions]
         self._inertias = [_inertia(m, model, places) for m in motions]
 
+    @property
+    def apart(self) -> bool:
+        """Whether the links behind each can move by themselves."""
+        own = [np.diag(inertia) for inertia in self._inertias]
+        if any(np.any(i <= 0.0) for i in own):
+            return False
+        alike = (m / np.sqrt(np.outer(i, i)) for m, i in zip(self._inertias, own, strict=True))
+        return all(np.linalg.eigvalsh(m)[0] > _APART for m in alike)
+
     def share(self, shapes: Sequence[Mapping[str, float]]) -> float:
         """What these springs leave of the squared torque that is missing without any."""
         values = np.array([[shape["stiffness"], shape["damping"]] for shape in shapes])
         return share_left([lacks[0] for lacks in self._lacks], self._left(values.ravel()))
 
-    def guess(self) -> list[dict[str, float]]:
-        """Stiffness and damping of each that leave least, from many antiresonances."""
-        inertia = np.diag(self._inertias[0])
-        rates = frequencies(self._motions, 4.0, 150.0, _STARTS)
+    def guess(self, before: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
+        """Stiffness and damping of each that leave least, from many antiresonances of the last.
+
+        Args:
+            before: of all but the last, as they were found without it: too soft.
+        """
+        inertia = float(self._inertias[0][-1, -1])
         starts = [
-            [x for i, w in zip(inertia, chosen, strict=True) for x in (i * w**2, 2.0 * _SHARE * i * w)]
-            for chosen in product(rates, repeat=len(inertia))
+            [x for shape in before for x in (harder * shape["stiffness"], max(shape["damping"], 1e-3))]
+            + [inertia * w**2, 2.0 * _SHARE * inertia * w]
+            for w in frequencies(self._motions, 4.0, 150.0, _STARTS)
+            for harder in _HARDER
         ]
         found = refined(self._left, starts).reshape(-1, 2)
         tops = [stiffest(self._model, place) for place in self._places]
