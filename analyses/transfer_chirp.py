@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from transfer_identification import CONTROL_S, Identified, find_effects, identify_plant
+from transfer_identification import CONTROL_S, Identified, find_effects, found_words, identify_plant
 from transfer_plants import Plant
 
 from workbench.core import Recording, SimulationError
@@ -76,7 +76,7 @@ def run_trial(task: Task) -> Trial:
     silent = VirtualLeg(plant.hidden, seed=5000 + plant.seed, sensors=PERFECT).run(chirps)
     models = {name: known.variant(name) for name in ("kin_only", "s3n_act", "s3n_full", "exact")}
     improvement, models["found"] = find_effects(plant, known, task.quick)
-    found = tuple(str(step.key) for step in improvement.steps)
+    found = found_words(improvement)
     made = simulate([Run(m, log) for m in models.values() for log in logs])
     simulated = {
         name: tuple(motion(r, known.model) for r in made[2 * k : 2 * k + 2]) for k, name in enumerate(models)

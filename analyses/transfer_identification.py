@@ -77,7 +77,8 @@ def find_effects(plant: Plant, known: Identified, quick: bool = False) -> tuple[
     """What `improve` adds to S3N-Full from four recordings of the plant, judged on a fifth; none is a chirp.
 
     The linkage's weight comes from these too: where dry friction bends the response at low frequency, its
-    stiffness says little of gravity. They push harder than friction holds.
+    stiffness says little of gravity. They push harder than friction holds. What comes near is added too where
+    no cause can be named; the improvement says so.
     """
     base = known.variant("s3n_full")
     assert base.linkage is not None
@@ -89,7 +90,13 @@ def find_effects(plant: Plant, known: Identified, quick: bool = False) -> tuple[
     ]  # fmt: skip
     training = VirtualLeg(plant.hidden, seed=3000 + plant.seed).run(runs)
     judge = VirtualLeg(plant.hidden, seed=4000 + plant.seed).run([validation(plant.seed)])
-    return improve(base, training, judge, seed=plant.seed)
+    return improve(base, training, judge, seed=plant.seed, nearest=True)
+
+
+def found_words(improvement: Improvement) -> tuple[str, ...]:
+    """What was found, for tables; marked where it is near and cannot be named."""
+    near = " (near, not named)" if improvement.nearest else ""
+    return tuple(f"{step.key}{near}" for step in improvement.steps)
 
 
 def _bench_command() -> np.ndarray:

@@ -48,7 +48,8 @@ def others_instead(way: Way, quest: Quest) -> Way:
         if found and _mends(found[0], way):
             way = onwards(with_stages(way, found[:1], quest.seed), quest)
         elif stage is way.stages[-1] and not nearly_at_floor(way.current, way.data):
-            led = [onwards(with_stages(way, (each,), quest.seed), quest) for each in found]
+            one_more = replace(quest, limit=1)
+            led = [onwards(with_stages(way, (each,), quest.seed), one_more) for each in found]
             good = [o for o in led if o.done or nearly_at_floor(o.current, o.data)]
             way = min(good, key=lambda o: (not o.done, size_of(o.current), o.current.judged), default=way)
     return way
