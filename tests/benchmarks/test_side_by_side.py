@@ -19,8 +19,8 @@ from workbench.comparison import Replay, compare, replay_of, simulate_with_noise
 from workbench.core import Recording
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.screen import screen
-from workbench.diagnosis.search import starting_fit
 from workbench.diagnosis.sensitivity import Scene
+from workbench.diagnosis.ways import starting_fit
 from workbench.effects import load_model
 from workbench.models import Model
 from workbench.recordings import load_recording, save_recording

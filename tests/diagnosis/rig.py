@@ -2,7 +2,20 @@
 
 from __future__ import annotations
 
-from workbench.core import Recording
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+
+from workbench.core import EffectKey, Recording
+from workbench.diagnosis import search
+from workbench.diagnosis.data import gather
+from workbench.diagnosis.fit import fit
+from workbench.diagnosis.hypothesis import Hypothesis, applied_effect
+from workbench.diagnosis.sensitivity import Scene
+from workbench.diagnosis.stage import Search, Stage
+from workbench.diagnosis.ways import Quest, Way, starting_fit, with_stages
+from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep, validation
 
 
@@ -16,3 +29,45 @@ def recordings(*hidden: HiddenEffect, seed: int = 5) -> tuple[list[Recording], l
     ]
     made = VirtualLeg(hidden, seed=seed).run(experiments)
     return made[:-1], made[-1:]
+
+
+#: Neither is plain in the closed loop while the other is missing.
+SPRING_AND_DELAY = (
+    HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 91.0, "damping": 0.12}),
+    HiddenEffect("sensor_delay", parameters={"time": 0.0013}),
+)
+
+
+def asked(model: Model, training: Sequence[Recording], held_out: Sequence[Recording] = ()) -> Quest:
+    """What a search is asked of these recordings, with nothing screened."""
+    data, runs = gather(model, training, held_out, seed=0)
+    scene = Scene.of(model, data, runs.clean, len(data.recordings))
+    return Quest(starting_fit(model, data, runs.clean), data, scene, (), 6, 0, lambda text: None)
+
+
+def applied(model: Model, key: EffectKey, **values: float) -> AppliedEffect:
+    """An effect of these values, in the units that its axis has."""
+    return applied_effect(model, AppliedEffect(key), values)
+
+
+def searched_from(
+    monkeypatch: pytest.MonkeyPatch,
+    model: Model,
+    hidden: Sequence[HiddenEffect],
+    *steps: AppliedEffect,
+    behind: tuple[tuple[EffectKey, float], ...] = (),
+    iterations: int = 8,
+) -> Search:
+    """What a search makes of these steps, handed to it as those it took; `behind` the first of them."""
+
+    def onwards(way: Way, quest: Quest, **_: Any) -> Way:
+        stages = []
+        for k, step in enumerate(steps):
+            (found,) = fit([Hypothesis(model, steps[: k + 1])], way.data, iterations)
+            assert found is not None
+            close = () if k else behind
+            stages.append(Stage(step.key, found, way.data, 1.0, (), (), (), (), close, (1, 1), True))
+        return with_stages(way, tuple(stages), quest.seed)
+
+    monkeypatch.setattr(search, "onwards", onwards)
+    return search.search(model, *recordings(*hidden))

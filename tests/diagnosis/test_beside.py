@@ -19,8 +19,8 @@ from workbench.diagnosis.fit import fit
 from workbench.diagnosis.hypothesis import Fit, applied_effect
 from workbench.diagnosis.refining import with_candidate
 from workbench.diagnosis.screen import Candidate, screen
-from workbench.diagnosis.search import starting_fit
 from workbench.diagnosis.sensitivity import Scene
+from workbench.diagnosis.ways import starting_fit
 
 _LINE, _LIMIT = EffectKey("speed_torque_limit", "m"), EffectKey("torque_saturation", "m")
 

@@ -7,14 +7,12 @@ import pytest
 from tests.simulation.make import having
 from workbench.core import EffectKey
 from workbench.diagnosis.by_torque import plain_by_torque
-from workbench.diagnosis.data import gather
 from workbench.diagnosis.giving import what_gives_way
-from workbench.diagnosis.search import starting_fit
 from workbench.diagnosis.sensitivity import Scene
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
-from .rig import recordings
+from .rig import SPRING_AND_DELAY, asked, recordings
 
 LEG = load_model("leg")
 GAP, SPRING = EffectKey("backlash", "knee"), EffectKey("joint_compliance", "hip")
@@ -25,11 +23,9 @@ BOTH = (
 
 
 def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> None:
-    training, held_out = recordings(*BOTH)
-    data, runs = gather(LEG, training, held_out, seed=0)
-    start = starting_fit(LEG, data, runs.clean)
-    scene = Scene.of(LEG, data, runs.clean, len(data.recordings))
-    (stage,) = plain_by_torque(scene, data, start, lambda text: None)
+    quest = asked(LEG, *recordings(*BOTH))
+    data, scene = quest.data, quest.scene
+    (stage,) = plain_by_torque(scene, data, quest.start, quest.progress)
     (gap,) = stage.fit.hypothesis.free
     assert gap.key == GAP and stage.added == GAP
     assert gap.values["gap"] == pytest.approx(0.0084, rel=0.1)
@@ -44,13 +40,8 @@ def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> N
 
 def test_a_spring_is_taken_beside_a_delay_that_hides_it_from_the_loop() -> None:
     """By itself it hardly lowers the error of held-out motion; both are what is missing."""
-    spring = HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 91.0, "damping": 0.12})
-    delay = HiddenEffect("sensor_delay", parameters={"time": 0.0013})
-    training, held_out = recordings(spring, delay)
-    data, runs = gather(LEG, training, held_out, seed=0)
-    start = starting_fit(LEG, data, runs.clean)
-    scene = Scene.of(LEG, data, runs.clean, len(data.recordings))
-    (stage,) = plain_by_torque(scene, data, start, lambda text: None)
+    quest = asked(LEG, *recordings(*SPRING_AND_DELAY))
+    (stage,) = plain_by_torque(quest.scene, quest.data, quest.start, quest.progress)
     # which side of the knee it is on cannot be told before the delay is there: `instead` asks it then
     pin, drive = (EffectKey("joint_compliance", "knee", place) for place in ("joint", "actuator"))
     assert stage.added in (pin, drive)
@@ -61,14 +52,13 @@ def test_a_spring_is_taken_beside_a_delay_that_hides_it_from_the_loop() -> None:
 
 def test_nothing_is_taken_where_nothing_gives_way() -> None:
     training, _ = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.4}))
-    data, runs = gather(LEG, training, (), seed=0)
-    scene = Scene.of(LEG, data, runs.clean, len(data.recordings))
-    assert plain_by_torque(scene, data, starting_fit(LEG, data, runs.clean), lambda text: None) == ()
+    quest = asked(LEG, training)
+    assert plain_by_torque(quest.scene, quest.data, quest.start, quest.progress) == ()
 
 
 def test_what_gives_way_already_asks_for_no_more() -> None:
     """A model that has the spring lacks no torque that another would explain."""
     training, _ = recordings(BOTH[1])
     soft = having(LEG, SPRING, **BOTH[1].parameters)
-    data, runs = gather(soft, training, (), seed=0)
-    assert not what_gives_way(Scene.of(soft, data, runs.clean, len(data.recordings)), data.training, 1.0)
+    quest = asked(soft, training)
+    assert not what_gives_way(quest.scene, quest.data.training, 1.0)

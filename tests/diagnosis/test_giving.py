@@ -7,19 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.core import EffectKey, Estimate
+from workbench.core import EffectKey
 from workbench.diagnosis import diagnose
-from workbench.diagnosis.data import gather
 from workbench.diagnosis.fit import fit
 from workbench.diagnosis.giving import drive_of, pins_of, what_gives_way
+from workbench.diagnosis.hypothesis import Hypothesis
 from workbench.diagnosis.refining import with_candidate
-from workbench.diagnosis.search import starting_fit
 from workbench.diagnosis.sensitivity import Scene
 from workbench.effects import load_model
-from workbench.models import AppliedEffect
 from workbench.rigs import HiddenEffect
 
-from .rig import recordings
+from .rig import applied, asked, recordings
 
 LEG = load_model("leg")
 HIDDEN = [
@@ -42,8 +40,7 @@ def str_of(hidden: HiddenEffect) -> str:
 
 def scene(*hidden: HiddenEffect) -> Scene:
     training, _ = recordings(*hidden)
-    data, runs = gather(LEG, training, (), seed=0)
-    return Scene.of(LEG, data, runs.clean, len(training))
+    return asked(LEG, training).scene
 
 
 @pytest.mark.parametrize("hidden", HIDDEN, ids=str_of)
@@ -76,20 +73,16 @@ def test_a_second_spring_is_asked_for_with_the_first_which_was_fitted_to_both() 
     knee = HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 300.0, "damping": 0.4})
     keys = [EffectKey(h.effect, h.axis) for h in (hip, knee)]
     training, _ = recordings(hip, knee)
-    units = {"stiffness": "N*m/rad", "damping": "N*m*s/rad"}
-    alone = {"stiffness": 540.0, "damping": 1.1}
-    mixed = AppliedEffect(keys[0], {k: Estimate(v, 0.0, units[k]) for k, v in alone.items()})
-    data, runs = gather(LEG.with_effect(mixed), training, (), seed=0)
-    made = Scene.of(LEG.with_effect(mixed), data, runs.clean, len(training))
+    mixed = applied(LEG, keys[0], stiffness=540.0, damping=1.1)
+    quest = asked(LEG.with_effect(mixed), training)
+    made = quest.scene
     candidates = {c.key: c for c in what_gives_way(made, len(made.runs), 1.0, (mixed,))}
     found = candidates[keys[1]]
     assert found.judged < 0.2
     assert found.shape["stiffness"] == pytest.approx(300.0, rel=0.05)
     assert found.beside[keys[0]]["stiffness"] == pytest.approx(500.0, rel=0.05)
-    start = starting_fit(LEG, data, runs.clean)
-    start = replace(start, hypothesis=replace(start.hypothesis, free=(mixed,)))
-    hypothesis = with_candidate(made, found, start)
-    (both,) = fit([hypothesis], data)
+    before = replace(quest.start, hypothesis=Hypothesis(LEG, (mixed,)))
+    (both,) = fit([with_candidate(made, found, before)], quest.data)
     assert both is not None
     values = {a.key: a.values["stiffness"] for a in both.hypothesis.free}
     assert values == {keys[0]: pytest.approx(500.0, rel=0.01), keys[1]: pytest.approx(300.0, rel=0.01)}

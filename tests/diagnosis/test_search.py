@@ -11,16 +11,13 @@ import pytest
 import workbench.diagnosis.search as search
 from workbench.core import EffectKey, Estimate
 from workbench.diagnosis import simpler
-from workbench.diagnosis.data import gather
 from workbench.diagnosis.effort import Effort
-from workbench.diagnosis.fit import fit
-from workbench.diagnosis.hypothesis import Hypothesis
 from workbench.diagnosis.ways import Way, onwards
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
 from workbench.rigs import HiddenEffect
 
-from .rig import recordings
+from .rig import applied, searched_from
 
 
 def stage(effect: str, before: tuple[AppliedEffect, ...], **parameters: tuple[float, float]) -> Any:
@@ -64,26 +61,18 @@ def test_a_search_ends_where_it_has_been(monkeypatch: pytest.MonkeyPatch) -> Non
         onwards(way, quest, met=[frozenset()])
 
 
-def test_what_may_be_none_once_all_causes_are_there_is_left_out() -> None:
-    training, held_out = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3}))
+def test_what_may_be_none_once_all_causes_are_there_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    hidden = HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3})
     leg = load_model("leg")
-    data, _ = gather(leg, training, held_out, seed=0)
-    viscous, idle = EffectKey("viscous_damping", "knee"), EffectKey("cogging", "knee")
-    units = {"torque": "N*m", "order": "1/turn", "phase": "rad", "damping": "N*m*s/rad"}
-
-    def applied(key: EffectKey, **values: float) -> AppliedEffect:
-        return AppliedEffect(key, {k: Estimate(v, 0.0, units[k]) for k, v in values.items()})
-
-    ripple = applied(idle, torque=0.001, order=7.0, phase=1.0)
-    (found,) = fit([Hypothesis(leg, (ripple, applied(viscous, damping=0.29)))], data)
-    assert found is not None
-    rest = simpler.without(idle, found, data)
-    assert rest is not None
-    (kept,) = rest.hypothesis.free
-    assert kept.key == viscous and kept.values["damping"] == pytest.approx(0.3, rel=0.01)
-    assert simpler.without(viscous, found, data) is None
+    viscous = applied(leg, EffectKey("viscous_damping", "knee"), damping=0.29)
+    ripple = applied(leg, EffectKey("cogging", "knee"), torque=0.001, order=7.0, phase=1.0)
+    found = searched_from(monkeypatch, leg, [hidden], ripple, viscous)
+    (kept,) = found.final.hypothesis.free
+    assert kept.key == viscous.key and kept.values["damping"] == pytest.approx(0.3, rel=0.01)
+    assert found.stages[-1].dropped == (ripple.key,)
+    data = found.stages[-1].data
+    assert simpler.without(viscous.key, found.final, data) is None
     # nor is an effect left out that may be none by its size, and without which much more is left
-    unsure = replace(applied(viscous, damping=0.3), parameters={"damping": Estimate(0.3, 0.2, "N*m*s/rad")})
-    free = tuple(unsure if a.key == viscous else a for a in found.hypothesis.free)
-    doubtful = replace(found, hypothesis=replace(found.hypothesis, free=free))
-    assert simpler.without(viscous, doubtful, data) is None
+    unsure = replace(kept, parameters={"damping": Estimate(0.3, 0.2, "N*m*s/rad")})
+    doubtful = replace(found.final, hypothesis=replace(found.final.hypothesis, free=(unsure,)))
+    assert simpler.without(viscous.key, doubtful, data) is None

@@ -10,10 +10,8 @@ from workbench.core import SimulationError
 from .data import gather
 from .fit import fit
 from .refining import polished
-from .sensitivity import Scene
 from .stage import Stage
-from .sticking import candidates
-from .ways import Quest, Way, onwards, starting_fit
+from .ways import Quest, Way, onwards, quest_of
 
 
 def along_the_motion(quest: Quest) -> tuple[Stage, ...]:
@@ -37,14 +35,8 @@ def along_the_motion(quest: Quest) -> tuple[Stage, ...]:
         data, runs = gather(model, along[:training], along[training:], quest.seed)
     except SimulationError:
         return ()
-    data = data.heard(data.mean_squares(runs.clean))
-    start = starting_fit(model, data, runs.clean)
-    scene = Scene.of(model, data, start.simulated, len(data.recordings))
-    screened = candidates(scene, start, data, quest.seed)
-    way = onwards(
-        Way(start, data), replace(quest, start=start, data=data, scene=scene, screened=tuple(screened))
-    )
-    return _in_the_loop(way, quest)
+    asked = quest_of(model, data, runs.clean, quest.limit, quest.seed, quest.progress)
+    return _in_the_loop(onwards(Way(asked.start, asked.data), asked), quest)
 
 
 def _in_the_loop(way: Way, quest: Quest) -> tuple[Stage, ...]:

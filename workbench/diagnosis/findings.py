@@ -10,7 +10,7 @@ from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
 from workbench.models import AppliedEffect
 
 from .evidence import Clues, finding_lines
-from .giving import pins_of
+from .giving import other_causes
 from .judging import stands_out
 from .stage import Search, Stage, has_cause
 
@@ -55,9 +55,7 @@ def _probability(stage: Stage, found: Search) -> float:
     `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more). What counts as
     a rival does not count as the next explanation besides.
     """
-    # the same machine in other words is no other name
-    same = pins_of(found.model, stage.added)
-    rivals = [key for key in stage.rivals_of(found.final) if key not in same]
+    rivals = other_causes(found.model, stage.added, stage.rivals_of(found.final))
     others = (left for key, left in stage.behind if key not in rivals and not has_cause(found.final, key))
     next_best = min(others, default=np.inf)
     alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(next_best - 1.0, 0.0)))

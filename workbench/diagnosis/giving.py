@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -35,7 +35,7 @@ def what_gives_way(
             softness of all, so that another one is asked for together with it.
     """
     found: list[Candidate] = []
-    springs = [a for a in found_before if a.key.effect == _SPRING and drive_of(scene.model, a.key) is None]
+    springs = [a for a in found_before if a.key.effect == _SPRING]
     motions = [_eased(m, scene.model) for m in scene.motions[:training]]
     for key in places(scene.model):
         effect = effect_named(key.effect)
@@ -112,3 +112,9 @@ def pins_of(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
     """Places at pins that are the same machine as this one at a drive."""
     pin = EffectKey(key.effect, key.axis, "joint")
     return (pin,) if key.location == "actuator" and drive_of(model, pin) == key else ()
+
+
+def other_causes(model: Model, key: EffectKey, keys: Iterable[EffectKey]) -> tuple[EffectKey, ...]:
+    """Those that are another cause than this one, and not the same machine in other words."""
+    same = pins_of(model, key)
+    return tuple(other for other in keys if other not in same)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.core import Estimate, Recording
+from workbench.core import EffectKey, Estimate, Recording
 from workbench.effects import axis_units, effect_named
 from workbench.models import AppliedEffect, Model, Placement
 
@@ -31,6 +31,10 @@ class Hypothesis:
         for applied in self.added:
             out = out.with_effect(applied)
         return out
+
+    def without(self, key: EffectKey) -> Hypothesis:
+        """The same without a free effect."""
+        return replace(self, free=tuple(a for a in self.free if a.key != key))
 
 
 @dataclass(frozen=True)

@@ -62,8 +62,7 @@ def _in_its_place(stage: Stage, way: Way, quest: Quest) -> tuple[Stage, ...]:
     if not keys or all(a.key != stage.added for a in current.hypothesis.free):
         return ()
     quest.progress(f"trying others in place of {stage.added}")
-    free = tuple(a for a in current.hypothesis.free if a.key != stage.added)
-    (rest,) = fit([replace(current.hypothesis, free=free)], data, iterations=1)
+    (rest,) = fit([current.hypothesis.without(stage.added)], data, iterations=1)
     if rest is None:
         return ()
     scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))

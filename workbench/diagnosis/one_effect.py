@@ -13,9 +13,10 @@ from .data import gather
 from .fit import fit
 from .giving import what_gives_way
 from .refining import polished, with_candidate
-from .search import Progress, starting_fit
+from .search import Progress
 from .sensitivity import Scene
 from .sticking import candidates
+from .ways import starting_fit
 
 
 def fit_effect(

@@ -13,7 +13,7 @@ from .by_torque import plain_by_torque
 from .choosing import passed_over
 from .data import Data
 from .everywhere import needed, on_every_axis
-from .giving import pins_of
+from .giving import other_causes
 from .hypothesis import Fit
 from .judging import NEARLY_ALL, explained, nearly_at_floor, overshadowed, reached, rejudged
 from .pairs import two_at_once
@@ -23,7 +23,7 @@ from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
 from .trying import Progress
-from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, size_of, with_stages
+from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, size_of, with_last, with_stages
 
 
 def otherwise(way: Way, quest: Quest) -> Way:
@@ -64,14 +64,14 @@ def _without_stand_ins(ended: Way, begun: Way, quest: Quest) -> Way:
     """
     if len(begun.stages) < 2 or len(ended.stages) == len(begun.stages):
         return ended
-    *earlier, last = ended.stages
+    last = ended.stages[-1]
     kept = needed(ended.current, ended.data, keys_of(begun.current))
     idle = sorted(keys_of(ended.current) - keys_of(kept), key=str)
     if not idle:
         return ended
     quest.progress(f"leaving out {', '.join(map(str, idle))}, needless since {last.added}")
     plain = replace(last, fit=polished(kept, ended.data), dropped=(*last.dropped, *idle))
-    return with_stages(replace(ended, stages=tuple(earlier)), (plain,), quest.seed)
+    return with_last(ended, plain, quest.seed)
 
 
 def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
@@ -123,8 +123,8 @@ def fewer(way: Way, quest: Quest) -> Way:
 
 def _doubtful(stage: Stage, way: Way, quest: Quest) -> bool:
     """Whether another cause did as well, not only the same machine in other words."""
-    same = pins_of(quest.start.hypothesis.model, stage.added)
-    return any(key not in same for key in stage.rivals_of(way.current))
+    model = quest.start.hypothesis.model
+    return bool(other_causes(model, stage.added, stage.rivals_of(way.current)))
 
 
 def _through(way: Way, quest: Quest, *, basics_first: bool = True) -> Way:
@@ -132,8 +132,7 @@ def _through(way: Way, quest: Quest, *, basics_first: bool = True) -> Way:
     other = onwards(way, quest, through=True, basics_first=basics_first)
     if not other.stages:
         return other
-    *earlier, last = other.stages
-    return with_stages(replace(other, stages=tuple(earlier)), (last,), quest.seed)
+    return with_last(other, other.stages[-1], quest.seed)
 
 
 def _boldly(way: Way, quest: Quest) -> Way | None:

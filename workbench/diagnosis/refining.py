@@ -114,11 +114,7 @@ def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, 
         rest = [a for a in found.hypothesis.free if a.key != added]
         if not rest:
             return found, dropped
-        trials = [
-            replace(found.hypothesis, free=tuple(b for b in found.hypothesis.free if b.key != a.key))
-            for a in rest
-        ]
-        fits = fit(trials, data, iterations=3)
+        fits = fit([found.hypothesis.without(a.key) for a in rest], data, iterations=3)
         options = [(f.judged, a.key, f) for a, f in zip(rest, fits, strict=True) if f is not None]
         options = [
             (judged, key, f)

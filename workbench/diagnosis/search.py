@@ -16,12 +16,10 @@ from .hypothesis import Fit
 from .instead import others_instead
 from .judging import explained, mostly_explained, rejudged, stands_out
 from .other_ways import fewer, otherwise
-from .sensitivity import Scene
 from .simpler import simpler, without
 from .stage import Search
-from .sticking import candidates
 from .trying import Progress
-from .ways import Quest, Way, holds, is_consistent, onwards, starting_fit, wanders, with_stages
+from .ways import Quest, Way, holds, is_consistent, onwards, quest_of, wanders, with_last, with_stages
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
 
@@ -62,18 +60,15 @@ def search(
         data, simulated = gather(model, training, held_out, seed)
     except SimulationError as error:
         raise UnstableLoop(str(error)) from error
-    data = data.heard(data.mean_squares(simulated.clean))
-    start = starting_fit(model, data, simulated.clean)
     if data.score(data.floor) > HOPELESS:
         raise UnstableLoop(
             f"model '{model.name}' cannot run these loops: noise alone throws it further off than all that "
             "was measured; check the order of the axes, units, signs and gains"
         )
-    scene = Scene.of(model, data, start.simulated, len(data.recordings))
-    first, before = data, is_consistent(data, start.mean_squares)
-    screened = candidates(scene, start, data, seed)
-    quest = Quest(start, data, scene, screened, limit, seed, progress)
-    way = Way(start, data, done=before)
+    quest = quest_of(model, data, simulated.clean, limit, seed, progress)
+    start, first = quest.start, quest.data
+    before = is_consistent(first, start.mean_squares)
+    way = Way(start, first, done=before)
     if not before:
         way = _honed(onwards(way, quest), quest)
         if not holds(way, quest) and limit > 1:
@@ -92,7 +87,7 @@ def search(
         first,
         simulated,
         way.stages,
-        screened,
+        quest.screened,
         before,
         done,
         explained(first, start, current, data),
@@ -109,8 +104,7 @@ def _honed(way: Way, quest: Quest) -> Way:
     better = honed(way.current, way.data)
     if better is way.current:
         return way
-    *earlier, last = way.stages
-    return with_stages(replace(way, stages=tuple(earlier)), (replace(last, fit=better),), quest.seed)
+    return with_last(way, replace(way.stages[-1], fit=better), quest.seed)
 
 
 def _plain(way: Way, start: Fit, first: Data) -> Way:
@@ -130,11 +124,10 @@ def _plain(way: Way, start: Fit, first: Data) -> Way:
 def _simplified(way: Way, seed: int, progress: Progress) -> Way:
     """Once all causes are there, without earlier ones that may be none, and simpler forms of the others."""
     for stage in way.stages[:-1]:
-        *earlier, last = way.stages
+        last = way.stages[-1]
         rest = without(stage.added, way.current, way.data) if stage.added != last.added else None
         if rest:
-            last = replace(last, fit=rest, dropped=(*last.dropped, stage.added))
-            way = with_stages(replace(way, stages=tuple(earlier)), (last,), seed)
+            way = with_last(way, replace(last, fit=rest, dropped=(*last.dropped, stage.added)), seed)
     for stage in way.stages:
         simple = simpler(stage, way.current, way.data, progress, last=stage is way.stages[-1])
         if simple:

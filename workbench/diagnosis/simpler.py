@@ -47,8 +47,7 @@ def simpler(
     if given_up is None or len(special) <= last:
         return ()
     progress(f"asking whether less than {given_up.key} will do")
-    free = tuple(a for a in current.hypothesis.free if a is not given_up)
-    (rest,) = fit([replace(current.hypothesis, free=free)], data, iterations=1)
+    (rest,) = fit([current.hypothesis.without(given_up.key)], data, iterations=1)
     if rest is None:
         return ()
     scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
@@ -70,8 +69,7 @@ def without(key: EffectKey, current: Fit, data: Data) -> Fit | None:
     applied = next((a for a in current.hypothesis.free if a.key == key), None)
     if applied is None or stands_out(applied):
         return None
-    free = tuple(a for a in current.hypothesis.free if a is not applied)
-    (rest,) = fit([replace(current.hypothesis, free=free)], data)
+    (rest,) = fit([current.hypothesis.without(key)], data)
     if rest is None:
         return None
     rest = polished(rest, data)
@@ -94,6 +92,5 @@ def _stages(
     last = replace(stage, added=keys[-1], fit=found, dropped=(given_up,), rivals=rivals)
     if len(keys) == 1:
         return (last,)
-    alone = tuple(a for a in found.hypothesis.free if a.key != keys[-1])
-    (first,) = fit([replace(found.hypothesis, free=alone)], data)
+    (first,) = fit([found.hypothesis.without(keys[-1])], data)
     return () if first is None else (replace(last, added=keys[0], fit=first), replace(last, dropped=()))

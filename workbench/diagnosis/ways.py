@@ -79,6 +79,23 @@ def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fi
     )
 
 
+def quest_of(
+    model: Model, data: Data, simulated: Sequence[Recording], limit: int, seed: int, progress: Progress
+) -> Quest:
+    """What is searched for in a model, every effect in every place screened as a first one.
+
+    Args:
+        model: the model as it is.
+        data: its recordings, with its noise.
+        simulated: its runs without noise.
+        limit, seed, progress: as `Quest` has them.
+    """
+    data = data.heard(data.mean_squares(simulated))
+    start = starting_fit(model, data, simulated)
+    scene = Scene.of(model, data, start.simulated, len(data.recordings))
+    return Quest(start, data, scene, tuple(candidates(scene, start, data, seed)), limit, seed, progress)
+
+
 def onwards(
     way: Way,
     quest: Quest,
@@ -162,6 +179,11 @@ def with_stages(way: Way, found: Sequence[Stage], seed: int, *, wide: bool = Tru
         stages.append(replace(stage, data=data, runs=runs))
     current = rejudged(stages[-1].fit, data)
     return Way(current, data, tuple(stages), is_consistent(data, current.mean_squares))
+
+
+def with_last(way: Way, last: Stage, seed: int) -> Way:
+    """The search with another form of its last stage, and the noise of that."""
+    return with_stages(replace(way, stages=way.stages[:-1]), (last,), seed)
 
 
 def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = True) -> bool:
