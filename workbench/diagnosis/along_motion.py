@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from workbench.comparison import ClosedLoop, followed, scored_signals
-from workbench.core import SimulationError
+from workbench.core import Recording, SimulationError
 
 from .data import gather
 from .fit import fit
@@ -23,9 +23,12 @@ def along_the_motion(quest: Quest) -> tuple[Stage, ...]:
 
     Returns:
         One stage an effect, whose data and runs are not its own yet; none where that was asked already, where
-        no torque was recorded, or where it lacks nothing.
+        a loop holds every axis to the motion that was measured, where no torque was recorded, or where it
+        lacks nothing.
     """
     recordings, model = quest.data.recordings, quest.start.hypothesis.model
+    if not any(_swings(r) for r in recordings):
+        return ()
     blind = any(len(scored_signals(r)) < 2 for r in recordings)
     if blind or not isinstance(quest.data.replay, ClosedLoop):
         return ()
@@ -37,6 +40,12 @@ def along_the_motion(quest: Quest) -> tuple[Stage, ...]:
         return ()
     asked = quest_of(model, data, runs.clean, quest.limit, quest.seed, quest.progress)
     return _in_the_loop(onwards(Way(asked.start, asked.data), asked), quest)
+
+
+def _swings(recording: Recording) -> bool:
+    """Whether no loop holds some axis to its reference."""
+    loop = recording.controller
+    return loop.kind == "none" or not all(loop.kp)
 
 
 def _in_the_loop(way: Way, quest: Quest) -> tuple[Stage, ...]:

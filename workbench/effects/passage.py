@@ -163,7 +163,7 @@ def _means(values: np.ndarray, rows: int = _MEAN) -> np.ndarray:
     return values[: count * rows].reshape(count, rows).mean(axis=1)[-(-_SETTLING * _MEAN // rows) :]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, error):  # pyright: ignore
     """Follow the wind d between motor and links: inertia d'' = load - k dead(d) - k t d' where they touch.
 
@@ -173,17 +173,20 @@ def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth
     """
     many = int(np.ceil(step * np.sqrt(stiffness / inertia) / 0.3))
     h, half = step / many, 0.5 * gap
+    push = h / inertia
+    spring, damper = push * stiffness, push * stiffness * retardation
+    pull = bandwidth * step / stiffness / (1.0 + 0.5 * bandwidth * retardation)
     wind, rate = np.sign(passed[0]) * half + passed[0] / stiffness, 0.0
     for row in range(len(load)):
-        into = 0.0 if abs(wind) <= half else wind - np.sign(wind) * half
+        into = wind - min(max(wind, -half), half)
         damped = retardation * rate if into != 0.0 else 0.0
         away = passed[row] - stiffness * (into + damped)
         error[row] = away
-        drawn = bandwidth * step * away / stiffness / (1.0 + 0.5 * bandwidth * retardation)
-        wind += 2.0 * drawn
-        rate += bandwidth * drawn
+        wind += 2.0 * pull * away
+        rate += bandwidth * pull * away
+        driven = push * load[row]
         for _ in range(many):
-            into = 0.0 if abs(wind) <= half else wind - np.sign(wind) * half
-            damped = retardation * rate if into != 0.0 else 0.0
-            rate += h / inertia * (load[row] - stiffness * (into + damped))
+            into = wind - min(max(wind, -half), half)
+            slowed = damper if into != 0.0 else 0.0
+            rate += driven - spring * into - slowed * rate
             wind += h * rate

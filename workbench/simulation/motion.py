@@ -15,6 +15,7 @@ from workbench.models import Model, axis_tendon, rotors
 
 from .experiment import prepare, scored_torque
 from .inverse import gain_along, required_torque
+from .native import com_slopes, mass_matrices
 from .trajectory import Track, interpolate, joint_columns
 
 _EVERY_S = 0.004  # inverse dynamics is smooth within this time
@@ -93,39 +94,23 @@ def rotor_of(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
 
 def mass_matrix(plant: Plant, track: Track) -> np.ndarray:
     """Mass matrix (N, n, n) in actuator coordinates along a track, links and rotors moving as one."""
-    m, full = plant.mujoco, np.zeros((plant.mujoco.nv, plant.mujoco.nv))
-
-    def at(data: mujoco.MjData) -> np.ndarray:
-        mujoco.mj_fullM(m, data, full)
-        return plant.lift.T @ full @ plant.lift
-
     back = np.linalg.inv(plant.model.transmission)
-    return back.T @ _along(plant, track, at) @ back
+    masses = _along(plant, track, lambda at: plant.lift.T @ mass_matrices(plant.mujoco, at) @ plant.lift)
+    return back.T @ masses @ back
 
 
 def momentum_of(plant: Plant, track: Track) -> tuple[np.ndarray, float]:
     """Momentum of all bodies by the drives' speeds (N, 3, n), and their mass [kg]."""
-    m, part = plant.mujoco, np.zeros((3, plant.mujoco.nv))
-    mass = float(m.body_subtreemass[0])
-
-    def at(data: mujoco.MjData) -> np.ndarray:
-        mujoco.mj_jacSubtreeCom(m, data, part, 0)
-        return mass * part @ plant.lift
-
-    return _along(plant, track, at) @ np.linalg.inv(plant.model.transmission), mass
+    mass, back = float(plant.mujoco.body_subtreemass[0]), np.linalg.inv(plant.model.transmission)
+    return mass * _along(plant, track, lambda at: com_slopes(plant.mujoco, at) @ plant.lift) @ back, mass
 
 
-def _along(plant: Plant, track: Track, at: Callable[[mujoco.MjData], np.ndarray]) -> np.ndarray:
-    """A matrix that depends on the posture, at all rows; worked out at every fourth."""
-    m, data = plant.mujoco, mujoco.MjData(plant.mujoco)
-    joints = track.position @ np.linalg.inv(plant.model.transmission).T
-    rows = np.unique(np.append(np.arange(0, len(joints), 4), len(joints) - 1))
-    some = []
-    for row in rows:
-        data.qpos[:] = plant.state_at(np.stack([joints[row], joints[row]]))[0]
-        mujoco.mj_fwdPosition(m, data)
-        some.append(np.copy(at(data)))
-    return interpolate(rows, np.stack(some), len(joints))
+def _along(plant: Plant, track: Track, of: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Matrices that depend on the posture, at all rows; worked out at every fourth."""
+    count = len(track.position)
+    rows = np.unique(np.append(np.arange(0, count, 4), count - 1))
+    joints = track.position[rows] @ np.linalg.inv(plant.model.transmission).T
+    return interpolate(rows, of(plant.state_at(np.stack([joints, joints], axis=1))[:, 0]), count)
 
 
 def gain_shares(recording: Recording, plant: Plant, track: Track, axis: int) -> np.ndarray:

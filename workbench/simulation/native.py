@@ -19,6 +19,12 @@ _inverse = types.ExternalFunction("mj_inverse", types.void(types.intp, types.int
 _slopes = types.ExternalFunction(
     "mjd_inverseFD", types.void(types.intp, types.intp, types.float64, types.uint8, *[types.intp] * 7)
 )
+_kinematics, _com, _tendons, _mass = (
+    types.ExternalFunction(name, types.void(types.intp, types.intp))
+    for name in ("mj_kinematics", "mj_comPos", "mj_tendon", "mj_makeM")
+)
+_dense = types.ExternalFunction("mj_fullM", types.void(*[types.intp] * 3))
+_com_slopes = types.ExternalFunction("mj_jacSubtreeCom", types.void(*[types.intp] * 3, types.int32))
 _STEP = 1e-6
 
 
@@ -40,6 +46,22 @@ def inverse_slopes(m: mujoco.MjModel, states: np.ndarray, acceleration: np.ndarr
     return out.swapaxes(-1, -2)
 
 
+def mass_matrices(m: mujoco.MjModel, positions: np.ndarray) -> np.ndarray:
+    """Mass matrices (N, nv, nv) at positions (N, nv)."""
+    data = mujoco.MjData(m)
+    out = np.empty((len(positions), m.nv, m.nv))
+    _masses(m._address, data._address, data.qpos, positions, out)
+    return out
+
+
+def com_slopes(m: mujoco.MjModel, positions: np.ndarray) -> np.ndarray:
+    """Jacobians (N, 3, nv) of the common centre of mass at positions (N, nv)."""
+    data = mujoco.MjData(m)
+    out = np.empty((len(positions), 3, m.nv))
+    _com_jacobians(m._address, data._address, data.qpos, positions, out)
+    return out
+
+
 @njit(cache=True, nogil=True)
 def _forces(model, data, views, states, acceleration, out):  # pyright: ignore
     position, rate, change, force = views
@@ -56,3 +78,23 @@ def _derivatives(model, data, views, states, acceleration, out):  # pyright: ign
         position[:], rate[:], change[:] = states[k, 0], states[k, 1], acceleration[k]
         by_q, by_w, by_a = out[2, k].ctypes.data, out[1, k].ctypes.data, out[0, k].ctypes.data
         _slopes(model, data, _STEP, 0, by_q, by_w, by_a, 0, 0, 0, 0)
+
+
+@njit(cache=True, nogil=True)
+def _masses(model, data, position, positions, out):  # pyright: ignore
+    for k in range(len(out)):
+        position[:] = positions[k]
+        _kinematics(model, data)
+        _com(model, data)
+        _tendons(model, data)
+        _mass(model, data)
+        _dense(model, data, out[k].ctypes.data)
+
+
+@njit(cache=True, nogil=True)
+def _com_jacobians(model, data, position, positions, out):  # pyright: ignore
+    for k in range(len(out)):
+        position[:] = positions[k]
+        _kinematics(model, data)
+        _com(model, data)
+        _com_slopes(model, data, out[k].ctypes.data, 0)
