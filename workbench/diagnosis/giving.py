@@ -10,6 +10,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import Motion, Springs, crank_of, effect_named, giving_way, places
 from workbench.models import AppliedEffect, Crank, Model, Placement
+from workbench.simulation import on_all_cores
 
 from .screen import Candidate
 from .sensitivity import Scene
@@ -34,23 +35,24 @@ def what_gives_way(
         found_before: effects of the model whose parameters may follow. A spring among them was fitted to the
             softness of all, so that another one is asked for together with it.
     """
-    found: list[Candidate] = []
     springs = [a for a in found_before if a.key.effect == _SPRING]
     motions = [_eased(m, scene.model) for m in scene.motions[:training]]
-    for key in places(scene.model):
-        effect = effect_named(key.effect)
-        if (
-            not effect.splits
-            or not scene.data.replay.shows(key.effect)
-            or drive_of(scene.model, key) is not None
-        ):
-            continue
+
+    def asked(key: EffectKey) -> list[Candidate]:
         if key.effect == _SPRING and springs and all(a.key.axis != key.axis for a in springs):
-            found += _beside(springs, key, scene, training, judged)
-            continue
-        for shape, left in effect.guesses(motions, scene.model, Placement.of(scene.model, key)):
-            if left < _LEFT:
-                found.append(Candidate(key, np.zeros(0), shape, left * judged, np.inf))
+            return _beside(springs, key, scene, training, judged)
+        guesses = effect_named(key.effect).guesses(motions, scene.model, Placement.of(scene.model, key))
+        some = [(shape, left) for shape, left in guesses if left < _LEFT]
+        return [Candidate(key, np.zeros(0), shape, left * judged, np.inf) for shape, left in some]
+
+    asked_of = [
+        key
+        for key in places(scene.model)
+        if effect_named(key.effect).splits
+        and scene.data.replay.shows(key.effect)
+        and drive_of(scene.model, key) is None
+    ]
+    found = [candidate for some in on_all_cores(asked, asked_of) for candidate in some]
     found.sort(key=lambda c: c.judged)
     # what a gap passes on is drawn to the torque, so that it leaves less than a spring that is there
     return [

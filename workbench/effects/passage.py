@@ -132,12 +132,9 @@ def left_by(
     pieces: Sequence[Passage], inertia: float, gap: float, stiffness: float, retardation: float
 ) -> float:
     """Squared torque that a gap leaves unforeseen."""
-    total = 0.0
-    for piece in pieces:
-        error = piece.unforeseen(inertia, gap, stiffness, retardation)
-        with np.errstate(over="ignore", invalid="ignore"):
-            total += float(np.nan_to_num(np.sum(_means(error) ** 2), nan=_BLOWN_UP, posinf=_BLOWN_UP))
-    return total
+    shape = inertia, gap, stiffness, retardation
+    left = (_left(p.load, p.passed, p.step, *shape, _RATE, _MEAN, _SETTLING) for p in pieces)
+    return sum(each if each < _BLOWN_UP else _BLOWN_UP for each in left)
 
 
 def _grid(*values: Sequence[float] | np.ndarray) -> np.ndarray:
@@ -157,7 +154,7 @@ def _downhill(left: Callable[[np.ndarray], float], start: np.ndarray, free: int,
     return np.append(np.exp(found.x), start[free:])
 
 
-def _means(values: np.ndarray, rows: int = _MEAN) -> np.ndarray:
+def _means(values: np.ndarray, rows: int) -> np.ndarray:
     """Means over some rows of (N,), the settling left out: acceleration is noisy from row to row."""
     count = len(values) // rows
     return values[: count * rows].reshape(count, rows).mean(axis=1)[-(-_SETTLING * _MEAN // rows) :]
@@ -190,3 +187,14 @@ def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth
             slowed = damper if into != 0.0 else 0.0
             rate += driven - spring * into - slowed * rate
             wind += h * rate
+
+
+@njit(cache=True, nogil=True)
+def _left(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, rows, settling):  # pyright: ignore
+    """Sum of the squared means over some rows of what a gap leaves unforeseen, the first means left out."""
+    error = np.empty_like(load)
+    _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, error)
+    total = 0.0
+    for k in range(settling, len(load) // rows):
+        total += error[k * rows : (k + 1) * rows].mean() ** 2
+    return total
