@@ -12,6 +12,7 @@ from workbench.models import AppliedEffect, Model
 from .data import gather
 from .fit import fit
 from .giving import what_gives_way
+from .honing import honed
 from .refining import polished, with_candidate
 from .search import Progress
 from .sensitivity import Scene
@@ -67,5 +68,7 @@ def fit_effect(
     found = fit([hypothesis], data)[0]
     if found is None:
         raise InputError(f"the model does not run with {key}", remedy="choose another effect")
-    found = polished(found, data)
+    if effect_named(key.effect).wanders:
+        progress(f"trying sizes of {key}")
+    found = honed(polished(found, data), data)
     return found.hypothesis.free[-1], found.hypothesis.model
