@@ -80,8 +80,8 @@ def foresees(
     for piece in pieces:
         rows = max(_MEAN, round(_SLOW_S / piece.step))
         error = piece.unforeseen(inertia, gap, stiffness, retardation)
-        drawn += float(np.sum((pull * _means(error, rows)) ** 2)) * rows
-        lacked += float(np.sum(_means(piece.load - piece.passed, rows) ** 2)) * rows
+        drawn += pull**2 * _squared_means(error, rows) * rows
+        lacked += _squared_means(piece.load - piece.passed, rows) * rows
     return drawn < _OWN**2 * lacked
 
 
@@ -133,7 +133,7 @@ def left_by(
 ) -> float:
     """Squared torque that a gap leaves unforeseen."""
     shape = inertia, gap, stiffness, retardation
-    left = (_left(p.load, p.passed, p.step, *shape, _RATE, _MEAN, _SETTLING) for p in pieces)
+    left = (_left(p.load, p.passed, p.step, *shape, _RATE) for p in pieces)
     return sum(each if each < _BLOWN_UP else _BLOWN_UP for each in left)
 
 
@@ -152,12 +152,6 @@ def _downhill(left: Callable[[np.ndarray], float], start: np.ndarray, free: int,
         options={"initial_simplex": simplex, "xatol": 1e-3, "fatol": np.inf, "maxfev": most},
     )
     return np.append(np.exp(found.x), start[free:])
-
-
-def _means(values: np.ndarray, rows: int) -> np.ndarray:
-    """Means over some rows of (N,), the settling left out: acceleration is noisy from row to row."""
-    count = len(values) // rows
-    return values[: count * rows].reshape(count, rows).mean(axis=1)[-(-_SETTLING * _MEAN // rows) :]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract"})
@@ -190,11 +184,20 @@ def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth
 
 
 @njit(cache=True, nogil=True)
-def _left(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, rows, settling):  # pyright: ignore
-    """Sum of the squared means over some rows of what a gap leaves unforeseen, the first means left out."""
+def _left(load, passed, step, inertia, gap, stiffness, retardation, bandwidth):  # pyright: ignore
+    """Squared torque that a gap leaves unforeseen."""
     error = np.empty_like(load)
     _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, error)
+    return _squared_means(error, _MEAN)
+
+
+@njit(cache=True, nogil=True)
+def _squared_means(values, rows):  # pyright: ignore
+    """Sum of squares of means over some rows of (N,): acceleration is noisy from row to row.
+
+    The settling is left out.
+    """
     total = 0.0
-    for k in range(settling, len(load) // rows):
-        total += error[k * rows : (k + 1) * rows].mean() ** 2
+    for k in range(-(-_SETTLING * _MEAN // rows), len(values) // rows):
+        total += values[k * rows : (k + 1) * rows].mean() ** 2
     return total

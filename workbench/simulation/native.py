@@ -81,11 +81,16 @@ def _derivatives(model, data, views, states, acceleration, out):  # pyright: ign
 
 
 @njit(cache=True, nogil=True)
+def _pose(model, data, position, values):  # pyright: ignore
+    position[:] = values
+    _kinematics(model, data)
+    _com(model, data)
+
+
+@njit(cache=True, nogil=True)
 def _masses(model, data, position, positions, out):  # pyright: ignore
     for k in range(len(out)):
-        position[:] = positions[k]
-        _kinematics(model, data)
-        _com(model, data)
+        _pose(model, data, position, positions[k])
         _tendons(model, data)
         _mass(model, data)
         _dense(model, data, out[k].ctypes.data)
@@ -94,7 +99,5 @@ def _masses(model, data, position, positions, out):  # pyright: ignore
 @njit(cache=True, nogil=True)
 def _com_jacobians(model, data, position, positions, out):  # pyright: ignore
     for k in range(len(out)):
-        position[:] = positions[k]
-        _kinematics(model, data)
-        _com(model, data)
+        _pose(model, data, position, positions[k])
         _com_slopes(model, data, out[k].ctypes.data, 0)
