@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,9 @@ from workbench.core import Controller, EffectKey, Recording
 from workbench.diagnosis.along_motion import along_the_motion
 from workbench.diagnosis.ways import Quest, Way
 from workbench.effects import load_model
+from workbench.rigs import HiddenEffect
 
-from .rig import asked
+from .rig import asked, recordings
 
 _CAR, _ROD, _AT, _TURN = 2.8, 0.5, 0.2, 0.007  # kg, kg, m, kg m^2
 _KP, _KD, _STEP, _FINE = 1500.0, 90.0, 0.002, 20
@@ -87,3 +89,18 @@ def test_friction_of_a_hinge_that_nothing_drives(tmp_path: Path, monkeypatch: py
 
 def test_nothing_is_asked_of_motion_that_lacks_nothing(tmp_path: Path) -> None:
     assert along_the_motion(quest(tmp_path, 0.0)) == ()
+
+
+def test_a_machine_that_its_loops_hold_is_not_asked() -> None:
+    """Its closed loops show the same, and this would be a second search."""
+    sticking = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.4})
+    training, _ = recordings(sticking)
+
+    def begun(text: str) -> None:
+        raise AssertionError(text)
+
+    held = replace(asked(load_model("leg"), training), progress=begun)
+    assert along_the_motion(held) == ()
+    loose = replace(training[0], controller=replace(training[0].controller, kp=(50.0, 0.0)))
+    with pytest.raises(AssertionError, match="measured motion"):
+        along_the_motion(replace(held, data=replace(held.data, recordings=(loose,))))
