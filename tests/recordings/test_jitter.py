@@ -103,13 +103,31 @@ def test_nothing_is_interpolated_across_a_step_of_the_torque() -> None:
     generator = np.random.default_rng(4)
     at = np.arange(3000) * PERIOD
     times = at + PERIOD * 0.2 * generator.uniform(-1, 1, 3000)
-    torque = np.column_stack([commanded(times) + 0.02 * generator.standard_normal(3000)])
-    phase = step_phase(times, torque, LOOP)
-    assert phase is not None and min(phase, LOOP - phase) < 0.3 * PERIOD
-    chosen = torque[nearest_between_steps(times, 0.0, LOOP, at)][:, 0]
+    smooth = np.sin(W * times)
+    torque = np.column_stack([commanded(times) + 0.02 * generator.standard_normal(3000), smooth])
+    steps = step_phase(times, torque, LOOP)
+    assert steps is not None
+    phase, still = steps
+    assert min(phase, LOOP - phase) < 0.01 * PERIOD and still.tolist() == [True, False]
+    chosen = torque[nearest_between_steps(times, phase, LOOP, at)][:, 0]
     assert np.abs(chosen - commanded(at)).max() < 0.1
-    smooth = np.column_stack([np.sin(W * times)])
-    assert step_phase(times, smooth, LOOP) is None
+    assert step_phase(times, smooth[:, None], LOOP) is None
+
+
+@pytest.mark.parametrize("size", [0.02, 0.15])
+@pytest.mark.parametrize("shift", [-1e-7, 0.0, 1e-7])
+def test_rows_at_a_step_by_a_rounded_clock_are_behind_it(size: float, shift: float) -> None:
+    """Stamps of 0.05 ms, whose mean is a little off the clock: rows at a tick are beside those before it."""
+    late = np.clip(size * np.random.default_rng(6).standard_normal(3000), -0.4, 0.4)
+    taken = np.round(PERIOD * (np.arange(3000) + late) / 5e-5) * 5e-5
+    torque = commanded(taken)[:, None]
+    steps = step_phase(taken + shift, torque, LOOP)
+    assert steps is not None
+    at = np.arange(3, 2990) * PERIOD
+    near = nearest_between_steps(taken + shift, steps[0], LOOP, at)
+    lost = np.abs(torque[near, 0] - commanded(at)) > 1e-9
+    # where all rows of a tick were taken early or late, there is none to show it
+    assert lost.mean() < 0.001
 
 
 def test_the_steps_of_an_encoder_outlive_a_clock_that_jitters(tmp_path: Path) -> None:

@@ -12,19 +12,20 @@ from workbench.recordings import NoiseLevels, noise_levels, white_noise
 from workbench.simulation import Experiment, SensorNoise, differentiates, rate_read
 
 DRAWS = 4
+_USUAL = 0.25  # quantile over recordings: motion only ever adds to what is taken for noise
 
 
 def rig_noise(recordings: Sequence[Recording]) -> NoiseLevels:
-    """Sensor noise of a rig: the median over its recordings, axis by axis, (n,) each."""
+    """Sensor noise of a rig: the lower quartile over its recordings, axis by axis, (n,) each."""
     levels = [noise_levels(r) for r in recordings]
 
-    def middle(name: str) -> np.ndarray:
+    def usual(name: str) -> np.ndarray:
         values = np.stack([getattr(level, name) for level in levels])
         known = np.isfinite(values).any(axis=0)
-        return np.where(known, np.nanmedian(np.where(known, values, 0.0), axis=0), np.nan)
+        return np.where(known, np.nanquantile(np.where(known, values, 0.0), _USUAL, axis=0), np.nan)
 
     return NoiseLevels(
-        *(middle(n) for n in ("position_resolution", "position_std", "velocity_std", "torque_std"))
+        *(usual(n) for n in ("position_resolution", "position_std", "velocity_std", "torque_std"))
     )
 
 

@@ -8,7 +8,11 @@ _FEW = 12  # changes that say nothing
 _BESIDE = 0.5  # a row this close to a tick may show the command before or after [rows]
 _MOST = 0.9  # of the changes of a held signal lie beside a tick
 _NO_LESS = 0.01  # share of changes that tells one phase from another
-_SHARP = 0.1  # what a signal that stands between its steps moves there, of what it moves in them (power)
+_SHARP = 0.4  # power of what a signal that stands between steps moves there by its noise, over that in steps
+_PHASES = 300  # that are tried at first
+_DIGITS = 6  # of a phase, as a share of the period: nearer rows are at one
+_BEHIND = 0.01  # of the way from one row's phase to the next
+_PAIRS = 20_000  # of successive rows, enough to tell a phase
 
 
 def ticks(times: np.ndarray, values: np.ndarray, period: float | None) -> tuple[float, float] | None:
@@ -67,7 +71,7 @@ def nearest_row(times: np.ndarray, at: np.ndarray) -> np.ndarray:
     return after - (at - times[after - 1] < times[after] - at)
 
 
-def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> float | None:
+def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> tuple[float, np.ndarray] | None:
     """When in a loop's period a torque behind its command steps, if it stands still between steps.
 
     Args:
@@ -76,23 +80,37 @@ def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> float | 
         period: of the loop [s].
 
     Returns:
-        The phase of the steps [s]; None where the signal moves between them too.
+        The phase of the steps [s]: of those that tell the rows alike, right behind the last row before a step,
+        since a loop that ticks with the clock has its step at a row of the clock, which shows it. And which
+        columns stand still between steps, (k,) bool. None where none does.
     """
-    row = float(np.median(np.diff(times)))
-    moved = np.mean((np.diff(values, axis=0) / np.maximum(np.std(values, axis=0), 1e-300)) ** 2, axis=1)
-    best = (np.inf, 0.0)
-    for phase in np.arange(0.0, period, row / 10):
-        tick = np.floor((times - phase) / period + 1e-6)
-        across = np.diff(tick) > 0
+    scale = np.maximum(np.std(values, axis=0), 1e-300)
+    some = np.unique(np.linspace(0, len(times) - 2, min(len(times) - 1, _PAIRS)).astype(int))
+    moved = ((values[some + 1] - values[some]) / scale) ** 2
+    ends = np.stack([times[some], times[some + 1]])
+
+    def between(phase: float) -> np.ndarray:
+        """What each column moves between steps, of what it moves in them."""
+        ticks_then, ticks_now = np.floor((ends - phase) / period)
+        across = ticks_now > ticks_then
         if across.sum() < _FEW or (~across).sum() < _FEW:
-            return None
-        best = min(best, (float(moved[~across].mean() / max(moved[across].mean(), 1e-300)), float(phase)))
-    return best[1] if best[0] < _SHARP else None
+            return np.full(moved.shape[1], np.inf)
+        return moved[~across].mean(axis=0) / np.maximum(moved[across].mean(axis=0), 1e-300)
+
+    # phases right behind the rows' own: at first a few of these, then all about the best
+    own = period * np.unique(np.round(ends / period % 1.0, _DIGITS) % 1.0)
+    behind = own + _BEHIND * np.diff(own, append=own[0] + period)
+    stride = max(1, len(behind) // _PHASES)
+    best = stride * int(np.argmin([between(phase).min() for phase in behind[::stride]]))
+    near = behind[np.arange(best - stride, best + stride + 1) % len(behind)]
+    phase = float(min(near, key=lambda x: between(x).min()))
+    still = between(phase) < _SHARP
+    return (phase, still) if still.any() else None
 
 
 def nearest_between_steps(times: np.ndarray, phase: float, period: float, at: np.ndarray) -> np.ndarray:
     """The row (M,) nearest to each time (M,) that has no step in between, where there is one."""
-    tick, wanted = (np.floor((t - phase) / period + 1e-6) for t in (times, at))
+    tick, wanted = (np.floor((t - phase) / period) for t in (times, at))
     after = np.clip(np.searchsorted(times, at), 1, len(times) - 1)
     before = after - 1
     nearer_before = at - times[before] < times[after] - at

@@ -161,6 +161,7 @@ def white_noise(
     width = min(max(_WINDOW, 6 * columns), len(signal) - lags)
     starts = np.zeros(0, int)
     while len(starts) == 0:  # where gaps leave no room, shorter ones
+        width -= width % kinds  # all windows begin with the same kind
         if width < max(16, 3 * columns):
             return float("nan")
         starts = np.arange(lags + integrated, len(signal) - width + 1, width)
@@ -176,16 +177,42 @@ def white_noise(
         if phase is not None:
             of_kind = (phase[rows][:, :, None] == np.arange(kinds)).astype(float)
             followed = np.einsum("wri,wrk->wrik", followed, of_kind).reshape(*rows.shape, -1)
-    return min(_outside(signal[rows], followed, round(width * band)) for band in _BANDS)
+    every = min(_outside(signal[rows], followed, round(width * band)) for band in _BANDS)
+    if followed is None or phase is None:
+        return every
+    return min(every, _of_quietest(signal[rows], followed, round(width * _BANDS[0]), phase[rows[0]]))
 
 
 def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> float:
     """Noise outside the span of `slow` cosines and of the commands followed, median over windows."""
+    rest, freedom = _rest(windows, followed, slow)
+    median = 2.0 * gammaincinv(0.5 * np.maximum(freedom, 1), 0.5)  # of a chi-squared variable
+    return float(np.sqrt(np.median((rest**2).sum(axis=1) / median)))
+
+
+def _of_quietest(windows: np.ndarray, followed: np.ndarray, slow: int, kind: np.ndarray) -> float:
+    """The same of the kind of rows that has least, (width,) numbers of kinds, alike in all windows.
+
+    Where a row's torque answers a tick that no row shows, the noise that sensors had at that tick is in it,
+    by the loop's gains. The kind whose ticks are logged shows the torque's own.
+    """
+    rest, freedom = _rest(windows, followed, slow)
+    basis = _slow_basis(len(kind), slow)
+    of_kind = (kind[:, None] == np.unique(kind)).astype(float)
+    # slow cosines that take of a row take of its neighbours too, which are of other kinds
+    mixed = of_kind.T @ (np.eye(len(kind)) - basis @ basis.T) ** 2 @ of_kind / of_kind.sum(axis=0)[:, None]
+    power = np.median(rest**2 @ of_kind, axis=0) / of_kind.sum(axis=0)
+    taken = np.median(freedom) / (len(kind) - basis.shape[1])  # by the commands, of all kinds alike
+    own = np.linalg.solve(mixed, power / taken)
+    return float(np.sqrt(own.min())) if own.min() > 0.0 else np.inf
+
+
+def _rest(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> tuple[np.ndarray, np.ndarray]:
+    """What of windows (W, width) lies outside the span of `slow` cosines and commands; its freedom (W,)."""
     width = windows.shape[1]
     basis = _slow_basis(width, slow)
     rest = windows - (windows @ basis) @ basis.T
     freedom = np.full(len(windows), float(width - basis.shape[1]))
-    explained = np.zeros(len(windows))
     if followed is not None:
         commands = followed - basis @ (basis.T @ followed)
         across = np.swapaxes(commands, 1, 2)
@@ -193,11 +220,10 @@ def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> flo
         # directions that only rounding sets apart explain nothing
         told = size > 1e-11 * size[:, -1:] + 1e-24
         along = (np.swapaxes(turned, 1, 2) @ (across @ rest[:, :, None]))[:, :, 0]
-        explained = np.where(told, along**2 / np.where(told, size, 1.0), 0.0).sum(axis=1)
+        share = np.where(told, along / np.where(told, size, 1.0), 0.0)
+        rest = rest - (commands @ (turned @ share[:, :, None]))[:, :, 0]
         freedom -= told.sum(axis=1)
-    left = np.maximum((rest**2).sum(axis=1) - explained, 0.0)
-    median = 2.0 * gammaincinv(0.5 * np.maximum(freedom, 1), 0.5)  # of a chi-squared variable
-    return float(np.sqrt(np.median(left / median)))
+    return rest, freedom
 
 
 @lru_cache(maxsize=32)

@@ -77,12 +77,14 @@ def _resample(
     between = PchipInterpolator(times, values, axis=0)(np.clip(at, times[0], times[-1]))
     if len(times) < _AROUND or not near.any():
         return between
-    if name == "torque_measured" and loop_s and loop_s >= 2 * float(np.median(np.diff(times))):
-        phase = step_phase(times, values, loop_s)
-        if phase is not None:
-            return np.where(near[:, None], values[nearest_between_steps(times, phase, loop_s, at)], between)
     # interpolation averages two rows and hides some of their noise; a row moved along its slope keeps its own
-    return np.where(near[:, None], values[nearest] + _slope(times, values)[nearest] * off[:, None], between)
+    moved = values[nearest] + _slope(times, values)[nearest] * off[:, None]
+    if name == "torque_measured" and loop_s and loop_s >= 2 * float(np.median(np.diff(times))):
+        steps = step_phase(times, values, loop_s)
+        if steps is not None:
+            phase, still = steps
+            moved[:, still] = values[nearest_between_steps(times, phase, loop_s, at)][:, still]
+    return np.where(near[:, None], moved, between)
 
 
 def _slope(times: np.ndarray, values: np.ndarray) -> np.ndarray:
