@@ -231,14 +231,14 @@ def consistent(
 
 
 def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """What a reader of a result on these recordings should know."""
-    notes = []
+    """What a reader of a result on these recordings should know; what stands for several is said once."""
+    names: dict[str, list[str]] = {}
     for r in recordings:
-        notes += [f"{r.name}: {note}" for note in r.notes]
+        notes = r.notes
         if scored_torque(r) == "torque_command" and not is_free(r):
-            notes.append(
-                f"{r.name}: torque was not measured behind the drive; the command is compared instead"
-            )
+            notes = (*notes, "torque was not measured behind the drive; the command is compared instead")
         elif scored_torque(r) is None:
-            notes.append(f"{r.name}: no torque was recorded; position alone is compared")
-    return tuple(notes)
+            notes = (*notes, "no torque was recorded; position alone is compared")
+        for note in notes:
+            names.setdefault(note, []).append(r.name)
+    return tuple(f"{', '.join(of)}: {note}" for note, of in names.items())

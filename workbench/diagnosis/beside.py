@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
+from workbench.core import EffectKey, Recording
 from workbench.effects import Effect, contains, effect_named
-from workbench.models import Placement
+from workbench.models import Model, Placement
+from workbench.simulation import scored_torque
 
 from .choosing import Explanation
 from .data import Data
 from .fit import race
+from .giving import pins_of
 from .hypothesis import Fit
 from .judging import TIE, floor_of_judging
 from .refining import with_candidate
@@ -50,6 +54,15 @@ def special_case(
         special = [(c, f) for c, f in helpful if contains(chosen.key, c.key) and f.judged < enough]
         return special[0] if special else (chosen, found)
     return chosen, found
+
+
+def twins_of(model: Model, key: EffectKey, recordings: Sequence[Recording]) -> tuple[EffectKey, ...]:
+    """Effects and places that no data can tell from this one, or no log without a measured torque."""
+    effect = effect_named(key.effect)
+    twins = effect.twins if key.location == "actuator" else ()
+    if all(scored_torque(r) != "torque_measured" for r in recordings):
+        twins = (*twins, *effect.twins_by_command)
+    return (*(replace(key, effect=name) for name in twins), *pins_of(model, key))
 
 
 def _can_say(candidate: Candidate) -> bool:

@@ -69,8 +69,7 @@ def next_experiment(
         models = {key: model for key, model in stage.others if key in rivals or not rivals}
         if data_on_ground and (models or rivals):
             rival = next(iter(models), None) or rivals[0]
-            ways = f"{effect_named(finding.key.effect).reveal}; {effect_named(rival.effect).reveal}"
-            return f"To tell {finding.key} from {rival} on the ground: {ways}."
+            return f"To tell {finding.key} from {rival} on the ground: {_ways(finding.key, rival)}."
         if models:
             rival = next(iter(models))
             return tell_apart(stage.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)
@@ -91,6 +90,12 @@ def next_experiment(
     return None
 
 
+def _ways(key: EffectKey, rival: EffectKey) -> str:
+    """In which experiments two effects stand out; what one says within the other is said once."""
+    one, other = (effect_named(k.effect).reveal for k in (key, rival))
+    return max(one, other, key=len) if one in other or other in one else f"{one}; {other}"
+
+
 def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, data: Data) -> str:
     """The experiment on which two fitted models differ most, as a command.
 
@@ -106,7 +111,7 @@ def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, dat
             tried.append((separation(ours, theirs, design, data), command))
         except (InputError, SimulationError):
             continue  # not on this machine: no loop that holds a posture, a limit that rest breaks already
-    ways = f"{effect_named(key.effect).reveal}; {effect_named(rival.effect).reveal}"
+    ways = _ways(key, rival)
     if not tried:
         return f"To tell {key} from {rival}: {ways}."
     ratio, command = max(tried)

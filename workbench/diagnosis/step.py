@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import contains, effect_named
-from workbench.models import Model
+from workbench.effects import contains
 
-from .beside import named_beside, special_case
+from .beside import named_beside, special_case, twins_of
 from .channel import astray
 from .choosing import Explanation, behind, choose
 from .data import Data
-from .giving import pins_of
 from .hypothesis import Fit
 from .judging import cancels, explains_fitted, helps, lowers_error, witnessed
 from .refining import polished, prune
@@ -103,15 +101,9 @@ def _choice(helpful: list[Explanation], at: Standpoint, basics_first: bool) -> _
     kept, needless = prune(found, candidate.key, at.data, at.current)
     fine = polished(kept, at.data)
     kept = kept if astray(at.scene, candidate, fine) else fine
-    same = _indistinguishable(at.scene.model, candidate.key)
+    same = twins_of(at.scene.model, candidate.key, at.data.recordings)
     rivals = (*rivals, *(k for k in same if k not in rivals))
     return _Choice(candidate, found, kept, rivals, needless, (*helpful, *wider))
-
-
-def _indistinguishable(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
-    """Effects and places that no data can tell from this one."""
-    twins = effect_named(key.effect).twins if key.location == "actuator" else ()
-    return (*(replace(key, effect=name) for name in twins), *pins_of(model, key))
 
 
 def _stage(choice: _Choice, tried: Tried, at: Standpoint) -> Stage:

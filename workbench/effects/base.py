@@ -86,6 +86,7 @@ class Effect(ABC):
         contains: simpler effects in the same place that it has as special cases.
         twins: effects in the same place that, beside what this one contains, are a part of it under
             another name, so that no data can tell them apart.
+        twins_by_command: effects that no log tells apart in which no torque was measured behind the drives.
         nonlinear: parameters that do not enter the torque linearly.
         dry: whether it sticks, so that the model's sliding speed matters.
         basic: whether it is one of the groups to start from: inertia, viscous, Coulomb.
@@ -119,6 +120,7 @@ class Effect(ABC):
     tier: ClassVar[int] = 0
     contains: ClassVar[tuple[str, ...]] = ()
     twins: ClassVar[tuple[str, ...]] = ()
+    twins_by_command: ClassVar[tuple[str, ...]] = ()
     nonlinear: ClassVar[tuple[str, ...]] = ()
     dry: ClassVar[bool] = False
     basic: ClassVar[bool] = False

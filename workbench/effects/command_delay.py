@@ -21,6 +21,7 @@ class CommandDelay(Effect):
     name = "command_delay"
     parameters = (Parameter("time", "s", lower=0.0, upper=0.2, about="beyond the model's delay"),)
     nonlinear = ("time",)
+    twins_by_command = ("sensor_delay",)
     door = Door.COMMAND
     axes = "all"
     trace = Trace.DELAY

@@ -21,6 +21,7 @@ class SensorDelay(Effect):
     name = "sensor_delay"
     parameters = (Parameter("time", "s", upper=0.2),)
     nonlinear = ("time",)
+    twins_by_command = ("command_delay",)
     by_runs = True
     door = Door.SENSOR
     axes = "all"

@@ -80,7 +80,7 @@ def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> tuple[fl
         period: of the loop [s].
 
     Returns:
-        The phase of the steps [s]: of those that tell the rows alike, right behind the last row before a step,
+        The phase of the steps [s]: of those that tell rows alike, right behind the last row before a step,
         since a loop that ticks with the clock has its step at a row of the clock, which shows it. And which
         columns stand still between steps, (k,) bool. None where none does.
     """

@@ -12,6 +12,8 @@ from workbench.core import Controller, InputError, Recording
 from workbench.models import Model, joint_kinds
 from workbench.recordings.resample import looks_held
 
+from .feedforward import feedforward_of_drives
+
 #: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
 LONGEST_STEP = 0.001
 #: Signal of what the ground's force on the feet is to the drives [N m or N], of recordings on the ground.
@@ -98,7 +100,9 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         return None if values is None else values @ torque_to_actuator.T
 
     replayed, behind = None, "none"
-    feedforward = torque("torque_feedforward")
+    feedforward = recording.get("torque_feedforward")
+    if feedforward is not None and not feedforward_of_drives(recording, controller, j):
+        feedforward = torque("torque_feedforward")
     reference = recording.get("position_reference")
     if controller.kind == "none":
         replayed = torque("torque_command")
