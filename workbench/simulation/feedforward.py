@@ -22,8 +22,9 @@ def feedforward_of_drives(recording: Recording, controller: Controller, transmis
     """
     command, feedforward = recording.get("torque_command"), recording.signals["torque_feedforward"]
     velocity, reference = recording.get("velocity"), recording.get("position_reference")
-    known = controller.kind == "pd" and command is not None and velocity is not None and reference is not None
-    if recording.coordinates == "actuator" or not known:
+    if recording.coordinates == "actuator" or controller.kind != "pd":
+        return False
+    if command is None or velocity is None or reference is None:
         return False
     rows_a_tick = (controller.period_s or recording.period) / recording.period
     rows = np.unique(np.round(np.arange(0.0, len(recording) - 0.5, max(rows_a_tick, 1.0))).astype(int))
