@@ -301,3 +301,14 @@ def test_a_loop_that_noise_blows_up_explains_nothing() -> None:
     draws = np.full((5, 2, 1), 1e4)
     assert not consistent(np.full((2, 1), 1e3), draws, 30.0, np.array([90.0, 100.0, 110.0, 95.0, 105.0]))
     assert consistent(np.full((2, 1), 1e-3), draws * 1e-7, 0.03, np.array([0.03, 0.031, 0.029, 0.03, 0.03]))
+
+
+def test_what_a_loop_reads_of_late_rows_counts_as_noise() -> None:
+    """Rows of 0.15 ms off their times read a fast axis wrongly, and the controller answers that."""
+    asked = leg_experiment(4.0, 0.001, LEG_LOOP)
+    prompt = measured(LEG, asked, range(2))
+    late = [replace(log, late_s=1.5e-4) for log in prompt]
+    noise = [compare(LEG, logs).recordings[0].torque_noise for logs in (prompt, late)]
+    kp, rate = 50.0, prompt[0].velocity.std(axis=0)
+    answered = kp * 1.5e-4 * rate @ np.abs(np.linalg.inv(LEG.transmission))
+    assert (np.sqrt(noise[1] ** 2 - noise[0] ** 2) > 0.5 * answered).all()

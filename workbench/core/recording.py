@@ -101,6 +101,8 @@ class Recording(Shown):
         source: the TOML file it came from, if any.
         steps: signal -> steps (n,) in which its sensor shows it, 0 where in none; of signals that were
             moved onto the clock, whose own numbers no longer say.
+        late_s: how far from their times rows were taken, rms [s], by a clock that jitters. Signals were moved
+            onto the clock; what a loop read of these rows was not.
     """
 
     name: str
@@ -119,6 +121,7 @@ class Recording(Shown):
     extra: Mapping[str, FloatArray] = field(default_factory=dict)
     source: Path | None = None
     steps: Mapping[str, FloatArray] = field(default_factory=dict)
+    late_s: float = 0.0
 
     def __post_init__(self) -> None:
         frozen = {k: _readonly(v) for k, v in self.signals.items()}

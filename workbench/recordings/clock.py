@@ -39,6 +39,14 @@ class Clock:
     widest: float
 
     @property
+    def late_s(self) -> float:
+        """How far rows were taken from the clock's times, rms [s]; 0 where the clock does not jitter."""
+        if self.row is not None:
+            return 0.0
+        places = self.logged / self.time[1]
+        return float(np.std(places - np.round(places)) * self.time[1])
+
+    @property
     def whole(self) -> bool:
         """Whether the table's rows are the clock's rows, one by one."""
         return self.row is not None and len(self.row) == len(self.time)

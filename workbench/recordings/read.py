@@ -123,6 +123,7 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
         extra=extra,
         source=path,
         steps=steps,
+        late_s=clock.late_s,
     )
 
 

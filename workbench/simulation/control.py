@@ -8,11 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from workbench.core import Controller
+from workbench.core import Controller, Recording
 from workbench.effects import Plant, TorqueChain
 
 from .experiment import Experiment
 from .unlogged_rate import differentiates
+
+_LATE = 0x7A  # of the seed of rows that are late
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,13 @@ class SensorNoise:
             shape = (3, rows, len(self.resolution))
             self._draws[rows] = np.random.default_rng(self.seed).standard_normal(shape)
         return self._draws[rows]
+
+    def of_late_rows(self, recording: Recording) -> np.ndarray:
+        """What a loop reads wrongly, position and rate (2, N, n), of rows that a jittering clock takes late."""
+        rate = recording.signals["velocity"]
+        moved = np.stack([rate, np.gradient(rate, recording.period, axis=0)])
+        late = np.random.default_rng([self.seed, _LATE]).standard_normal(len(recording))
+        return recording.late_s * late[:, None] * moved
 
     def logged(
         self, position: np.ndarray, velocity: np.ndarray, torque: np.ndarray
@@ -114,6 +123,7 @@ def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> Contr
     if noise is not None:
         draw = noise.draws(rows)
         disturbed = np.stack([noise.position_std * draw[0], noise.velocity_std * draw[1]])
+        disturbed += noise.of_late_rows(e.recording)
         resolution = np.ascontiguousarray(noise.resolution, float)
     read = np.linalg.inv(e.to_actuator)
     period = e.controller.period_s or e.recording.period
