@@ -40,7 +40,7 @@ class SensorNoise:
         return self._draws[rows]
 
     def of_late_rows(self, recording: Recording) -> np.ndarray:
-        """What a loop reads wrongly, position and rate (2, N, n), of rows that a jittering clock takes late."""
+        """What a loop reads wrongly, position and rate (2, N, n), of rows that are taken late."""
         rate = recording.signals["velocity"]
         moved = np.stack([rate, np.gradient(rate, recording.period, axis=0)])
         late = np.random.default_rng([self.seed, _LATE]).standard_normal(len(recording))
