@@ -7,7 +7,6 @@ import shlex
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -17,7 +16,6 @@ from workbench.core import Controller, Recording, Share
 from workbench.diagnosis.look_closer import look_closer
 from workbench.effects import load_model
 from workbench.frf import load_design
-from workbench.simulation import as_recording
 
 from .rig import recordings
 
@@ -54,12 +52,7 @@ def test_the_command_makes_an_experiment_of_that_band(
     low, high = band
     assert words[words.index("--f-min") + 1] == f"{low:g}"
     assert high is None or words[words.index("--f-max") + 1] == f"{high:g}"
-    design = load_design(tmp_path / "next.toml")
-    if where[0].quantity == "speed":
-        wanted = as_recording(LEG, design, 1).signals["position_reference"][:, 1]
-        assert np.abs(np.gradient(wanted, 1.0 / design.rate_hz)).max() > 7.0, (
-            "it passes the speeds in question"
-        )
+    assert load_design(tmp_path / "next.toml").axes == LEG.axes
 
 
 def test_what_is_too_fast_for_the_log_asks_for_a_faster_one(logs: list[Recording]) -> None:

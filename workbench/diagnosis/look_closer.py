@@ -12,8 +12,8 @@ from workbench.models import Model
 from .experiments import Option, designed
 
 _RESOLVED = 0.2  # of the row rate: what is faster is hardly logged
-_FASTEST = 30.0  # Hz, of a chirp that is to pass speeds
-_ROOM = 2.0  # times the frequency at which it would: limits make it narrower than what was recorded
+_HARDER = 1.5  # times the torque recorded, within limits, where speeds are to be passed
+_FASTEST = 30.0  # Hz, up to which they may be
 
 _ADVICE = {
     "speed": "pass these speeds both ways, hard and gently",
@@ -58,22 +58,21 @@ def _command(model: Model, most: Share, recordings: Sequence[Recording]) -> str:
 def _option(most: Share, recordings: Sequence[Recording]) -> Option | None:
     low, high = most.range
     if most.quantity == "frequency":
-        return Option("multisine", "torque", *_rounded(max(0.8 * low, 0.2), max(1.25 * high, 1.0)), 1.0)
+        return Option("multisine", "torque", _short(max(0.8 * low, 0.2)), _short(max(1.25 * high, 1.0)), 1.0)
     if most.quantity == "position":
         return Option("chirp", "position", 0.1, 0.6, 1.0)
     if most.quantity == "speed":
-        return Option("chirp", "position", 0.2, _fast_enough(most, recordings), 1.0)
+        return Option("multisine", "torque", 0.2, _fast_enough(most, recordings), _HARDER)
     return None
 
 
-def _rounded(*values: float) -> tuple[float, ...]:
-    return tuple(float(f"{x:.2g}") for x in values)
+def _short(value: float) -> float:
+    return float(f"{value:.2g}")
 
 
 def _fast_enough(most: Share, recordings: Sequence[Recording]) -> float:
-    """Frequency [Hz] at which a sweep as wide as what was recorded passes the speeds in question."""
+    """Frequency [Hz] at which motion as wide as what was recorded has twice the speeds in question."""
     axis = recordings[0].axes.index(most.axis)
-    wide = max(float(r.position[:, axis].std()) for r in recordings)
+    wide = np.sqrt(2.0) * max(float(r.position[:, axis].std()) for r in recordings)
     fastest = max(abs(x) for x in most.range)
-    passing = fastest / (2.0 * np.pi * np.sqrt(2.0) * max(wide, 1e-9))
-    return _rounded(np.clip(_ROOM * passing, 1.0, _FASTEST))[0]
+    return _short(float(np.clip(2.0 * fastest / (2.0 * np.pi * max(wide, 1e-9)), 1.0, _FASTEST)))
