@@ -18,6 +18,7 @@ _WINDOWS = 80  # per axis; more would sharpen the median below 1 %, which nothin
 _BANDS = (0.25, 0.4, 0.6)  # parts of half the row rate taken to be motion; the rest is noise
 _OWN = 0x5EED  # seed of noise that is added to see whether it comes out; nobody else draws from it
 _PHASES = 12  # kinds of rows, where ticks lie between rows
+_CLEARLY = 0.7  # of all rows' noise: of kinds that are alike one is quieter by chance, but not by so much
 _REACH_S = 0.010  # a torque answers its command within delay and current loop, well inside this
 
 
@@ -180,7 +181,8 @@ def white_noise(
     every = min(_outside(signal[rows], followed, round(width * band)) for band in _BANDS)
     if followed is None or phase is None:
         return every
-    return min(every, _of_quietest(signal[rows], followed, round(width * _BANDS[0]), phase[rows[0]]))
+    quietest = _of_quietest(signal[rows], followed, round(width * _BANDS[0]), phase[rows[0]])
+    return quietest if quietest < _CLEARLY * every else every
 
 
 def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> float:
