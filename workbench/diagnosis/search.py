@@ -15,6 +15,7 @@ from .honing import honed
 from .hypothesis import Fit
 from .instead import others_instead
 from .judging import explained, mostly_explained, rejudged, stands_out
+from .one_for_two import one_for_two
 from .other_ways import fewer, otherwise
 from .simpler import simpler, without
 from .stage import Search
@@ -76,7 +77,7 @@ def search(
             way = way if other is way else _honed(other, quest)
         elif limit > 1:
             way = on_further_axes(fewer(way, quest), quest)
-        way = others_instead(way, quest)
+        way = one_for_two(others_instead(way, quest), quest)
     way = _plain(_simplified(way, seed, progress), start, first)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
