@@ -41,7 +41,11 @@ class SensorNoise:
 
     def of_late_rows(self, recording: Recording) -> np.ndarray:
         """What a loop reads wrongly, position and rate (2, N, n), of rows that are taken late."""
-        rate = recording.signals["velocity"]
+        rate = recording.get("velocity")
+        if not recording.late_s:
+            return np.zeros((2, *recording.position.shape))
+        if rate is None:
+            rate = np.gradient(recording.position, recording.period, axis=0)
         moved = np.stack([rate, np.gradient(rate, recording.period, axis=0)])
         late = np.random.default_rng([self.seed, _LATE]).standard_normal(len(recording))
         return recording.late_s * late[:, None] * moved
