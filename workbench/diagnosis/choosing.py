@@ -122,7 +122,7 @@ def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[
 
     def rank(one: _F) -> tuple[bool, int, float]:
         behind = one.fit.judged > enough and not reached(one.fit, data)
-        size = sum(len(a.parameters) for a in one.fit.hypothesis.free)
+        size = one.fit.hypothesis.size
         return behind, 0 if behind else size, one.fit.judged
 
     return sorted(found, key=rank)

@@ -25,6 +25,11 @@ class Hypothesis:
         return (*self.stated, *self.free)
 
     @property
+    def size(self) -> int:
+        """Number of free parameters."""
+        return sum(len(a.parameters) for a in self.free)
+
+    @property
     def model(self) -> Model:
         """Base with all effects in it."""
         out = self.base

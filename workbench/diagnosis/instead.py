@@ -24,7 +24,7 @@ from .refining import polished, with_candidate
 from .sensitivity import Scene
 from .stage import Stage, has_cause
 from .sticking import candidates
-from .ways import Quest, Way, onwards, size_of, wanders, with_stages
+from .ways import Quest, Way, onwards, wanders, with_stages
 
 _CLOSE = 2.5  # times what the cause left that was taken: others that left no more may be what it stood for
 _MOST = 3  # others that are tried in place of each
@@ -51,7 +51,9 @@ def others_instead(way: Way, quest: Quest) -> Way:
             one_more = replace(quest, limit=1)
             led = [onwards(with_stages(way, (each,), quest.seed), one_more) for each in found]
             good = [o for o in led if o.done or nearly_at_floor(o.current, o.data)]
-            way = min(good, key=lambda o: (not o.done, size_of(o.current), o.current.judged), default=way)
+            way = min(
+                good, key=lambda o: (not o.done, o.current.hypothesis.size, o.current.judged), default=way
+            )
     return way
 
 

@@ -23,7 +23,7 @@ from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
 from .trying import Progress
-from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, size_of, with_last, with_stages
+from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, with_last, with_stages
 
 
 def otherwise(way: Way, quest: Quest) -> Way:
@@ -110,7 +110,7 @@ def fewer(way: Way, quest: Quest) -> Way:
 
     Where what was found first had rivals, what came after may only mend the choice.
     """
-    size = size_of(way.current)
+    size = way.current.hypothesis.size
     few = len(way.stages) < 2 or size < 3
     if few or quest.data.effort.spent or not any(_doubtful(s, way, quest) for s in way.stages[:-1]):
         return way
@@ -118,7 +118,7 @@ def fewer(way: Way, quest: Quest) -> Way:
     if stages is None:
         return way
     other = with_stages(Way(quest.start, quest.data), stages, quest.seed)
-    return other if size_of(other.current) < size and reached(other.current, other.data) else way
+    return other if other.current.hypothesis.size < size and reached(other.current, other.data) else way
 
 
 def _doubtful(stage: Stage, way: Way, quest: Quest) -> bool:

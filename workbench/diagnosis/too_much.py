@@ -52,7 +52,7 @@ class TooMuch:
 
         Effects that leave nothing but noise have to have two more, and this must leave no more either.
         """
-        more = parameters_of(found) - len(self.parts)
+        more = found.final.hypothesis.size - len(self.parts)
         if found.consistent_after:
             return self.at_noise and more >= 2
         same = isinstance(found.start_data.replay, MeasuredMotion)
@@ -107,11 +107,6 @@ def too_much(found: Search) -> TooMuch | None:
         return None
     parts = zip((e.key for e in chosen), values.tolist(), deviations.tolist(), below.tolist(), strict=True)
     return TooMuch(1.0 - before / excess, tuple(parts), before + floor < NEAR_FLOOR * floor)
-
-
-def parameters_of(found: Search) -> int:
-    """How many numbers its effects have."""
-    return sum(len(a.parameters) for a in found.final.hypothesis.free)
 
 
 def _columns(scene: Scene) -> tuple[list[Column], list[Entry]]:

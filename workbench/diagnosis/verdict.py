@@ -8,7 +8,7 @@ from workbench.effects import effect_named
 from .evidence import Clues
 from .judging import EXPLAINED, contradicted, stands_out
 from .stage import Search
-from .too_much import TooMuch, parameters_of, too_much
+from .too_much import TooMuch, too_much
 
 _PLAIN = 2  # parameters of effects that leave but noise, which nobody asks whether a mass is wrong instead
 _OFF_GROUND = 1.5  # error over the noise floor
@@ -27,7 +27,7 @@ def verdict_of(found: Search) -> tuple[Verdict, TooMuch | None]:
         and all(stands_out(a) for a in found.final.hypothesis.free)
         and not _far_off_the_ground(found)
     )
-    doubtful = not found.consistent_after or parameters_of(found) > _PLAIN
+    doubtful = not found.consistent_after or found.final.hypothesis.size > _PLAIN
     less = too_much(found) if doubtful else None
     if less is not None and less.plainer_than(found):
         named = False

@@ -149,11 +149,6 @@ def keys_of(found: Fit) -> Keys:
     return frozenset(a.key for a in found.hypothesis.added)
 
 
-def size_of(found: Fit) -> int:
-    """Number of its free parameters."""
-    return sum(len(a.parameters) for a in found.hypothesis.free)
-
-
 def screened_at(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence[Candidate]]:
     """The loops linearised about where the search stands, and every effect screened there."""
     scene = quest.scene
