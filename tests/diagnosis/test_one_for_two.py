@@ -34,6 +34,12 @@ def test_a_load_in_place_of_its_inertia_and_its_weight(monkeypatch: pytest.Monke
     assert [stage.added for stage in found.stages] == [LOAD, SCALE], "where the first of the two was taken"
     errors = [found.start_data.score(stage.fit.mean_squares) for stage in found.stages]
     assert errors[0] > 2.0 * errors[1]
+    load, scale = found.stages
+    assert 0.0 < load.removed_share < 0.999 and scale.removed_share > 0.9, (
+        "each has its own share, not theirs"
+    )
+    assert load.ranking == ((LOAD, load.removed_share),)
+    assert load.folds == scale.folds == (1, 1)
 
 
 def test_inertia_and_weight_that_no_load_makes_stay(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, islice
 
+import numpy as np
+
+from workbench.core import EffectKey
 from workbench.models import AppliedEffect
 
 from .fit import fit
 from .giving import pins_of
-from .hypothesis import Fit
-from .judging import TIE, witnessed
+from .hypothesis import Fit, Hypothesis
+from .judging import TIE, floor_of_judging, rejudged, witnessed
 from .refining import polished, with_candidate
 from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
 from .sticking import candidates
-from .ways import Quest, Way, wanders, with_stages
+from .ways import Quest, Way, holds, wanders, with_stages
 
 _MANY = 4  # parameters of two effects from which it is asked
 _LESS = 0.5  # of them: what one in their place may have
@@ -29,14 +33,16 @@ def one_for_two(way: Way, quest: Quest) -> Way:
     A load at the foot is inertia and weight of the linkage at once, and passes for both as long as a third
     cause is missing. Five parameters that are what one would make them are no chance.
     """
-    if wanders(way.current):
-        return way
+    if wanders(way.current) or not holds(way, quest):
+        return way  # what explains less has no name
     for pair in combinations(way.current.hypothesis.free, 2):
         if way.data.effort.spent or sum(len(a.parameters) for a in pair) < _MANY:
             continue
         found = _in_place_of(pair, way, quest)
         if found is not None:
-            return with_stages(Way(quest.start, quest.data), _stages(found, pair, way), quest.seed)
+            return with_stages(
+                Way(quest.start, quest.data), _stages(found, pair, way, quest.start), quest.seed
+            )
     return way
 
 
@@ -51,21 +57,18 @@ def _in_place_of(
     if rest is None:
         return None
     scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
-    few = _LESS * sum(len(a.parameters) for a in pair)
-    known = {a.key for a in pair}
-    chosen: list[Candidate] = []
-    for candidate in candidates(scene, rest, data, quest.seed):
-        made = with_candidate(scene, candidate, rest)
-        more = sum(len(a.parameters) for a in made.free) - sum(
-            len(a.parameters) for a in rest.hypothesis.free
-        )
-        if candidate.key not in known and 0 < more <= few and len(chosen) < _TRIED:
-            chosen.append(candidate)
-    fits = fit([with_candidate(scene, c, rest) for c in chosen], data)
+    few = _LESS * (current.hypothesis.size - rest.hypothesis.size)
+    tried = (
+        (c, with_candidate(scene, c, rest))
+        for c in candidates(scene, rest, data, quest.seed)
+        if c.key not in {one.key, other.key}
+    )
+    chosen = list(islice(((c, h) for c, h in tried if 0 < h.size - rest.hypothesis.size <= few), _TRIED))
+    fits = fit([h for _, h in chosen], data)
     most = 1.0 + TIE
     good = [
         (c, f)
-        for c, f in zip(chosen, fits, strict=True)
+        for (c, _), f in zip(chosen, fits, strict=True)
         if f is not None
         and f.judged <= most * current.judged
         and f.trained <= most * current.trained
@@ -75,37 +78,39 @@ def _in_place_of(
 
 
 def _stages(
-    found: tuple[Candidate, Fit], pair: tuple[AppliedEffect, AppliedEffect], way: Way
+    found: tuple[Candidate, Fit], pair: tuple[AppliedEffect, AppliedEffect], way: Way, start: Fit
 ) -> tuple[Stage, ...]:
     """The way as it would have been with that cause where the first of the two was found."""
     (candidate, fitted), data = found, way.data
-    last = polished(fitted, data)
-    gone = {a.key for a in pair}
-    added = {a.key: a for a in last.hypothesis.added}
-    order = []
-    for stage in way.stages:
-        key = candidate.key if stage.added in gone else stage.added
-        if key in added and key not in order:
-            order.append(key)
-    subsets = [
-        replace(
-            last.hypothesis,
-            free=tuple(a for a in last.hypothesis.free if a.key in order[: k + 1]),
-            stated=tuple(a for a in last.hypothesis.stated if a.key in order[: k + 1]),
-        )
-        for k in range(len(order))
-    ]
-    fits = [*fit(subsets[:-1], data), last]
-    own = {s.added: s for s in way.stages if s.added not in gone}
-    first = next(s for s in way.stages if s.added in gone)
-    stages = []
-    for key, now in zip(order, fits, strict=True):
-        stage = own.get(key) or replace(
-            first,
+    last, gone = polished(fitted, data), {a.key for a in pair}
+    instead = [candidate.key if stage.added in gone else stage.added for stage in way.stages]
+    order = [key for key in dict.fromkeys(instead) if key in {a.key for a in last.hypothesis.added}]
+    fits = fit([_first(last.hypothesis, order[: k + 1]) for k in range(len(order) - 1)], data)
+    stages: list[Stage] = []
+    before = rejudged(start, data)
+    for key, now in zip(order, (*(f or last for f in fits), last), strict=True):
+        excess = max(before.judged - floor_of_judging(data), 1e-12)
+        removed = (before.judged - now.judged) / excess
+        stage = next((s for s in way.stages if s.added == key), None) or Stage(
             added=key,
+            fit=now,
+            data=data,
+            removed_share=removed,
             rivals=pins_of(last.hypothesis.base, key),
             others=(),
+            dropped=(),
+            ranking=((key, removed),),
             behind=(),
+            folds=(0, 0),
+            by_held_out=data.held_out_judges,
         )
-        stages.append(replace(stage, fit=now or last, data=data, dropped=()))
+        folds = int(np.sum(now.agreeing < before.agreeing)), len(now.agreeing)
+        stages.append(replace(stage, fit=now, data=data, removed_share=removed, dropped=(), folds=folds))
+        before = now
     return tuple(stages)
+
+
+def _first(hypothesis: Hypothesis, keys: Sequence[EffectKey]) -> Hypothesis:
+    """Only these of its effects."""
+    free, stated = (tuple(a for a in of if a.key in keys) for of in (hypothesis.free, hypothesis.stated))
+    return replace(hypothesis, free=free, stated=stated)
