@@ -178,38 +178,16 @@ def white_noise(
         if phase is not None:
             of_kind = (phase[rows][:, :, None] == np.arange(kinds)).astype(float)
             followed = np.einsum("wri,wrk->wrik", followed, of_kind).reshape(*rows.shape, -1)
-    every = min(_outside(signal[rows], followed, round(width * band)) for band in _BANDS)
+    bands = [round(width * band) for band in _BANDS]
+    left = [_outside(signal[rows], followed, slow) for slow in bands]
+    every = min(_usual(*each) for each in left)
     if followed is None or phase is None:
         return every
-    quietest = _of_quietest(signal[rows], followed, round(width * _BANDS[0]), phase[rows[0]])
+    quietest = _of_quietest(*left[0], bands[0], phase[rows[0]])
     return quietest if quietest < _CLEARLY * every else every
 
 
-def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> float:
-    """Noise outside the span of `slow` cosines and of the commands followed, median over windows."""
-    rest, freedom = _rest(windows, followed, slow)
-    median = 2.0 * gammaincinv(0.5 * np.maximum(freedom, 1), 0.5)  # of a chi-squared variable
-    return float(np.sqrt(np.median((rest**2).sum(axis=1) / median)))
-
-
-def _of_quietest(windows: np.ndarray, followed: np.ndarray, slow: int, kind: np.ndarray) -> float:
-    """The same of the kind of rows that has least, (width,) numbers of kinds, alike in all windows.
-
-    Where a row's torque answers a tick that no row shows, the noise that sensors had at that tick is in it,
-    by the loop's gains. The kind whose ticks are logged shows the torque's own.
-    """
-    rest, freedom = _rest(windows, followed, slow)
-    basis = _slow_basis(len(kind), slow)
-    of_kind = (kind[:, None] == np.unique(kind)).astype(float)
-    # slow cosines that take of a row take of its neighbours too, which are of other kinds
-    mixed = of_kind.T @ (np.eye(len(kind)) - basis @ basis.T) ** 2 @ of_kind / of_kind.sum(axis=0)[:, None]
-    power = np.median(rest**2 @ of_kind, axis=0) / of_kind.sum(axis=0)
-    taken = np.median(freedom) / (len(kind) - basis.shape[1])  # by the commands, of all kinds alike
-    own = np.linalg.solve(mixed, power / taken)
-    return float(np.sqrt(own.min())) if own.min() > 0.0 else np.inf
-
-
-def _rest(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> tuple[np.ndarray, np.ndarray]:
+def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> tuple[np.ndarray, np.ndarray]:
     """What of windows (W, width) lies outside the span of `slow` cosines and commands; its freedom (W,)."""
     width = windows.shape[1]
     basis = _slow_basis(width, slow)
@@ -226,6 +204,28 @@ def _rest(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> tuple[
         rest = rest - (commands @ (turned @ share[:, :, None]))[:, :, 0]
         freedom -= told.sum(axis=1)
     return rest, freedom
+
+
+def _usual(rest: np.ndarray, freedom: np.ndarray) -> float:
+    """Noise that leaves so much with so much freedom, median over windows."""
+    median = 2.0 * gammaincinv(0.5 * np.maximum(freedom, 1), 0.5)  # of a chi-squared variable
+    return float(np.sqrt(np.median((rest**2).sum(axis=1) / median)))
+
+
+def _of_quietest(rest: np.ndarray, freedom: np.ndarray, slow: int, kind: np.ndarray) -> float:
+    """The same of the kind of rows that has least, (width,) numbers of kinds, alike in all windows.
+
+    Where a row's torque answers a tick that no row shows, the noise that sensors had at that tick is in it,
+    by the loop's gains. The kind whose ticks are logged shows the torque's own.
+    """
+    basis = _slow_basis(len(kind), slow)
+    of_kind = (kind[:, None] == np.unique(kind)).astype(float)
+    # slow cosines that take of a row take of its neighbours too, which are of other kinds
+    mixed = of_kind.T @ (np.eye(len(kind)) - basis @ basis.T) ** 2 @ of_kind / of_kind.sum(axis=0)[:, None]
+    power = np.median(rest**2 @ of_kind, axis=0) / of_kind.sum(axis=0)
+    taken = np.median(freedom) / (len(kind) - basis.shape[1])  # by the commands, of all kinds alike
+    own = np.linalg.solve(mixed, power / taken)
+    return float(np.sqrt(own.min())) if own.min() > 0.0 else np.inf
 
 
 @lru_cache(maxsize=32)
