@@ -102,10 +102,7 @@ def fit_sensors(t: Ticks, controller: Controller, to_controller: np.ndarray) -> 
 
 def fit_commands(t: Ticks, controller: Controller, to_controller: np.ndarray) -> Fit:
     """Fit a factor on each logged command, all else as stated: ``torque_command_0``, ..."""
-    kp, kd = _gains(controller)
-    error = t.reference - t.position @ to_controller.T
-    damped = t.velocity_reference - t.velocity @ to_controller.T
-    wanted = t.feedforward + (kp * error + kd * damped) @ to_controller
+    wanted = t.feedforward + feedback(t, controller, to_controller)
     free = _free(t.command, controller)
     found, rests = [], []
     for i in range(wanted.shape[1]):
@@ -116,6 +113,14 @@ def fit_commands(t: Ticks, controller: Controller, to_controller: np.ndarray) ->
         rests.append(float(np.linalg.norm(y - factor * x) / max(np.linalg.norm(y), 1e-300)))
     names = tuple(f"torque_command_{i}" for i in range(len(found)))
     return Fit(names, np.array(found), np.abs(found) * np.array(rests) / np.sqrt(len(wanted)), max(rests))
+
+
+def feedback(t: Ticks, controller: Controller, to_controller: np.ndarray) -> np.ndarray:
+    """What the law asks for at the ticks (T, n), without feedforward and limits."""
+    kp, kd = _gains(controller)
+    error = t.reference - t.position @ to_controller.T
+    damped = t.velocity_reference - t.velocity @ to_controller.T
+    return (kp * error + kd * damped) @ to_controller
 
 
 def _gains(c: Controller) -> tuple[np.ndarray, np.ndarray]:

@@ -10,6 +10,7 @@ from numba import njit
 
 from workbench.core import Controller, Recording
 from workbench.effects import Plant, TorqueChain
+from workbench.recordings.velocity import derive_velocity
 
 from .experiment import Experiment
 from .unlogged_rate import differentiates
@@ -41,11 +42,11 @@ class SensorNoise:
 
     def of_late_rows(self, recording: Recording) -> np.ndarray:
         """What a loop reads wrongly, position and rate (2, N, n), of rows that are taken late."""
-        rate = recording.get("velocity")
         if not recording.late_s:
             return np.zeros((2, *recording.position.shape))
+        rate = recording.get("velocity")
         if rate is None:
-            rate = np.gradient(recording.position, recording.period, axis=0)
+            rate = derive_velocity(recording.position, recording.period)
         moved = np.stack([rate, np.gradient(rate, recording.period, axis=0)])
         late = np.random.default_rng([self.seed, _LATE]).standard_normal(len(recording))
         return recording.late_s * late[:, None] * moved

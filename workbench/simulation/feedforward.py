@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.core import Controller, Recording
+from workbench.inspection.law import feedback, ticks
 
+_TELLING = ("torque_command", "velocity", "position_reference")
 _TOLD = 0.5  # times what the other reading leaves of the command
 
 
@@ -20,19 +22,12 @@ def feedforward_of_drives(recording: Recording, controller: Controller, transmis
         controller: its loop.
         transmission: J with q_p = J q_s, (n, n).
     """
-    command, feedforward = recording.get("torque_command"), recording.signals["torque_feedforward"]
-    velocity, reference = recording.get("velocity"), recording.get("position_reference")
-    if recording.coordinates == "actuator" or controller.kind != "pd":
+    told = all(recording.get(name) is not None for name in _TELLING)
+    if recording.coordinates == "actuator" or controller.kind != "pd" or not told:
         return False
-    if command is None or velocity is None or reference is None:
-        return False
-    rows_a_tick = (controller.period_s or recording.period) / recording.period
-    rows = np.unique(np.round(np.arange(0.0, len(recording) - 0.5, max(rows_a_tick, 1.0))).astype(int))
-    ticks = rows[recording.valid[rows]]
-    sense = np.eye(len(transmission)) if controller.coordinates == "joint" else transmission
-    rate = recording.get("velocity_reference")
-    wanted = reference - recording.position @ sense.T, (0.0 if rate is None else rate) - velocity @ sense.T
-    law = (np.array(controller.kp) * wanted[0] + np.array(controller.kd) * wanted[1]) @ sense
-    rest = (command - law)[ticks]
-    own, drives = feedforward[ticks], feedforward[ticks] @ transmission
-    return bool(np.mean((rest - drives) ** 2) < _TOLD**2 * np.mean((rest - own) ** 2))
+    rows_a_tick = max(1, round((controller.period_s or recording.period) / recording.period))
+    t = ticks(recording, rows_a_tick, phase=0)
+    to_controller = np.eye(len(transmission)) if controller.coordinates == "joint" else transmission
+    rest = t.command - feedback(t, controller, to_controller)
+    own, drives = (np.mean((rest - f) ** 2) for f in (t.feedforward, t.feedforward @ transmission))
+    return bool(drives < _TOLD**2 * own)
