@@ -191,8 +191,7 @@ def _diagnosis(found: Search) -> Diagnosis:
         settled=_settled(found) if named else {},
         holdout_noise_error=_held_out_floor(found.final_data if named else found.start_data),
         notes=(
-            *(note for note in before.notes if _UNSTABLE not in note),
-            *dict.fromkeys(n for r in found.start_data.recordings for n in r.notes if _UNSTABLE in n),
+            *before.notes,
             *([_NO_PAYLOAD] if verdict != "consistent" and found.model.payload_site is None else []),
         ),
     )
