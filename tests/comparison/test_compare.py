@@ -9,59 +9,22 @@ import numpy as np
 import pytest
 
 from tests.data_helpers import data_folder
-from tests.simulation.make import LEG_LOOP, having, leg_experiment
+from tests.simulation.make import having, leg_experiment
 from workbench.comparison import Simulated, compare, evaluate, simulate_with_noise
-from workbench.comparison.compare import consistent
 from workbench.core import Controller, EffectKey, InputError, Recording
 from workbench.effects import load_model
-from workbench.models import Model
 from workbench.recordings import load_recordings
 from workbench.rigs import Experiment, VirtualLeg
-from workbench.rigs.degrade import degrade
-from workbench.simulation import Run, SensorNoise, simulate
+
+from .make import measured
 
 LEG = load_model("leg")
-ENCODER = 2 * np.pi / 2**14
 UNKNOWN = replace(LEG, controller=Controller())
-
-
-def sensors(seed: int) -> SensorNoise:
-    return SensorNoise(np.full(2, ENCODER), np.zeros(2), np.full(2, 0.015), np.full(2, 0.02), seed)
-
-
-def measured(model: Model, asked: Recording, seeds: range) -> list[Recording]:
-    """What the noisy log of each seed shows of one experiment."""
-    runs = simulate([Run(model, asked, sensors(seed)) for seed in seeds])
-    return [asked.with_signals(**run.signals) for run in runs]
-
-
-def score(logs: list[Recording], clean: Recording) -> float:
-    """Root mean square over axes and signals of RMSE over deviation, by the definition, pooled."""
-    parts = []
-    for name in ("position", "torque_measured"):
-        difference = np.concatenate([log.signals[name] - clean.signals[name] for log in logs])
-        deviation = np.concatenate([log.signals[name] for log in logs]).std(axis=0)
-        parts.append(np.mean(difference**2, axis=0) / deviation**2)
-    return float(np.sqrt(np.mean(parts)))
 
 
 @cache
 def logs() -> tuple[Recording, ...]:
     return tuple(measured(LEG, leg_experiment(1.5), range(20)))
-
-
-#: Row period and the loop's own period [s].
-RATES = [(0.001, 0.003), (0.002, 0.003), (0.005, 0.010), (0.005, 0.005), (0.003, 0.003)]
-
-
-@pytest.mark.parametrize(("period", "tick"), RATES)
-def test_the_noise_error_is_what_many_noisy_runs_give(period: float, tick: float) -> None:
-    asked = leg_experiment(3.0 if period == 0.001 else 6.0, period, replace(LEG_LOOP, period_s=tick))
-    (clean,) = simulate([Run(LEG, asked)])
-    many = measured(LEG, asked, range(8))
-    result = compare(LEG, many[:1], draws=6)
-    assert result.noise_error == pytest.approx(score(many, clean), rel=0.05 if period == 0.001 else 0.2)
-    assert result.error == pytest.approx(score(many[:1], clean), rel=1e-6)
 
 
 def test_a_perfect_model_is_consistent_whatever_the_noise() -> None:
@@ -286,29 +249,3 @@ def test_what_cannot_be_compared_is_refused() -> None:
     bare = without(with_unknown_loop(log), "torque_measured", "torque_command")
     with pytest.raises(InputError, match="neither the loop nor a torque"):
         compare(UNKNOWN, [bare])
-
-
-@pytest.mark.parametrize("every", [2, 4, 5])
-def test_rows_that_miss_ticks_of_the_loop_are_no_error(every: int) -> None:
-    asked = leg_experiment(4.0, 0.001, LEG_LOOP)
-    thinned = [degrade(log, every=every) for log in measured(LEG, asked, range(2))]
-    result, whole = compare(LEG, thinned), compare(LEG, measured(LEG, asked, range(2)))
-    assert result.consistent and result.error == pytest.approx(whole.error, rel=0.1)
-
-
-def test_a_loop_that_noise_blows_up_explains_nothing() -> None:
-    """A floor far above the signal itself would excuse any error."""
-    draws = np.full((5, 2, 1), 1e4)
-    assert not consistent(np.full((2, 1), 1e3), draws, 30.0, np.array([90.0, 100.0, 110.0, 95.0, 105.0]))
-    assert consistent(np.full((2, 1), 1e-3), draws * 1e-7, 0.03, np.array([0.03, 0.031, 0.029, 0.03, 0.03]))
-
-
-def test_what_a_loop_reads_of_late_rows_counts_as_noise() -> None:
-    """Rows of 0.15 ms off their times read a fast axis wrongly, and the controller answers that."""
-    asked = leg_experiment(4.0, 0.001, LEG_LOOP)
-    prompt = measured(LEG, asked, range(2))
-    late = [replace(log, late_s=1.5e-4) for log in prompt]
-    noise = [compare(LEG, logs).recordings[0].torque_noise for logs in (prompt, late)]
-    kp, rate = 50.0, prompt[0].velocity.std(axis=0)
-    answered = kp * 1.5e-4 * rate @ np.abs(np.linalg.inv(LEG.transmission))
-    assert (np.sqrt(noise[1] ** 2 - noise[0] ** 2) > 0.5 * answered).all()

@@ -93,3 +93,14 @@ def test_logs_without_velocity_get_a_proposal_too(data: Data) -> None:
         replace(r, signals={k: v for k, v in r.signals.items() if k != "velocity"}) for r in data.recordings
     )
     assert "workbench excite" in tell_apart(ours, theirs, one, other, replace(data, recordings=bare))
+
+
+def test_what_two_effects_have_in_common_is_asked_for_once(data: Data) -> None:
+    one, other = EffectKey("command_delay", None), EffectKey("sensor_delay", None)
+    ours, theirs = (having(key, std=1e-4, time=0.002) for key in (one, other))
+    silent = tuple(
+        replace(r, signals={k: v for k, v in r.signals.items() if k != "torque_measured"})
+        for r in data.recordings
+    )
+    said = tell_apart(ours, theirs, one, other, replace(data, recordings=silent))
+    assert said.count("a quarter of the control rate") == 1 and "with measured torque" in said

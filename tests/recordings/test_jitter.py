@@ -45,6 +45,7 @@ def test_rows_taken_late_are_moved_to_the_clock(tmp_path: Path, size: float) -> 
     taken = clock + PERIOD * np.clip(size * np.random.default_rng(1).standard_normal(ROWS), -0.45, 0.45)
     r = load_recording(log(tmp_path, taken, taken))
     assert r.period == PERIOD and len(r) == ROWS and "jitter" in r.notes[0] and "resampled" in r.notes[0]
+    assert r.late_s == pytest.approx(np.std(taken - clock), rel=0.01)
     missed = r.position[:, 0] - 0.3 * np.sin(W * r.time)
     assert np.std(missed) == pytest.approx(1e-4, rel=0.1), "a row keeps the noise that it has"
     np.testing.assert_array_equal(r.signals["torque_feedforward"][:, 0], commanded(clock))
@@ -55,7 +56,7 @@ def test_where_only_the_stamps_are_late_rows_stay_as_they_are(tmp_path: Path) ->
     stamped = clock + PERIOD * 0.4 * np.random.default_rng(1).uniform(-1, 1, ROWS)
     r = load_recording(log(tmp_path, clock, stamped))
     exact = load_recording(log(tmp_path / "exact", clock, clock))
-    assert r.period == PERIOD and "stamps" in r.notes[0]
+    assert r.period == PERIOD and "stamps" in r.notes[0] and r.late_s == 0.0
     for name, signal in exact.signals.items():
         np.testing.assert_array_equal(r.signals[name], signal, err_msg=name)
 
