@@ -2,59 +2,89 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from workbench.effects import effect_named
+
+from .beside_gap import beside_gap
 from .choosing import behind
 from .data import Data
 from .fit import fit
 from .giving import pins_of, what_gives_way
-from .hypothesis import Fit
+from .hypothesis import Fit, Hypothesis
 from .judging import witnessed
-from .refining import with_candidate
+from .refining import with_candidates
+from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
 
-_PLAIN = 0.25  # of the torque that is lacking: what leaves no more stands whatever the loop says
+_ROUNDS = 12  # of a fit of a gap with others: the slopes of runs that part are rough
+_FEW = 3  # of a fit on the way there
 
 
 def plain_by_torque(
-    scene: Scene, data: Data, start: Fit, progress: Callable[[str], None]
+    scene: Scene,
+    data: Data,
+    start: Fit,
+    progress: Callable[[str], None],
+    least: float = 0.0,
+    most: float = 0.25,
 ) -> tuple[Stage, ...]:
     """The spring or gap that leaves little of the torque that is lacking, as the torque has it.
 
     Its closed loop does not run as the measured one while anything else is missing, least of all with a gap,
-    whose runs part: no simulation tells by itself that it is there.
+    whose runs part: no simulation tells by itself that it is there. What else is missing where a gap is comes
+    with it.
 
     Args:
         scene: the model that lacks something.
         data: its recordings.
         start: the model as it is.
         progress: told what is being done.
+        least, most: share of the torque that is lacking, between which it must leave of it.
 
     Returns:
-        One stage, whose data and runs are not its own yet; none where nothing is plain.
+        A stage each, whose data and runs are not its own yet; none where nothing is plain.
     """
-    found = what_gives_way(scene, data.training, 1.0)
-    if not found or found[0].judged > _PLAIN:
+    known = what_gives_way(scene, data.training, 1.0)
+    if not known or not least <= known[0].judged <= most:
         return ()
-    plain, *others = found
+    plain, *others = known
     progress(f"beginning with {plain.key}, which the torque shows")
-    fitted = fit([with_candidate(scene, plain, start)], data, 1)[0]
-    if fitted is None or not witnessed(scene, fitted):
+    chosen = [plain]
+    if effect_named(plain.key.effect).wanders:
+        chosen = beside_gap(scene, plain, start, data.training)
+    fits = _fits(scene, chosen, start, data)
+    if fits is None or not witnessed(scene, fits[-1]):
         return ()
-    stage = Stage(
-        added=plain.key,
-        fit=fitted,
-        data=data,
-        removed_share=(start.judged - fitted.judged) / max(start.judged, 1e-12),
-        rivals=pins_of(scene.model, plain.key),
-        others=(),
-        dropped=(),
-        ranking=tuple((c.key, 1.0 - c.judged) for c in found),
-        behind=behind(plain.key, plain.judged, ((c.key, c.judged) for c in others)),
-        folds=(int(np.sum(fitted.agreeing < start.agreeing)), len(fitted.agreeing)),
-        by_held_out=data.held_out_judges,
+    before = (start, *fits[:-1])
+    return tuple(
+        Stage(
+            added=candidate.key,
+            fit=found,
+            data=data,
+            removed_share=(earlier.judged - found.judged) / max(start.judged, 1e-12),
+            rivals=pins_of(scene.model, candidate.key),
+            others=(),
+            dropped=(),
+            ranking=tuple((c.key, 1.0 - c.judged) for c in known) if candidate is chosen[0] else (),
+            behind=behind(plain.key, plain.judged, ((c.key, c.judged) for c in others))
+            if candidate is chosen[0]
+            else (),
+            folds=(int(np.sum(found.agreeing < earlier.agreeing)), len(found.agreeing)),
+            by_held_out=data.held_out_judges,
+        )
+        for candidate, earlier, found in zip(chosen, before, fits, strict=True)
     )
-    return (stage,)
+
+
+def _fits(scene: Scene, chosen: Sequence[Candidate], start: Fit, data: Data) -> list[Fit] | None:
+    """Of the first candidate, the first two, and so on; None where all of them do not run."""
+    tried: list[Hypothesis] = [with_candidates(scene, chosen[: k + 1], start) for k in range(len(chosen))]
+    if len(tried) == 1:
+        return [f for f in fit(tried, data, 1) if f is not None] or None
+    # on the way there a loop may not run; what it leads to does
+    (last,) = fit(tried[-1:], data, _ROUNDS)
+    return None if last is None else [*(f or last for f in fit(tried[:-1], data, _FEW)), last]

@@ -25,16 +25,25 @@ from .step import next_stage
 from .trying import Progress
 from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, with_last, with_stages
 
+# Of the torque that is lacking: what a spring or gap may leave to stand whatever the loop says. Where it is
+# next to nothing, that goes before all other ways to begin.
+_NOTHING_ELSE, _LITTLE = 0.03, 0.25
+
 
 def otherwise(way: Way, quest: Quest) -> Way:
     """The first of the other ways that leads to the noise; `way` where none does.
 
-    By what the training recordings show, where held-out motion shows little; with the same cause on every
-    axis, each of which has its share; with two effects at once, since the best first step of a pair may be
-    neither of them; with a refinement that a basic effect went before; with what the torque shows to give
-    way; and boldly on from where the first way ended.
+    With what the torque shows to give way, where that leaves next to nothing of it; by what the training
+    recordings show, where held-out motion shows little; with the same cause on every axis, each of which has
+    its share; with two effects at once, since the best first step of a pair may be neither of them; with a
+    refinement that a basic effect went before; with what the torque shows less plainly to give way; and
+    boldly on from where the first way ended.
     """
     start, data = quest.start, quest.data
+    plain = _by_torque(quest, 0.0, _NOTHING_ELSE)
+    led = _through(plain, quest) if plain else way
+    if plain and _sure(led, quest):
+        return led
     met = [keys_of(stage.fit) for stage in way.stages]
     beginnings = (
         (_by_training, _sure),
@@ -78,7 +87,7 @@ def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
     """Ways of which nothing but their end can tell whether they are right."""
     tried: set[tuple[Keys, EffectKey]] = set()
     yield from _refined(way, quest, tried)
-    for leap in (partial(_by_torque, quest), partial(_boldly, way, quest)):
+    for leap in (partial(_by_torque, quest, _NOTHING_ELSE, _LITTLE), partial(_boldly, way, quest)):
         bold = None if quest.data.effort.spent else leap()
         if bold is not None:
             other = _through(bold, quest)
@@ -150,9 +159,11 @@ def _boldly(way: Way, quest: Quest) -> Way | None:
     return None if stage is None else with_stages(way, (stage,), quest.seed, wide=False)
 
 
-def _by_torque(quest: Quest) -> Way | None:
-    """From what the torque shows to give way, and no closed loop yet."""
-    stages = plain_by_torque(quest.scene, quest.data, quest.start, quest.progress)
+def _by_torque(quest: Quest, least: float, most: float) -> Way | None:
+    """From what the torque shows to give way, and no closed loop yet, where it leaves so much of it."""
+    if quest.data.effort.spent:
+        return None
+    stages = plain_by_torque(quest.scene, quest.data, quest.start, quest.progress, least, most)
     return with_stages(Way(quest.start, quest.data), stages, quest.seed, wide=False) if stages else None
 
 

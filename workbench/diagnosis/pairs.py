@@ -140,7 +140,7 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
     columns, entries = entries_of(scene)
     entries = [e for e in entries if effect_named(e.key.effect).free(scene.model) > 0]
     rows = sum(r.position.size for r in data.recordings)
-    pairs = [(a, b) for a, b in combinations(entries, 2) if _may_stand_together(a.key, b.key)]
+    pairs = [(a, b) for a, b in combinations(entries, 2) if may_stand_together(a.key, b.key)]
     if not pairs or 2.0 * rows * len(columns) > _MOST_VALUES:
         return []
     pieces, held_out = equations(scene, [], columns, data, start.simulated)
@@ -167,8 +167,8 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
     return [pair for judged, pair in sorted(best.values(), key=lambda jp: jp[0]) if judged < most]
 
 
-def _may_stand_together(one: EffectKey, other: EffectKey) -> bool:
-    """Not two forms of one cause, and not two dry frictions of one axis, which share its stiction."""
+def may_stand_together(one: EffectKey, other: EffectKey) -> bool:
+    """Whether two effects are neither two forms of one cause nor dry frictions that share a stiction."""
     if one == other or contains(one, other) or contains(other, one):
         return False
     return not (effect_named(one.effect).dry and effect_named(other.effect).dry and one.axis == other.axis)

@@ -12,10 +12,12 @@ from .hypothesis import Fit, Hypothesis, applied_effect
 
 
 def parting(found: Fit, data: Data) -> np.ndarray:
-    """Mean squared distance of runs whose parameters differ by what the fit leaves open.
+    """Typical squared distance of runs whose parameters differ by what the fit leaves open.
 
     A gap's runs follow their parameters for a while only: soon even the true ones give another motion than
-    the measured one, and no fit can be asked for less than two such runs differ.
+    the measured one, and no fit can be asked for less than two such runs differ. At either end of a gap's own
+    interval a run may land on another motion altogether, which the fit in the middle did not: the median of
+    all pairs is told nothing by that.
 
     Args:
         found: the fit; its model ran.
@@ -33,7 +35,7 @@ def parting(found: Fit, data: Data) -> np.ndarray:
         square = np.stack([np.mean(r**2, axis=0) for r in rows])
         if np.isfinite(square).all():
             apart.append(square)
-    return np.mean(apart, axis=0) if apart else np.zeros_like(found.mean_squares)
+    return np.median(apart, axis=0) if apart else np.zeros_like(found.mean_squares)
 
 
 def _around(hypothesis: Hypothesis) -> list[Hypothesis]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.comparison import scored_signals
 from workbench.core import EffectKey, Recording
-from workbench.effects import Motion, Plant, compile_plant, effect_named
+from workbench.effects import Effect, Motion, Plant, compile_plant, effect_named
 from workbench.models import AppliedEffect, Model, Placement
 from workbench.simulation import Disturbance, on_all_cores
 
@@ -179,10 +179,10 @@ class Scene:
         low = np.array([*lower, *(limits[name][0] for name in names)])
         high = np.array([*upper, *(limits[name][1] for name in names)])
         now = np.array([*coefficients, *(shape[name] for name in names)])
-        least = effect.least(shape)
+        least = np.maximum(effect.least(shape), _PROBE * _alike(effect, now))
         out = []
         for i, value in enumerate(now):
-            change = max(_PROBE * abs(value), least[i])
+            change = least[i]
             change = change if value + change <= high[i] or value - change < low[i] else -change
             moved = now + change * (np.arange(len(now)) == i)
             count = len(coefficients)
@@ -191,6 +191,16 @@ class Scene:
             effects = tuple(changed if e is applied else e for e in self.model.effects)
             out.append(Trial(replace(self.model, effects=effects), change))
         return out
+
+
+def _alike(effect: Effect, values: np.ndarray) -> np.ndarray:
+    """Size of each unknown (k,); of coefficients in one unit the largest: nothing has no size of its own."""
+    units = [p.unit for p in effect.parameters if p.name not in effect.nonlinear]
+    sizes = np.abs(values)
+    for unit in set(units):
+        same = np.flatnonzero([u == unit for u in units])
+        sizes[same] = sizes[same].max()
+    return sizes
 
 
 def combine(columns: Sequence[Column], factors: Sequence[float]) -> Column:

@@ -6,11 +6,13 @@ from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, giving_way, places
 from .chain import Build, FlankTerm, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
+from .flexible import link_inertia
 from .ground import feet_of, plate_columns, settle_contacts
 from .ground_friction import FEWEST_SLIPS, ratio_in_slip
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
 from .motion import Contact, Line, Motion, held, torque_bounds
+from .passage import Passage
 from .presliding_hysteresis import wound
 from .response import Response, smooth_sign
 from .settled import with_settled
@@ -34,6 +36,7 @@ __all__ = [
     "Line",
     "Motion",
     "Parameter",
+    "Passage",
     "Plant",
     "Response",
     "SensorErrors",
@@ -55,6 +58,7 @@ __all__ = [
     "heat",
     "held",
     "law",
+    "link_inertia",
     "load_model",
     "places",
     "plate_columns",

@@ -11,6 +11,7 @@ as with the spring at the drive in other words.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -51,8 +52,21 @@ def can_split(model: Model, key: EffectKey) -> bool:
 def _rotor(model: Model, index: int) -> float:
     """Inertia of a drive, with what was found to be more of it [kg m^2 or kg]."""
     more = EffectKey("reflected_inertia", model.axes[index])
-    own = model.actuators.inertia if model.has("actuator_inertia_coupling") else rotors(model)[0]
-    return float(own[index]) + sum(e.values["inertia"] for e in model.effects if e.key == more)
+    own = _stated_drives(model)[0][index]
+    return float(own) + sum(e.values["inertia"] for e in model.effects if e.key == more)
+
+
+def _stated_drives(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Inertia and damping (n,) of drives, whatever effects they have."""
+    if model.has("actuator_inertia_coupling"):
+        return np.array(model.actuators.inertia), np.array(model.actuators.damping)
+    return rotors(model)
+
+
+def _without_drive(model: Model, index: int) -> Model:
+    """A model without the effects of one drive."""
+    links = tuple(e for e in model.effects if (e.key.axis, e.key.location) != (model.axes[index], "actuator"))
+    return model if len(links) == len(model.effects) else replace(model, effects=links)
 
 
 def _seat(key: EffectKey) -> tuple[str | None, str]:
@@ -136,10 +150,14 @@ def link_inertia(motion: Motion, model: Model, place: Placement) -> tuple[float,
 
 
 def transmitted(motion: Motion, model: Model, place: Placement) -> np.ndarray:
-    """Torque (N,) that would pass rigidly by a model: what it needs, less what is on the motor's side."""
+    """Torque (N,) that would pass rigidly by a model: what it needs, less what is on the motor's side.
+
+    There is the drive's friction too, and all else that the model has found there.
+    """
     index = place.index
-    inertia, damping = (part[index] for part in motion.rotor)
-    needed = (motion.gain * motion.required(model))[:, index]
+    bare = _without_drive(model, index)
+    inertia, damping = (part[index] for part in _stated_drives(model))
+    needed = motion.required(bare)[:, index]
     torque = needed - inertia * motion.acceleration[:, index] - damping * motion.velocity[:, index]
     if place.location == "joint" and index == 1:
         crank = crank_of(model)

@@ -7,7 +7,7 @@ acceleration say passes through, and by how much it has to be drawn tells how fa
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numba import njit
@@ -65,6 +65,20 @@ class Passage:
         error = np.empty_like(self.load)
         _observe(self.load, self.passed, self.step, inertia, gap, stiffness, retardation, _RATE, error)
         return error
+
+    def unforeseen_means(
+        self, inertia: float, gap: float, stiffness: float, retardation: float
+    ) -> np.ndarray:
+        """Means of it over `_MEAN` rows, (M,), without the settling; by these gaps are told apart."""
+        error = self.unforeseen(inertia, gap, stiffness, retardation)
+        means = error[: len(error) // _MEAN * _MEAN].reshape(-1, _MEAN).mean(axis=1)
+        return means[_SETTLING:]
+
+    def with_torque(self, torque: np.ndarray, at_motor: bool) -> Passage:
+        """The same with one more torque (N,), on the motor or on the links."""
+        if at_motor:
+            return replace(self, passed=self.passed + torque)
+        return replace(self, load=self.load - torque)
 
 
 def foresees(

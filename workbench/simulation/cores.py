@@ -5,7 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from typing import Any, TypeVar
+
+from threadpoolctl import ThreadpoolController
 
 Made = TypeVar("Made")
 
@@ -19,6 +22,14 @@ def use_cores(count: int) -> None:
 
 
 def on_all_cores(function: Callable[..., Made], *arguments: Iterable[Any]) -> list[Made]:
-    """What ``map(function, *arguments)`` gives, in its order; an exception of any call is raised."""
-    with ThreadPoolExecutor(_cores) as pool:
+    """What ``map(function, *arguments)`` gives, in its order; an exception of any call is raised.
+
+    Linear algebra keeps to one thread a call meanwhile: its own threads would only wait for these.
+    """
+    with _linear_algebra().limit(limits=1, user_api="blas"), ThreadPoolExecutor(_cores) as pool:
         return list(pool.map(function, *arguments))
+
+
+@cache
+def _linear_algebra() -> ThreadpoolController:
+    return ThreadpoolController()
