@@ -41,14 +41,14 @@ def plain_by_torque(
     Args:
         scene: the model that lacks something.
         data: its recordings.
-        start: the model as it is.
+        start: the model as it is, with what was found of it.
         progress: told what is being done.
         least, most: share of the torque that is lacking, between which it must leave of it.
 
     Returns:
         A stage each, whose data and runs are not its own yet; none where nothing is plain.
     """
-    known = what_gives_way(scene, data.training, 1.0)
+    known = what_gives_way(scene, data.training, 1.0, start.hypothesis.free)
     if not known or not least <= known[0].judged <= most:
         return ()
     plain, *others = known

@@ -15,8 +15,8 @@ from .judging import (
     NEARLY_ALL,
     TIE,
     explained,
-    floor_of_fitting,
     floor_of_judging,
+    mends,
     nearly_at_floor,
     witnessed,
 )
@@ -28,7 +28,6 @@ from .ways import Quest, Way, onwards, wanders, with_stages
 
 _CLOSE = 2.5  # times what the cause left that was taken: others that left no more may be what it stood for
 _MOST = 3  # others that are tried in place of each
-_HALF = 0.5  # of what is left above the noise: an exchange that leaves more mends nothing
 
 
 def others_instead(way: Way, quest: Quest) -> Way:
@@ -45,7 +44,7 @@ def others_instead(way: Way, quest: Quest) -> Way:
         if way.done or way.data.effort.spent:
             return way
         found = _in_its_place(stage, way, quest)
-        if found and _mends(found[0], way):
+        if found and mends(way.current, found[0].fit, way.data):
             way = onwards(with_stages(way, found[:1], quest.seed), quest)
         elif stage is way.stages[-1] and not nearly_at_floor(way.current, way.data):
             one_more = replace(quest, limit=1)
@@ -100,13 +99,3 @@ def _stage(explanation: Explanation, left: Sequence[Judged], stage: Stage, rest:
         folds=(int(np.sum(found.agreeing < way.current.agreeing)), len(found.agreeing)),
         by_held_out=data.held_out_judges,
     )
-
-
-def _mends(stage: Stage, way: Way) -> bool:
-    """Whether so much less is left, fitted and judged, that the other cause was a stand-in."""
-    now, then, data = way.current, stage.fit, way.data
-    pairs = (
-        (now.judged, then.judged, floor_of_judging(data)),
-        (now.trained, then.trained, floor_of_fitting(data)),
-    )
-    return all(after - floor < _HALF * (before - floor) for before, after, floor in pairs)

@@ -15,7 +15,7 @@ from .data import Data
 from .everywhere import needed, on_every_axis
 from .giving import other_causes
 from .hypothesis import Fit
-from .judging import NEARLY_ALL, explained, nearly_at_floor, overshadowed, reached, rejudged
+from .judging import NEARLY_ALL, explained, mends, nearly_at_floor, overshadowed, reached, rejudged
 from .pairs import two_at_once
 from .refining import polished
 from .screen import screen
@@ -40,10 +40,9 @@ def otherwise(way: Way, quest: Quest) -> Way:
     boldly on from where the first way ended.
     """
     start, data = quest.start, quest.data
-    plain = _by_torque(quest, 0.0, _NOTHING_ELSE)
-    led = _through(plain, quest) if plain else way
-    if plain and _sure(led, quest):
-        return led
+    plain = _plainly_by_torque(way, quest)
+    if plain is not None:
+        return plain
     met = [keys_of(stage.fit) for stage in way.stages]
     beginnings = (
         (_by_training, _sure),
@@ -64,6 +63,32 @@ def otherwise(way: Way, quest: Quest) -> Way:
             if enough(other, quest):
                 return other
     return next((other for other in _leaps(way, quest) if _sure(other, quest)), way)
+
+
+def what_the_torque_shows(way: Way, quest: Quest) -> Way:
+    """With what plainly gives way, where much more than noise is left; `way` where that is no better.
+
+    Most of what a gap leaves may be explained by inertia in its place.
+    """
+    if way.done or nearly_at_floor(way.current, way.data):
+        return way
+    plain = _plainly_by_torque(way, quest)
+    return plain if plain is not None and mends(way.current, plain.current, way.data) else way
+
+
+def _plainly_by_torque(way: Way, quest: Quest) -> Way | None:
+    """From the first place on a way where the torque shows something to give way that leaves nothing of it.
+
+    Later ones have more that is true, as friction that hides a gap, and more that only stands for the rest.
+    """
+    begun = Way(quest.start, quest.data)
+    ends = (way.stages[: k + 1] for k in range(len(way.stages)))
+    for at in (begun, *(Way(rejudged(s[-1].fit, s[-1].data), s[-1].data, s) for s in ends)):
+        plain = _by_torque(at, quest, 0.0, _NOTHING_ELSE)
+        led = _through(plain, quest) if plain else begun
+        if _sure(led, quest):
+            return led
+    return None
 
 
 def _without_stand_ins(ended: Way, begun: Way, quest: Quest) -> Way:
@@ -87,7 +112,8 @@ def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
     """Ways of which nothing but their end can tell whether they are right."""
     tried: set[tuple[Keys, EffectKey]] = set()
     yield from _refined(way, quest, tried)
-    for leap in (partial(_by_torque, quest, _NOTHING_ELSE, _LITTLE), partial(_boldly, way, quest)):
+    plainly = partial(_by_torque, Way(quest.start, quest.data), quest, _NOTHING_ELSE, _LITTLE)
+    for leap in (plainly, partial(_boldly, way, quest)):
         bold = None if quest.data.effort.spent else leap()
         if bold is not None:
             other = _through(bold, quest)
@@ -159,12 +185,19 @@ def _boldly(way: Way, quest: Quest) -> Way | None:
     return None if stage is None else with_stages(way, (stage,), quest.seed, wide=False)
 
 
-def _by_torque(quest: Quest, least: float, most: float) -> Way | None:
-    """From what the torque shows to give way, and no closed loop yet, where it leaves so much of it."""
-    if quest.data.effort.spent:
+def _by_torque(at: Way, quest: Quest, least: float, most: float) -> Way | None:
+    """On from where a search stands with what the torque shows to give way, and no closed loop yet.
+
+    `least`, `most`: what it leaves of the torque that is lacking there.
+    """
+    data, current = at.data, at.current
+    if data.effort.spent:
         return None
-    stages = plain_by_torque(quest.scene, quest.data, quest.start, quest.progress, least, most)
-    return with_stages(Way(quest.start, quest.data), stages, quest.seed, wide=False) if stages else None
+    scene = quest.scene
+    if at.stages:
+        scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+    stages = plain_by_torque(scene, data, current, quest.progress, least, most)
+    return with_stages(at, stages, quest.seed, wide=False) if stages else None
 
 
 def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tuple[Stage, ...]:

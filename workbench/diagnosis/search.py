@@ -16,7 +16,7 @@ from .hypothesis import Fit
 from .instead import others_instead
 from .judging import explained, mostly_explained, rejudged, stands_out
 from .one_for_two import one_for_two
-from .other_ways import fewer, otherwise
+from .other_ways import fewer, otherwise, what_the_torque_shows
 from .simpler import simpler, without
 from .stage import Search
 from .trying import Progress
@@ -77,6 +77,7 @@ def search(
             way = way if other is way else _honed(other, quest)
         elif limit > 1:
             way = on_further_axes(fewer(way, quest), quest)
+            way = _honed(what_the_torque_shows(way, quest), quest)
         way = one_for_two(others_instead(way, quest), quest)
     way = _plain(_simplified(way, seed, progress), start, first)
     current, data = way.current, way.data

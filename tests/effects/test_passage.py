@@ -1,0 +1,76 @@
+"""What passes from a drive to the links, and what stays ahead of a gap."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.effects.cases import reference
+from tests.simulation.make import having
+from workbench.core import EffectKey
+from workbench.effects import Motion, Passage, compile_plant, load_model
+from workbench.models import Model, Placement
+from workbench.simulation import Track, motion_of
+
+LEG = load_model("leg")
+GAP = EffectKey("backlash", "knee")
+AT_THE_DRIVE = {
+    "coulomb_friction": {"torque": 0.5},
+    "viscous_damping": {"damping": 0.3},
+    "reflected_inertia": {"inertia": 0.004},
+    "torque_bias": {"torque": 0.4},
+    "torque_constant_error": {"gain": 0.8},
+}
+
+
+def motion(model: Model) -> Motion:
+    """The reference motion of the leg as a model sees it."""
+    run = reference("leg")
+    velocity = np.gradient(run.position, run.period, axis=0)
+    track = Track(run.position, velocity, np.gradient(velocity, run.period, axis=0))
+    return motion_of(track, run, compile_plant(model), np.eye(2))
+
+
+def passage(model: Model) -> Passage:
+    """What passes at the knee's drive."""
+    place = Placement.of(model, GAP)
+    assert place is not None
+    return Passage.of(motion(model), model, place)
+
+
+@pytest.mark.parametrize("effect", AT_THE_DRIVE)
+def test_what_a_drive_has_does_not_load_the_gap_behind_it(effect: str) -> None:
+    """It changes what passed of a motor's torque, and nothing of what the links need."""
+    bare, more = passage(LEG), passage(having(LEG, EffectKey(effect, "knee"), **AT_THE_DRIVE[effect]))
+    size = np.abs(bare.load).max()
+    np.testing.assert_allclose(more.load, bare.load, atol=1e-9 * size)
+    assert np.abs(more.passed - bare.passed).max() > 0.01 * size
+
+
+def test_what_the_links_have_loads_it_and_takes_nothing_of_what_passed() -> None:
+    bare = passage(LEG)
+    more = passage(having(LEG, EffectKey("viscous_damping", "knee", "joint"), damping=0.3))
+    size = np.abs(bare.load).max()
+    np.testing.assert_allclose(more.passed, bare.passed, atol=1e-9 * size)
+    assert np.abs(more.load - bare.load).max() > 0.01 * size
+
+
+@pytest.mark.parametrize("location", ["actuator", "joint"])
+def test_one_more_torque_is_what_an_effect_of_that_torque_does(location: str) -> None:
+    key, damping = EffectKey("viscous_damping", "knee", location), 0.3
+    place = Placement.of(LEG, key)
+    assert place is not None
+    _, speed, _ = motion(LEG).along(place)
+    added = passage(LEG).with_torque(-damping * speed, at_motor=location == "actuator")
+    built = passage(having(LEG, key, damping=damping))
+    size = np.abs(built.load).max()
+    np.testing.assert_allclose(added.load, built.load, atol=0.01 * size)
+    np.testing.assert_allclose(added.passed, built.passed, atol=0.01 * size)
+
+
+def test_a_gap_is_told_by_means_of_rows_once_it_has_settled() -> None:
+    seen = passage(LEG)
+    rows = seen.unforeseen(0.01, 0.005, 300.0, 0.0)
+    means = seen.unforeseen_means(0.01, 0.005, 300.0, 0.0)
+    assert means[-1] == pytest.approx(rows[: len(rows) // 8 * 8][-8:].mean())
+    assert len(means) == len(rows) // 8 - 12
