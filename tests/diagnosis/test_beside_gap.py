@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from workbench.core import EffectKey
+from workbench.core import EffectKey, SimulationError
+from workbench.diagnosis import beside_gap as module
 from workbench.diagnosis.beside_gap import beside_gap
 from workbench.diagnosis.by_torque import plain_by_torque
 from workbench.diagnosis.fit import fit
@@ -16,6 +17,7 @@ from workbench.diagnosis.other_ways import what_the_torque_shows
 from workbench.diagnosis.stage import Stage
 from workbench.diagnosis.ways import Quest, Way, with_stages
 from workbench.effects import load_model
+from workbench.models import Model
 from workbench.rigs import HiddenEffect
 
 from .rig import applied, asked, recordings
@@ -57,6 +59,17 @@ def test_a_gap_that_is_all_that_is_missing_stays_alone() -> None:
     quest = asked(LEG, *recordings(GAP))
     alone = what_gives_way(quest.scene, quest.data.training, 1.0)[0]
     assert beside_gap(quest.scene, alone, quest.start, quest.data.training) == [alone]
+
+
+def test_what_no_body_can_be_is_not_proposed(heavier: Quest, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(model: Model) -> None:
+        if any(e.key == INERTIA for e in model.effects):
+            raise SimulationError("no body has such an inertia")
+
+    monkeypatch.setattr(module, "compile_plant", refuse)
+    alone = what_gives_way(heavier.scene, heavier.data.training, 1.0)[0]
+    found = beside_gap(heavier.scene, alone, heavier.start, heavier.data.training)
+    assert INERTIA not in {c.key for c in found} and found[0].key == KEY
 
 
 def test_an_inertia_that_stood_for_a_gap_makes_room_for_it() -> None:

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import least_squares
 
-from workbench.core import EffectKey
-from workbench.effects import Passage, effect_named, link_inertia
-from workbench.models import Placement
+from workbench.core import EffectKey, SimulationError
+from workbench.effects import Passage, compile_plant, effect_named, link_inertia
+from workbench.models import Model, Placement
 
 from .hypothesis import Fit
 from .pairs import may_stand_together
@@ -141,15 +141,28 @@ def beside_gap(scene: Scene, gap: Candidate, current: Fit, training: int) -> lis
         if new is None:
             break
         option, start = new
-        better = seen.fitted(_torques([*chosen, option]), start)
-        now = _square(seen.left(_torques([*chosen, option]), better))
+        more = [*chosen, option]
+        better = seen.fitted(_torques(more), start)
+        now = _square(seen.left(_torques(more), better))
         if now > _LESS * left:
             break
-        chosen, values, left = [*chosen, option], better, now
+        if _can_be(with_candidates(scene, _candidates(more, better[2:], gap), current).model):
+            chosen, values, left = more, better, now
+        else:
+            options.remove(option)
     if not chosen:
         return [gap]
     others = _candidates(chosen, values[2:], gap)
     return [_again(scene, gap, others, current, training), *others]
+
+
+def _can_be(model: Model) -> bool:
+    """Whether bodies with such inertias can be."""
+    try:
+        compile_plant(model)
+    except SimulationError:
+        return False
+    return True
 
 
 def _options(scene: Scene, gap: EffectKey, training: int) -> list[_Option]:
