@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from .choosing import behind
 from .data import Data
 from .fit import fit
 from .giving import pins_of, what_gives_way
-from .hypothesis import Fit, Hypothesis
+from .hypothesis import Fit, Hypothesis, applied_effect
 from .judging import witnessed
 from .refining import with_candidates
 from .screen import Candidate
@@ -82,9 +83,26 @@ def plain_by_torque(
 
 def _fits(scene: Scene, chosen: Sequence[Candidate], start: Fit, data: Data) -> list[Fit] | None:
     """Of the first candidate, the first two, and so on; None where all of them do not run."""
-    tried: list[Hypothesis] = [with_candidates(scene, chosen[: k + 1], start) for k in range(len(chosen))]
-    if len(tried) == 1:
-        return [f for f in fit(tried, data, 1) if f is not None] or None
+    fits: list[Fit | None] = []
+    for count in range(1, len(chosen) + 1):
+        hypothesis = with_candidates(scene, chosen[:count], start)
+        before = next((f for f in reversed(fits) if f is not None), None)
+        if before is not None:
+            hypothesis = _with_unseen(hypothesis, before)
+        rounds = 1 if len(chosen) == 1 else _FEW if count < len(chosen) else _ROUNDS
+        fits += fit([hypothesis], data, rounds)
+    last = fits[-1]
     # on the way there a loop may not run; what it leads to does
-    (last,) = fit(tried[-1:], data, _ROUNDS)
-    return None if last is None else [*(f or last for f in fit(tried[:-1], data, _FEW)), last]
+    return None if last is None else [f or last for f in fits]
+
+
+def _with_unseen(hypothesis: Hypothesis, before: Fit) -> Hypothesis:
+    """With values of an earlier fit where the torque at the gap says nothing and there are none yet."""
+    known = {a.key: a.values for a in before.hypothesis.free}
+    free = []
+    for applied in hypothesis.free:
+        values = {
+            k: known.get(applied.key, {}).get(k, v) if v == 0.0 else v for k, v in applied.values.items()
+        }
+        free.append(applied_effect(hypothesis.base, applied, values))
+    return replace(hypothesis, free=tuple(free))

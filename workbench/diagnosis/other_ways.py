@@ -163,8 +163,12 @@ def _doubtful(stage: Stage, way: Way, quest: Quest) -> bool:
 
 
 def _through(way: Way, quest: Quest, *, basics_first: bool = True) -> Way:
-    """Onwards also where runs part by themselves; by how much they do is asked of the last model."""
-    other = onwards(way, quest, through=True, basics_first=basics_first)
+    """Onwards also where runs part by themselves, unless hardly more than noise is left.
+
+    By how much they part is asked of the last model.
+    """
+    near = bool(way.stages) and nearly_at_floor(way.current, way.data)
+    other = way if near else onwards(way, quest, through=True, basics_first=basics_first)
     if not other.stages:
         return other
     return with_last(other, other.stages[-1], quest.seed)
