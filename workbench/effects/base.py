@@ -103,6 +103,7 @@ class Effect(ABC):
             can begin with it in the middle of a recording.
         of_a_make: whether it comes with the make of a joint or its drive, so that all axes may have it alike;
             springs, offsets and ripples come with the assembly of each.
+        adds_up: whether what a model states of it and what is found of it are one effect, of their sum.
         trace: what it leaves in a frequency response; None where that says nothing of it. On the input's
             side, or of a sensor on the output's.
         axes: ``"each"`` (acts on one axis), ``"all"`` (axis null).
@@ -133,6 +134,7 @@ class Effect(ABC):
     wanders: ClassVar[bool] = False
     needs_the_past: ClassVar[bool] = False
     of_a_make: ClassVar[bool] = False
+    adds_up: ClassVar[bool] = False
     trace: ClassVar[Trace | None] = None
     axes: ClassVar[Literal["each", "all"]] = "each"
     needs: ClassVar[str] = "to be there once at most"

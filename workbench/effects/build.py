@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -62,9 +62,25 @@ def build(model: Model, timestep: float = 0.001, held: Sequence[str] = (), groun
             lay_ground(out, model.ground)
         else:
             lift_off(out.spec, model.ground)
-    for applied in sorted(model.effects, key=_turn):
+    for applied in sorted(_added_up(model.effects), key=_turn):
         effect = effect_named(applied.key.effect)
         effect.install(out, model, Placement.of(model, applied.key), applied.values)
+    return out
+
+
+def _added_up(effects: Sequence[AppliedEffect]) -> list[AppliedEffect]:
+    """Effects, what a model states of one and what was found to be more or less of it as one."""
+    out: list[AppliedEffect] = []
+    for applied in effects:
+        first = next((k for k, a in enumerate(out) if a.key == applied.key), None)
+        if first is None or not effect_named(applied.key.effect).adds_up:
+            out.append(applied)
+            continue
+        total = {
+            name: replace(e, value=e.value + applied.parameters[name].value)
+            for name, e in out[first].parameters.items()
+        }
+        out[first] = replace(out[first], parameters=total)
     return out
 
 

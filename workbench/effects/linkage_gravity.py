@@ -25,6 +25,7 @@ class LinkageGravity(Effect):
     door = Door.MECHANISM
     of_position = True
     on_links = True
+    adds_up = True
     basic = True
     axes = "all"
     trace = Trace.EVEN

@@ -28,6 +28,7 @@ class LinkageInertia(Effect):
     )
     door = Door.MECHANISM
     on_links = True
+    adds_up = True
     basic = True
     tier = 1
     contains = ("reflected_inertia",)
