@@ -21,6 +21,8 @@ from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
 
+#: Of the torque that is lacking: what a spring or gap may leave to stand whatever the loop says.
+LITTLE = 0.25
 _ROUNDS = 12  # of a fit of a gap with others: the slopes of runs that part are rough
 _FEW = 3  # of a fit on the way there
 
@@ -31,7 +33,7 @@ def plain_by_torque(
     start: Fit,
     progress: Callable[[str], None],
     least: float = 0.0,
-    most: float = 0.25,
+    most: float = LITTLE,
 ) -> tuple[Stage, ...]:
     """The spring or gap that leaves little of the torque that is lacking, as the torque has it.
 

@@ -9,7 +9,7 @@ from functools import partial
 from workbench.core import EffectKey
 
 from .along_motion import along_the_motion
-from .by_torque import plain_by_torque
+from .by_torque import LITTLE, plain_by_torque
 from .choosing import passed_over
 from .data import Data
 from .everywhere import needed, on_every_axis
@@ -25,9 +25,8 @@ from .step import next_stage
 from .trying import Progress
 from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, with_last, with_stages
 
-# Of the torque that is lacking: what a spring or gap may leave to stand whatever the loop says. Where it is
-# next to nothing, that goes before all other ways to begin.
-_NOTHING_ELSE, _LITTLE = 0.03, 0.25
+# Of the torque that is lacking: a spring or gap that leaves no more goes before all other ways to begin.
+_NEXT_TO_NOTHING = 0.03
 
 
 def otherwise(way: Way, quest: Quest) -> Way:
@@ -84,7 +83,7 @@ def _plainly_by_torque(way: Way, quest: Quest) -> Way | None:
     begun = Way(quest.start, quest.data)
     ends = (way.stages[: k + 1] for k in range(len(way.stages)))
     for at in (begun, *(Way(rejudged(s[-1].fit, s[-1].data), s[-1].data, s) for s in ends)):
-        plain = _by_torque(at, quest, 0.0, _NOTHING_ELSE)
+        plain = _by_torque(at, quest, 0.0, _NEXT_TO_NOTHING)
         led = _through(plain, quest) if plain else begun
         if _sure(led, quest):
             return led
@@ -112,7 +111,7 @@ def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
     """Ways of which nothing but their end can tell whether they are right."""
     tried: set[tuple[Keys, EffectKey]] = set()
     yield from _refined(way, quest, tried)
-    plainly = partial(_by_torque, Way(quest.start, quest.data), quest, _NOTHING_ELSE, _LITTLE)
+    plainly = partial(_by_torque, Way(quest.start, quest.data), quest, _NEXT_TO_NOTHING, LITTLE)
     for leap in (plainly, partial(_boldly, way, quest)):
         bold = None if quest.data.effort.spent else leap()
         if bold is not None:
