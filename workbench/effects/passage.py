@@ -69,10 +69,8 @@ class Passage:
     def unforeseen_means(
         self, inertia: float, gap: float, stiffness: float, retardation: float
     ) -> np.ndarray:
-        """Means of it over `_MEAN` rows, (M,), without the settling; by these gaps are told apart."""
-        error = self.unforeseen(inertia, gap, stiffness, retardation)
-        means = error[: len(error) // _MEAN * _MEAN].reshape(-1, _MEAN).mean(axis=1)
-        return means[_SETTLING:]
+        """Means of it over `_MEAN` rows, (M,), by which gaps are told apart."""
+        return _means(self.unforeseen(inertia, gap, stiffness, retardation), _MEAN)
 
     def with_torque(self, torque: np.ndarray, at_motor: bool) -> Passage:
         """The same with one more torque (N,), on the motor or on the links."""
@@ -94,8 +92,8 @@ def foresees(
     for piece in pieces:
         rows = max(_MEAN, round(_SLOW_S / piece.step))
         error = piece.unforeseen(inertia, gap, stiffness, retardation)
-        drawn += pull**2 * _squared_means(error, rows) * rows
-        lacked += _squared_means(piece.load - piece.passed, rows) * rows
+        drawn += pull**2 * float(np.sum(_means(error, rows) ** 2)) * rows
+        lacked += float(np.sum(_means(piece.load - piece.passed, rows) ** 2)) * rows
     return drawn < _OWN**2 * lacked
 
 
@@ -146,9 +144,16 @@ def left_by(
     pieces: Sequence[Passage], inertia: float, gap: float, stiffness: float, retardation: float
 ) -> float:
     """Squared torque that a gap leaves unforeseen."""
-    shape = inertia, gap, stiffness, retardation
-    left = (_left(p.load, p.passed, p.step, *shape, _RATE) for p in pieces)
+    means = (p.unforeseen_means(inertia, gap, stiffness, retardation) for p in pieces)
+    with np.errstate(over="ignore", invalid="ignore"):
+        left = [float(m @ m) for m in means]
     return sum(each if each < _BLOWN_UP else _BLOWN_UP for each in left)
+
+
+def _means(values: np.ndarray, rows: int) -> np.ndarray:
+    """Means over some rows of (N,) once they have settled: acceleration is noisy from row to row."""
+    whole = values[: len(values) // rows * rows].reshape(-1, rows)
+    return whole[-(-_SETTLING * _MEAN // rows) :].mean(axis=1)
 
 
 def _grid(*values: Sequence[float] | np.ndarray) -> np.ndarray:
@@ -195,23 +200,3 @@ def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth
             slowed = damper if into != 0.0 else 0.0
             rate += driven - spring * into - slowed * rate
             wind += h * rate
-
-
-@njit(cache=True, nogil=True)
-def _left(load, passed, step, inertia, gap, stiffness, retardation, bandwidth):  # pyright: ignore
-    """Squared torque that a gap leaves unforeseen."""
-    error = np.empty_like(load)
-    _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, error)
-    return _squared_means(error, _MEAN)
-
-
-@njit(cache=True, nogil=True)
-def _squared_means(values, rows):  # pyright: ignore
-    """Sum of squares of means over some rows of (N,): acceleration is noisy from row to row.
-
-    The settling is left out.
-    """
-    total = 0.0
-    for k in range(-(-_SETTLING * _MEAN // rows), len(values) // rows):
-        total += values[k * rows : (k + 1) * rows].mean() ** 2
-    return total
