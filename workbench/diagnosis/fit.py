@@ -11,8 +11,9 @@ from workbench.core import Recording
 
 from .data import Data
 from .hypothesis import Fit, Hypothesis, moved, room
+from .marching import respond
 from .normal import Normal, normal, total
-from .sensitivity import Scene, respond
+from .sensitivity import Scene
 from .solve import solve
 from .uncertainty import covariance_of, with_deviations
 

@@ -15,8 +15,9 @@ from workbench.models import AppliedEffect, Placement
 from .channel import by_channel
 from .data import Data
 from .hypothesis import applied_effect
+from .marching import respond
 from .normal import Normal, normal, total
-from .sensitivity import Column, Scene, respond
+from .sensitivity import Column, Scene
 from .solve import solve
 
 _BLOCK = 64  # columns that march together; only those of one effect are held against each other
