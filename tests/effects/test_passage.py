@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.effects.cases import reference
+from tests.effects.cases import VALUES, reference
 from tests.simulation.make import having
 from workbench.core import EffectKey
 from workbench.effects import Motion, Passage, compile_plant, load_model
@@ -14,13 +14,13 @@ from workbench.simulation import Track, motion_of
 
 LEG = load_model("leg")
 GAP = EffectKey("backlash", "knee")
-AT_THE_DRIVE = {
-    "coulomb_friction": {"torque": 0.5},
-    "viscous_damping": {"damping": 0.3},
-    "reflected_inertia": {"inertia": 0.004},
-    "torque_bias": {"torque": 0.4},
-    "torque_constant_error": {"gain": 0.8},
-}
+AT_THE_DRIVE = (
+    "coulomb_friction",
+    "viscous_damping",
+    "reflected_inertia",
+    "torque_bias",
+    "torque_constant_error",
+)
 
 
 def motion(model: Model) -> Motion:
@@ -41,7 +41,7 @@ def passage(model: Model) -> Passage:
 @pytest.mark.parametrize("effect", AT_THE_DRIVE)
 def test_what_a_drive_has_does_not_load_the_gap_behind_it(effect: str) -> None:
     """It changes what passed of a motor's torque, and nothing of what the links need."""
-    bare, more = passage(LEG), passage(having(LEG, EffectKey(effect, "knee"), **AT_THE_DRIVE[effect]))
+    bare, more = passage(LEG), passage(having(LEG, EffectKey(effect, "knee"), **VALUES[effect]))
     size = np.abs(bare.load).max()
     np.testing.assert_allclose(more.load, bare.load, atol=1e-9 * size)
     assert np.abs(more.passed - bare.passed).max() > 0.01 * size
