@@ -10,7 +10,7 @@ import pytest
 
 import workbench.diagnosis.search as search
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis import simpler
+from workbench.diagnosis import simpler, ways
 from workbench.diagnosis.effort import Effort
 from workbench.diagnosis.ways import Way, onwards
 from workbench.effects import load_model
@@ -29,16 +29,17 @@ def stage(effect: str, before: tuple[AppliedEffect, ...], **parameters: tuple[fl
 
 
 def test_last_effects_that_may_be_none_are_taken_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search, "rejudged", lambda fit, data: fit)
+    monkeypatch.setattr(ways, "rejudged", lambda fit, data: fit)
     friction = stage("coulomb_friction", (), torque=(0.2, 0.01))
     ripple = stage(
         "cogging", friction.fit.hypothesis.added, torque=(2e-4, 2e-4), order=(7.0, 0.1), phase=(3.0, 0.1)
     )
     lag = stage("current_loop_lag", (), time_constant=(5e-6, 2e-5))
     start, first, end = SimpleNamespace(), SimpleNamespace(), SimpleNamespace()
+    quest = SimpleNamespace(start=start, data=first)
 
     def plain(*stages: Any) -> Way:
-        return search._plain(Way(end, end, stages, done=True), start, first)  # type: ignore[arg-type]
+        return search._plain(Way(end, end, stages, done=True), quest)  # type: ignore[arg-type]
 
     kept = plain(friction, ripple)
     assert (

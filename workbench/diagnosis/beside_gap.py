@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -46,7 +47,7 @@ class _Torque:
     rows: tuple[np.ndarray, ...]
     limits: tuple[float, float]
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Its root mean square."""
         return float(np.sqrt(np.mean(np.concatenate(self.rows) ** 2)))
@@ -97,11 +98,12 @@ class _Gap:
         """Changes (2 + k,) of unknowns that change about as much each."""
         return np.array([_STEP, _STEP, *(_PROBE * self.load / t.size for t in torques)])
 
-    def slopes(self, torques: Sequence[_Torque], values: np.ndarray, which: Sequence[int]) -> np.ndarray:
-        """Change (M, len(which)) of what is left by some of the unknowns, per `sizes`."""
-        sizes, now = self.sizes(torques), self.left(torques, values)
-        steps = np.diag(sizes)
-        return np.stack([self.left(torques, values + steps[k]) - now for k in which], axis=1)
+    def slopes(
+        self, torques: Sequence[_Torque], values: np.ndarray, now: np.ndarray, first: int = 0
+    ) -> np.ndarray:
+        """Change (M, k) of what is left `now` by the unknowns from the `first` on, per `sizes`."""
+        steps = np.diag(self.sizes(torques))[first:]
+        return np.stack([self.left(torques, values + step) - now for step in steps], axis=1)
 
     def fitted(self, torques: Sequence[_Torque], values: np.ndarray) -> np.ndarray:
         """The values (2 + k,) that leave least, from some."""
@@ -192,13 +194,12 @@ def _best(
 ) -> tuple[_Option, np.ndarray] | None:
     """The simplest option of those that leave about the least, and values to begin with; by slopes alone."""
     now = seen.left(torques, values)
-    known = seen.slopes(torques, values, range(len(values)))
+    known = seen.slopes(torques, values, now)
     judged: list[tuple[float, _Option, np.ndarray]] = []
     for option in options:
         all_torques = [*torques, *option.active]
         start = np.append(values, np.zeros(len(option.active)))
-        own = seen.slopes(all_torques, start, range(len(values), len(start)))
-        slopes = np.hstack([known, own])
+        slopes = np.hstack([known, seen.slopes(all_torques, start, now, len(values))])
         change = np.linalg.lstsq(slopes, -now, rcond=None)[0]
         moved = start + change * seen.sizes(all_torques)
         within = zip(moved[len(values) :], option.active, strict=True)

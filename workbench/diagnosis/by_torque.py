@@ -62,8 +62,7 @@ def plain_by_torque(
     fits = _fits(scene, chosen, start, data)
     if fits is None or not witnessed(scene, fits[-1]):
         return ()
-    before = (start, *fits[:-1])
-    return tuple(
+    first, *more = (
         Stage(
             added=candidate.key,
             fit=found,
@@ -72,27 +71,27 @@ def plain_by_torque(
             rivals=pins_of(scene.model, candidate.key),
             others=(),
             dropped=(),
-            ranking=tuple((c.key, 1.0 - c.judged) for c in known) if candidate is chosen[0] else (),
-            behind=behind(plain.key, plain.judged, ((c.key, c.judged) for c in others))
-            if candidate is chosen[0]
-            else (),
+            ranking=(),
+            behind=(),
             folds=(int(np.sum(found.agreeing < earlier.agreeing)), len(found.agreeing)),
             by_held_out=data.held_out_judges,
         )
-        for candidate, earlier, found in zip(chosen, before, fits, strict=True)
+        for candidate, earlier, found in zip(chosen, (start, *fits), fits, strict=False)
     )
+    ranking = tuple((c.key, 1.0 - c.judged) for c in known)
+    close = behind(plain.key, plain.judged, ((c.key, c.judged) for c in others))
+    return (replace(first, ranking=ranking, behind=close), *more)
 
 
 def _fits(scene: Scene, chosen: Sequence[Candidate], start: Fit, data: Data) -> list[Fit] | None:
     """Of the first candidate, the first two, and so on; None where all of them do not run."""
     fits: list[Fit | None] = []
-    for count in range(1, len(chosen) + 1):
-        hypothesis = with_candidates(scene, chosen[:count], start)
-        before = next((f for f in reversed(fits) if f is not None), None)
-        if before is not None:
-            hypothesis = _with_unseen(hypothesis, before)
-        rounds = 1 if len(chosen) == 1 else _FEW if count < len(chosen) else _ROUNDS
-        fits += fit([hypothesis], data, rounds)
+    before = start
+    rounds = (*(_FEW for _ in chosen[1:]), _ROUNDS) if len(chosen) > 1 else (1,)
+    for k, most in enumerate(rounds):
+        hypothesis = _with_unseen(with_candidates(scene, chosen[: k + 1], start), before)
+        fits += fit([hypothesis], data, most)
+        before = fits[-1] or before
     last = fits[-1]
     # on the way there a loop may not run; what it leads to does
     return None if last is None else [f or last for f in fits]
@@ -103,8 +102,7 @@ def _with_unseen(hypothesis: Hypothesis, before: Fit) -> Hypothesis:
     known = {a.key: a.values for a in before.hypothesis.free}
     free = []
     for applied in hypothesis.free:
-        values = {
-            k: known.get(applied.key, {}).get(k, v) if v == 0.0 else v for k, v in applied.values.items()
-        }
+        earlier = known.get(applied.key, {})
+        values = {name: value or earlier.get(name, value) for name, value in applied.values.items()}
         free.append(applied_effect(hypothesis.base, applied, values))
     return replace(hypothesis, free=tuple(free))

@@ -44,7 +44,7 @@ def others_instead(way: Way, quest: Quest) -> Way:
         if way.done or way.data.effort.spent:
             return way
         found = _in_its_place(stage, way, quest)
-        if found and mends(way.current, found[0].fit, way.data):
+        if found and mends(found[0].fit, way.current, way.data):
             way = onwards(with_stages(way, found[:1], quest.seed), quest)
         elif stage is way.stages[-1] and not nearly_at_floor(way.current, way.data):
             one_more = replace(quest, limit=1)

@@ -34,7 +34,6 @@ _UNSEEN = 0.02  # relative change of the held-out error
 _OVERSHADOWED = 1.5  # squared error over the noise's in training, over the same on held-out recordings
 _SHOWN = 0.02  # share of its excess by which a recording's squared error changes if it shows an effect at all
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
-_HALF = 0.5  # of what is left above the noise: an exchange that leaves more mends nothing
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
 _CLEARLY = 3.0  # deviations by which a parameter differs from none
 NEAR_FLOOR = 2.0  # squared error over the noise's, below which hardly more than noise is left
@@ -173,22 +172,21 @@ def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
 
 def explains_most(found: Fit, current: Fit, data: Data, left: float = 0.25) -> bool:
     """Whether no more than a share is `left` of a rest that is plain to see, fitted and judged."""
+    fitted, judged = floor_of_fitting(data), floor_of_judging(data)
+    plain = current.trained > _PLAIN * fitted and current.judged > _PLAIN * judged
+    return plain and mends(found, current, data, left)
+
+
+def mends(found: Fit, current: Fit, data: Data, left: float = 0.5) -> bool:
+    """Whether no more than a share is `left` of what is above the noise, fitted and judged.
+
+    An exchange that leaves more than half mends nothing; one that leaves less was of a stand-in.
+    """
     pairs = (
         (current.trained, found.trained, floor_of_fitting(data)),
         (current.judged, found.judged, floor_of_judging(data)),
     )
-    return all(
-        before > _PLAIN * floor and after - floor < left * (before - floor) for before, after, floor in pairs
-    )
-
-
-def mends(now: Fit, then: Fit, data: Data) -> bool:
-    """Whether so much less is left, fitted and judged, that what was exchanged was a stand-in."""
-    pairs = (
-        (now.judged, then.judged, floor_of_judging(data)),
-        (now.trained, then.trained, floor_of_fitting(data)),
-    )
-    return all(after - floor < _HALF * (before - floor) for before, after, floor in pairs)
+    return all(after - floor < left * (before - floor) for before, after, floor in pairs)
 
 
 def nearly_at_floor(found: Fit, data: Data) -> bool:

@@ -23,7 +23,19 @@ from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
 from .trying import Progress
-from .ways import Keys, Quest, Way, holds, keys_of, onwards, screened_at, with_last, with_stages
+from .ways import (
+    Keys,
+    Quest,
+    Way,
+    after,
+    holds,
+    keys_of,
+    onwards,
+    scene_at,
+    screened_at,
+    with_last,
+    with_stages,
+)
 
 # Of the torque that is lacking: a spring or gap that leaves no more goes before all other ways to begin.
 _NEXT_TO_NOTHING = 0.03
@@ -72,7 +84,7 @@ def what_the_torque_shows(way: Way, quest: Quest) -> Way:
     if way.done or nearly_at_floor(way.current, way.data):
         return way
     plain = _plainly_by_torque(way, quest)
-    return plain if plain is not None and mends(way.current, plain.current, way.data) else way
+    return plain if plain is not None and mends(plain.current, way.current, way.data) else way
 
 
 def _plainly_by_torque(way: Way, quest: Quest) -> Way | None:
@@ -80,12 +92,10 @@ def _plainly_by_torque(way: Way, quest: Quest) -> Way | None:
 
     Later ones have more that is true, as friction that hides a gap, and more that only stands for the rest.
     """
-    begun = Way(quest.start, quest.data)
-    ends = (way.stages[: k + 1] for k in range(len(way.stages)))
-    for at in (begun, *(Way(rejudged(s[-1].fit, s[-1].data), s[-1].data, s) for s in ends)):
-        plain = _by_torque(at, quest, 0.0, _NEXT_TO_NOTHING)
-        led = _through(plain, quest) if plain else begun
-        if _sure(led, quest):
+    for count in range(len(way.stages) + 1):
+        plain = _by_torque(after(way.stages[:count], quest), quest, 0.0, _NEXT_TO_NOTHING)
+        led = _through(plain, quest) if plain else None
+        if led and _sure(led, quest):
             return led
     return None
 
@@ -111,7 +121,7 @@ def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
     """Ways of which nothing but their end can tell whether they are right."""
     tried: set[tuple[Keys, EffectKey]] = set()
     yield from _refined(way, quest, tried)
-    plainly = partial(_by_torque, Way(quest.start, quest.data), quest, _NEXT_TO_NOTHING, LITTLE)
+    plainly = partial(_by_torque, after((), quest), quest, _NEXT_TO_NOTHING, LITTLE)
     for leap in (plainly, partial(_boldly, way, quest)):
         bold = None if quest.data.effort.spent else leap()
         if bold is not None:
@@ -134,8 +144,7 @@ def _refined(way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]]) -> Iter
         if passed_over(stage.added, stage.ranking) and step not in tried:
             tried.add(step)
             quest.progress(f"beginning again from where {stage.added} was taken")
-            data = before[-1].data if before else quest.data
-            yield _through(Way(rejudged(current, data), data, before), quest, basics_first=False)
+            yield _through(after(before, quest), quest, basics_first=False)
             return
 
 
@@ -193,13 +202,10 @@ def _by_torque(at: Way, quest: Quest, least: float, most: float) -> Way | None:
 
     `least`, `most`: what it leaves of the torque that is lacking there.
     """
-    data, current = at.data, at.current
-    if data.effort.spent:
+    if at.data.effort.spent:
         return None
-    scene = quest.scene
-    if at.stages:
-        scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
-    stages = plain_by_torque(scene, data, current, quest.progress, least, most)
+    scene = scene_at(at.current, at.data, quest)
+    stages = plain_by_torque(scene, at.data, at.current, quest.progress, least, most)
     return with_stages(at, stages, quest.seed, wide=False) if stages else None
 
 

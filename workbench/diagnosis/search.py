@@ -9,18 +9,17 @@ from workbench.core import HOPELESS, Recording, SimulationError
 from workbench.models import Model
 
 from .by_axis import explained_by_axis
-from .data import Data, gather
+from .data import gather
 from .further_axes import on_further_axes
 from .honing import honed
-from .hypothesis import Fit
 from .instead import others_instead
-from .judging import explained, mostly_explained, rejudged, stands_out
+from .judging import explained, mostly_explained, stands_out
 from .one_for_two import one_for_two
 from .other_ways import fewer, otherwise, what_the_torque_shows
 from .simpler import simpler, without
 from .stage import Search
 from .trying import Progress
-from .ways import Quest, Way, holds, is_consistent, onwards, quest_of, wanders, with_last, with_stages
+from .ways import Quest, Way, after, holds, is_consistent, onwards, quest_of, wanders, with_last, with_stages
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
 
@@ -79,7 +78,7 @@ def search(
             way = on_further_axes(fewer(way, quest), quest)
             way = _honed(what_the_torque_shows(way, quest), quest)
         way = one_for_two(others_instead(way, quest), quest)
-    way = _plain(_simplified(way, seed, progress), start, first)
+    way = _plain(_simplified(way, seed, progress), quest)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
     done = way.done or (len(way.stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
@@ -109,7 +108,7 @@ def _honed(way: Way, quest: Quest) -> Way:
     return with_last(way, replace(way.stages[-1], fit=better), quest.seed)
 
 
-def _plain(way: Way, start: Fit, first: Data) -> Way:
+def _plain(way: Way, quest: Quest) -> Way:
     """Without last effects that may be none; what they explained stays unexplained."""
     stages = way.stages
     while stages:
@@ -119,8 +118,7 @@ def _plain(way: Way, start: Fit, first: Data) -> Way:
         stages = stages[:-1]
     if len(stages) == len(way.stages):
         return way
-    data = stages[-1].data if stages else first
-    return Way(rejudged(stages[-1].fit, data) if stages else start, data, stages)
+    return after(stages, quest)
 
 
 def _simplified(way: Way, seed: int, progress: Progress) -> Way:

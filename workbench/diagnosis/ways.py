@@ -151,10 +151,23 @@ def keys_of(found: Fit) -> Keys:
 
 def screened_at(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence[Candidate]]:
     """The loops linearised about where the search stands, and every effect screened there."""
-    scene = quest.scene
-    if current.hypothesis.added:
-        scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+    scene = scene_at(current, data, quest)
     return scene, candidates(scene, current, data, quest.seed)
+
+
+def scene_at(current: Fit, data: Data, quest: Quest) -> Scene:
+    """The loops linearised about where the search stands."""
+    if not current.hypothesis.added:
+        return quest.scene
+    return Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+
+
+def after(stages: tuple[Stage, ...], quest: Quest) -> Way:
+    """Where a search stood after its first stages, or before any."""
+    if not stages:
+        return Way(quest.start, quest.data)
+    data = stages[-1].data
+    return Way(rejudged(stages[-1].fit, data), data, stages)
 
 
 def holds(way: Way, quest: Quest) -> bool:
