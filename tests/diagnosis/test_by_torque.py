@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import cast
+
 import pytest
 
 from tests.simulation.make import having
 from workbench.core import EffectKey
-from workbench.diagnosis.by_torque import plain_by_torque
+from workbench.diagnosis.by_torque import _with_unseen, plain_by_torque
 from workbench.diagnosis.giving import what_gives_way
+from workbench.diagnosis.hypothesis import Fit, Hypothesis
 from workbench.diagnosis.sensitivity import Scene
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
-from .rig import SPRING_AND_DELAY, asked, recordings
+from .rig import SPRING_AND_DELAY, applied, asked, recordings
 
 LEG = load_model("leg")
 GAP, SPRING = EffectKey("backlash", "knee"), EffectKey("joint_compliance", "hip")
@@ -62,3 +66,13 @@ def test_what_gives_way_already_asks_for_no_more() -> None:
     soft = having(LEG, SPRING, **BOTH[1].parameters)
     quest = asked(soft, training)
     assert not what_gives_way(quest.scene, quest.data.training, 1.0)
+
+
+def test_what_the_torque_at_a_gap_does_not_show_begins_where_the_loop_before_had_it() -> None:
+    weight = EffectKey("linkage_gravity", None)
+    friction = applied(LEG, EffectKey("coulomb_friction", "knee"), torque=0.1)
+    now = Hypothesis(LEG, (friction, applied(LEG, weight, g1=0.0, g2=0.13)))
+    before = SimpleNamespace(hypothesis=Hypothesis(LEG, (applied(LEG, weight, g1=0.29, g2=0.2),)))
+    first, second = _with_unseen(now, cast(Fit, before)).free
+    assert first == friction
+    assert second.values == {"g1": 0.29, "g2": 0.13}
