@@ -61,6 +61,15 @@ def test_a_gap_that_is_all_that_is_missing_stays_alone() -> None:
     assert beside_gap(quest.scene, alone, quest.start, quest.data.training) == [alone]
 
 
+def test_of_what_does_about_as_well_the_simplest_is_taken() -> None:
+    """Dry friction has many forms, and four parameters always leave a little less than one."""
+    little = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.05})
+    quest = asked(LEG, *recordings(GAP, little))
+    alone = what_gives_way(quest.scene, quest.data.training, 1.0)[0]
+    _, friction = beside_gap(quest.scene, alone, quest.start, quest.data.training)
+    assert friction.key == COULOMB and friction.coefficients == pytest.approx([0.05], rel=0.1)
+
+
 def test_what_no_body_can_be_is_not_proposed(heavier: Quest, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(model: Model) -> None:
         if any(e.key == INERTIA for e in model.effects):
