@@ -50,6 +50,7 @@ def test_each_is_a_step_and_the_error_falls_with_all(heavier: Quest) -> None:
     stages = plain_by_torque(heavier.scene, heavier.data, heavier.start, heavier.progress)
     assert [s.added for s in stages] == [KEY, INERTIA]
     assert [{a.key for a in s.fit.hypothesis.free} for s in stages] == [{KEY}, {KEY, INERTIA}]
+    assert all(s.ranking == ((s.added, s.removed_share),) for s in stages), "and no shares of the torque"
     end = stages[-1].fit.judged / heavier.start.judged
     assert end < 0.1
     assert sum(s.removed_share for s in stages) == pytest.approx(1.0 - end)

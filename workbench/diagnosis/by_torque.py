@@ -62,25 +62,25 @@ def plain_by_torque(
     fits = _fits(scene, chosen, start, data)
     if fits is None or not witnessed(scene, fits[-1]):
         return ()
-    first, *more = (
-        Stage(
+    close = behind(plain.key, plain.judged, ((c.key, c.judged) for c in others))
+    stages = []
+    for candidate, earlier, found in zip(chosen, (start, *fits), fits, strict=False):
+        removed = (earlier.judged - found.judged) / max(start.judged, 1e-12)
+        stage = Stage(
             added=candidate.key,
             fit=found,
             data=data,
-            removed_share=(earlier.judged - found.judged) / max(start.judged, 1e-12),
+            removed_share=removed,
             rivals=pins_of(scene.model, candidate.key),
             others=(),
             dropped=(),
-            ranking=(),
-            behind=(),
+            ranking=((candidate.key, removed),),  # what others leave of the torque is no share of this
+            behind=close if candidate is chosen[0] else (),
             folds=(int(np.sum(found.agreeing < earlier.agreeing)), len(found.agreeing)),
             by_held_out=data.held_out_judges,
         )
-        for candidate, earlier, found in zip(chosen, (start, *fits), fits, strict=False)
-    )
-    ranking = tuple((c.key, 1.0 - c.judged) for c in known)
-    close = behind(plain.key, plain.judged, ((c.key, c.judged) for c in others))
-    return (replace(first, ranking=ranking, behind=close), *more)
+        stages.append(stage)
+    return tuple(stages)
 
 
 def _fits(scene: Scene, chosen: Sequence[Candidate], start: Fit, data: Data) -> list[Fit] | None:
