@@ -107,8 +107,7 @@ def test_an_effect_is_found_added_with_a_click_and_the_error_falls(
 
     # a slider moves the error, undo takes it back
     chrome.ask("(() => { const e = deep('.noUi-handle'); e.focus(); return true; })()")
-    for _ in range(3):
-        chrome.key("ArrowRight", 39)
+    chrome.key("PageUp", 33)  # one move: of several, as many are steps of their own as a busy machine sees
     chrome.wait(f"Number(deep('dd.error').textContent) > {after}")
     chrome.ask("button('Undo').click()")
     chrome.wait(f"Number(deep('dd.error').textContent) <= {after}")
