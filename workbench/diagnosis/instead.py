@@ -12,7 +12,7 @@ from .fit import fit
 from .giving import pins_of, what_gives_way
 from .hypothesis import Fit
 from .judging import (
-    NEARLY_ALL,
+    EXPLAINED,
     TIE,
     explained,
     floor_of_judging,
@@ -38,7 +38,7 @@ def others_instead(way: Way, quest: Quest) -> Way:
     where nearly all is explained and yet more than noise is left: what explains less has no wrong name.
     """
     share = explained(quest.data, quest.start, way.current, way.data)
-    if not way.stages or share < NEARLY_ALL or wanders(way.current):
+    if not way.stages or share < EXPLAINED or wanders(way.current):
         return way
     for stage in reversed(way.stages):
         if way.done or way.data.effort.spent:
