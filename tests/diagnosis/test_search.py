@@ -12,12 +12,14 @@ import workbench.diagnosis.search as search
 from workbench.core import EffectKey, Estimate
 from workbench.diagnosis import simpler, ways
 from workbench.diagnosis.effort import Effort
+from workbench.diagnosis.fit import fit
+from workbench.diagnosis.hypothesis import Fit, Hypothesis
 from workbench.diagnosis.ways import Way, onwards
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
 from workbench.rigs import HiddenEffect
 
-from .rig import applied, searched_from
+from .rig import applied, asked, recordings, searched_from
 
 
 def stage(effect: str, before: tuple[AppliedEffect, ...], **parameters: tuple[float, float]) -> Any:
@@ -71,9 +73,39 @@ def test_what_may_be_none_once_all_causes_are_there_is_left_out(monkeypatch: pyt
     (kept,) = found.final.hypothesis.free
     assert kept.key == viscous.key and kept.values["damping"] == pytest.approx(0.3, rel=0.01)
     assert found.stages[-1].dropped == (ripple.key,)
-    data = found.stages[-1].data
-    assert simpler.without(viscous.key, found.final, data) is None
+    last, data = found.stages[-1], found.stages[-1].data
+    assert simpler.without(last, found.final, data) is None
     # nor is an effect left out that may be none by its size, and without which much more is left
     unsure = replace(kept, parameters={"damping": Estimate(0.3, 0.2, "N*m*s/rad")})
     doubtful = replace(found.final, hypothesis=replace(found.final.hypothesis, free=(unsure,)))
-    assert simpler.without(viscous.key, doubtful, data) is None
+    assert simpler.without(last, doubtful, data) is None
+
+
+def test_what_shrank_once_its_true_cause_came_is_left_out_however_sharp_it_is() -> None:
+    leg = load_model("leg")
+    friction, damping = (EffectKey(name, "knee") for name in ("coulomb_friction", "viscous_damping"))
+    hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.2})
+    quest = asked(leg, recordings(hidden)[0])
+    first = applied(leg, damping, damping=0.05)
+    (before,) = fit([Hypothesis(leg, (first,))], quest.data)
+    (both,) = fit([Hypothesis(leg, (first, applied(leg, friction, torque=0.19)))], quest.data)
+    assert before and both
+
+    def taken(size: float) -> Any:
+        was = replace(before, hypothesis=Hypothesis(leg, (applied(leg, damping, damping=size),)))
+        return SimpleNamespace(added=damping, fit=was)
+
+    def left(size: float) -> Fit:
+        """Beside the friction, so much damping with no doubt of its own."""
+        sharp = {"damping": Estimate(size, 1e-6, "N*m*s/rad")}
+        free = tuple(replace(a, parameters=sharp) if a.key == damping else a for a in both.hypothesis.free)
+        return replace(both, hypothesis=replace(both.hypothesis, free=free))
+
+    alone = before.hypothesis.free[0].values["damping"]
+    rest = simpler.without(taken(alone), left(0.1 * alone), quest.data)
+    assert rest is not None
+    (kept,) = rest.hypothesis.free
+    assert kept.key == friction and kept.values["torque"] == pytest.approx(0.2, rel=0.01)
+    assert simpler.without(taken(alone), left(0.5 * alone), quest.data) is None, "what is as large as it was"
+    good = replace(left(0.1 * alone), judged=0.9 * rest.judged, trained=0.9 * rest.trained)
+    assert simpler.without(taken(alone), good, quest.data) is None, "what is needed"

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from workbench.effects import effect_named
+from workbench.effects import Parameter, effect_named
 from workbench.models import AppliedEffect, Model, Placement
 
 from .data import HEARD, Data
@@ -276,13 +277,18 @@ def stands_out(applied: AppliedEffect) -> bool:
     One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
     may change at which instant a signal is read.
     """
+    return any(
+        abs(applied.parameters[p.name].value - p.neutral) > _CLEARLY * applied.parameters[p.name].std
+        for p in sizes_of(applied)
+    )
+
+
+def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
+    """The parameters that say how large an effect is, not where or in which shape; all where none does."""
     effect = effect_named(applied.key.effect)
     turns = [p.name for p in effect.parameters if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
     sizes = [p for p in effect.parameters if p.name not in (*effect.nonlinear, *turns)]
-    return any(
-        abs(applied.parameters[p.name].value - p.neutral) > _CLEARLY * applied.parameters[p.name].std
-        for p in sizes or effect.parameters
-    )
+    return sizes or effect.parameters
 
 
 def cancels(scene: Scene, found: Fit) -> bool:

@@ -125,7 +125,7 @@ def _simplified(way: Way, seed: int, progress: Progress) -> Way:
     """Once all causes are there, without earlier ones that may be none, and simpler forms of the others."""
     for stage in way.stages[:-1]:
         last = way.stages[-1]
-        rest = without(stage.added, way.current, way.data) if stage.added != last.added else None
+        rest = without(stage, way.current, way.data) if stage.added != last.added else None
         if rest:
             way = with_last(way, replace(last, fit=rest, dropped=(*last.dropped, stage.added)), seed)
     for stage in way.stages:

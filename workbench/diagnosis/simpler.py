@@ -8,11 +8,12 @@ from itertools import combinations
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
+from workbench.models import AppliedEffect
 
 from .data import Data
 from .fit import fit
 from .hypothesis import Fit
-from .judging import TIE, stands_out
+from .judging import TIE, sizes_of, stands_out
 from .refining import polished, with_candidates
 from .screen import Candidate, screen
 from .sensitivity import Scene
@@ -20,6 +21,7 @@ from .stage import Stage
 
 _LOSS = 0.1  # of the judged error ...
 _UNSEEN = 5e-4  # ... and of what the effect takes off: a difference of 2 % in size
+_SHRUNK = 0.2  # of the size with which a cause was taken: what came later is what it stood for
 
 Progress = Callable[[str], None]
 
@@ -64,17 +66,36 @@ def simpler(
     return ()
 
 
-def without(key: EffectKey, current: Fit, data: Data) -> Fit | None:
-    """The fit without an effect that may be none, now that all causes are there; None where it is needed."""
-    applied = next((a for a in current.hypothesis.free if a.key == key), None)
-    if applied is None or stands_out(applied):
+def without(stage: Stage, current: Fit, data: Data) -> Fit | None:
+    """The fit without a cause that now may be none, or that has shrunk to little and does nothing.
+
+    None where it is needed. What shrank once another cause came was mostly that one's: a little that is left
+    of it fills the gap between that cause's law and the machine's.
+    """
+    applied = next((a for a in current.hypothesis.free if a.key == stage.added), None)
+    if applied is None:
         return None
-    (rest,) = fit([current.hypothesis.without(key)], data)
+    if not stands_out(applied):
+        most = 1.0 + _LOSS
+    elif _shrunk(stage, applied):
+        most = 1.0 + TIE
+    else:
+        return None
+    (rest,) = fit([current.hypothesis.without(stage.added)], data)
     if rest is None:
         return None
     rest = polished(rest, data)
-    most = 1.0 + _LOSS
     return rest if rest.judged < most * current.judged and rest.trained < most * current.trained else None
+
+
+def _shrunk(stage: Stage, applied: AppliedEffect) -> bool:
+    """Whether little is left of the size with which a cause was taken."""
+    taken = next((a for a in stage.fit.hypothesis.free if a.key == stage.added), applied)
+    sizes = sizes_of(applied)
+    return all(
+        abs(applied.values[p.name] - p.neutral) < _SHRUNK * abs(taken.values[p.name] - p.neutral)
+        for p in sizes
+    )
 
 
 def _enough(now: float, without: float) -> float:
