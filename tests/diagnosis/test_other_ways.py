@@ -16,6 +16,8 @@ from workbench.rigs import HiddenEffect
 from .rig import applied, searched_from
 
 LEG = load_model("leg")
+DAMPING, FRICTION = (EffectKey(effect, "knee") for effect in ("viscous_damping", "coulomb_friction"))
+DAMPED = HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3})
 
 
 def way(**values: Any) -> Way:
@@ -38,10 +40,8 @@ def test_the_torque_is_asked_too_where_most_is_explained(monkeypatch: pytest.Mon
         return at
 
     monkeypatch.setattr(search, "what_the_torque_shows", shown)
-    key = EffectKey("viscous_damping", "knee")
-    hidden = HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3})
-    searched_from(monkeypatch, LEG, [hidden], applied(LEG, key, damping=0.28))
-    assert [s.added for at in asked for s in at.stages] == [key]
+    searched_from(monkeypatch, LEG, [DAMPED], applied(LEG, DAMPING, damping=0.28))
+    assert [s.added for at in asked for s in at.stages] == [DAMPING]
 
 
 @pytest.mark.parametrize("near", [True, False])
@@ -54,3 +54,39 @@ def test_where_hardly_more_than_noise_is_left_no_more_is_asked(
     monkeypatch.setattr(other_ways, "with_last", lambda at, *_: at)
     led = other_ways._through(here, cast(Quest, SimpleNamespace(seed=0)))
     assert led is (here if near else further)
+
+
+@pytest.mark.parametrize(
+    ("done", "near", "sure", "better", "taken"),
+    [
+        (False, False, True, True, True),
+        (True, False, True, True, False),
+        (False, True, True, True, False),
+        (False, False, False, True, False),
+        (False, False, True, False, False),
+    ],
+)
+def test_what_a_basic_effect_went_before_is_begun_with_where_more_than_noise_is_left_and_it_mends_that(
+    monkeypatch: pytest.MonkeyPatch, done: bool, near: bool, sure: bool, better: bool, taken: bool
+) -> None:
+    here, other = way(done=done), way(done=True)
+    monkeypatch.setattr(other_ways, "_refined", lambda *_: iter((other,)))
+    monkeypatch.setattr(other_ways, "nearly_at_floor", lambda *_: near)
+    monkeypatch.setattr(other_ways, "_sure", lambda *_: sure)
+    monkeypatch.setattr(other_ways, "mends", lambda *_: better)
+    led = other_ways.what_was_passed_over(here, cast(Quest, SimpleNamespace()))
+    assert led is (other if taken else here)
+
+
+def test_what_was_passed_over_is_asked_where_most_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    other = searched_from(monkeypatch, LEG, [DAMPED], applied(LEG, DAMPING, damping=0.28))
+    assert other.consistent_after
+
+    def passed_over(at: Way, quest: Quest) -> Way:
+        assert [s.added for s in at.stages] == [FRICTION]
+        return Way(other.final, other.stages[-1].data, other.stages, done=True)
+
+    monkeypatch.setattr(search, "what_was_passed_over", passed_over)
+    monkeypatch.setattr(search, "holds", lambda *_: True)
+    found = searched_from(monkeypatch, LEG, [DAMPED], applied(LEG, FRICTION, torque=0.1))
+    assert [a.key for a in found.final.hypothesis.free] == [DAMPING]

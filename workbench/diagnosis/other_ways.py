@@ -87,6 +87,17 @@ def what_the_torque_shows(way: Way, quest: Quest) -> Way:
     return plain if plain is not None and mends(plain.current, way.current, way.data) else way
 
 
+def what_was_passed_over(way: Way, quest: Quest) -> Way:
+    """With a refinement that a basic effect went before, where much more than noise is left; else `way`.
+
+    An inertia and a weight explain most of what a torque constant and an encoder's offset do.
+    """
+    if way.done or nearly_at_floor(way.current, way.data):
+        return way
+    others = (o for o in _refined(way, quest, set()) if _sure(o, quest))
+    return next((o for o in others if mends(o.current, way.current, way.data)), way)
+
+
 def _plainly_by_torque(way: Way, quest: Quest) -> Way | None:
     """From the first place on a way where the torque shows something to give way that leaves nothing of it.
 

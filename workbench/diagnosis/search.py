@@ -15,7 +15,7 @@ from .honing import honed
 from .instead import others_instead
 from .judging import explained, mostly_explained, stands_out
 from .one_for_two import one_for_two
-from .other_ways import fewer, otherwise, what_the_torque_shows
+from .other_ways import fewer, otherwise, what_the_torque_shows, what_was_passed_over
 from .simpler import simpler, without
 from .stage import Search
 from .trying import Progress
@@ -76,7 +76,8 @@ def search(
             way = way if other is way else _honed(other, quest)
         elif limit > 1:
             way = on_further_axes(fewer(way, quest), quest)
-            way = _honed(what_the_torque_shows(way, quest), quest)
+            way = what_was_passed_over(what_the_torque_shows(way, quest), quest)
+            way = _honed(way, quest)
         way = one_for_two(others_instead(way, quest), quest)
     way = _plain(_simplified(way, seed, progress), quest)
     current, data = way.current, way.data
