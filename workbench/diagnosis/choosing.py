@@ -22,7 +22,7 @@ Judged = tuple[EffectKey, float]
 # An explanation near the floor is not passed over for a basic one that leaves this many times as much.
 _FAR_WORSE = 4.0
 _BLIND = 1.25  # times the judged error, within which judging sees no difference
-_MUCH = 1.5  # times what is left, from which less is much less
+_MUCH = 1.25  # times what is left, from which less is much less
 _BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
 
 
