@@ -44,8 +44,8 @@ def test_basic_effects_go_first_unless_told_otherwise(
 
 
 def test_a_refinement_that_left_much_less_is_remembered() -> None:
-    assert passed_over(_PLAIN, [(_REFINED, 0.85), (_PLAIN, 0.70)])
-    assert passed_over(_PLAIN, [(_REFINED, 0.83), (_PLAIN, 0.76)])
+    assert passed_over(_PLAIN, [(_REFINED, 0.85), (_PLAIN, 0.70)]) == _REFINED
+    assert passed_over(_PLAIN, [(_REFINED, 0.83), (_PLAIN, 0.76)]) == _REFINED
     assert not passed_over(_PLAIN, [(_REFINED, 0.75), (_PLAIN, 0.70)])
     assert not passed_over(_REFINED, [(_REFINED, 0.70), (_PLAIN, 0.85)]), "it was the basic one that was left"
     assert not passed_over(_PLAIN, [(EffectKey("viscous_damping", "hip"), 0.9), (_PLAIN, 0.70)])

@@ -71,11 +71,31 @@ def test_what_a_basic_effect_went_before_is_begun_with_where_more_than_noise_is_
 ) -> None:
     here, other = way(done=done), way(done=True)
     monkeypatch.setattr(other_ways, "_refined", lambda *_: iter((other,)))
+    monkeypatch.setattr(other_ways, "keys_of", lambda *_: frozenset())
     monkeypatch.setattr(other_ways, "nearly_at_floor", lambda *_: near)
     monkeypatch.setattr(other_ways, "_sure", lambda *_: sure)
     monkeypatch.setattr(other_ways, "mends", lambda *_: better)
     led = other_ways.what_was_passed_over(here, cast(Quest, SimpleNamespace()))
     assert led is (other if taken else here)
+
+
+@pytest.mark.parametrize("came_later", [False, True])
+def test_what_came_later_all_the_same_is_not_begun_with(
+    monkeypatch: pytest.MonkeyPatch, came_later: bool
+) -> None:
+    better, other = EffectKey("asymmetric_friction", "knee"), way(done=True)
+    first = SimpleNamespace(added=FRICTION, ranking=((better, 0.99), (FRICTION, 0.8)), fit=None)
+    held = frozenset({FRICTION, better} if came_later else {FRICTION})
+    monkeypatch.setattr(other_ways, "keys_of", lambda found: held if found == "end" else frozenset())
+    monkeypatch.setattr(other_ways, "nearly_at_floor", lambda *_: False)
+    monkeypatch.setattr(other_ways, "_through", lambda *_, **__: other)
+    monkeypatch.setattr(other_ways, "_sure", lambda *_: True)
+    monkeypatch.setattr(other_ways, "mends", lambda *_: True)
+    here = cast(Way, SimpleNamespace(stages=(first,), current="end", data=None, done=False))
+    quest = SimpleNamespace(start=None, data=SimpleNamespace(effort=SimpleNamespace(spent=False)))
+    quest.progress = lambda text: None
+    led = other_ways.what_was_passed_over(here, cast(Quest, quest))
+    assert led is (here if came_later else other)
 
 
 def test_what_was_passed_over_is_asked_where_most_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:

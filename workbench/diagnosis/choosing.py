@@ -92,11 +92,14 @@ def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
     )
 
 
-def passed_over(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> bool:
-    """Whether a basic effect was taken and another leaves much less, of the shares that each removes."""
+def passed_over(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> EffectKey | None:
+    """What leaves much less than a basic effect that was taken, of the shares that each removes."""
+    others = [(share, key) for key, share in ranking if not effect_named(key.effect).basic]
+    if not others or not effect_named(added.effect).basic:
+        return None
+    most, best = max(others, key=lambda sk: sk[0])
     left = 1.0 - dict(ranking).get(added, 1.0)
-    rest = 1.0 - max((share for key, share in ranking if not effect_named(key.effect).basic), default=0.0)
-    return effect_named(added.effect).basic and left > _MUCH * max(rest, 0.0)
+    return best if left > _MUCH * max(1.0 - most, 0.0) else None
 
 
 class Fitted(Protocol):

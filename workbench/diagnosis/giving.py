@@ -35,15 +35,24 @@ def what_gives_way(
         found_before: effects of the model whose parameters may follow. A spring among them was fitted to the
             softness of all, so that another one is asked for together with it.
     """
-    springs = [a for a in found_before if a.key.effect == _SPRING]
+    springs = tuple(a for a in found_before if a.key.effect == _SPRING)
+    known = scene.gives_way.get((training, *(a.key for a in springs)))
+    if known is None:
+        known = _shares(scene, training, springs)
+        scene.gives_way[training, *(a.key for a in springs)] = known
+    return [replace(c, judged=c.judged * judged) for c in known]
+
+
+def _shares(scene: Scene, training: int, springs: Sequence[AppliedEffect]) -> list[Candidate]:
+    """The same with the share of the lacking torque that each leaves."""
     motions = [_eased(m, scene.model) for m in scene.motions[:training]]
 
     def asked(key: EffectKey) -> list[Candidate]:
         if key.effect == _SPRING and springs and all(a.key.axis != key.axis for a in springs):
-            return _beside(springs, key, scene, training, judged)
+            return _beside(springs, key, scene, training)
         guesses = effect_named(key.effect).guesses(motions, scene.model, Placement.of(scene.model, key))
         some = [(shape, left) for shape, left in guesses if left < _LEFT]
-        return [Candidate(key, np.zeros(0), shape, left * judged, np.inf) for shape, left in some]
+        return [Candidate(key, np.zeros(0), shape, left, np.inf) for shape, left in some]
 
     asked_of = [
         key
@@ -59,13 +68,11 @@ def what_gives_way(
         c
         for c in found
         if c.judged <= _BESIDE * found[0].judged
-        or (c.judged <= _LITTLE * judged and not effect_named(c.key.effect).wanders)
+        or (c.judged <= _LITTLE and not effect_named(c.key.effect).wanders)
     ][:_MOST]
 
 
-def _beside(
-    springs: Sequence[AppliedEffect], key: EffectKey, scene: Scene, training: int, judged: float
-) -> list[Candidate]:
+def _beside(springs: Sequence[AppliedEffect], key: EffectKey, scene: Scene, training: int) -> list[Candidate]:
     """One more spring, with the stiffness that the others have beside it."""
     keys = {a.key for a in springs}
     rigid = replace(scene.model, effects=tuple(e for e in scene.model.effects if e.key not in keys))
@@ -80,7 +87,7 @@ def _beside(
     if left > _NO_MORE:
         return []
     beside = {a.key: shape for a, shape in zip(springs, others, strict=True)}
-    return [Candidate(key, np.zeros(0), own, left * judged, np.inf, beside)]
+    return [Candidate(key, np.zeros(0), own, left, np.inf, beside)]
 
 
 def _eased(motion: Motion, model: Model) -> Motion:

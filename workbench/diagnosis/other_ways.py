@@ -90,11 +90,12 @@ def what_the_torque_shows(way: Way, quest: Quest) -> Way:
 def what_was_passed_over(way: Way, quest: Quest) -> Way:
     """With a refinement that a basic effect went before, where much more than noise is left; else `way`.
 
-    An inertia and a weight explain most of what a torque constant and an encoder's offset do.
+    An inertia and a weight explain most of what a torque constant and an encoder's offset do. What came later
+    all the same needs no other beginning.
     """
     if way.done or nearly_at_floor(way.current, way.data):
         return way
-    others = (o for o in _refined(way, quest, set()) if _sure(o, quest))
+    others = (o for o in _refined(way, quest, set(), keys_of(way.current)) if _sure(o, quest))
     return next((o for o in others if mends(o.current, way.current, way.data)), way)
 
 
@@ -141,10 +142,12 @@ def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
             yield from _refined(other, quest, tried)
 
 
-def _refined(way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]]) -> Iterator[Way]:
+def _refined(
+    way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]], known: Keys = frozenset()
+) -> Iterator[Way]:
     """From the first step that took a basic effect, though a refinement left much less, with that one.
 
-    No step is taken again that is among `tried`, to which it is added.
+    No step is taken again that is among `tried`, to which it is added, nor for a refinement of those `known`.
     """
     if quest.data.effort.spent:
         return
@@ -152,7 +155,8 @@ def _refined(way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]]) -> Iter
         before = way.stages[:k]
         current = before[-1].fit if before else quest.start
         step = keys_of(current), stage.added
-        if passed_over(stage.added, stage.ranking) and step not in tried:
+        better = passed_over(stage.added, stage.ranking)
+        if better is not None and better not in known and step not in tried:
             tried.add(step)
             quest.progress(f"beginning again from where {stage.added} was taken")
             yield _through(after(before, quest), quest, basics_first=False)

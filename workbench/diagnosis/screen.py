@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -59,7 +59,12 @@ class Entry:
 
 
 def screen(
-    scene: Scene, data: Data, simulated: Sequence[Recording], free: Sequence[AppliedEffect]
+    scene: Scene,
+    data: Data,
+    simulated: Sequence[Recording],
+    free: Sequence[AppliedEffect],
+    *,
+    left_out: Container[EffectKey] = (),
 ) -> tuple[list[Candidate], float]:
     """Judge all effects that could be added to the scene's model.
 
@@ -68,6 +73,7 @@ def screen(
         data: recordings and weights.
         simulated: the model's runs.
         free: effects in the model whose parameters may follow.
+        left_out: effects that are not asked for.
 
     Returns:
         Candidates, best first, and the judged error without any of them (parameters of `free` refitted).
@@ -77,7 +83,9 @@ def screen(
     best: dict[EffectKey, Candidate] = {}
     without: float | None = None
     size = int(np.clip(_HELD // sum(m.position.size for m in scene.motions), 1, _BLOCK))
-    for columns, entries in _blocks(scene, len(following), {applied.key for applied in free}, size):
+    taken = {applied.key for applied in free}
+    asked = [key for key in places(scene.model) if key not in taken and key not in left_out]
+    for columns, entries in _blocks(scene, len(following), asked, size):
         pieces, held_out = equations(scene, known, columns, data, simulated)
         if without is None:
             anywhere = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
@@ -88,7 +96,6 @@ def screen(
             if before is None or candidate.judged < before.judged:
                 best[entry.key] = candidate
     apart = (*on_the_ground(scene, data), *_not_shown(scene))
-    taken = {applied.key for applied in free}
     found = [*by_channel(scene, best.values(), without or 0.0), *(c for c in apart if c.key not in taken)]
     return sorted(found, key=lambda c: c.judged), without or 0.0
 
@@ -131,15 +138,13 @@ def _not_shown(scene: Scene) -> list[Candidate]:
 
 
 def _blocks(
-    scene: Scene, first: int, taken: set[EffectKey], size: int
+    scene: Scene, first: int, asked: Iterable[EffectKey], size: int
 ) -> Iterator[tuple[list[Column], list[Entry]]]:
-    """All effects in all places and shapes, in blocks of `size` columns that are numbered from `first`."""
+    """Effects in their places, in all shapes, in blocks of `size` columns that are numbered from `first`."""
     columns: list[Column] = []
     entries: list[Entry] = []
     sizes = _sizes(scene)
-    for key in places(scene.model):
-        if key in taken:
-            continue
+    for key in asked:
         effect, place = effect_named(key.effect), Placement.of(scene.model, key)
         replay = scene.data.replay
         if effect.splits or effect.of_ground or not replay.shows(key.effect):
@@ -181,7 +186,7 @@ def entries_of(scene: Scene) -> tuple[list[Column], list[Entry]]:
     """All effects in all places and shapes, with their columns."""
     columns: list[Column] = []
     entries: list[Entry] = []
-    for more, found in _blocks(scene, 0, set(), 10**9):
+    for more, found in _blocks(scene, 0, places(scene.model), 10**9):
         columns, entries = more, found
     return columns, entries
 

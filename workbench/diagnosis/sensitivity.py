@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -51,11 +51,18 @@ class Scene:
 
     What the motions were and how the loops answer is worked out when it is asked for: simulations that are
     held against each other need neither.
+
+    Attributes:
+        model: what ran.
+        data: recordings and how they are replayed; weights are not looked at.
+        runs: of the model, one for each of the first recordings.
+        gives_way: what `giving` found here, by what it was asked.
     """
 
     model: Model
     data: Data
     runs: tuple[Recording, ...]
+    gives_way: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @staticmethod
     def of(model: Model, data: Data, simulated: Sequence[Recording], count: int) -> Scene:

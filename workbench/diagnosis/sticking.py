@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.comparison import followed
 from workbench.core import Recording
-from workbench.effects import effect_named
+from workbench.effects import effect_named, places
 
 from .data import Data, gather
 from .hypothesis import Fit
@@ -70,10 +70,8 @@ def candidates(scene: Scene, current: Fit, data: Data, seed: int) -> tuple[Candi
         judged = floor + scale * max(other.judged - floor_along, 0.0)
         return replace(other, judged=judged) if judged < own.judged else own
 
-    seen = {
-        c.key: c
-        for c in screen(moving, along, before.simulated, current.hypothesis.free)[0]
-        if effect_named(c.key.effect).dry
-    }
+    others = {key for key in places(model) if not effect_named(key.effect).dry}
+    found, _ = screen(moving, along, before.simulated, current.hypothesis.free, left_out=others)
+    seen = {c.key: c for c in found if c.key not in others}
     best = (better(c, seen[c.key]) if c.key in seen else c for c in in_loop)
     return tuple(sorted(best, key=lambda c: c.judged))

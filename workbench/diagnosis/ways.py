@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -37,6 +38,8 @@ from .trying import Progress
 
 Keys = frozenset[EffectKey]
 
+_SCENES = 4  # that are kept: a way seldom has more places, and they hold every row
+
 
 @dataclass(frozen=True)
 class Quest:
@@ -50,6 +53,7 @@ class Quest:
         limit: most effects to add one by one.
         seed: of the noise simulations.
         progress: told what is being done.
+        scenes: linearised loops of the last places where the search stood, newest first.
     """
 
     start: Fit
@@ -59,6 +63,7 @@ class Quest:
     limit: int
     seed: int
     progress: Progress
+    scenes: deque[Scene] = field(default_factory=lambda: deque(maxlen=_SCENES), repr=False)
 
 
 @dataclass(frozen=True)
@@ -156,10 +161,15 @@ def screened_at(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence
 
 
 def scene_at(current: Fit, data: Data, quest: Quest) -> Scene:
-    """The loops linearised about where the search stands."""
+    """The loops linearised about where the search stands; the same where another way comes back to it."""
     if not current.hypothesis.added:
         return quest.scene
-    return Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+    for scene in quest.scenes:
+        if all(a is b for a, b in zip(scene.runs, current.simulated, strict=True)):
+            return scene
+    scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+    quest.scenes.appendleft(scene)
+    return scene
 
 
 def after(stages: tuple[Stage, ...], quest: Quest) -> Way:
