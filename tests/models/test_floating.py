@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import mujoco
 import numpy as np
@@ -34,7 +34,8 @@ def test_a_base_that_floats_has_axes_and_no_drives(folder) -> None:
     again = replace(load_model(folder / "again.toml"), source=model.source)
     assert "base_x" not in text
     np.testing.assert_array_equal(again.transmission, np.eye(len(DRIVEN) + 6))
-    assert replace(again, transmission=model.transmission) == model
+    same = [f.name for f in fields(model) if f.name != "transmission"]
+    assert [getattr(again, name) for name in same] == [getattr(model, name) for name in same]
 
 
 def test_the_six_coordinates_are_those_of_the_free_joint(folder) -> None:
