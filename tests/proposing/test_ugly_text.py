@@ -10,6 +10,7 @@ import pytest
 from tests.proposing.make import KD, KP, columns, imported, log, same, text
 from workbench.core import InputError
 from workbench.proposing import Answers, open_table, propose
+from workbench.proposing.names import role_of
 
 LOG = log()
 DEG = np.pi / 180
@@ -314,3 +315,7 @@ def test_joints_that_are_called_like_units_of_length_are_joints(
     recording = imported(put(tmp_path, text(data)))[1]
     same(recording, LOG, tolerance=1e-9)
     assert recording.axes == joints
+
+
+def test_a_column_that_numbers_rows_has_no_unit_though_n_is_one_of_force() -> None:
+    assert (role_of("n").kind, role_of("n").unit) == ("index", "")

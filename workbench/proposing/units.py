@@ -59,7 +59,7 @@ def pint_unit(text: str, kind: str) -> str:
 
 def spelled(text: str, kind: str) -> bool:
     """Whether `text` is a unit of this kind as names end with one: a foot or a link is a joint there."""
-    return bool(_spelling(text, kind))
+    return kind in KINDS and bool(_spelling(text, kind))  # a row's number, "n", is of no kind with units
 
 
 def _spelling(text: str, kind: str) -> str:
