@@ -36,11 +36,10 @@ def what_gives_way(
             softness of all, so that another one is asked for together with it.
     """
     springs = tuple(a for a in found_before if a.key.effect == _SPRING)
-    known = scene.gives_way.get((training, *(a.key for a in springs)))
-    if known is None:
-        known = _shares(scene, training, springs)
-        scene.gives_way[training, *(a.key for a in springs)] = known
-    return [replace(c, judged=c.judged * judged) for c in known]
+    asked = training, *(a.key for a in springs)
+    if asked not in scene.gives_way:
+        scene.gives_way[asked] = _shares(scene, training, springs)
+    return [replace(c, judged=c.judged * judged) for c in scene.gives_way[asked]]
 
 
 def _shares(scene: Scene, training: int, springs: Sequence[AppliedEffect]) -> list[Candidate]:

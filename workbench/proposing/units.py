@@ -49,17 +49,13 @@ def pint_unit(text: str, kind: str) -> str:
     """The unit as pint writes it, ``""`` where `text` is no unit of this kind."""
     if unit := _spelling(text, kind):
         return unit
-    try:
-        # a unit that pint knows as it stands: "mrad/s", "N*mm"
-        to_si(text, kind)
-    except ValueError:
-        return ""
-    return text if len(text) > 1 else ""
+    # a unit that pint knows as it stands: "mrad/s", "N*mm"
+    return text if len(text) > 1 and _is_of(text, kind) else ""
 
 
 def spelled(text: str, kind: str) -> bool:
     """Whether `text` is a unit of this kind as names end with one: a foot or a link is a joint there."""
-    return kind in KINDS and bool(_spelling(text, kind))  # a row's number, "n", is of no kind with units
+    return bool(_spelling(text, kind))
 
 
 def _spelling(text: str, kind: str) -> str:
@@ -70,7 +66,7 @@ def _spelling(text: str, kind: str) -> str:
 
 def fits(text: str, kind: str) -> bool:
     """Whether `text` is a unit of this kind."""
-    return kind in KINDS and bool(pint_unit(text, kind))
+    return bool(pint_unit(text, kind))
 
 
 def known_unit(text: str) -> bool:
@@ -79,6 +75,8 @@ def known_unit(text: str) -> bool:
 
 
 def _is_of(unit: str, kind: str) -> bool:
+    if kind not in KINDS:
+        return False  # the number of a row, "n", is of no kind that has units
     try:
         to_si(unit, kind)
     except ValueError:
