@@ -7,11 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.rotor import pushed, torn
 from workbench.comparison import replay_of
 from workbench.core import EffectKey
-from workbench.effects import compile_plant, effect_named, load_model
+from workbench.effects import compile_plant, effect_named, load_model, torque_bounds
+from workbench.effects.speed_torque_limit import _off
 from workbench.models import Placement
 
 
@@ -35,3 +38,18 @@ def test_the_first_guess_is_the_limit(tmp_path: Path, effect: str, wanted: dict[
     assert len(shapes) == 1
     for name, value in wanted.items():
         assert shapes[0][name] == pytest.approx(value, rel=0.02)
+
+
+@given(
+    st.lists(st.tuples(*[st.floats(-50.0, 50.0)] * 3), min_size=1, max_size=20),
+    st.floats(0.01, 60.0),
+    st.floats(0.01, 100.0),
+    st.booleans(),
+)
+def test_the_compiled_line_is_the_one_that_is_simulated(
+    rows: list[tuple[float, float, float]], stall: float, no_load: float, full_braking: bool
+) -> None:
+    asked, speed, measured = np.array(rows).T
+    low, high = torque_bounds(speed, np.array(np.inf), np.array(stall), np.array(no_load), full_braking)
+    wanted = np.sum((np.clip(asked, low, high) - measured) ** 2)
+    assert _off(asked, speed, measured, stall, no_load, full_braking) == pytest.approx(wanted, abs=1e-9)
