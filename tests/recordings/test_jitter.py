@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from workbench.core import InputError
 from workbench.recordings import load_recording, noise_levels
-from workbench.recordings.held import held_by, nearest_between_steps, step_phase, ticks
+from workbench.recordings.held import held_by, nearest_between_steps, shared_ticks, step_phase, ticks
 from workbench.recordings.lattice import lattice_step
 
 from .test_read import two_axes, with_columns, write_recording
@@ -45,10 +46,25 @@ def test_rows_taken_late_are_moved_to_the_clock(tmp_path: Path, size: float) -> 
     taken = clock + PERIOD * np.clip(size * np.random.default_rng(1).standard_normal(ROWS), -0.45, 0.45)
     r = load_recording(log(tmp_path, taken, taken))
     assert r.period == PERIOD and len(r) == ROWS and "jitter" in r.notes[0] and "resampled" in r.notes[0]
-    assert r.late_s == pytest.approx(np.std(taken - clock), rel=0.01)
+    assert r.late_s == 0.0, "its commands change where it ticks: the loop itself keeps time"
     missed = r.position[:, 0] - 0.3 * np.sin(W * r.time)
     assert np.std(missed) == pytest.approx(1e-4, rel=0.1), "a row keeps the noise that it has"
     np.testing.assert_array_equal(r.signals["torque_feedforward"][:, 0], commanded(clock))
+
+
+def test_a_loop_that_may_be_late_with_the_rows_counts_as_late(tmp_path: Path) -> None:
+    clock = np.arange(ROWS) * PERIOD
+    taken = clock + PERIOD * np.clip(0.1 * np.random.default_rng(1).standard_normal(ROWS), -0.45, 0.45)
+    path = log(tmp_path, taken, taken)
+    table = path.with_name(tomllib.loads(path.read_text())["table"])
+    lines = table.read_text().splitlines()
+    held = lines[0].split(",").index("ff")
+    by_row = commanded(clock)
+    rows = [line.split(",") for line in lines[1:]]
+    for row, value in zip(rows, by_row, strict=True):
+        row[held] = repr(float(value))
+    table.write_text("\n".join([lines[0], *map(",".join, rows)]) + "\n")
+    assert load_recording(path).late_s == pytest.approx(np.std(taken - clock), rel=0.01)
 
 
 def test_where_only_the_stamps_are_late_rows_stay_as_they_are(tmp_path: Path) -> None:
@@ -145,3 +161,43 @@ def test_the_steps_of_an_encoder_outlive_a_clock_that_jitters(tmp_path: Path) ->
     levels = noise_levels(r)
     np.testing.assert_allclose(levels.position_resolution, [step, 0.0], rtol=1e-3)
     assert levels.position_std[0] == pytest.approx(step / np.sqrt(12), rel=0.6)
+
+
+def every_row(taken: np.ndarray, noise: float = 0.0) -> np.ndarray:
+    """What a loop holds that ticks as often as rows are taken, as these rows show it, (N, 2)."""
+    tick = np.floor(taken / PERIOD + 1e-9)
+    held = np.column_stack([np.sin(0.1 * tick), np.cos(0.13 * tick)])
+    return held + noise * np.random.default_rng(5).standard_normal(held.shape)
+
+
+@pytest.mark.parametrize("size", [0.01, 0.1, 0.3])
+def test_rows_taken_before_their_tick_show_the_command_before(tmp_path: Path, size: float) -> None:
+    clock = np.arange(ROWS) * PERIOD
+    late = np.clip(size * np.random.default_rng(1).standard_normal(ROWS), -0.45, 0.45)
+    late[0] = 0.0
+    taken = clock + PERIOD * late
+    noise = 0.05
+    data = {k: np.resize(v, ROWS) for k, v in two_axes().items()} | {"t": taken}
+    data |= {"q_a": np.sin(W * taken), "q_b": np.cos(W * taken)}
+    data |= {f"ff{i}": x for i, x in enumerate(every_row(taken).T)}
+    data |= {f"tau{i}": x for i, x in enumerate(every_row(taken, noise).T)}
+    columns = with_columns(torque_feedforward=["ff0", "ff1"], torque_measured=["tau0", "tau1"])
+    controller = {"kind": "pd", "kp": [1.0, 1.0], "kd": [0.1, 0.1], "period_s": PERIOD}
+    r = load_recording(write_recording(tmp_path, data, columns=columns, controller=controller))
+    true, guessed = every_row(clock), r.guessed["torque_feedforward"]
+    assert 0.2 < guessed.mean() < 0.3, "a tick is hidden where a row comes late and the next one early"
+    moved = r.signals["torque_feedforward"]
+    np.testing.assert_allclose(moved[~guessed], true[~guessed], atol=1e-12)
+    assert np.abs(moved - true)[1:-1].max() < 0.02, "and there the ticks beside it tell"
+    missed = r.signals["torque_measured"] - true
+    assert np.std(missed) == pytest.approx(noise, rel=0.1)
+    assert noise_levels(r).torque_std == pytest.approx(noise, rel=0.1)
+
+
+def test_what_stands_still_is_no_loop() -> None:
+    generator = np.random.default_rng(6)
+    times = np.arange(ROWS) * PERIOD + PERIOD * 0.2 * generator.uniform(-1, 1, ROWS)
+    smooth = np.sin(W * times)[:, None]
+    assert shared_ticks(times, smooth, PERIOD) is None
+    stands = np.where(np.arange(ROWS)[:, None] // 300 % 2 == 0, smooth, 0.5)
+    assert shared_ticks(times, stands, PERIOD) is None

@@ -210,6 +210,7 @@ def _cut(recording: Recording, part: slice) -> Recording:
         signals={name: x[part] for name, x in recording.signals.items()},
         extra={name: x[part] for name, x in recording.extra.items()},
         valid=recording.valid[part],
+        guessed={name: rows[part] for name, rows in recording.guessed.items()},
     )
 
 

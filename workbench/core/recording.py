@@ -102,7 +102,9 @@ class Recording(Shown):
         steps: signal -> steps (n,) in which its sensor shows it, 0 where in none; of signals that were
             moved onto the clock, whose own numbers no longer say.
         late_s: how far from their times rows were taken, rms [s], by a clock that jitters. Signals were moved
-            onto the clock; what a loop read of these rows was not.
+            onto the clock; what a loop read of these rows was not. 0 where the loop is seen to keep time.
+        guessed: signal -> rows (N,) bool that no row of the log shows, made of those beside; of signals whose
+            rows are few enough for a loop to tick between them unseen.
     """
 
     name: str
@@ -122,6 +124,7 @@ class Recording(Shown):
     source: Path | None = None
     steps: Mapping[str, FloatArray] = field(default_factory=dict)
     late_s: float = 0.0
+    guessed: Mapping[str, FloatArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         frozen = {k: _readonly(v) for k, v in self.signals.items()}

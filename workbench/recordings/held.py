@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 _FEW = 12  # changes that say nothing
@@ -12,6 +14,7 @@ _SHARP = 0.4  # power of what a signal that stands between steps moves there by 
 _PHASES = 300  # that are tried at first
 _DIGITS = 6  # of a phase, as a share of the period: nearer rows are at one
 _BEHIND = 0.01  # of the way from one row's phase to the next
+_MIXED = 0.03  # of the pairs of rows without a tick in between differ all the same
 _PAIRS = 20_000  # of successive rows, enough to tell a phase
 
 
@@ -71,6 +74,48 @@ def nearest_row(times: np.ndarray, at: np.ndarray) -> np.ndarray:
     return after - (at - times[after - 1] < times[after] - at)
 
 
+def shared_ticks(times: np.ndarray, values: np.ndarray, period: float) -> float | None:
+    """When a loop about as fast as jittering rows ticked, if some of these show one tick's command twice.
+
+    Args:
+        times: of the rows (K,) [s].
+        values: the signal (K, k), equal in rows of one tick.
+        period: of the loop [s].
+
+    Returns:
+        The phase of its ticks [s]; None where equal rows do not tell.
+    """
+    equal = np.all(np.diff(values, axis=0) == 0, axis=1)
+    if equal.sum() < _FEW or (~equal).sum() < _FEW:
+        return None
+    ends = np.stack([times[:-1], times[1:]])
+
+    def alike(phase: float) -> tuple[int, int]:
+        """Pairs of rows without a tick in between: that are equal, and that differ."""
+        then, now = np.floor((ends - phase) / period)
+        return int(np.sum(equal & (now == then))), int(np.sum(~equal & (now == then)))
+
+    phase = _best(_behind_rows(times, period), lambda x: alike(x)[1] / _MIXED - alike(x)[0])
+    same, other = alike(phase)
+    # more than chance has of them: a signal that often stands still is equal across ticks too
+    told = same >= _FEW and other <= _MIXED * same
+    return phase if told and other * equal.sum() < 0.5 * same * (~equal).sum() else None
+
+
+def _behind_rows(times: np.ndarray, period: float) -> np.ndarray:
+    """Phases right behind those of the rows, ascending [s]: between two of these all are alike."""
+    own = period * np.unique(np.round(times / period % 1.0, _DIGITS) % 1.0)
+    return own + _BEHIND * np.diff(own, append=own[0] + period)
+
+
+def _best(phases: np.ndarray, cost: Callable[[float], float]) -> float:
+    """The phase of least cost: at first among a few, then all about the best of these."""
+    stride = max(1, len(phases) // _PHASES)
+    best = stride * int(np.argmin([cost(float(phase)) for phase in phases[::stride]]))
+    near = phases[np.arange(best - stride, best + stride + 1) % len(phases)]
+    return float(min(near, key=cost))
+
+
 def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> tuple[float, np.ndarray] | None:
     """When in a loop's period a torque behind its command steps, if it stands still between steps.
 
@@ -97,13 +142,7 @@ def step_phase(times: np.ndarray, values: np.ndarray, period: float) -> tuple[fl
             return np.full(moved.shape[1], np.inf)
         return moved[~across].mean(axis=0) / np.maximum(moved[across].mean(axis=0), 1e-300)
 
-    # phases right behind the rows' own: at first a few of these, then all about the best
-    own = period * np.unique(np.round(ends / period % 1.0, _DIGITS) % 1.0)
-    behind = own + _BEHIND * np.diff(own, append=own[0] + period)
-    stride = max(1, len(behind) // _PHASES)
-    best = stride * int(np.argmin([between(phase).min() for phase in behind[::stride]]))
-    near = behind[np.arange(best - stride, best + stride + 1) % len(behind)]
-    phase = float(min(near, key=lambda x: between(x).min()))
+    phase = _best(_behind_rows(ends, period), lambda x: float(between(x).min()))
     still = between(phase) < _SHARP
     return (phase, still) if still.any() else None
 

@@ -72,7 +72,10 @@ def noise_levels(recording: Recording) -> NoiseLevels:
         if measured_torque is not None:
             asked = None if command is None else command[:, i : i + 1]
             phase = None if asked is None else _phase(recording)
-            torque[i] = white_noise(measured_torque[:, i], valid, asked, recording.period, phase=phase)
+            guessed = recording.guessed.get("torque_measured")
+            torque[i] = white_noise(
+                measured_torque[:, i], valid, asked, recording.period, phase=phase, guessed=guessed
+            )
     return NoiseLevels(resolution, position, velocity, torque)
 
 
@@ -137,6 +140,7 @@ def white_noise(
     *,
     integrated: bool = False,
     phase: np.ndarray | None = None,
+    guessed: np.ndarray | None = None,
 ) -> float:
     """Standard deviation of the white noise on one signal.
 
@@ -147,6 +151,7 @@ def white_noise(
         period: row period [s].
         integrated: the signal follows the command's integral, and never the same row's.
         phase: number (N,) of each row; rows of another number follow the command in another way.
+        guessed: rows (N,) bool that have no noise of their own.
 
     Returns:
         The standard deviation, in the signal's unit; NaN where there are too few rows.
@@ -178,6 +183,9 @@ def white_noise(
         if phase is not None:
             of_kind = (phase[rows][:, :, None] == np.arange(kinds)).astype(float)
             followed = np.einsum("wri,wrk->wrik", followed, of_kind).reshape(*rows.shape, -1)
+    if guessed is not None:
+        own = _each_by_itself(guessed[rows])
+        followed = own if followed is None else np.concatenate([followed, own], axis=2)
     bands = [round(width * band) for band in _BANDS]
     left = [_outside(signal[rows], followed, slow) for slow in bands]
     every = min(_usual(*each) for each in left)
@@ -185,6 +193,15 @@ def white_noise(
         return every
     quietest = _of_quietest(*left[0], bands[0], phase[rows[0]])
     return quietest if quietest < _CLEARLY * every else every
+
+
+def _each_by_itself(chosen: np.ndarray) -> np.ndarray:
+    """Columns (W, width, most) that are one in one of the chosen rows (W, width) each, and take it out."""
+    most = int(chosen.sum(axis=1).max(initial=0))
+    row = np.argsort(~chosen, axis=1, kind="stable")[:, None, :most]
+    columns = np.zeros((*chosen.shape, most))
+    np.put_along_axis(columns, row, 1.0, axis=1)
+    return columns * chosen[:, :, None]
 
 
 def _outside(windows: np.ndarray, followed: np.ndarray | None, slow: int) -> tuple[np.ndarray, np.ndarray]:

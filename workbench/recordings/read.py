@@ -17,7 +17,7 @@ from .convert import axis_signals, axis_units, extra_signals, seconds
 from .description import ControllerTable, Description, read_description
 from .jitter import settle_jitter
 from .lattice import lattice_step
-from .resample import measured_on_clock, onto_clock
+from .resample import loop_keeps_time, measured_on_clock, onto_clock
 from .tables import read_table
 from .velocity import derive_velocity
 
@@ -88,13 +88,16 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
     good = np.ones(len(data[column]), bool) if measured is None else measured
     signals, extra = axis_signals(d, data, path), extra_signals(d, data, path)
     check_finite(d, {**signals, **extra}, good, table)
-    if clock.row is None:
+    loop_s = controller.period_s
+    even = clock.row is None and loop_keeps_time(signals, good, clock, loop_s)
+    if clock.row is None and not even:
         smooth = [signals[name][clock.kept] for name in ("position", "velocity") if name in signals]
         clock = settle_jitter(clock, smooth)
     steps = _steps(signals, good) if clock.row is None else {}
-    loop_s = controller.period_s
-    signals = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in signals.items()}
-    extra = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in extra.items()}
+    moved = {name: onto_clock(name, rows, good, clock, loop_s) for name, rows in signals.items()}
+    signals = {name: rows for name, (rows, _) in moved.items()}
+    guessed = {name: rows for name, (_, rows) in moved.items() if rows is not None and rows.any()}
+    extra = {name: onto_clock(name, rows, good, clock, loop_s)[0] for name, rows in extra.items()}
     if not part:
         check_excitation(d, clock.time, column, table)
         check_alive(d, signals, table)
@@ -123,7 +126,8 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
         extra=extra,
         source=path,
         steps=steps,
-        late_s=clock.late_s,
+        late_s=0.0 if even else clock.late_s,
+        guessed=guessed,
     )
 
 

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import PchipInterpolator
 
 from .clock import Clock
-from .held import held_by, nearest_between_steps, nearest_row, step_phase, ticks
+from .held import held_by, nearest_between_steps, nearest_row, shared_ticks, step_phase, ticks
 
 #: What is computed rather than measured, and so may be a staircase by design.
 _HELD = ("torque_command", "torque_feedforward", "position_reference", "velocity_reference")
 _NEAR = 0.75  # rows this near are moved to a time of the clock rather than interpolated [periods]
+_NEXT = 1.5  # and ticks this near, of what has noise of its own
+_UNSURE = 4.0  # standard deviations of the mean of rows' delays
+_APART = 0.01  # of rows show another tick than they would if they were not early or late
+_SLOWER = 2.0  # a loop that takes so many rows shows each of its ticks
 _AROUND = 5  # rows that a slope is taken from
 
 
 def onto_clock(
     name: str, rows: np.ndarray, measured: np.ndarray, clock: Clock, loop_s: float | None = None
-) -> np.ndarray:
-    """One signal on the clock.
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """One signal on the clock, and which of its rows are guessed.
 
     Args:
         name: the signal's name.
@@ -28,16 +34,18 @@ def onto_clock(
         loop_s: period at which the controller was sampled, where it is known [s].
 
     Returns:
-        The signal, shape (M, k), finite where the measured rows are.
+        The signal, shape (M, k), finite where the measured rows are; and the rows, shape (M,) bool, whose
+        tick of the loop no row of the log shows, None where this is not known or all are shown.
     """
     if clock.whole and measured.all():
-        return rows
+        return rows, None
     good = measured[clock.kept]
-    source = rows[clock.kept][good]
-    filled = _resample(name, clock.logged[good], source, clock.time, loop_s)
-    if clock.row is not None:
-        filled[clock.row[good]] = source
-    return filled
+    times, source = clock.logged[good], rows[clock.kept][good]
+    filled, guessed = _resample(name, times, source, clock.time, loop_s)
+    if clock.row is None:
+        return filled, guessed
+    filled[clock.row[good]] = source
+    return filled, None
 
 
 def measured_on_clock(measured: np.ndarray, clock: Clock) -> np.ndarray:
@@ -54,6 +62,33 @@ def measured_on_clock(measured: np.ndarray, clock: Clock) -> np.ndarray:
     return inside & (times[after] - times[after - 1] <= clock.widest)
 
 
+def loop_keeps_time(
+    signals: Mapping[str, np.ndarray], measured: np.ndarray, clock: Clock, loop_s: float | None
+) -> bool:
+    """Whether rows of a clock that jitters, some before a tick and some behind it, show a loop that does not.
+
+    Then rows were taken when their stamps say, and the loop read its sensors at other times.
+
+    Args:
+        signals: name -> the table's rows, shape (N, k).
+        measured, loop_s: as for `onto_clock`.
+        clock: one that jitters.
+    """
+    good = measured[clock.kept]
+    times, row = clock.logged[good], clock.time[1]
+    even = _behind_ticks(times, np.append(clock.time, clock.time[-1] + row))[
+        np.round(times / row).astype(int)
+    ]
+    period = loop_s or float(np.median(np.diff(times)))
+    for name in signals.keys() & set(_HELD):
+        phase = shared_ticks(times, signals[name][clock.kept][good], period)
+        if phase is not None:
+            tick, of_even = (np.floor((t - phase) / period + 1e-9) for t in (times, even))
+            if np.mean(tick != of_even) > _APART:
+                return True
+    return False
+
+
 def looks_held(signal: np.ndarray) -> bool:
     """Whether a signal (N, k) moves, but stands still from row to row for a good part of the time."""
     steps = np.diff(signal, axis=0)
@@ -63,28 +98,63 @@ def looks_held(signal: np.ndarray) -> bool:
 
 def _resample(
     name: str, times: np.ndarray, values: np.ndarray, at: np.ndarray, loop_s: float | None
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """A signal at other times (M,), and at which of these no row of its own was there to show it."""
     if name in _HELD and looks_held(values):
         loop = ticks(times, values, loop_s)
         if loop is not None:
-            return held_by(times, values, *loop, at)
+            return held_by(times, values, *loop, at), None
         before = np.clip(np.searchsorted(times, at + 1e-9 * at[-1], side="right") - 1, 0, None)
-        return values[before]
+        return values[before], None
+    moved = _moved(times, values, at, _NEAR * at[1])
+    period = loop_s or float(np.median(np.diff(times)))
+    if name == "torque_measured" and (steps := step_phase(times, values, period)):
+        phase, still = steps
+        if period >= _SLOWER * float(np.median(np.diff(times))):
+            rows = nearest_between_steps(times, phase, period, _behind_ticks(times, at))
+            found, guessed = values[rows], rows != nearest_row(times, at)
+        else:
+            found, guessed = _by_ticks(times, values, phase, period, at, _NEXT)
+        moved[:, still] = found[:, still]
+        return moved, guessed
+    if name in _HELD and (phase := shared_ticks(times, values, period)) is not None:
+        return _by_ticks(times, values, phase, period, at, 0.0)
+    return moved, None
+
+
+def _moved(times: np.ndarray, values: np.ndarray, at: np.ndarray, most: float) -> np.ndarray:
+    """Values at other times: of the nearest row where it is at most so far off, else between two rows.
+
+    Interpolation averages two rows and hides some of their noise; a row moved along its slope keeps its own.
+    """
     nearest = nearest_row(times, at)
     off = at - times[nearest]
-    near = np.abs(off) < _NEAR * at[1]
+    near = np.abs(off) < most
     # monotone between rows: no overshoot across a gap or at an encoder's steps
     between = PchipInterpolator(times, values, axis=0)(np.clip(at, times[0], times[-1]))
     if len(times) < _AROUND or not near.any():
         return between
-    # interpolation averages two rows and hides some of their noise; a row moved along its slope keeps its own
     moved = values[nearest] + _slope(times, values)[nearest] * off[:, None]
-    if name == "torque_measured" and loop_s and loop_s >= 2 * float(np.median(np.diff(times))):
-        steps = step_phase(times, values, loop_s)
-        if steps is not None:
-            phase, still = steps
-            moved[:, still] = values[nearest_between_steps(times, phase, loop_s, at)][:, still]
     return np.where(near[:, None], moved, between)
+
+
+def _by_ticks(
+    times: np.ndarray, values: np.ndarray, phase: float, period: float, at: np.ndarray, most: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """What a loop held at other times (M,), where rows belong to its ticks; and which ticks no row shows.
+
+    These are made of the ticks beside them: by one that is at most so many off, or between two.
+    """
+    shown, wanted = (np.floor((t - phase) / period + 1e-9) for t in (times, _behind_ticks(times, at)))
+    tick, first = np.unique(shown, return_index=True)
+    return _moved(tick, values[first], wanted, most), ~np.isin(wanted, tick)
+
+
+def _behind_ticks(times: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Times of the clock, behind ticks that are at them as far as rows that jitter tell its beginning [s]."""
+    row = float(np.median(np.diff(at)))
+    late = float(np.std(times / row - np.round(times / row))) * row
+    return at + _UNSURE * late / np.sqrt(len(times))
 
 
 def _slope(times: np.ndarray, values: np.ndarray) -> np.ndarray:
