@@ -111,25 +111,34 @@ def _slope(x: np.ndarray, y: np.ndarray) -> float:
     return float(x @ y / (x @ x)) if x @ x > 0 else 0.0
 
 
-def remark_on_command_limits(recording: Recording) -> list[Remark]:
-    """Commands that stand at their largest value again and again: the controller's own limit."""
+def command_limits(recording: Recording) -> list[tuple[int, float, float]]:
+    """Where commands stand at their largest or smallest value again and again: a limit they were cut to.
+
+    Returns:
+        Axis, that value in the recording's own coordinates, and the share of rows that have it.
+    """
     command = recording.get("torque_command")
     if command is None:
         return []
-    remarks: list[Remark] = []
-    for i, axis in enumerate(recording.axes):
-        x = command[:, i]
-        changes = np.flatnonzero(np.diff(x))
-        if len(changes) < 20:
+    found: list[tuple[int, float, float]] = []
+    for i, x in enumerate(command.T):
+        changes = np.count_nonzero(np.diff(x))
+        if changes < 20:
             continue
-        typical = len(x) / len(changes)  # rows for which a command is held
-        for side, extreme in (("upper", x.max()), ("lower", x.min())):
-            at = np.abs(x - extreme) <= 1e-6 * np.ptp(x)
-            share = float(at.mean())
+        typical = len(x) / changes  # rows for which a command is held
+        for extreme in (float(x.max()), float(x.min())):
+            share = float(np.mean(np.abs(x - extreme) <= 1e-6 * np.ptp(x)))
             if share > _OFTEN and share * len(x) > 6 * typical:
-                text = (
-                    f"Command of '{axis}' stands at its {side} limit of {extreme:.4g} in {100 * share:.2g} %."
-                )
-                value = {"limit": float(extreme), "share": share}
-                remarks.append(Remark("warning", "saturation", axis, text, value))
+                found.append((i, extreme, share))
+    return found
+
+
+def remark_on_command_limits(recording: Recording) -> list[Remark]:
+    """Commands that stand at their largest value again and again: the controller's own limit."""
+    remarks: list[Remark] = []
+    for i, extreme, share in command_limits(recording):
+        axis, command = recording.axes[i], recording.signals["torque_command"][:, i]
+        side = "upper" if extreme == command.max() else "lower"
+        text = f"Command of '{axis}' stands at its {side} limit of {extreme:.4g} in {100 * share:.2g} %."
+        remarks.append(Remark("warning", "saturation", axis, text, {"limit": extreme, "share": share}))
     return remarks

@@ -11,8 +11,10 @@ from scipy.interpolate import CubicSpline
 
 from workbench.core import Recording
 from workbench.effects import Line, Motion, Plant, axis_units, compile_plant
+from workbench.inspection.torque import command_limits
 from workbench.models import Model, axis_tendon, rotors
 
+from .clamped import before_clamp
 from .experiment import prepare, scored_torque
 from .inverse import gain_along, required_torque
 from .native import com_slopes, mass_matrices
@@ -28,6 +30,9 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
     measured = recording.get("torque_measured")
     known, back = command if command is not None else measured, np.linalg.inv(to_actuator)
     rows = np.zeros_like(track.position) if known is None else known @ back
+    if command is not None and command_limits(recording):
+        law = law_along(recording, plant, track)
+        rows = rows if law is None else before_clamp(recording, command, law @ to_actuator) @ back
     line = Line(
         step=step,
         command=rows,
@@ -111,6 +116,20 @@ def _along(plant: Plant, track: Track, of: Callable[[np.ndarray], np.ndarray]) -
     rows = np.unique(np.append(np.arange(0, count, 4), count - 1))
     joints = track.position[rows] @ np.linalg.inv(plant.model.transmission).T
     return interpolate(rows, of(plant.state_at(np.stack([joints, joints], axis=1))[:, 0]), count)
+
+
+def law_along(recording: Recording, plant: Plant, track: Track) -> np.ndarray | None:
+    """Torque command (N, n) that a stated loop asks for along a track, actuator coordinates, without limits.
+
+    None where no loop is stated, or one that has a limit of its own.
+    """
+    e = prepare(recording, plant.model)
+    if e.controller.kind not in ("pd", "cascade_pv") or e.controller.limit:
+        return None
+    shares = [gain_shares(recording, plant, track, axis) for axis in range(plant.model.size)]
+    # a cascade's gain on velocity multiplies all it asks for
+    asked = [own.sum(axis=0) if e.controller.kind == "pd" else own[1] for own in shares]
+    return np.sum(asked, axis=0) + e.feedforward
 
 
 def gain_shares(recording: Recording, plant: Plant, track: Track, axis: int) -> np.ndarray:

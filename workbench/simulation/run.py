@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.core import Recording, SimulationError
 from workbench.effects import Plant, compile_plant
+from workbench.inspection.torque import command_limits
 from workbench.models import Model
 
 from .control import SensorNoise, control_law
@@ -120,7 +121,10 @@ def _run(run: Run, e: Experiment, plant: Plant | None) -> Recording:
     seen, rate = position[rows].copy(), velocity[rows].copy()
     logged(sensors, e.stride, seen, rate)
     seen, rate = seen @ to_rows.T, rate @ to_rows.T
-    asked = command[pad:][rows] @ e.to_actuator
+    asked = command[pad:][rows]
+    if e.controller.kind != "none" and command_limits(run.recording):
+        asked = np.clip(asked, -plant.chain.limit, plant.chain.limit)  # logged behind the limit
+    asked = asked @ e.to_actuator
     tap = torque[rows] @ e.to_actuator
     if run.recording.timing.delay == "loop":
         asked = tap

@@ -1,0 +1,33 @@
+"""Commands that were cut to a limit before they were logged: what the loop asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.inspection.torque import command_limits
+
+_FOLLOWED = 0.1  # of a command's variation a law that holds may leave in rows that are not cut
+
+
+def before_clamp(recording: Recording, command: np.ndarray, law: np.ndarray) -> np.ndarray:
+    """A logged command (N, n) with what its loop asked for where it stands at a limit.
+
+    A drive that is said to be without a limit would have followed that.
+
+    Args:
+        recording: whose command it is.
+        command: in the recording's own coordinates.
+        law: what the stated loop asks for along the measured motion, (N, n), the same coordinates.
+    """
+    out = command.copy()
+    limits = command_limits(recording)
+    for axis in {axis for axis, _, _ in limits}:
+        asked, ideal = out[:, axis], law[:, axis]
+        at = {limit: np.isclose(asked, limit, rtol=1e-6, atol=0.0) for i, limit, _ in limits if i == axis}
+        free = ~np.any(list(at.values()), axis=0)
+        if np.std((ideal - asked)[free]) < _FOLLOWED * np.std(asked):
+            for limit, cut in at.items():
+                beyond = cut & (np.sign(limit) * ideal > abs(limit))
+                asked[beyond] = ideal[beyond]
+    return out
