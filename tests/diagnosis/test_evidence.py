@@ -118,6 +118,16 @@ def test_a_gain_alone_is_flat() -> None:
     assert delay_line(periodic(GAIN), "knee", "input") == gain_line(periodic(GAIN), "hip", "input") == []
 
 
+def test_lines_above_half_the_rate_of_a_loop_say_nothing() -> None:
+    found = periodic(DELAY)
+    assert found.real.frequency.max() > 20.0
+    slow = [replace(r, controller=replace(r.controller, period_s=1 / 40)) for r in found.measured]
+    cut = responses(slow, found.modelled)
+    assert cut is not None
+    assert cut.real.frequency.max() < 20.0
+    np.testing.assert_allclose(cut.real.frequency, cut.model.frequency)
+
+
 def test_a_soft_joint_is_a_pair_that_the_model_has_not() -> None:
     (line,) = resonance_lines(periodic(COMPLIANCE), None)
     assert line.startswith("knee has")

@@ -81,6 +81,13 @@ def test_friction_steps_and_rates_do_not_count_as_noise(rate: float) -> None:
     assert noise.velocity_std[0] == pytest.approx(0.03, rel=0.1)
 
 
+def test_a_torque_that_is_logged_in_coarse_steps_has_the_noise_of_these() -> None:
+    r, step = drive(1000.0, seconds=6.0), 0.5
+    coarse = np.round(r.signals["torque_measured"] / step) * step
+    found = noise_levels(r.with_signals(torque_measured=coarse)).torque_std[0]
+    assert found == pytest.approx(step / np.sqrt(12), rel=0.15)
+
+
 def test_signals_that_were_not_measured_are_nan() -> None:
     r = drive(1000.0, seconds=1.0)
     only = {k: v for k, v in r.signals.items() if k != "torque_measured"}

@@ -11,6 +11,7 @@ from workbench.models import AppliedEffect
 
 from .evidence import Clues, finding_lines
 from .giving import other_causes
+from .hypothesis import Fit
 from .judging import stands_out
 from .stage import Search, Stage, has_cause
 
@@ -26,8 +27,7 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
     keys = {applied.key for applied in found.final.hypothesis.added}
     for applied in found.final.hypothesis.added:
         index = next(k for k, s in enumerate(found.stages) if s.added == applied.key)
-        stage = found.stages[index]
-        previous = found.stages[index - 1].fit if index else found.start
+        stage, previous = found.stages[index], _before(found, index)
         score = found.start_data.score
         findings.append(
             Finding(
@@ -45,6 +45,19 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
             )
         )
     return tuple(findings)
+
+
+def _before(found: Search, index: int) -> Fit:
+    """The fit that a stage's effect was added to.
+
+    That is the one before, unless it had in one effect what this stage has a part of: then the last without.
+    """
+    fits = [found.start, *(stage.fit for stage in found.stages)]
+    stage = found.stages[index]
+    if fits[index].judged > stage.fit.judged:
+        return fits[index]
+    own = {a.key for a in stage.fit.hypothesis.added} - {stage.added}
+    return next(f for f in reversed(fits[: index + 1]) if own >= {a.key for a in f.hypothesis.added})
 
 
 def _probability(stage: Stage, found: Search) -> float:

@@ -72,7 +72,9 @@ def responses(measured: Sequence[Recording], simulated: Sequence[Recording]) -> 
                     real, model = method(members), method(runs)
                 except (InputError, np.linalg.LinAlgError):
                     continue  # too few experiments or periods: nothing is said
-                real, model = _shared(real, model)
+                # above half the loop's rate stand images of what is below
+                top_hz = min(0.5 / (r.controller.period_s or r.period) for r in members)
+                real, model = _shared(real, model, top_hz)
                 if len(real) >= _FEWEST:
                     return Responses(tuple(members), runs, real, model)
     return None
@@ -191,10 +193,11 @@ def _as_run(recording: Recording, run: Recording) -> Recording:
     return recording.with_signals(**made)
 
 
-def _shared(real: Frf, model: Frf) -> tuple[Frf, Frf]:
-    """Both at the lines that both have."""
+def _shared(real: Frf, model: Frf, top_hz: float) -> tuple[Frf, Frf]:
+    """Both at the lines below a frequency that both have."""
     at = np.round(real.frequency, 9), np.round(model.frequency, 9)
-    return real.kept(np.isin(at[0], at[1])), model.kept(np.isin(at[1], at[0]))
+    own, other = (np.where(a < top_hz, a, -k) for k, a in enumerate(at, 1))
+    return real.kept(np.isin(own, other)), model.kept(np.isin(other, own))
 
 
 def _ratio(found: Responses, axis: str | None, side: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

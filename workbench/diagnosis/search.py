@@ -131,6 +131,9 @@ def _simplified(way: Way, seed: int, progress: Progress) -> Way:
             way = with_last(way, replace(last, fit=rest, dropped=(*last.dropped, stage.added)), seed)
     for stage in way.stages:
         simple = simpler(stage, way.current, way.data, progress, last=stage is way.stages[-1])
+        if simple and stage is way.stages[-1]:
+            simple = (replace(simple[0], dropped=stage.dropped), *simple[1:])
+            way = replace(way, stages=way.stages[:-1])
         if simple:
             way = with_stages(way, simple, seed)
     return way

@@ -13,7 +13,7 @@ from workbench.models import AppliedEffect
 from .data import Data
 from .fit import fit
 from .hypothesis import Fit
-from .judging import TIE, sizes_of, stands_out
+from .judging import TIE, floor_of_judging, sizes_of, stands_out
 from .refining import polished, with_candidates
 from .screen import Candidate, screen
 from .sensitivity import Scene
@@ -62,7 +62,7 @@ def simpler(
         good = [(s, f) for s, f in zip(sets, fits, strict=True) if f is not None and f.judged < enough]
         if good:
             best, found = min(good, key=lambda sf: sf[1].judged)
-            return _stages(stage, given_up.key, best, polished(found, data), data)
+            return _stages(stage, given_up.key, best, (rest, polished(found, data)), data)
     return ()
 
 
@@ -104,14 +104,23 @@ def _enough(now: float, without: float) -> float:
 
 
 def _stages(
-    stage: Stage, given_up: EffectKey, chosen: Sequence[Candidate], found: Fit, data: Data
+    stage: Stage, given_up: EffectKey, chosen: Sequence[Candidate], fits: tuple[Fit, Fit], data: Data
 ) -> tuple[Stage, ...]:
-    """The effects one after the other, in place of a stage."""
+    """The effects one after the other, in place of a stage; `fits` without any of them, and with all."""
+    rest, found = fits
     keys = [c.key for c in chosen]
     twins = effect_named(given_up.effect).twins  # what stood beside it only stood in for the rest of it
     rivals = tuple(k for k in stage.rivals if k not in keys and k.effect not in twins)
     last = replace(stage, added=keys[-1], fit=found, dropped=(given_up,), rivals=rivals)
     if len(keys) == 1:
         return (last,)
-    (first,) = fit([found.hypothesis.without(keys[-1])], data)
-    return () if first is None else (replace(last, added=keys[0], fit=first), replace(last, dropped=()))
+    (one,) = fit([found.hypothesis.without(keys[-1])], data)
+    if one is None:
+        return ()
+    first = replace(last, added=keys[0], fit=one, removed_share=_removed(rest, one, data))
+    return first, replace(last, dropped=(), removed_share=_removed(one, found, data))
+
+
+def _removed(before: Fit, after: Fit, data: Data) -> float:
+    """Share of the judged excess that is gone."""
+    return (before.judged - after.judged) / max(before.judged - floor_of_judging(data), 1e-12)

@@ -73,9 +73,11 @@ def noise_levels(recording: Recording) -> NoiseLevels:
             asked = None if command is None else command[:, i : i + 1]
             phase = None if asked is None else _phase(recording)
             guessed = recording.guessed.get("torque_measured")
-            torque[i] = white_noise(
+            white = white_noise(
                 measured_torque[:, i], valid, asked, recording.period, phase=phase, guessed=guessed
             )
+            rounding = _resolution(recording, "torque_measured", i) / np.sqrt(12)
+            torque[i] = white if white >= rounding else rounding or white
     return NoiseLevels(resolution, position, velocity, torque)
 
 

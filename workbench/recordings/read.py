@@ -135,7 +135,7 @@ def _steps(signals: Mapping[str, np.ndarray], good: np.ndarray) -> dict[str, np.
     """Steps (n,) of what sensors read, 0 where a signal has none or never changes."""
     return {
         name: np.array([lattice_step(x) for x in signals[name][good].T])
-        for name in ("position", "velocity")
+        for name in ("position", "velocity", "torque_measured")
         if name in signals
     }
 
