@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import workbench as wb
-from workbench.core import EffectKey, Estimate, Recording
+from workbench.core import EffectKey, Estimate, InputError, Recording
 from workbench.diagnosis import diagnose, improve
 from workbench.effects import load_model
 from workbench.models import AppliedEffect, Linkage
@@ -60,6 +60,27 @@ def test_a_leg_without_hidden_effect_is_consistent() -> None:
     assert (result.verdict, result.steps) == ("consistent", ())
     assert model.effects == load_model("leg").effects
     assert result.diagnosis is not None and result.diagnosis.unexplained_fraction == 0.0
+
+
+def test_a_log_of_a_few_rows_has_no_verdict() -> None:
+    (run, *_), _ = recordings()
+    few = replace(
+        run, time=run.time[:39], signals={k: v[:39] for k, v in run.signals.items()}, valid=run.valid[:39]
+    )
+    with pytest.raises(InputError, match="39 rows are too few"):
+        diagnose(load_model("leg"), [few])
+
+
+def test_the_parts_of_friction_are_told_one_after_the_other() -> None:
+    training, held_out = recordings(
+        HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.15}),
+        HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.05}),
+    )
+    found = diagnose(load_model("leg"), training, held_out)
+    assert {f.key.effect for f in found.findings} == {"coulomb_friction", "viscous_damping"}
+    for f in found.findings:
+        assert f.holdout_error_before is not None and f.holdout_error_after is not None
+        assert f.holdout_error_after < f.holdout_error_before
 
 
 def test_what_no_catalogue_lists_is_unexplained() -> None:

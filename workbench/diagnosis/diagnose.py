@@ -10,6 +10,7 @@ from workbench.core import (
     Comparison,
     Diagnosis,
     Improvement,
+    InputError,
     Recording,
     Verdict,
 )
@@ -24,6 +25,7 @@ from .search import LIMIT, Progress, UnstableLoop, search
 from .stage import Search
 from .verdict import refuted, verdict_of
 
+_FEWEST = 60  # rows to fit; a log of 5 Hz has them in twelve seconds
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
 _UNSTABLE = "The model is unstable in the loop"
 _NO_PAYLOAD = (
@@ -151,7 +153,14 @@ def _searched(
 def _matched(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
 ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
-    return matched(model, training), matched(model, held_out) if held_out else ()
+    fitted, judging = matched(model, training), matched(model, held_out) if held_out else ()
+    rows = sum(int(r.valid.sum()) for r in fitted)
+    if rows < _FEWEST:
+        raise InputError(
+            f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
+            remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
+        )  # fmt: skip
+    return fitted, judging
 
 
 def _diagnosis(found: Search) -> Diagnosis:
