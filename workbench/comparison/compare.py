@@ -17,7 +17,7 @@ from workbench.core import (
     Share,
 )
 from workbench.effects import axis_units
-from workbench.models import Model
+from workbench.models import Model, limits_left_out
 from workbench.simulation import check_axes, scored_torque
 
 from .floating import with_base
@@ -192,7 +192,7 @@ def concluded(
         consistent=fine,
         where=() if fine else where(entries),
         inverse_dynamics=inverse,
-        notes=notes,
+        notes=(*notes, *filter(None, [limits_left_out(model)])),
     )
 
 

@@ -6,7 +6,7 @@ from .from_table import structural_effect
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
 from .paths import find_model
 from .read import read_model
-from .serial import Placement, axis_tendon, base_spec, joint_kinds, rotors
+from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
 from .spec import load_mjcf, load_tree
 from .write import linkage_table, model_text, write_model
 
@@ -26,6 +26,7 @@ __all__ = [
     "base_spec",
     "find_model",
     "joint_kinds",
+    "limits_left_out",
     "linkage_table",
     "load_mjcf",
     "load_tree",

@@ -119,3 +119,27 @@ def _kinds(serial: Path, joints: tuple[str, ...]) -> tuple[str, ...]:
     spec = load_tree(serial)
     slide = mujoco.mjtJoint.mjJNT_SLIDE
     return tuple("slide" if spec.joint(name).type == slide else "hinge" for name in joints)
+
+
+def limits_left_out(model: Model) -> str | None:
+    """A note on torque limits of an MJCF's own actuators, which no simulation here has; None without any."""
+    if np.isfinite(model.actuators.torque_limit).any():
+        return None
+    names = [name for name in model.joints if name in _limited(model.serial)]
+    if not names:
+        return None
+    return (
+        f"limits of the MJCF's actuators on {', '.join(names)} are left out, as all its actuators are; "
+        "state torque_limit in [actuators] to have them"
+    )
+
+
+@lru_cache(maxsize=64)
+def _limited(serial: Path) -> frozenset[str]:
+    """Joints of an MJCF whose torque it limits, by an actuator's range of force or control, or their own."""
+    m = load_tree(serial).compile()
+    on_joint = m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
+    motor = m.actuator_biastype == int(mujoco.mjtBias.mjBIAS_NONE)  # else its control is no torque
+    limited = on_joint & ((m.actuator_forcelimited > 0) | (motor & (m.actuator_ctrllimited > 0)))
+    joints = {*m.actuator_trnid[limited, 0].tolist(), *np.flatnonzero(m.jnt_actfrclimited > 0).tolist()}
+    return frozenset(m.joint(k).name for k in joints)
