@@ -184,6 +184,13 @@ def test_a_log_too_short_is_written_and_said_to_be(tmp_path: Path) -> None:
     assert "workbench compare" not in done.stdout and (tmp_path / "run.toml").exists()
 
 
+def test_what_is_right_is_inspected_before_it_is_compared(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text(text(columns(LOG)))
+    done = run("import", "run.csv", cwd=tmp_path, columns=200)
+    last = done.stdout.strip().splitlines()[-1]
+    assert last == "Next: workbench inspect run.toml. Then: workbench compare MODEL run.toml"
+
+
 def test_a_problem_ends_with_how_to_mend_it(tmp_path: Path) -> None:
     data = mixed(LOG)
     data["A1 drive meas [Nm]"] = -data["A1 drive meas [Nm]"]
