@@ -141,6 +141,67 @@ def test_a_machine_without_a_loop_is_told_to_state_one(words, part, tmp_path: Pa
     assert [p.name for p in tmp_path.iterdir()] == ["bare.xml"]
 
 
+PENDULUM = (
+    '<mujoco><compiler angle="radian"/><worldbody><body><joint name="lift" axis="0 1 0" limited="true" '
+    'range="-1 1"/><geom size="0.02" fromto="0 0 0 {} 0 {}" type="capsule" mass="1"/></body></worldbody>'
+    "</mujoco>"
+)
+RUN = """format = 1
+table = "run.csv"
+axes = ["{}"]
+columns = {{time = "t", position = ["q"]}}
+"""
+PD = '[controller]\nkind = "pd"\ncoordinates = "joint"\nkp = [80.0]\nkd = [4.0]\nperiod_s = 0.002\n'
+
+
+def test_what_falls_without_a_loop_is_told_so_before_anything_is_shrunk(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(PENDULUM.format(0.3, 0.0))
+    monkeypatch.setattr("workbench.frf.scale_to_limits", None)
+    done = run("arm.xml", "-o", "x.toml", *SHORT[:6])
+    assert isinstance(done.exception, InputError), done.exception
+    assert "'arm.xml' has no loop" in str(done.exception) and "--loop REC" in str(done.exception)
+    assert not Path("x.toml").exists()
+
+
+def test_what_hangs_needs_no_loop(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(PENDULUM.format(0.0, -0.3))
+    done = run("arm.xml", "-o", "x.toml", *SHORT[:6], "--amplitude", 0.05)
+    assert done.exit_code == 0, done.output
+
+
+def test_a_recording_lends_its_loop(tmp_path: Path, monkeypatch) -> None:
+    """The remedy that a model without a loop is given works, and of the recording no table is needed."""
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(PENDULUM.format(0.3, 0.0))
+    Path("run.toml").write_text(RUN.format("lift") + PD)
+    words = ("arm.xml", "-o", "x.toml", *SHORT[:6], "--posture", "lift=0.4")
+    done = run(*words, "--loop", "run.toml", "--json", "x.json")
+    assert done.exit_code == 0, done.output
+    assert load_design(Path("x.toml")).hold == (0.4,)
+    inputs = json.loads(Path("x.json").read_text())["provenance"]["inputs"]
+    assert {Path(i["file"]).name for i in inputs} == {"arm.xml", "run.toml"}
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        (RUN.format("lift"), "states no loop that holds a posture"),
+        (RUN.format("other") + PD, "its loop is that of other; give a recording of lift"),
+    ],
+)
+def test_a_recording_without_this_machines_loop_is_refused(
+    text: str, part: str, tmp_path: Path, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(PENDULUM.format(0.3, 0.0))
+    Path("run.toml").write_text(text)
+    done = run("arm.xml", "-o", "x.toml", "--loop", "run.toml")
+    assert isinstance(done.exception, InputError) and part in str(done.exception)
+    assert not Path("x.toml").exists()
+
+
 def test_periods_fit_the_ticks() -> None:
     leg, slide = load_model("leg"), load_model("emps")
     assert whole_period(leg, 5.0, 1000.0) == pytest.approx(5.001)

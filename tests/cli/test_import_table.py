@@ -95,16 +95,51 @@ def test_on_a_terminal_it_asks(tmp_path: Path) -> None:
     assert np.abs(load_recording(tmp_path / "run.toml").signals["torque_measured"] - LOG.tau).max() < 1e-9
 
 
-def test_yes_is_an_answer_to_is_it_so(tmp_path: Path) -> None:
-    (tmp_path / "run.csv").write_text(text(columns(LOG)))
+def nameless_order(folder: Path) -> None:
+    """A log of hip and knee, and a model that calls its joints otherwise."""
+    (folder / "run.csv").write_text(text(columns(LOG)))
     joint = '<joint name="{}" axis="0 1 0"/><geom size="0.1" pos="0 0 -0.2"/>'
     inner = f'<body pos="0 0 -0.2">{joint.format("second")}</body>'
-    (tmp_path / "arm.xml").write_text(
+    (folder / "arm.xml").write_text(
         f"<mujoco><worldbody><body>{joint.format('first')}{inner}</body></worldbody></mujoco>"
     )
+
+
+def test_yes_is_an_answer_to_is_it_so(tmp_path: Path) -> None:
+    nameless_order(tmp_path)
     shown = at_a_terminal(tmp_path, "yes", "import", "run.csv", "--model", "arm.xml")
     assert "Is it so" in shown and "Wrote run.toml" in shown
     assert load_recording(tmp_path / "run.toml").axes == ("first", "second")
+
+
+@pytest.mark.parametrize("wrong", ["n", "nonsense", "first", "first,third"])
+def test_what_is_no_answer_is_asked_again_with_what_is_possible(wrong: str, tmp_path: Path) -> None:
+    """The other order is no other model: the columns are put in the order of its axes."""
+    nameless_order(tmp_path)
+    shown = at_a_terminal(tmp_path, f"{wrong}\nsecond,first", "import", "run.csv", "--model", "arm.xml")
+    shown = " ".join(shown.split())
+    assert ("Then what is it?" if wrong == "n" else f"'{wrong}' is not an answer to that.") in shown
+    assert shown.count("give the names first, second in the order of the file's joints") == 2
+    made = load_recording(tmp_path / "run.toml")
+    assert made.axes == ("first", "second")
+    assert np.abs(made.position - LOG.q[:, ::-1]).max() < 1e-9
+
+
+@pytest.mark.parametrize("wrong", ["furlong", "7", "n"])
+def test_a_unit_that_is_none_is_asked_again(wrong: str, tmp_path: Path) -> None:
+    torque_in_doubt(tmp_path)
+    shown = " ".join(at_a_terminal(tmp_path, f"{wrong}\n3", "import", "run.csv").split())
+    assert "Give one of these, by its number or as it stands there." in shown and "Wrote run.toml" in shown
+    assert np.abs(load_recording(tmp_path / "run.toml").signals["torque_measured"] - LOG.tau).max() < 1e-9
+
+
+def test_a_refusal_shows_what_was_worked_out(tmp_path: Path) -> None:
+    torque_in_doubt(tmp_path)
+    done = run("import", "run.csv", cwd=tmp_path)
+    assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
+    assert "run.csv: 600 rows, so far" in done.stdout
+    assert "pos_hip, pos_knee" in done.stdout and "unit of torque" in done.stdout and "a guess" in done.stdout
+    assert run("import", "run.csv", "-q", cwd=tmp_path).stdout == ""
 
 
 @pytest.mark.parametrize(
@@ -147,6 +182,13 @@ def test_a_log_too_short_is_written_and_said_to_be(tmp_path: Path) -> None:
     assert "20 rows, 0.095 s: too short for a comparison. The reference is in it." in done.stdout
     assert "too few rows to tell" in done.stdout and "Next: import a longer log." in done.stdout
     assert "workbench compare" not in done.stdout and (tmp_path / "run.toml").exists()
+
+
+def test_what_is_right_is_inspected_before_it_is_compared(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text(text(columns(LOG)))
+    done = run("import", "run.csv", cwd=tmp_path, columns=200)
+    last = done.stdout.strip().splitlines()[-1]
+    assert last == "Next: workbench inspect run.toml. Then: workbench compare MODEL run.toml"
 
 
 def test_a_problem_ends_with_how_to_mend_it(tmp_path: Path) -> None:

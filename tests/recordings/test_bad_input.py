@@ -70,7 +70,7 @@ def test_a_table_handed_in_as_toml(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "remedy"),
     [
-        ("run.csv", "t,q\n0,1\n", "workbench import run.csv"),
+        ("run.csv", "t,q\n0,1\n", "workbench import {folder}/run.csv"),
         ("arm.xml", "<mujoco/>", "it is a model, which comes first"),
         ("arm.toml", 'format = 1\nname = "arm"\nserial = "arm.xml"\n', "it is a model, which comes first"),
     ],
@@ -80,7 +80,7 @@ def test_what_is_no_recording_is_told_what_to_do_with_it(
 ) -> None:
     (tmp_path / name).write_text(text)
     error = refused(tmp_path / name)
-    assert error.problem == "is no recording" and remedy in str(error)
+    assert error.problem == "is no recording" and remedy.format(folder=tmp_path) in str(error)
 
 
 @pytest.mark.parametrize("version", [0, "1"])

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+import re
 from dataclasses import replace
 
 import pytest
@@ -113,6 +114,22 @@ def test_what_is_only_nearest_is_not_called_a_cause(improvement, diagnosis):
     text = " ".join(printed(improvement_table(near)).split())
     assert "No known effect explains what is missing. With what comes nearest, Coulomb friction" in text
     assert line[1:] in text
+
+
+def test_an_improvement_that_stops_above_the_noise_says_why_and_where(improvement):
+    """The verdict says by how much, and said no more."""
+    after = build.comparison(0.1)
+    assert after.where
+    short = replace(improvement, verdict="unexplained", after=after)
+    text = " ".join(printed(improvement_table(short)).split())
+    assert re.search(
+        r"No effect of the catalogue explains the rest, of which \d+ % is in the (hip|knee) \w+,", text
+    )
+    assert "catalogue" not in printed(improvement_table(improvement))
+    nothing = replace(short, steps=(), before=after)
+    text = " ".join(printed(improvement_table(nothing)).split())
+    assert "no known effect explains what is missing" in text and "catalogue" not in text
+    assert "Of the error above the noise, " in text
 
 
 def test_an_improvement_says_how_sure_its_names_are(improvement):

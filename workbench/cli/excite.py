@@ -83,6 +83,12 @@ def excite(
             "default: the middle of its range.",
         ),
     ] = None,
+    loop: Annotated[
+        str | None,
+        typer.Option(
+            "--loop", metavar="REC", help="Recording whose [controller] holds the model, in place of its own."
+        ),
+    ] = None,
     speed_limit: Annotated[
         list[float] | None, typer.Option(help="Largest speed, once or once per axis [rad/s or m/s].")
     ] = None,
@@ -97,7 +103,14 @@ def excite(
     """
     from workbench import frf
     from workbench.effects import load_model
-    from workbench.simulation import held_posture, limits_of, predictor, whole_period
+    from workbench.simulation import (
+        check_held,
+        held_posture,
+        limits_of,
+        predictor,
+        whole_period,
+        with_loop_of,
+    )
 
     if not output:
         raise InputError("no output file", remedy="say where the design goes: -o DESIGN.toml")
@@ -107,6 +120,7 @@ def excite(
         raise InputError(f"a chirp has no {said}", remedy="leave that out, or take --kind multisine")
     check_outputs(output, json, force=force)
     loaded = load_model(model).on_its_stand("an excitation of its drives")
+    loaded = with_loop_of(loaded, loop) if loop else loaded
     asked = {name: value.value for name, value in parse_values(posture or []).items()}
     hold = held_posture(loaded, asked)
     size = amplitude or [1.0 if drive == "torque" else 0.1]
@@ -151,12 +165,12 @@ def excite(
     with progress(quiet) as say:
         say("simulating the design and scaling it to the limits")
         limits = limits_of(loaded, speed_limit)
+        check_held(loaded, design, limits)
         scaled = frf.scale_to_limits(design, predictor(loaded, limits), limits)
     files = frf.save_design(scaled.design, output, force=force)
     if json:
-        write_result(
-            _summary(scaled, files), json, files=files_of(loaded), seeds={"phases": seed}, force=force
-        )
+        read = [*files_of(loaded), *([Path(loop)] if loop else [])]
+        write_result(_summary(scaled, files), json, files=read, seeds={"phases": seed}, force=force)
     if quiet or json == "-":
         return
     d = scaled.design

@@ -1,4 +1,4 @@
-"""What to do after an import: compare, or first mend what is wrong."""
+"""What to do after an import: look at the data alone, then compare, or first mend what is wrong."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def next_step(
         return "Next: import a longer log."
     if not description.get("controller") and not any(s.startswith("torque") for s in description["columns"]):
         return "Next: name the torque (--column torque_measured=…) or the gains (--kp, --kd)."
-    return f"Next: workbench compare {model or 'MODEL'} {target}"
+    return f"Next: workbench inspect {target}. Then: workbench compare {model or 'MODEL'} {target}"
 
 
 def _way(remark: Remark, description: Mapping[str, Any]) -> str:

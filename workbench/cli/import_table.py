@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import typer
 
 from workbench.core import InputError
 
 from .common import echo, named_values, write_result
+from .import_ask import answered
 
 if TYPE_CHECKING:
     from workbench.inspection import Inspection
-    from workbench.proposing import Answers, Proposal, Question
+    from workbench.proposing import Answers, Proposal
 
-_YES = ("y", "yes", "ja")
 _ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
 
 
@@ -54,7 +51,8 @@ def import_table(
         asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key != "rate"))
         if not asked:
             break
-        answers = _answer(asked, answers, path, yes)
+        silent = quiet or json == "-"
+        answers = answered(proposal, asked, answers, table, yes=yes, silent=silent)
         proposal = propose(table, answers)
     proposal, recording = complete(proposal, table, answers)
     written = write(proposal, table, target, force=force)
@@ -83,42 +81,6 @@ def default_output(path: Path) -> Path:
         if name.lower().endswith(ending.lower()) and name != ending and not path.is_dir():
             name = name[: -len(ending)]
     return path.with_name(f"{name or path.name}.toml")
-
-
-def _answer(questions: tuple[Question, ...], answers: Answers, path: Path, yes: bool) -> Answers:
-    """One more answer: from the user, or the likeliest.
-
-    Raises:
-        InputError: nobody can be asked, or there is no likeliest answer.
-    """
-    if yes:
-        for question in questions:
-            if question.best:
-                taken = answers.with_answer(question.key, question.best)
-                return replace(taken, guessed=taken.guessed | {question.key})
-    elif sys.stdin.isatty() and sys.stderr.isatty():
-        return _ask(questions[0], answers)
-    texts = " ".join(q.text for q in questions)
-    remedy = "pass " + " ".join(q.option for q in questions)
-    if not yes and all(q.best for q in questions):
-        remedy += ", or --yes for the likeliest"
-    raise InputError(f"cannot be told: {texts}", file=path, remedy=remedy)
-
-
-def _ask(question: Question, answers: Answers) -> Answers:
-    echo(question.text, err=True)  # standard output is the result's
-    for number, choice in enumerate(question.choices, 1):
-        echo(f"  {number}  {choice}", err=True)
-    while True:
-        text = str(typer.prompt("Answer", default=question.best or None, err=True)).strip()
-        if text.isdigit() and 1 <= int(text) <= len(question.choices):
-            text = question.choices[int(text) - 1]
-        if question.best and len(question.choices) <= 1 and text.lower() in _YES:
-            text = question.best
-        try:
-            return answers.with_answer(question.key, text)
-        except ValueError:
-            echo(f"'{text}' is not an answer to that.", err=True)
 
 
 def read_answers(

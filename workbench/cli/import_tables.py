@@ -16,13 +16,19 @@ def proposal_tables(proposal: Proposal, recording: Recording, found: Inspection)
     """What was taken for what and how sure that is; then what was done and what looks wrong."""
     seconds, rate = recording.duration, 1.0 / recording.period
     title = f"{recording.name}: {len(recording)} rows, {seconds:.4g} s at {rate:.4g} Hz"
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in ("what", "taken for", "how sure", "because"):
-        table.add_column(name, overflow="fold")
-    for a in proposal.assumptions:
-        table.add_row(a.what, Text(a.value), a.word, Text(a.because))
+    table = assumed_table(proposal, title)
     parts: list[Table | Text] = [table]
     parts += [Text(note) for note in (*proposal.notes, *recording.notes)]
     remarks = [r for r in found.recordings[0].remarks if r.severity in ("problem", "warning")]
     parts += [Text(f"{remark.severity}: {remark.text}") for remark in remarks]
     return Group(*parts)
+
+
+def assumed_table(proposal: Proposal, title: str) -> Table:
+    """What was taken for what, and how sure that is."""
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
+    for name in ("what", "taken for", "how sure", "because"):
+        table.add_column(name, overflow="fold")
+    for a in proposal.assumptions:
+        table.add_row(a.what, Text(a.value), a.word, Text(a.because))
+    return table

@@ -26,7 +26,7 @@ def inspect(
 ) -> None:
     """Say what recordings tell about themselves: swapped axes, signs, units, gains, clocks, noise.
 
-    Exit code 1 where something is wrong with them.
+    Exit code 1 where something is wrong with them or may be: at a problem or a warning, not at a note.
 
     Example: workbench inspect recordings/*.toml
     """

@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich import box
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from workbench.inspection import Inspection
+from workbench.inspection import Inspection, Remark
 
 _ORDER = {"problem": 0, "warning": 1, "note": 2, "ok": 3}
 
 
 def inspection_table(inspection: Inspection) -> Group:
-    """One table a recording, worst remarks first."""
+    """One table a recording, worst remarks first; what is said of several axes stands in one line."""
     parts: list[Table | Text] = []
     for entry in inspection.recordings:
         table = Table(title=entry.recording, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
         for column in ("", "topic", "axis", "what the data say"):
             table.add_column(column, overflow="fold")
-        for remark in sorted(entry.remarks, key=lambda r: _ORDER[r.severity]):
-            table.add_row(remark.severity, remark.topic, remark.axis or "", Text(remark.text))
+        for alike in _alike(sorted(entry.remarks, key=lambda r: _ORDER[r.severity])):
+            axes = ", ".join(remark.axis for remark in alike if remark.axis)
+            text = alike[0].text if len(alike) == 1 else _of_each(alike[0])
+            table.add_row(alike[0].severity, alike[0].topic, Text(axes), Text(text))
         parts.append(table)
     sound = (
         "Nothing is wrong with these recordings."
@@ -30,3 +34,18 @@ def inspection_table(inspection: Inspection) -> Group:
         else "Nothing is plainly wrong; look at the warnings above."
     )
     return Group(*parts, Text(sound))
+
+
+def _alike(remarks: Sequence[Remark]) -> list[list[Remark]]:
+    """Remarks that differ in nothing but their axis, together; in the order of their first."""
+    groups: dict[tuple[str, str, str], list[Remark]] = {}
+    for remark in remarks:
+        groups.setdefault((remark.severity, remark.topic, _of_each(remark)), []).append(remark)
+    return list(groups.values())
+
+
+def _of_each(remark: Remark) -> str:
+    """A remark's sentence with ``each`` in the place of its axis."""
+    if remark.axis is None:
+        return remark.text
+    return remark.text.replace(f"Axis '{remark.axis}'", "Each").replace(f"'{remark.axis}'", "each")

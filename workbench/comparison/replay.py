@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -97,10 +98,16 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
             "neither the loop nor a torque is known", file=blind.source, column="controller",
             remedy="describe the controller, or name the column of the torque",
         )  # fmt: skip
-    return MeasuredMotion(followed(recordings), noise, model)
+    return MeasuredMotion(followed([_with_stated(model, r) for r in recordings]), noise, model)
 
 
 def needs_inverse(model: Model, recording: Recording) -> bool:
     """Whether a recording's loop is unknown, so that only inverse dynamics can be compared."""
     known = recording.controller.kind != "unknown"
     return not known and (model.controller.kind == "unknown" or recording.get("position_reference") is None)
+
+
+def _with_stated(model: Model, recording: Recording) -> Recording:
+    """With the model's loop where the recording states none and could be run in that: so it is known."""
+    known = recording.controller.kind != "unknown" or needs_inverse(model, recording)
+    return recording if known else replace(recording, controller=model.controller)

@@ -125,7 +125,7 @@ def _usage(predicted: Mapping[str, np.ndarray], limits: Sequence[Limit]) -> dict
             raise InputError(
                 f"the {limit.quantity} is {rest:.4g} {limit.unit} at rest, not inside {limit}",
                 column=limit.name,
-                remedy="choose another posture; without a [controller] in the model nothing holds one",
+                remedy="choose another posture; without --loop or a [controller] nothing holds one",
             )
         up, down = (signal.max() - rest) / (limit.high - rest), (rest - signal.min()) / (rest - limit.low)
         # a run that left the numbers is far outside, nobody knows how far

@@ -79,6 +79,11 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
             f"of the columns {shown}",
         )
     if draft.answers.axes or "position" in draft.answers.columns:
+        if sorted(wanted) == sorted(draft.answers.model_axes):
+            # the names were given in the file's order; a recording's order is its model's
+            by_name = dict(zip(wanted, joints, strict=True))
+            wanted = list(draft.answers.model_axes)
+            joints = [by_name[axis] for axis in wanted]
         draft.assume("axes", ", ".join(wanted), 1.0, "you said so")
     else:
         pairs = ", ".join(f"{o} is {w}" for o, w in zip(own, wanted, strict=True))

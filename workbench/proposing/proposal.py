@@ -92,7 +92,11 @@ class Answers:
     guessed: frozenset[str] = frozenset()
 
     def with_answer(self, key: str, value: str) -> Answers:
-        """These answers and one more; the key is a question's."""
+        """These answers and one more; the key is a question's.
+
+        Raises:
+            ValueError: it can be no answer to that question.
+        """
         kind, _, name = key.partition(".")
         if kind == "unit":
             return replace(self, units={**self.units, name: value})
@@ -103,8 +107,13 @@ class Answers:
                 raise ValueError(value)
             return replace(self, coordinates=value)
         if kind == "axes":
-            return replace(self, axes=listed(value))
+            names = listed(value)
+            if not names or (self.model_axes and sorted(names) != sorted(self.model_axes)):
+                raise ValueError(value)
+            return replace(self, axes=names)
         number = float(value)
+        if not 0.0 < number < float("inf"):
+            raise ValueError(value)
         return replace(self, rate_hz=number) if kind == "rate" else replace(self, counts=number)
 
 

@@ -3,7 +3,7 @@
 from .files import source_files
 from .log import HELD, Log, Stretch, check_moves, open_recording, open_recordings
 from .noise import NoiseLevels, noise_levels, white_noise
-from .read import load_recording, load_recordings
+from .read import describe, load_recording, load_recordings
 from .windows import AT_ONCE, Excerpts, excerpts
 from .write import save_recording
 
@@ -15,6 +15,7 @@ __all__ = [
     "NoiseLevels",
     "Stretch",
     "check_moves",
+    "describe",
     "excerpts",
     "load_recording",
     "load_recordings",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import tomllib
 from collections.abc import Mapping
 from difflib import get_close_matches
@@ -142,7 +143,7 @@ def _other_kind(path: Path, content: Mapping[str, Any]) -> str:
     if path.suffix in (".xml", ".urdf") or "serial" in content:
         return "it is a model, which comes first: MODEL REC..."
     if path.suffix != ".toml":
-        return f"make one of it: workbench import {path.name}"
+        return f"make one of it: workbench import {shlex.quote(str(path))}"
     return ""
 
 

@@ -19,6 +19,7 @@ from .layout import table as _table
 from .layout import text as _text
 from .layout import verdict as _verdict
 from .numbers import interval, number, percent, plain, quantity
+from .rest import rest_sentence
 from .sections import sentence
 from .truth import truth_rows
 
@@ -136,6 +137,7 @@ def improvement_table(result: Improvement) -> Group:
         _verdict(sentence(result), result.verdict == "consistent"),
         table,
         Text("± is half a 95 % interval."),
+        *(_text(line) for line in (rest_sentence(result),) if line),
         *([Text("Of the model as given:")] if rest and result.nearest else []),
         *(_text(w.capital(line)) for line in rest),
         *(_text(f"Note: {note}") for note in result.notes),

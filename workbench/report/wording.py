@@ -131,18 +131,21 @@ def comparison_sentence(result: Comparison) -> str:
 
 def loop_sentence(result: Comparison) -> str:
     """Why no motion was compared, where that is so; else empty."""
-    names = [
-        plain(e.recording.name)
+    still = [
+        e.recording
         for e in result.recordings
         if np.isnan(e.position_rmse).all()
         and not any("along the measured motion" in n for n in e.recording.notes)
     ]
+    # a loop that is stated keeps its gains where it is not run, for the sake of one score
+    names = [plain(r.name) for r in still if not r.controller.kp]
     if not names:
         return ""
     which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+    alike = ", in all recordings alike" if len(names) < len(still) else ""
     return (
         f"How the loop of {which} was closed is not known, so that only the torque that the motion needs is "
-        "compared. Its gains go into [controller]."
+        f"compared{alike}. Its gains go into [controller]."
     )
 
 

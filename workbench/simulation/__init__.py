@@ -4,6 +4,7 @@ from .control import SensorNoise
 from .cores import on_all_cores, use_cores
 from .designs import as_recording, held_posture, joint_limits, limits_of, predictor, whole_period
 from .experiment import GROUND_TORQUE, LONGEST_STEP, Experiment, check_axes, prepare, scored_torque
+from .holding import check_held, with_loop_of
 from .inverse import required_torque, rigid_torque
 from .linear import Loop, linearise, slopes
 from .march import Disturbance, propagate
@@ -29,6 +30,7 @@ __all__ = [
     "Windows",
     "as_recording",
     "check_axes",
+    "check_held",
     "differentiates",
     "held_posture",
     "interpolate",
@@ -52,4 +54,5 @@ __all__ = [
     "true_motion",
     "use_cores",
     "whole_period",
+    "with_loop_of",
 ]

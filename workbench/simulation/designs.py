@@ -16,6 +16,9 @@ from workbench.models.spec import load_tree
 
 from .run import Run, simulate
 
+#: What to do about a model that states no loop.
+LOOP_REMEDY = "give one that a recording states, --loop REC, or a [controller] in the model's .toml"
+
 
 def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
     """Position reference in the loop's coordinates; empty where no loop holds anything.
@@ -23,9 +26,9 @@ def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
     Raises:
         InputError: a name that the loop does not have.
     """
-    if model.controller.kind not in ("pd", "cascade_pv"):
+    if not holds(model):
         if asked:
-            raise _without_loop(model, "holds a posture", "--posture")
+            raise without_loop(model, "holds a posture", "--posture")
         return ()
     joint = model.controller.coordinates == "joint"
     names = model.joints if joint else model.axes
@@ -38,9 +41,14 @@ def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
     return tuple(float(asked.get(n, m)) for n, m in zip(names, middle, strict=True))
 
 
-def _without_loop(model: Model, what: str, asked_by: str) -> InputError:
-    remedy = "copy the [controller] of a recording into the model's .toml"
-    return InputError(f"{_called(model)} has no loop that {what}", column=asked_by, remedy=remedy)
+def holds(model: Model) -> bool:
+    """Whether the model's loop follows a position reference, and so holds a posture."""
+    return model.controller.kind in ("pd", "cascade_pv")
+
+
+def without_loop(model: Model, what: str, asked_by: str | None = None) -> InputError:
+    """The refusal of what only a loop does; a plain MJCF or URDF has no place to state one."""
+    return InputError(f"{_called(model)} has no loop that {what}", column=asked_by, remedy=LOOP_REMEDY)
 
 
 def _called(model: Model) -> str:
@@ -121,10 +129,10 @@ def as_recording(model: Model, design: Design, experiment: int) -> Recording:
     hold = np.array(design.hold) if design.hold else np.zeros(model.size)
     actuator = model.transmission @ hold if model.controller.coordinates == "joint" else hold
     rest = np.tile(actuator, (len(time), 1))
-    held = model.controller.kind in ("pd", "cascade_pv")
+    held = holds(model)
     if not held:
         if "torque_feedforward" not in signals:
-            raise _without_loop(model, "follows a position reference", "--drive")
+            raise without_loop(model, "follows a position reference", "--drive")
         signals = {"torque_command": signals["torque_feedforward"]}
     return Recording(
         name=design.trials[experiment].name,
