@@ -14,6 +14,7 @@ from .further_axes import on_further_axes
 from .honing import honed
 from .instead import others_instead
 from .judging import explained, mostly_explained, stands_out
+from .mirrored import refuse_mirrored
 from .one_for_two import one_for_two
 from .other_ways import fewer, otherwise, what_the_torque_shows, what_was_passed_over
 from .simpler import simpler, without
@@ -69,7 +70,8 @@ def search(
     start, first = quest.start, quest.data
     before = is_consistent(first, start.mean_squares)
     way = Way(start, first, done=before)
-    if not before:
+    if not before and not data.replay.on_ground:
+        refuse_mirrored(model, training, first.score(start.mean_squares), first.score(first.floor))
         way = _honed(onwards(way, quest), quest)
         if not holds(way, quest) and limit > 1:
             other = otherwise(way, quest)
