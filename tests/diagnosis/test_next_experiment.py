@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.core import EffectKey, Estimate
+from workbench.core import Controller, EffectKey, Estimate
 from workbench.diagnosis.data import Data, gather
+from workbench.diagnosis.experiments import Option, designed, in_a_loop
 from workbench.diagnosis.next_experiment import separation, tell_apart
 from workbench.effects import load_model
 from workbench.frf import chirp
@@ -104,3 +105,15 @@ def test_what_two_effects_have_in_common_is_asked_for_once(data: Data) -> None:
     )
     said = tell_apart(ours, theirs, one, other, replace(data, recordings=silent))
     assert said.count("a quarter of the control rate") == 1 and "with measured torque" in said
+
+
+def test_a_model_without_a_loop_is_lent_that_of_a_recording() -> None:
+    loose = replace(LEG, controller=Controller("unknown"))
+    training, _ = recordings()
+    assert in_a_loop(loose, training) == (loose, ""), "a command names a file"
+    logged = [replace(r, source=Path("a run.toml")) for r in training]
+    closed, option = in_a_loop(loose, logged)
+    assert (closed.controller, option) == (training[0].controller, " --loop 'a run.toml'")
+    assert in_a_loop(LEG, logged) == (LEG, "")
+    _, command = designed(loose, Option("chirp", "position", 0.2, 2.0, 0.5), logged)
+    assert "workbench excite leg --loop 'a run.toml' -o next.toml --kind chirp" in command

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from workbench.core import InputError, Recording
 from workbench.frf import Design, Limit, chirp, multisine, scale_to_limits
 from workbench.models import Model, find_model
 from workbench.recordings.velocity import derive_velocity
-from workbench.simulation import held_posture, joint_limits, limits_of, predictor, whole_period
+from workbench.simulation import held_posture, holds, joint_limits, limits_of, predictor, whole_period
 
 _LENGTH_S = 6.0  # of each experiment
 
@@ -31,6 +31,7 @@ class Option:
 
 def designed(model: Model, option: Option, recordings: Sequence[Recording]) -> tuple[Design, str]:
     """An option for this machine, no harder than what was recorded, and the command that makes it."""
+    model, loop = in_a_loop(model, recordings)
     rate = 1.0 / recordings[0].period
     length = whole_period(model, _LENGTH_S, rate)
     hold = held_posture(model, _posture(model, option.posture))
@@ -56,13 +57,24 @@ def designed(model: Model, option: Option, recordings: Sequence[Recording]) -> t
     limits: list[Limit] = limits_of(model, [max(_fastest(r) for r in recordings)])
     scaled = scale_to_limits(design, predictor(model, limits), limits)
     words = [
-        f"workbench excite {_opened_by(model)} -o next.toml --kind {option.kind} --drive {option.drive}",
+        f"workbench excite {_opened_by(model)}{loop} -o next.toml",
+        f"--kind {option.kind} --drive {option.drive}",
         f"--f-min {option.f_min:g} --f-max {band['f_max_hz']:g} --period {length:g}",
         *(f"--amplitude {s * scaled.factor:.2g}" for s in size),
     ]
     if option.posture != 0.5:
         words += [f"--posture {name}={value:.3g}" for name, value in _posture(model, option.posture).items()]
     return scaled.design, " ".join(words)
+
+
+def in_a_loop(model: Model, recordings: Sequence[Recording]) -> tuple[Model, str]:
+    """The model, in the first loop that a recording states where it has none; and the option for that."""
+    if not holds(model):
+        for r in recordings:
+            closed = replace(model, controller=r.controller)
+            if r.source is not None and holds(closed):
+                return closed, f" --loop {shlex.quote(str(r.source))}"
+    return model, ""
 
 
 def _fastest(recording: Recording) -> float:

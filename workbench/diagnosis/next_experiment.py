@@ -15,7 +15,7 @@ from workbench.models import Model
 from workbench.simulation import Run, as_recording, simulate
 
 from .data import Data
-from .experiments import Option, designed
+from .experiments import Option, designed, in_a_loop
 from .hypothesis import applied_effect
 from .look_closer import look_closer
 from .stage import Search
@@ -77,6 +77,7 @@ def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, dat
         data: what was recorded, and the noise floor.
     """
     tried = []
+    ours, _ = in_a_loop(ours, data.recordings)
     for option in _OPTIONS:
         try:
             design, command = designed(ours, option, data.recordings)

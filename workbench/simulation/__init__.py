@@ -2,7 +2,7 @@
 
 from .control import SensorNoise
 from .cores import on_all_cores, use_cores
-from .designs import as_recording, held_posture, joint_limits, limits_of, predictor, whole_period
+from .designs import as_recording, held_posture, holds, joint_limits, limits_of, predictor, whole_period
 from .experiment import GROUND_TORQUE, LONGEST_STEP, Experiment, check_axes, prepare, scored_torque
 from .holding import check_held, with_loop_of
 from .inverse import required_torque, rigid_torque
@@ -33,6 +33,7 @@ __all__ = [
     "check_held",
     "differentiates",
     "held_posture",
+    "holds",
     "interpolate",
     "joint_columns",
     "joint_limits",
