@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import os
 import re
 import subprocess
@@ -11,6 +12,8 @@ from pathlib import Path
 import pytest
 
 from workbench.effects import EFFECTS
+
+from .test_commands import PAGES, blocks
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -35,6 +38,20 @@ def test_every_page_is_there(site: Path) -> None:
     for function in ("comparison.compare.compare", "diagnosis.diagnose.improve", "proposing.write.write"):
         assert f'id="workbench.{function}"' in python
     assert "Sums" not in python, "modules stand there in place of functions"
+
+
+def test_every_block_is_a_block_under_the_name_of_its_file(site: Path) -> None:
+    for page in site.rglob("*.html"):
+        assert "```" not in page.read_text(), f"{page.name}: a block stands there as text"
+    named = [(p, b) for p in PAGES for b in blocks(p) if b[1]]
+    for page, (_, name, text) in named:
+        built = (site / page.relative_to(ROOT / "docs").with_suffix(".html")).read_text()
+        block = re.search(
+            rf'class="filename">{re.escape(name or "")}</span>(<pre>.*?)</pre>', built, re.DOTALL
+        )
+        assert block, f"{page.name}: {name}"
+        assert text.split() == html.unescape(re.sub("<[^>]*>", "", block[1])).split(), name
+    assert len(named) >= 5
 
 
 def test_nothing_is_fetched(site: Path) -> None:
