@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.report.browser import CHROMIUM
+from tests.ui.chrome import Chrome
 from workbench.effects import EFFECTS
 
 from .test_commands import PAGES, blocks
@@ -52,6 +54,28 @@ def test_every_block_is_a_block_under_the_name_of_its_file(site: Path) -> None:
         assert block, f"{page.name}: {name}"
         assert text.split() == html.unescape(re.sub("<[^>]*>", "", block[1])).split(), name
     assert len(named) >= 5
+
+
+#: Names in tables that stand on more than one line.
+_BROKEN = """[...document.querySelectorAll('td code')].filter((e) => e.getClientRects().length > 1)
+  .map((e) => e.textContent)"""
+_FOOT = "document.querySelector('footer')"
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
+def test_names_in_tables_and_the_list_of_pages_are_whole(site: Path, tmp_path: Path) -> None:
+    with Chrome(tmp_path) as chrome:
+        for width, height in ((1280, 900), (390, 844)):
+            chrome.look(width, height)
+            for page in ("effects", "recordings", "measured-data"):
+                chrome.open((site / f"{page}.html").as_uri())
+                chrome.wait(f"location.pathname.endsWith('{page}.html') && document.querySelector('td code')")
+                assert chrome.ask(_BROKEN) == [], (page, width)
+                assert chrome.ask("document.documentElement.scrollWidth") <= width
+        chrome.look(1280, 900)
+        chrome.open((site / "index.html").as_uri())
+        chrome.wait(f"location.pathname.endsWith('index.html') && {_FOOT}")
+        assert chrome.ask(f"{_FOOT}.getBoundingClientRect().top") >= 900, "it would cover the list of pages"
 
 
 def test_nothing_is_fetched(site: Path) -> None:
