@@ -84,6 +84,7 @@ def test_an_effect_is_found_added_with_a_click_and_the_error_falls(
     chrome.ask("button('Find what is missing').click()")
     chrome.wait("button('Add Coulomb friction on the knee drive')", 120)
     assert "Something is missing: Coulomb friction on the knee drive" in chrome.ask("words()")
+    assert re.search("\\d\u00a0% probable", chrome.ask("deep('h3 .quiet').textContent"))
     chrome.ask("button('Add Coulomb friction on the knee drive').click()")
     chrome.wait("words().includes('explains the data to the noise')")
     after = error(chrome)

@@ -214,7 +214,7 @@ class Page:
         self.where.object = (
             f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>"
             if lines
-            else "<p>Nothing stands out of the noise.</p>"
+            else "<p>As a whole, nothing stands out of the noise.</p>"  # single cells of the map may
         )
         if loop := w.loop_sentence(comparison):
             self.where.object += f"<p class=quiet>{safe(loop)}</p>"
