@@ -1,4 +1,4 @@
-"""The effects in the model, a slider a parameter; undo and redo; adding by hand; saving."""
+"""The effects in the model, a slider a parameter; undo and redo; adding by hand."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import panel as pn
 
-from workbench.core import EffectKey, WorkbenchError
+from workbench.core import EffectKey
 from workbench.effects import effect_named, places
 from workbench.models import AppliedEffect
 from workbench.report import wording as w
@@ -141,50 +141,3 @@ def reach(applied: AppliedEffect, name: str) -> tuple[float, float]:
     low = max(parameter.lower, parameter.neutral - (wide if parameter.lower < parameter.neutral else 0.0))
     high = min(parameter.upper, parameter.neutral + wide)
     return min(low, estimate.value), max(high, estimate.value)
-
-
-class Saving:
-    """The model as a file, and the report as a page, into the working directory."""
-
-    def __init__(self, live: Live) -> None:
-        self.live = live
-        self.model = widget(pn.widgets.TextInput, name="Model file", value="better.toml")
-        self.report = widget(pn.widgets.TextInput, name="Report page", value="report.html")
-        self.over = widget(pn.widgets.Checkbox, name="Overwrite files that exist")
-        self.view = column(
-            self.model,
-            button("Save the model", self._save_model),
-            self.report,
-            button("Save the report", self._save_report),
-            self.over,
-        )
-
-    def _save_model(self) -> None:
-        bench = self.live.bench
-        self._say(lambda: f"Saved the model as {bench.save_model(self.model.value, force=self.over.value)}.")
-
-    def _save_report(self) -> None:
-        bench, now = self.live.bench, self.live.now
-        # a diagnosis tells of the model it was made of; of another one, the comparison does
-        told = None if bench.history is None else bench.told()
-        result = told or (now.comparison if now else None)
-        if result is None:
-            self.live.say("There is nothing to report yet: the comparison is still being made.", wrong=True)
-            return
-        kind = type(result).__name__.lower()
-        path = self.report.value
-        self._say(
-            lambda: (
-                f"Saved the page of the {kind} as {bench.save_report(path, result, force=self.over.value)}."
-            )
-        )
-
-    def _say(self, save: Any) -> None:
-        try:
-            if self.live.bench.history is None:
-                self.live.say("No model is chosen.", wrong=True)
-                return
-            self.live.say(save())
-        except WorkbenchError as error:
-            remedy = str(error).replace("add --force", "tick 'Overwrite files that exist'")
-            self.live.say(remedy, wrong=True)

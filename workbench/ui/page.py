@@ -14,7 +14,7 @@ from workbench.report import wording as w
 from workbench.report.numbers import plain
 from workbench.report.pack import worst_view
 
-from .changes import Changes, Saving
+from .changes import Changes
 from .chooser import Chooser
 from .curves import Curves
 from .finding import Findings
@@ -23,6 +23,7 @@ from .live import Live
 from .motion import moving_picture
 from .residual_map import MapView, residual_map
 from .response_part import ResponsePart
+from .saving import Saving
 from .summary import numbers, verdict
 from .widgets import column, plot_pane, row, safe, text, widget
 
@@ -101,6 +102,7 @@ class Page:
             self.changes.follow()
         if asked & {"inputs", "model", "work", "diagnosis"}:
             self.findings.follow()
+        self.saving.follow()
         if asked & {"inputs", "message"}:
             words, wrong = self.live.message
             kind = "wrong" if wrong else "fine"
