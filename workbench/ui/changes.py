@@ -17,23 +17,37 @@ from .live import Live
 from .widgets import button, column, row, safe, text, widget
 
 _STEPS = 400
+# cards stand beside each other, so that the curves stay in sight below their sliders
+_CARD = {"width": "auto", "flex": "1 1 17rem", "max-width": "26rem"}
+_TAKES_REST = {"width": "auto", "flex": "1 1 0"}
 
 
 class Changes:
-    """What stands in the model now, and what can be done with it."""
+    """What stands in the model now, and what can be done with it.
+
+    Attributes:
+        view: undo, redo, and the effects with their sliders.
+        more: any effect of the catalogue, to be added by hand.
+    """
 
     def __init__(self, live: Live) -> None:
         self.live = live
         self.undo = button("Undo", lambda: self._step("undo"), sizing_mode=None)
         self.redo = button("Redo", lambda: self._step("redo"), sizing_mode=None)
-        self.added, self.given = column(), column(visible=False)
+        self.added, self.given = row(), row(visible=False)
         self.show_given = widget(pn.widgets.Checkbox, name="Show the effects of the model as given")
         self.show_given.param.watch(lambda event: setattr(self.given, "visible", event.new), "value")
         self.by_hand = widget(pn.widgets.Select, name="Another effect", options={})
         self.fit = button("Fit and add it", self._fit)
+        self.none = text("<p class=quiet>Nothing was added to the model as given.</p>", styles=_TAKES_REST)
+        title = text("<h3>Changes to the model</h3>", styles={"width": "auto", "flex": "0 1 13rem"})
         self.view = column(
-            row(self.undo, self.redo), self.added, self.by_hand, self.fit, self.show_given, self.given
+            row(title, self.undo, self.redo, self.none, align_items="center"),
+            self.added,
+            self.show_given,
+            self.given,
         )
+        self.more = column(self.by_hand, self.fit)
         self._keys: tuple[EffectKey, ...] = ()
         self._sliders: list[dict[str, Any]] = []
         self._following = False
@@ -42,9 +56,9 @@ class Changes:
         """Show the model as it is now."""
         history = self.live.bench.history
         if history is None:
-            self.view.visible = False
+            self.view.visible = self.more.visible = False
             return
-        self.view.visible = True
+        self.view.visible = self.more.visible = True
         self.undo.disabled, self.redo.disabled = history.before is None, history.after is None
         effects = history.current.effects
         keys = tuple(e.key for e in effects)
@@ -67,7 +81,7 @@ class Changes:
         model = self.live.bench.model
         cards, self._sliders = [], []
         for index, applied in enumerate(effects):
-            head = text(f"<h3>{safe(w.capital(w.effect_phrase(applied.key)))}</h3>")
+            head = text(f"<h4>{safe(w.capital(w.effect_phrase(applied.key)))}</h4>")
             sliders = {}
             for name, estimate in applied.parameters.items():
                 low, high = reach(applied, name)
@@ -89,12 +103,11 @@ class Changes:
                 slider.param.watch(lambda event: self._let_go(), "value_throttled")
                 sliders[name] = slider
             remove = button(f"Remove {w.effect_phrase(applied.key)}", lambda i=index: self._remove(i))
-            cards.append(column(head, *sliders.values(), remove, css_classes=["effect"]))
+            cards.append(column(head, *sliders.values(), remove, css_classes=["effect"], styles=_CARD))
             self._sliders.append(sliders)
         count = sum(1 for e in effects[: len(given)] if e.key in given)  # some of the file's may be gone
         self.given[:], self.added[:] = cards[:count], cards[count:]
-        if not cards[count:]:
-            self.added[:] = [text("<p class=quiet>Nothing was added to the model as given.</p>")]
+        self.none.visible = not cards[count:]
         self.show_given.visible = count > 0
         self.show_given.name = f"Show the {count} effect{'s' * (count > 1)} of the model as given"
         self._places = places(model)

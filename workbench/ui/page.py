@@ -71,6 +71,7 @@ class Page:
             "chooser": self.chooser.view,
             "findings": self.findings.view,
             "changes": self.changes.view,
+            "more": self.changes.more,
             "saving": self.saving.view,
             "look": row(self.recording, self.axis),
             "curves": column(*(plot_pane(f) for f in self.curves.figures)),
