@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import os
 import re
 import subprocess
@@ -10,7 +11,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.report.browser import CHROMIUM
+from tests.ui.chrome import Chrome
 from workbench.effects import EFFECTS
+
+from .test_commands import PAGES, blocks
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -35,6 +40,42 @@ def test_every_page_is_there(site: Path) -> None:
     for function in ("comparison.compare.compare", "diagnosis.diagnose.improve", "proposing.write.write"):
         assert f'id="workbench.{function}"' in python
     assert "Sums" not in python, "modules stand there in place of functions"
+
+
+def test_every_block_is_a_block_under_the_name_of_its_file(site: Path) -> None:
+    for page in site.rglob("*.html"):
+        assert "```" not in page.read_text(), f"{page.name}: a block stands there as text"
+    named = [(p, b) for p in PAGES for b in blocks(p) if b[1]]
+    for page, (_, name, text) in named:
+        built = (site / page.relative_to(ROOT / "docs").with_suffix(".html")).read_text()
+        block = re.search(
+            rf'class="filename">{re.escape(name or "")}</span>(<pre>.*?)</pre>', built, re.DOTALL
+        )
+        assert block, f"{page.name}: {name}"
+        assert text.split() == html.unescape(re.sub("<[^>]*>", "", block[1])).split(), name
+    assert len(named) >= 5
+
+
+#: Names in tables that stand on more than one line.
+_BROKEN = """[...document.querySelectorAll('td code')].filter((e) => e.getClientRects().length > 1)
+  .map((e) => e.textContent)"""
+_FOOT = "document.querySelector('footer')"
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
+def test_names_in_tables_and_the_list_of_pages_are_whole(site: Path, tmp_path: Path) -> None:
+    with Chrome(tmp_path) as chrome:
+        for width, height in ((1280, 900), (390, 844)):
+            chrome.look(width, height)
+            for page in ("effects", "recordings", "measured-data"):
+                chrome.open((site / f"{page}.html").as_uri())
+                chrome.wait(f"location.pathname.endsWith('{page}.html') && document.querySelector('td code')")
+                assert chrome.ask(_BROKEN) == [], (page, width)
+                assert chrome.ask("document.documentElement.scrollWidth") <= width
+        chrome.look(1280, 900)
+        chrome.open((site / "index.html").as_uri())
+        chrome.wait(f"location.pathname.endsWith('index.html') && {_FOOT}")
+        assert chrome.ask(f"{_FOOT}.getBoundingClientRect().top") >= 900, "it would cover the list of pages"
 
 
 def test_nothing_is_fetched(site: Path) -> None:

@@ -66,6 +66,24 @@ def test_long_paths_and_names_fit_the_window(page: Path, chrome: Chrome, width: 
     assert chrome.errors == []
 
 
+#: What a line does not end within: options of the command, and a mark of a key with its words.
+_SPLIT = """[...document.querySelectorAll('.option, .key > span')].filter((e) =>
+  e.getBoundingClientRect().height > 1.5 * parseFloat(getComputedStyle(e.parentElement).lineHeight))
+  .map((e) => e.textContent)"""
+
+
+def test_options_and_marks_stand_whole_on_a_line(tmp_path: Path, chrome: Chrome) -> None:
+    command = "workbench improve leg slow.toml --holdout check.toml -o better.toml --html report.html"
+    page = write_page(build.improvement(), tmp_path / "page.html", command=command)
+    chrome.look(390, 844)
+    chrome.open(page.as_uri())
+    chrome.wait("document.documentElement.dataset.drawn === 'yes'")
+    assert chrome.ask("document.querySelector('pre code').textContent") == command
+    assert chrome.ask("document.querySelectorAll('.option').length") == 3
+    assert chrome.ask("document.querySelectorAll('.key > .dot').length") == 0, "it may leave its words behind"
+    assert chrome.ask(_SPLIT) == []
+
+
 @pytest.mark.parametrize("width", _PAPER)
 def test_no_share_is_cut_on_paper(page: Path, chrome: Chrome, width: int) -> None:
     chrome.look(width, 900)

@@ -11,8 +11,8 @@ from workbench import compare, load_model, load_recordings
 from workbench.core import Diagnosis, EffectKey, Estimate, Finding, InputError, SimulationError
 from workbench.models import AppliedEffect
 from workbench.ui import Bench, Shelf
-from workbench.ui.changes import Saving
 from workbench.ui.live import Live
+from workbench.ui.saving import Saving
 
 from .conftest import FRICTION, Loop
 
@@ -196,11 +196,26 @@ def test_a_saved_report_is_of_the_model_as_it_is(live: Live, loop: Loop) -> None
     live.do(lambda: bench.add(hip))
     saving.over.value = True
     saving._save_report()
-    assert live.message[1] and "being made" in live.message[0]
+    assert live.message == ("The report is saved as soon as the comparison is there.", False)
+    saving.follow()
+    assert "as soon as" in live.message[0]
     loop.until(lambda: live.now and live.now.comparison)
-    saving._save_report()
+    saving.follow()
     assert "page of the comparison" in live.message[0]
     assert "CHANGED.toml" in (bench.folder / "report.html").read_text()
+
+
+def test_a_report_that_was_asked_for_is_not_saved_after_something_went_wrong(live: Live, loop: Loop) -> None:
+    live.choose("leg", ("slow",), None)
+    loop.until(lambda: live.now and not live.now.comparison and live.bench.chosen)
+    saving = Saving(live)
+    saving._save_report()
+    assert "as soon as" in live.message[0]
+    live.say("something went wrong", wrong=True)
+    saving.follow()
+    loop.until(lambda: live.now and live.now.comparison)
+    saving.follow()
+    assert list(live.bench.folder.iterdir()) == [] and live.message[1]
 
 
 def test_unknown_loops_are_compared_too(leg_folder: Path, tmp_path: Path) -> None:

@@ -84,11 +84,24 @@ def test_an_effect_is_found_added_with_a_click_and_the_error_falls(
     chrome.ask("button('Find what is missing').click()")
     chrome.wait("button('Add Coulomb friction on the knee drive')", 120)
     assert "Something is missing: Coulomb friction on the knee drive" in chrome.ask("words()")
+    assert re.search("\\d\u00a0% probable", chrome.ask("deep('h3 .quiet').textContent"))
     chrome.ask("button('Add Coulomb friction on the knee drive').click()")
     chrome.wait("words().includes('explains the data to the noise')")
     after = error(chrome)
     assert after < 0.5 * before
     assert float(chrome.ask("deep('dd.given').textContent")) == before
+
+    # what was found is missing no more
+    said = chrome.ask("words()")
+    assert "What was found is in the model now." in said and "Something is missing" not in said
+    # a slider that is dragged has curves in sight that move
+    chrome.wait("deep('.noUi-handle')")
+    chrome.ask("window.scrollTo(0, 0)")
+    handle, plots = (
+        chrome.ask(f"{e}.getBoundingClientRect().top")
+        for e in ("deep('.noUi-handle')", "document.getElementById('plots')")
+    )
+    assert 0 < handle < plots < handle + 200 and plots < 600
 
     # whatever can be moved or ticked has a name, and a slider says its number to the digits that matter
     chrome.wait("deep('.noUi-handle')?.ariaLabel")
@@ -195,8 +208,8 @@ def test_a_finger_on_the_map_looks_at_that_axis_and_time(server: tuple[str, Path
         axis = row.split()[0]
         chrome.wait(f"{shown}.includes('{axis}')")
         # what was asked for is in sight, below the strip of numbers
-        chrome.wait("document.getElementById('curves').getBoundingClientRect().top >= 0")
-        assert chrome.ask("document.getElementById('plots').getBoundingClientRect().top") < 600
+        top = "document.getElementById('plots').getBoundingClientRect().top"
+        chrome.wait(f"{top} >= deep('.strip').getBoundingClientRect().bottom - 1 && {top} < 600")
     chrome.send("Emulation.setTouchEmulationEnabled", enabled=False)
     assert chrome.errors == []
 

@@ -68,6 +68,23 @@ def test_what_goes_wrong_is_said_and_loses_nothing(live: Live, loop: Loop) -> No
     assert live.bench.has(KNEE)
 
 
+def test_an_effect_that_is_fitted_is_named_as_the_page_names_it(
+    live: Live, loop: Loop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    live.choose("leg", ("slow",), None)
+    loop.until(lambda: live.now and live.now.entries)
+    tell: list[Callable[[str, str], None]] = []
+    monkeypatch.setattr(live._worker, "start", lambda work, arguments, told: tell.append(told))
+    key = EffectKey("torque_saturation", "knee")
+    live.fit(key)
+    assert live.work == "starting to fit torque saturation on the knee drive"
+    tell[0]("progress", f"fitting {key}")
+    loop.until(lambda: live.work == "fitting torque saturation on the knee drive")
+    tell[0]("failed", f"{key} explains nothing of what these recordings lack")
+    loop.until(lambda: live.message[1])
+    assert live.message[0].startswith("Torque saturation on the knee drive explains nothing")
+
+
 def forever(progress: Callable[[str], None]) -> None:
     progress("begun")
     while True:

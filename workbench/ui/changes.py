@@ -1,4 +1,4 @@
-"""The effects in the model, a slider a parameter; undo and redo; adding by hand; saving."""
+"""The effects in the model, a slider a parameter; undo and redo; adding by hand."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import panel as pn
 
-from workbench.core import EffectKey, WorkbenchError
+from workbench.core import EffectKey
 from workbench.effects import effect_named, places
 from workbench.models import AppliedEffect
 from workbench.report import wording as w
@@ -17,23 +17,37 @@ from .live import Live
 from .widgets import button, column, row, safe, text, widget
 
 _STEPS = 400
+# cards stand beside each other, so that the curves stay in sight below their sliders
+_CARD = {"width": "auto", "flex": "1 1 17rem", "max-width": "26rem"}
+_TAKES_REST = {"width": "auto", "flex": "1 1 0"}
 
 
 class Changes:
-    """What stands in the model now, and what can be done with it."""
+    """What stands in the model now, and what can be done with it.
+
+    Attributes:
+        view: undo, redo, and the effects with their sliders.
+        more: any effect of the catalogue, to be added by hand.
+    """
 
     def __init__(self, live: Live) -> None:
         self.live = live
         self.undo = button("Undo", lambda: self._step("undo"), sizing_mode=None)
         self.redo = button("Redo", lambda: self._step("redo"), sizing_mode=None)
-        self.added, self.given = column(), column(visible=False)
+        self.added, self.given = row(), row(visible=False)
         self.show_given = widget(pn.widgets.Checkbox, name="Show the effects of the model as given")
         self.show_given.param.watch(lambda event: setattr(self.given, "visible", event.new), "value")
         self.by_hand = widget(pn.widgets.Select, name="Another effect", options={})
         self.fit = button("Fit and add it", self._fit)
+        self.none = text("<p class=quiet>Nothing was added to the model as given.</p>", styles=_TAKES_REST)
+        title = text("<h3>Changes to the model</h3>", styles={"width": "auto", "flex": "0 1 13rem"})
         self.view = column(
-            row(self.undo, self.redo), self.added, self.by_hand, self.fit, self.show_given, self.given
+            row(title, self.undo, self.redo, self.none, align_items="center"),
+            self.added,
+            self.show_given,
+            self.given,
         )
+        self.more = column(self.by_hand, self.fit)
         self._keys: tuple[EffectKey, ...] = ()
         self._sliders: list[dict[str, Any]] = []
         self._following = False
@@ -42,9 +56,9 @@ class Changes:
         """Show the model as it is now."""
         history = self.live.bench.history
         if history is None:
-            self.view.visible = False
+            self.view.visible = self.more.visible = False
             return
-        self.view.visible = True
+        self.view.visible = self.more.visible = True
         self.undo.disabled, self.redo.disabled = history.before is None, history.after is None
         effects = history.current.effects
         keys = tuple(e.key for e in effects)
@@ -67,7 +81,7 @@ class Changes:
         model = self.live.bench.model
         cards, self._sliders = [], []
         for index, applied in enumerate(effects):
-            head = text(f"<h3>{safe(w.capital(w.effect_phrase(applied.key)))}</h3>")
+            head = text(f"<h4>{safe(w.capital(w.effect_phrase(applied.key)))}</h4>")
             sliders = {}
             for name, estimate in applied.parameters.items():
                 low, high = reach(applied, name)
@@ -89,12 +103,11 @@ class Changes:
                 slider.param.watch(lambda event: self._let_go(), "value_throttled")
                 sliders[name] = slider
             remove = button(f"Remove {w.effect_phrase(applied.key)}", lambda i=index: self._remove(i))
-            cards.append(column(head, *sliders.values(), remove, css_classes=["effect"]))
+            cards.append(column(head, *sliders.values(), remove, css_classes=["effect"], styles=_CARD))
             self._sliders.append(sliders)
         count = sum(1 for e in effects[: len(given)] if e.key in given)  # some of the file's may be gone
         self.given[:], self.added[:] = cards[:count], cards[count:]
-        if not cards[count:]:
-            self.added[:] = [text("<p class=quiet>Nothing was added to the model as given.</p>")]
+        self.none.visible = not cards[count:]
         self.show_given.visible = count > 0
         self.show_given.name = f"Show the {count} effect{'s' * (count > 1)} of the model as given"
         self._places = places(model)
@@ -141,50 +154,3 @@ def reach(applied: AppliedEffect, name: str) -> tuple[float, float]:
     low = max(parameter.lower, parameter.neutral - (wide if parameter.lower < parameter.neutral else 0.0))
     high = min(parameter.upper, parameter.neutral + wide)
     return min(low, estimate.value), max(high, estimate.value)
-
-
-class Saving:
-    """The model as a file, and the report as a page, into the working directory."""
-
-    def __init__(self, live: Live) -> None:
-        self.live = live
-        self.model = widget(pn.widgets.TextInput, name="Model file", value="better.toml")
-        self.report = widget(pn.widgets.TextInput, name="Report page", value="report.html")
-        self.over = widget(pn.widgets.Checkbox, name="Overwrite files that exist")
-        self.view = column(
-            self.model,
-            button("Save the model", self._save_model),
-            self.report,
-            button("Save the report", self._save_report),
-            self.over,
-        )
-
-    def _save_model(self) -> None:
-        bench = self.live.bench
-        self._say(lambda: f"Saved the model as {bench.save_model(self.model.value, force=self.over.value)}.")
-
-    def _save_report(self) -> None:
-        bench, now = self.live.bench, self.live.now
-        # a diagnosis tells of the model it was made of; of another one, the comparison does
-        told = None if bench.history is None else bench.told()
-        result = told or (now.comparison if now else None)
-        if result is None:
-            self.live.say("There is nothing to report yet: the comparison is still being made.", wrong=True)
-            return
-        kind = type(result).__name__.lower()
-        path = self.report.value
-        self._say(
-            lambda: (
-                f"Saved the page of the {kind} as {bench.save_report(path, result, force=self.over.value)}."
-            )
-        )
-
-    def _say(self, save: Any) -> None:
-        try:
-            if self.live.bench.history is None:
-                self.live.say("No model is chosen.", wrong=True)
-                return
-            self.live.say(save())
-        except WorkbenchError as error:
-            remedy = str(error).replace("add --force", "tick 'Overwrite files that exist'")
-            self.live.say(remedy, wrong=True)

@@ -24,7 +24,7 @@ class Findings:
         self.start = button("Find what is missing", live.diagnose, kind="primary")
         self.stop = button("Stop", live.stop, kind="danger")
         self.progress = text()
-        self.found = column()
+        self.verdict, self.found = text(), column()
         self.view = column(self.start, self.stop, self.progress, self.found)
         self._shown: Diagnosis | None = None
         self._adders: list[tuple[Any, EffectKey, str]] = []
@@ -36,8 +36,9 @@ class Findings:
         self.start.disabled = self.live.bench.chosen is None
         self.tick()
         diagnosis = self.live.bench.diagnosis
-        if diagnosis is not self._shown:
-            self._shown = diagnosis
+        changed, self._shown = diagnosis is not self._shown, diagnosis
+        self._sum_up()
+        if changed:
             self._adders = []
             self.found[:] = [] if diagnosis is None else self._parts(diagnosis)
         for adder, key, name in self._adders:
@@ -56,9 +57,18 @@ class Findings:
             f" <span class=quiet>{seconds:.0f} s</span></p>"
         )
 
+    def _sum_up(self) -> None:
+        """What the diagnosis says; once all that it named is in the model, nothing of it is missing."""
+        d, has = self._shown, self.live.bench.has
+        if d is None:
+            return
+        tone, words = {"consistent": "good", "unexplained": "open"}.get(d.verdict, "missing"), sentence(d)
+        if d.findings and all(has(f.key) for f in d.findings):
+            tone, words = "added", "What was found is in the model now."
+        self.verdict.object = f"<p class='verdict {tone}'>{safe(words)}</p>"
+
     def _parts(self, d: Diagnosis) -> list[Any]:
-        tone = {"consistent": "good", "unexplained": "open"}.get(d.verdict, "missing")
-        parts: list[Any] = [text(f"<p class='verdict {tone}'>{safe(sentence(d))}</p>")]
+        parts: list[Any] = [self.verdict]
         for finding in d.findings:
             parts += [self._card(finding)]
         if len(d.findings) > 1:
@@ -83,9 +93,10 @@ class Findings:
         told = "".join(f"<p>{safe(line)}</p>" for line in lines if line)
         evidence = "".join(f"<li>{safe(w.capital(e))}</li>" for e in f.evidence)
         head = (
-            f"<h3>{safe(w.capital(w.effect_phrase(f.key)))} <span class=quiet>{percent(f.probability)} "
-            f"probable</span></h3><table>{values}<tr><th scope=row>error on the fitted data</th>"
-            f"<td>{number(f.error_after)}</td></tr></table>{told}"
+            f"<h3>{safe(w.capital(w.effect_phrase(f.key)))} <span class=quiet>"
+            f"{safe(percent(f.probability))} probable</span></h3><table>{values}"
+            f"<tr><th scope=row>error on the fitted data</th><td>{number(f.error_after)}</td></tr>"
+            f"</table>{told}"
         )
         tail = f"<details><summary>Evidence</summary><ul>{evidence}</ul></details>" if evidence else ""
         add = self._adder(f"Add {w.effect_phrase(f.key)}", f.key, lambda: self._add(f), kind="primary")
@@ -93,10 +104,8 @@ class Findings:
 
     def _other(self, key: EffectKey, share: float) -> Any:
         share = min(1.0, max(0.0, share))
-        width = 100.0 * share
-        bar = (
-            f"<div class=share><span style='width:{width:.1f}%'></span></div><small>{percent(share)}</small>"
-        )
+        full = f"<div class=share><span style='width:{100.0 * share:.1f}%'></span></div>"
+        bar = f"{full}<small>{safe(percent(share))}</small>"
         fit = self._adder(f"Fit {w.effect_phrase(key)}", key, lambda: self.live.fit(key))
         return column(fit, text(f"<div class=bar>{bar}</div>"))
 

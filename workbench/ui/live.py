@@ -11,6 +11,7 @@ from typing import Any
 from workbench.core import Diagnosis, EffectKey
 from workbench.diagnosis import diagnose, fit_effect
 from workbench.models import AppliedEffect, Model
+from workbench.report.wording import capital, effect_phrase
 
 from .bench import Chosen
 from .following import Following
@@ -81,13 +82,16 @@ class Live(Following):
         chosen = self.bench.chosen
         if chosen is None:
             return
-        model = self.bench.model
+        model, phrase = self.bench.model, effect_phrase(key)
 
         def done(result: tuple[AppliedEffect, Model]) -> None:
             if self.bench.model is model:
                 self.do(lambda: self.bench.take(f"adding {key}", result[1]))
 
-        self._work(f"starting to fit {key}", fit_effect, (model, chosen.split()[0], key), done)
+        def named(words: str) -> str:  # as the page names it everywhere
+            return words.replace(str(key), phrase)
+
+        self._work(f"starting to fit {phrase}", fit_effect, (model, chosen.split()[0], key), done, named)
 
     def stop(self) -> None:
         """Stop the work in hand, at once."""
@@ -103,7 +107,12 @@ class Live(Following):
             pool.shutdown(wait=False, cancel_futures=True)
 
     def _work(
-        self, first: str, work: Callable[..., Any], arguments: tuple[Any, ...], done: Callable[[Any], None]
+        self,
+        first: str,
+        work: Callable[..., Any],
+        arguments: tuple[Any, ...],
+        done: Callable[[Any], None],
+        worded: Callable[[str], str] = str,
     ) -> None:
         self.stop()
         self.work, self.began = first, time.monotonic()
@@ -114,7 +123,7 @@ class Live(Following):
             if self.work is None:
                 return
             if kind == "progress":
-                self.work = content
+                self.work = worded(content)
                 self.tell("work")
                 return
             self.work = None
@@ -122,7 +131,7 @@ class Live(Following):
             if kind == "done":
                 done(content)
             else:
-                self.say(content, wrong=True)
+                self.say(capital(worded(content)), wrong=True)
 
         turn = object()
         self._turn = turn

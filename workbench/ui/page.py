@@ -14,7 +14,7 @@ from workbench.report import wording as w
 from workbench.report.numbers import plain
 from workbench.report.pack import worst_view
 
-from .changes import Changes, Saving
+from .changes import Changes
 from .chooser import Chooser
 from .curves import Curves
 from .finding import Findings
@@ -23,6 +23,7 @@ from .live import Live
 from .motion import moving_picture
 from .residual_map import MapView, residual_map
 from .response_part import ResponsePart
+from .saving import Saving
 from .summary import numbers, verdict
 from .widgets import column, plot_pane, row, safe, text, widget
 
@@ -70,6 +71,7 @@ class Page:
             "chooser": self.chooser.view,
             "findings": self.findings.view,
             "changes": self.changes.view,
+            "more": self.changes.more,
             "saving": self.saving.view,
             "look": row(self.recording, self.axis),
             "curves": column(*(plot_pane(f) for f in self.curves.figures)),
@@ -101,6 +103,7 @@ class Page:
             self.changes.follow()
         if asked & {"inputs", "model", "work", "diagnosis"}:
             self.findings.follow()
+        self.saving.follow()
         if asked & {"inputs", "message"}:
             words, wrong = self.live.message
             kind = "wrong" if wrong else "fine"
@@ -214,7 +217,7 @@ class Page:
         self.where.object = (
             f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>"
             if lines
-            else "<p>Nothing stands out of the noise.</p>"
+            else "<p>As a whole, nothing stands out of the noise.</p>"  # single cells of the map may
         )
         if loop := w.loop_sentence(comparison):
             self.where.object += f"<p class=quiet>{safe(loop)}</p>"

@@ -14,7 +14,11 @@
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paint(page); stage.draw(); });
     stage.start(named("motion"), named("cursor"), timeOf(page));
     zoom(timeOf(page));
-    mapOf(page).on_event("tap", () => byId("curves").scrollIntoView({ behavior: calm ? "auto" : "smooth" }));
+    mapOf(page).on_event("tap", () => {
+      const top = (id) => byId(id).getBoundingClientRect().top; // many sliders in a low window hide the curves
+      const goal = top("plots") - top("curves") < innerHeight / 2 ? "curves" : "plots";
+      byId(goal).scrollIntoView({ behavior: calm ? "auto" : "smooth" });
+    });
     name();
     setInterval(name, 500); // widgets come and go, and say their numbers anew
     document.documentElement.dataset.ready = "yes";
