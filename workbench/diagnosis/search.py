@@ -70,8 +70,9 @@ def search(
     start, first = quest.start, quest.data
     before = is_consistent(first, start.mean_squares)
     way = Way(start, first, done=before)
-    if not before and not data.replay.on_ground:
-        refuse_mirrored(model, training, first.score(start.mean_squares), first.score(first.floor))
+    if not before:
+        if not data.replay.on_ground:
+            refuse_mirrored(model, training, first.score(start.mean_squares), first.score(first.floor))
         way = _honed(onwards(way, quest), quest)
         if not holds(way, quest) and limit > 1:
             other = otherwise(way, quest)

@@ -123,6 +123,8 @@ def law_along(recording: Recording, plant: Plant, track: Track) -> np.ndarray | 
 
     None where no loop is stated, or one that has a limit of its own.
     """
+    if recording.get("position_reference") is None:
+        return None
     e = prepare(recording, plant.model)
     if e.controller.kind not in ("pd", "cascade_pv") or e.controller.limit:
         return None
