@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
-from workbench.core import Recording
-from workbench.inspection.torque import command_limits
+import numpy as np
 
 _FOLLOWED = 0.1  # of a command's variation a law that holds may leave in rows that are not cut
 
 
-def before_clamp(recording: Recording, command: np.ndarray, law: np.ndarray) -> np.ndarray:
+def before_clamp(
+    command: np.ndarray, law: np.ndarray, limits: Sequence[tuple[int, float, float]]
+) -> np.ndarray:
     """A logged command (N, n) with what its loop asked for where it stands at a limit.
 
     A drive that is said to be without a limit would have followed that.
 
     Args:
-        recording: whose command it is.
         command: in the recording's own coordinates.
         law: what the stated loop asks for along the measured motion, (N, n), the same coordinates.
+        limits: at which it stands, as `command_limits` finds them.
     """
     out = command.copy()
-    limits = command_limits(recording)
     for axis in {axis for axis, _, _ in limits}:
         asked, ideal = out[:, axis], law[:, axis]
         at = {limit: np.isclose(asked, limit, rtol=1e-6, atol=0.0) for i, limit, _ in limits if i == axis}

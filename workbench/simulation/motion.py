@@ -30,9 +30,10 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
     measured = recording.get("torque_measured")
     known, back = command if command is not None else measured, np.linalg.inv(to_actuator)
     rows = np.zeros_like(track.position) if known is None else known @ back
-    if command is not None and command_limits(recording):
+    limits = command_limits(recording)
+    if command is not None and limits:
         law = law_along(recording, plant, track)
-        rows = rows if law is None else before_clamp(recording, command, law @ to_actuator) @ back
+        rows = rows if law is None else before_clamp(command, law @ to_actuator, limits) @ back
     line = Line(
         step=step,
         command=rows,
