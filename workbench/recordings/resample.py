@@ -107,10 +107,11 @@ def _resample(
         before = np.clip(np.searchsorted(times, at + 1e-9 * at[-1], side="right") - 1, 0, None)
         return values[before], None
     moved = _moved(times, values, at, _NEAR * at[1])
-    period = loop_s or float(np.median(np.diff(times)))
+    row = float(np.median(np.diff(times)))
+    period = loop_s or row
     if name == "torque_measured" and (steps := step_phase(times, values, period)):
         phase, still = steps
-        if period >= _SLOWER * float(np.median(np.diff(times))):
+        if period >= _SLOWER * row:
             rows = nearest_between_steps(times, phase, period, _behind_ticks(times, at))
             found, guessed = values[rows], rows != nearest_row(times, at)
         else:
