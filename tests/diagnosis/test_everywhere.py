@@ -9,8 +9,7 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from workbench.core import Controller, Diagnosis, EffectKey, Estimate, Recording
-from workbench.diagnosis import diagnose
+from workbench.core import Controller, EffectKey, Estimate, Recording
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.everywhere import needed, on_every_axis
 from workbench.diagnosis.fit import fit
@@ -118,31 +117,6 @@ def test_what_stays_unexplained_beside_it_leaves_no_axis_out() -> None:
 
 def test_nothing_is_found_in_what_lacks_nothing() -> None:
     assert found((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)) == ()
-
-
-def diagnosed(coulomb: Sequence[float], hum: np.ndarray) -> Diagnosis:
-    recordings = [played(f"r{k}", k, coulomb, [0.0] * len(coulomb), hum) for k in range(3)]
-    return diagnose(gantry(len(coulomb)), recordings[:2], recordings[2:])
-
-
-def test_friction_on_three_axes_is_named_though_a_hum_stays_on_all() -> None:
-    told = diagnosed((1.5, 0.8, 0.4), 0.5 * np.array([1.5, 0.8, 0.4]))
-    assert told.verdict == "missing_effect"
-    assert {str(f.key) for f in told.findings} == {f"coulomb_friction@{a}" for a in _AXES[:3]}
-    assert 0.05 < told.unexplained_fraction < 0.4
-    assert max(f.probability for f in told.findings) < 0.95
-
-
-def test_an_axis_where_something_strange_is_larger_takes_nothing_from_the_others() -> None:
-    told = diagnosed((1.5, 0.8, 0.4, 0.2), np.array([0.0, 0.0, 0.0, 2.0]))
-    assert told.verdict == "missing_effect"
-    assert {str(f.key) for f in told.findings} == {f"coulomb_friction@{a}" for a in _AXES[:3]}
-    assert told.where[0].axis == "u"
-
-
-def test_friction_on_two_axes_of_three_is_not_named_where_much_stays() -> None:
-    told = diagnosed((1.5, 0.8, 0.0), 0.5 * np.array([1.5, 0.8, 0.4]))
-    assert told.verdict == "unexplained"
 
 
 def fitted(*effects: tuple[str, str]) -> tuple[Fit, Data]:

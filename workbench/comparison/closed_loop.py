@@ -53,6 +53,7 @@ class ClosedLoop:
     recordings: tuple[Recording, ...]
     noise: NoiseModel
     on_ground: ClassVar[bool] = False
+    simulates: ClassVar[bool] = True
 
     def shows(self, effect: str) -> bool:
         """Off the ground, all but contacts with it."""

@@ -48,6 +48,7 @@ class MeasuredMotion:
     """
 
     on_ground: ClassVar[bool] = False
+    simulates: ClassVar[bool] = False
 
     def __init__(
         self, recordings: tuple[Recording, ...], noise: NoiseModel, model: Model, corner: float | None = None

@@ -48,6 +48,7 @@ class Grounded:
     """Every model runs in short windows on its ground."""
 
     on_ground: ClassVar[bool] = True
+    simulates: ClassVar[bool] = True
 
     def __init__(self, model: Model, recordings: Sequence[Recording], noise: NoiseModel) -> None:
         for r in recordings:

@@ -38,6 +38,8 @@ class Replay(Protocol):
 
     #: Whether contacts with the ground are replayed, so that derivatives take simulations.
     on_ground: ClassVar[bool]
+    #: Whether a run is a simulation; along a measured motion it is a sum over rows.
+    simulates: ClassVar[bool]
 
     def shows(self, effect: str) -> bool:
         """Whether it can tell anything of an effect."""

@@ -92,6 +92,7 @@ class Swings:
     """Every model swings from measured states; position is scored."""
 
     on_ground: ClassVar[bool] = False
+    simulates: ClassVar[bool] = True
 
     def __init__(self, recordings: Sequence[Recording], noise: NoiseModel) -> None:
         self.noise = noise

@@ -16,6 +16,7 @@ from .results import (
     RecordingError,
     Share,
     Step,
+    Stopped,
     Verdict,
 )
 from .shape import Shape
@@ -43,6 +44,7 @@ __all__ = [
     "Share",
     "SimulationError",
     "Step",
+    "Stopped",
     "Timing",
     "Verdict",
     "Verification",

@@ -14,7 +14,9 @@ from .shown import Shown
 
 FORMAT = 1
 
-Verdict = Literal["missing_effect", "consistent", "unexplained"]
+Verdict = Literal["missing_effect", "partly_explained", "consistent", "unexplained"]
+#: Why a search ended: noise explains the rest, its budget of simulations was spent, or nothing tried helps.
+Stopped = Literal["noise", "budget", "nothing_helps"]
 
 
 @dataclass(frozen=True)
@@ -171,10 +173,11 @@ class Diagnosis(Shown):
 
     Attributes:
         model: the model's name.
-        verdict: ``missing_effect``, ``consistent`` or ``unexplained``.
+        verdict: ``missing_effect`` where the findings explain nearly all, ``partly_explained`` where they are
+            certain and more than that is missing, ``consistent`` or ``unexplained``.
         error, noise_error: of the model as given, on the recordings used for fitting.
         holdout_noise_error: the noise floor of held-out recordings; None where there are none.
-        findings: effects to add, best first; empty unless the verdict is ``missing_effect``.
+        findings: effects to add, best first; empty where the verdict is ``consistent`` or ``unexplained``.
         unexplained_fraction: share of squared error above the noise that stays (0 to 1).
         where: where that rest sits.
         next_experiment: what to measure to know more; None when nothing is open.
@@ -188,6 +191,8 @@ class Diagnosis(Shown):
         shapes: smooth functions that the torque of that rest follows, what removes most first; no causes.
         used: share of the recordings' rows that were looked at; less than 1 where logs are long.
         notes: what stands for them, one line each.
+        near: effects that lower the error and are not certain enough to be named.
+        stopped: why the search ended.
     """
 
     model: str
@@ -209,6 +214,8 @@ class Diagnosis(Shown):
     used: float = 1.0
     notes: tuple[str, ...] = ()
     holdout_noise_error: float | None = None
+    near: tuple[Finding, ...] = ()
+    stopped: Stopped = "nothing_helps"
 
 
 @dataclass(frozen=True)

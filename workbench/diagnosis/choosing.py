@@ -23,7 +23,8 @@ Judged = tuple[EffectKey, float]
 _FAR_WORSE = 4.0
 _BLIND = 1.25  # times the judged error, within which judging sees no difference
 _MUCH = 1.25  # times what is left, from which less is much less
-_BASIC = 0.75  # share of the best candidate's gain with which inertia, damping and Coulomb friction go first
+#: Share of the best candidate's gain with which inertia, damping and Coulomb friction go first.
+BASIC = 0.75
 
 
 def choose(
@@ -59,7 +60,7 @@ def choose(
         if basics_first
         and effect_named(c.key.effect).basic
         and cost(c) <= cost(top)
-        and before - f.judged > _BASIC * (before - most)
+        and before - f.judged > BASIC * (before - most)
         and not (most < NEAR_FLOOR * floor and f.judged > _FAR_WORSE * most)
         and not (only_form(c) and f.judged - floor > _FAR_WORSE * max(most - floor, 0.0))
     ]

@@ -211,7 +211,9 @@ def gather(
     simulated = replay.with_noise(model, seed)
     repeats = tuple(repeat_of(r) for r in replay.recordings)
     data = replace(
-        floor_of(replay, len(training), simulated), effort=Effort.for_search(training), repeats=repeats
+        floor_of(replay, len(training), simulated),
+        effort=Effort.for_search(training, replay.simulates),
+        repeats=repeats,
     )
     return data.reweighed(data.mean_squares(simulated.clean)), simulated
 

@@ -19,11 +19,20 @@ from workbench.simulation import scored_torque
 
 from .data import Data
 from .evidence import Clues
-from .findings import NEAR, cut_short_line, findings_of, near_line, ranking_of, refuting_line, step_of
+from .findings import (
+    NEAR,
+    cut_short_line,
+    findings_of,
+    near_findings,
+    near_line,
+    ranking_of,
+    refuting_line,
+    step_of,
+)
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, UnstableLoop, search
 from .stage import Search
-from .verdict import refuted, verdict_of
+from .verdict import NAMED, refuted, verdict_of
 
 _FEWEST = 60  # rows to fit; a log of 5 Hz has them in twelve seconds
 _SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
@@ -90,7 +99,7 @@ def improve(
     training, held_out = _matched(model, training, held_out)
     found = _searched(model, training, held_out, seed, limit, progress)
     diagnosis = _diagnosis(found)
-    named = diagnosis.verdict == "missing_effect"
+    named = diagnosis.verdict in NAMED
     stages = found.stages if named or (nearest and not refuted(found)) else ()
     end = found.final if stages else found.start
     after, held = diagnosis.after, diagnosis.held_out
@@ -102,6 +111,7 @@ def improve(
     evidence = {f.key: f.evidence for f in diagnosis.findings}
     done = found.consistent_after if named else diagnosis.verdict == "consistent"
     verdict: Verdict = "consistent" if done else "unexplained"
+    verdict = "partly_explained" if diagnosis.verdict == "partly_explained" else verdict
     improvement = Improvement(
         model=model.name,
         steps=tuple(step_of(s, found, judged, evidence) for s in stages),
@@ -165,7 +175,7 @@ def _matched(
 
 def _diagnosis(found: Search) -> Diagnosis:
     verdict, less = verdict_of(found)
-    named = verdict == "missing_effect"
+    named = verdict in NAMED
     before, *judging = _comparisons(found.model, found.start_runs, found)
     after, *judged = before, *judging
     if named and found.stages[-1].runs is not None:
@@ -199,6 +209,8 @@ def _diagnosis(found: Search) -> Diagnosis:
         held_out=(judging[0], judged[0]) if judging else None,
         settled=_settled(found) if named else {},
         holdout_noise_error=_held_out_floor(found.final_data if named else found.start_data),
+        near=near_findings(found),
+        stopped=found.stopped,
         notes=(
             *before.notes,
             *([_NO_PAYLOAD] if verdict != "consistent" and found.model.payload_site is None else []),
@@ -223,7 +235,7 @@ def _settled(found: Search) -> dict[str, float]:
 
 def _clues_of_rest(verdict: Verdict, found: Search) -> Clues | None:
     """What shows the part that stays unexplained; None where noise explains it."""
-    named = verdict == "missing_effect"
+    named = verdict in NAMED
     if found.consistent_before or (named and found.consistent_after):
         return None
     return Clues(found.start_data, found.final if named else found.start)

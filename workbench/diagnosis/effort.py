@@ -27,9 +27,9 @@ class Effort:
     done: float = 0.0
 
     @staticmethod
-    def for_search(recordings: Sequence[Recording]) -> Effort:
-        """What a search on these recordings may take."""
-        return Effort(max(_STEPS, _RUNS * _steps(recordings)))
+    def for_search(recordings: Sequence[Recording], simulates: bool = True) -> Effort:
+        """What a search on these recordings may take; no end where nothing is simulated."""
+        return Effort(max(_STEPS, _RUNS * _steps(recordings)) if simulates else float("inf"))
 
     @property
     def spent(self) -> bool:

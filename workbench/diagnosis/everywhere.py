@@ -10,16 +10,13 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import EFFECTS
 
-from .by_axis import MANY, explained_by_axis, where_it_holds
 from .choosing import behind, simplest_first
 from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
 from .judging import (
-    EXPLAINED,
     LATER_SHARE,
     cancels,
-    explained,
     explains_most,
     floor_of_judging,
     helps_an_axis,
@@ -40,6 +37,7 @@ _DRIVES = (*_FRICTION, "reflected_inertia")
 _PROMISING = 0.4  # share of the excess that a set may leave by the linearised loop, to be simulated
 _SHOWN = 0.3  # share of an axis's excess that one of them removes by itself where a set has it
 _SIMULATED = 4
+_MANY = 3  # axes that say more together than a stranger on one of them could
 
 
 @dataclass(frozen=True)
@@ -72,7 +70,6 @@ def on_every_axis(
     if scene.model.size < 2:
         return ()
     progress("looking for one cause on every axis")
-    given = data
     if overshadowed(start, data):  # held-out motion that shows little cannot judge
         data = data.unheard()
         start = rejudged(start, data)
@@ -86,12 +83,7 @@ def on_every_axis(
     floor = floor_of_judging(data)
     for found in simplest_first(fits, data, LATER_SHARE):
         best = replace(found, fit=polished(needed(settle(found.fit, data, floor), data), data))
-        if explained(given, start, best.fit, given) < EXPLAINED:
-            best = replace(best, fit=polished(where_it_holds(best.fit, start, given), data))
-        enough = explains_most(best.fit, start, data) or bool(
-            explained_by_axis(given, start, best.fit, given)
-        )
-        if len(best.fit.hypothesis.free) < 2 or not enough:
+        if len(best.fit.hypothesis.free) < 2 or not explains_most(best.fit, start, data):
             continue
         sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
         if sound and not spoils(best.fit, start, data):
@@ -145,7 +137,7 @@ def _promising(
     for option in options:
         gains = {a: start.judged - _least(at_drives, option, a) for a in everywhere}
         shown = {a for a in everywhere if gains[a] > _SHOWN * excess[a]}
-        if MANY <= len(shown) < len(everywhere):
+        if _MANY <= len(shown) < len(everywhere):
             tries.append((option, shown))
     found: list[tuple[float, tuple[str, ...], list[Candidate]]] = []
     for option, axes in tries:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +10,7 @@ from workbench.core import EffectKey, Shape, Share
 from workbench.effects import Door, effect_named
 from workbench.models import AppliedEffect, Model, rotors
 
+from .adequacy import Adequacy
 from .data import Data
 from .hypothesis import Fit
 from .relations import Missing, missing_torque, relation_lines, relations
@@ -142,6 +143,18 @@ def finding_lines(stage: Stage, applied: AppliedEffect, found: Collection[Effect
     effect = effect_named(applied.key.effect)
     stated = effect.stated_words(stage.fit.hypothesis.model)
     return (*lines, *([stated] if stated else []), f"where to see it: {effect.shows}")
+
+
+def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:
+    """Why an effect is certain although something else is missing; none where that was not asked."""
+    if key not in adequacy:
+        return []
+    own, found = " and ".join(effect_named(key.effect).depends_on), adequacy[key]
+    share, spread = 100.0 * found.share, 100.0 * found.spread
+    return [
+        f"a free smooth function of {own} explains hardly more: this law reaches {share:.0f} % of it",
+        f"its size changes by {spread:.0f} % at most beside a free function of any other quantity",
+    ]
 
 
 def _worst(missing: Missing) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
 from workbench.models import AppliedEffect
 
-from .evidence import Clues, finding_lines
+from .evidence import Clues, adequacy_lines, finding_lines
 from .giving import other_causes
 from .hypothesis import Fit
 from .judging import stands_out
@@ -40,11 +40,23 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
                 indistinguishable_from=stage.rivals_of(found.final),
                 evidence=(
                     *finding_lines(stage, applied, keys),
+                    *adequacy_lines(applied.key, found.adequacy),
                     *Clues(found.start_data, previous).of_finding(applied.key),
                 ),
             )
         )
     return tuple(findings)
+
+
+def near_findings(found: Search) -> tuple[Finding, ...]:
+    """What lowers the error beside the findings, and is not certain enough to be named."""
+    score = found.start_data.score
+    judged = found.start_data.held_out
+    after = score(found.final.mean_squares, held_out=True) if judged else None
+    return tuple(
+        Finding(a.key, dict(a.parameters), score(found.final.mean_squares), after, None, 0.0)
+        for a in found.near
+    )
 
 
 def _before(found: Search, index: int) -> Fit:
@@ -72,7 +84,8 @@ def _probability(stage: Stage, found: Search) -> float:
     others = (left for key, left in stage.behind if key not in rivals and not has_cause(found.final, key))
     next_best = min(others, default=np.inf)
     alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(next_best - 1.0, 0.0)))
-    whole = 1.0 if found.consistent_after else found.by_axis.get(stage.added.axis or "", found.explained)
+    sure = found.adequacy.get(stage.added)
+    whole = 1.0 if found.consistent_after else sure.share if sure else found.explained
     return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(rivals) ** 2))
 
 
@@ -115,6 +128,11 @@ def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
     What takes off less has no name, but that there is something is told.
     """
     added = found.final.hypothesis.added
+    if found.near:
+        return (
+            "comes near and is not certain, since a free function of another quantity can take its place: "
+            + " and ".join(map(_estimated, found.near)),
+        )
     if verdict != "unexplained" or found.explained < _SOME or not all(map(stands_out, added)):
         return ()
     if found.explained < NEAR:
@@ -154,9 +172,10 @@ def _value(name: str, estimate: Estimate) -> str:
 
 def cut_short_line(found: Search) -> tuple[str, ...]:
     """That there may be more to find, where a search ended because it had simulated enough."""
-    if not found.cut_short:
+    if found.stopped != "budget":
         return ()
     return (
-        "the search ended after as many simulations as it may take, before everything was tried; fewer or "
-        "shorter recordings, or the model that `improve` wrote, let it look further",
+        "the search ended when it had simulated as much as it may, before it had tried everything: what it "
+        "did not find may still be there; give fewer or shorter recordings, or the model that `improve` wrote, "
+        "and it looks further",
     )

@@ -36,7 +36,7 @@ _OVERSHADOWED = 1.5  # squared error over the noise's in training, over the same
 _SHOWN = 0.02  # share of its excess by which a recording's squared error changes if it shows an effect at all
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
-_CLEARLY = 3.0  # deviations by which a parameter differs from none
+CLEARLY = 3.0  #: deviations by which a parameter differs from none
 NEAR_FLOOR = 2.0  # squared error over the noise's, below which hardly more than noise is left
 
 
@@ -278,7 +278,7 @@ def stands_out(applied: AppliedEffect) -> bool:
     may change at which instant a signal is read.
     """
     return any(
-        abs(applied.parameters[p.name].value - p.neutral) > _CLEARLY * applied.parameters[p.name].std
+        abs(applied.parameters[p.name].value - p.neutral) > CLEARLY * applied.parameters[p.name].std
         for p in sizes_of(applied)
     )
 

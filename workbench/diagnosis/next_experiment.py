@@ -42,7 +42,7 @@ def next_experiment(
     for finding in findings:
         stage = next(s for s in found.stages if s.added == finding.key)
         rivals = finding.indistinguishable_from
-        if not rivals and (finding.probability >= _DOUBTFUL or found.by_axis):
+        if not rivals and (finding.probability >= _DOUBTFUL or found.adequacy):
             continue  # where drives leave a rest, that is what to look at
         models = {key: model for key, model in stage.others if key in rivals or not rivals}
         if data_on_ground and (models or rivals):
@@ -56,8 +56,8 @@ def next_experiment(
                 f"{finding.key} and {rivals[0]} are one thing in two names on this machine: no motion tells "
                 f"them apart. What shows its size best: {effect_named(finding.key.effect).reveal}."
             )
-    if verdict == "unexplained" or (verdict == "missing_effect" and not found.consistent_after):
-        model = found.final.hypothesis.model if verdict == "missing_effect" else found.model
+    if verdict == "unexplained" or (verdict != "consistent" and not found.consistent_after):
+        model = found.final.hypothesis.model if findings else found.model
         return look_closer(model, after.where, found.start_data.recordings)
     return None
 

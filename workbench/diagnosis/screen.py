@@ -47,7 +47,7 @@ class Candidate:
     beside: Mapping[EffectKey, Mapping[str, float]] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Entry:
     """An effect of one shape: where its columns stand in a block, and what one unit does."""
 

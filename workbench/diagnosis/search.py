@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from workbench.comparison import MeasuredMotion
 from workbench.core import HOPELESS, Recording, SimulationError
 from workbench.models import Model
 
-from .by_axis import explained_by_axis
 from .data import gather
-from .further_axes import on_further_axes
 from .honing import honed
 from .instead import others_instead
+from .jointly import Joint, jointly
 from .judging import explained, mostly_explained, stands_out
 from .mirrored import refuse_mirrored
 from .one_for_two import one_for_two
@@ -69,20 +69,16 @@ def search(
     quest = quest_of(model, data, simulated.clean, limit, seed, progress)
     start, first = quest.start, quest.data
     before = is_consistent(first, start.mean_squares)
-    way = Way(start, first, done=before)
+    way, joint = Way(start, first, done=before), None
     if not before:
         if not data.replay.on_ground:
             refuse_mirrored(model, training, first.score(start.mean_squares), first.score(first.floor))
-        way = _honed(onwards(way, quest), quest)
-        if not holds(way, quest) and limit > 1:
-            other = otherwise(way, quest)
-            way = way if other is way else _honed(other, quest)
-        elif limit > 1:
-            way = on_further_axes(fewer(way, quest), quest)
-            way = what_was_passed_over(what_the_torque_shows(way, quest), quest)
-            way = _honed(way, quest)
-        way = one_for_two(others_instead(way, quest), quest)
-    way = _plain(_simplified(way, seed, progress), quest)
+        joint = _of_many(quest, limit)
+        if joint is None:
+            way = _one_by_one(way, quest)
+            if not holds(way, quest) and limit > 1:
+                joint = jointly(quest)
+        way = way if joint is None else joint.way
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
     done = way.done or (len(way.stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
@@ -97,8 +93,31 @@ def search(
         done,
         explained(first, start, current, data),
         mostly_explained(first, start, current, data) if wanders(current) else 0.0,
-        explained_by_axis(first, start, current, data),
+        joint.adequacy if joint else {},
+        joint.near if joint else (),
     )
+
+
+def _of_many(quest: Quest, limit: int) -> Joint | None:
+    """The joint solution where no loop is known and more is missing than is added one by one."""
+    if not isinstance(quest.data.replay, MeasuredMotion):
+        return None
+    joint = jointly(quest)
+    return joint if joint and joint.size > limit > 1 else None
+
+
+def _one_by_one(way: Way, quest: Quest) -> Way:
+    """One effect after the other, or from other beginnings where that leads nowhere."""
+    way = _honed(onwards(way, quest), quest)
+    if not holds(way, quest) and quest.limit > 1:
+        other = otherwise(way, quest)
+        way = way if other is way else _honed(other, quest)
+    elif quest.limit > 1:
+        way = fewer(way, quest)
+        way = what_was_passed_over(what_the_torque_shows(way, quest), quest)
+        way = _honed(way, quest)
+    way = one_for_two(others_instead(way, quest), quest)
+    return _plain(_simplified(way, quest.seed, quest.progress), quest)
 
 
 def _honed(way: Way, quest: Quest) -> Way:

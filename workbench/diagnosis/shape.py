@@ -84,11 +84,11 @@ def _moves(values: np.ndarray) -> bool:
 
 def _function(missing: Missing, k: int, quantities: Sequence[_Quantity]) -> Shape:
     values = [q.values for q in quantities]
-    basis, penalty = _splines(values, values)
+    basis, penalty = splines(values, values)
     torque = missing.torque[:, k]
     fitted = _left_out(missing, _centred(basis, missing.start), torque, penalty, _PENALTIES)
     grid = np.linspace(float(np.quantile(values[0], 0.005)), float(np.quantile(values[0], 0.995)), _GRID)
-    there = _splines(values, [grid, *(np.full(_GRID, np.median(v)) for v in values[1:])])[0]
+    there = splines(values, [grid, *(np.full(_GRID, np.median(v)) for v in values[1:])])[0]
     there = there - there.mean(axis=0)
     return _shape(missing, k, quantities, fitted, grid, there, values[0])
 
@@ -179,7 +179,7 @@ def _left_out(
     return best
 
 
-def _splines(values: Sequence[np.ndarray], at: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def splines(values: Sequence[np.ndarray], at: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Products of cubic B-splines over each quantity's range, and their penalty on second differences."""
     pieces = _PIECES // len(values)
     bases, penalties = [], []

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from workbench.comparison import Simulated
-from workbench.core import EffectKey
-from workbench.models import Model
+from workbench.core import EffectKey, Stopped
+from workbench.models import AppliedEffect, Model
 
+from .adequacy import Adequacy
 from .choosing import same_cause
 from .data import Data
 from .hypothesis import Fit
@@ -62,8 +63,8 @@ class Search:
     """The whole way: data and fit at the start, stages, first screening, whether noise explains the end.
 
     `explained` is the share of the excess that is gone; `mostly` the same of the recording in the middle,
-    where the final model's runs part by themselves (else 0). `by_axis`: the same of each axis that what its
-    drive has explains, where these are most of many.
+    where the final model's runs part by themselves (else 0). `adequacy`: of effects that are certain although
+    something else is missing. `near`: what helps beside them and is not certain.
     """
 
     model: Model
@@ -76,12 +77,15 @@ class Search:
     consistent_after: bool
     explained: float
     mostly: float = 0.0
-    by_axis: Mapping[str, float] = field(default_factory=dict)
+    adequacy: Mapping[EffectKey, Adequacy] = field(default_factory=dict)
+    near: tuple[AppliedEffect, ...] = ()
 
     @property
-    def cut_short(self) -> bool:
-        """Whether it left something unexplained when it had simulated as much as it may."""
-        return self.start_data.effort.spent and not self.consistent_after
+    def stopped(self) -> Stopped:
+        """Why it ended: noise explains the rest, its budget was spent, or nothing more helps."""
+        if self.consistent_before or self.consistent_after:
+            return "noise"
+        return "budget" if self.start_data.effort.spent else "nothing_helps"
 
     @property
     def final(self) -> Fit:

@@ -10,6 +10,7 @@ from .judging import EXPLAINED, contradicted, stands_out
 from .stage import Search
 from .too_much import TooMuch, too_much
 
+NAMED = ("missing_effect", "partly_explained")  #: verdicts with findings
 _PLAIN = 2  # parameters of effects that leave but noise, which nobody asks whether a mass is wrong instead
 _OFF_GROUND = 1.5  # error over the noise floor
 
@@ -18,7 +19,9 @@ def verdict_of(found: Search) -> tuple[Verdict, TooMuch | None]:
     """The verdict, and what the model has too much of, where that was asked."""
     if found.consistent_before:
         return "unexplained" if refuted(found) else "consistent", None
-    explains = found.consistent_after or found.by_axis or max(found.explained, found.mostly) >= EXPLAINED
+    explains = found.consistent_after or max(found.explained, found.mostly) >= EXPLAINED
+    if found.adequacy and not explains and not refuted(found):
+        return "partly_explained", None
     named = (
         found.stages
         and explains
@@ -49,7 +52,7 @@ def _another_shape(found: Search) -> bool:
     A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
     """
     added = found.final.hypothesis.free
-    named = any(effect_named(a.key.effect).of_position for a in added)
+    named = any(effect_named(a.key.effect).depends_on == ("position",) for a in added)
     return named and Clues(found.final_data, found.final).follows_positions
 
 

@@ -15,7 +15,6 @@ from workbench.core import EffectKey, Recording, SimulationError
 from workbench.effects import effect_named
 from workbench.models import Model
 
-from .by_axis import explained_by_axis
 from .data import Data
 from .hypothesis import Fit, Hypothesis
 from .judging import (
@@ -78,10 +77,13 @@ class Way:
 
 def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
     """The model as it is, as a fit of nothing."""
-    return rejudged(
-        Fit(Hypothesis(model, ()), tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0)),
-        data,
-    )
+    return evaluated(Hypothesis(model, ()), simulated, data)
+
+
+def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data) -> Fit:
+    """A hypothesis as it is, with its runs of all recordings."""
+    unjudged = Fit(hypothesis, tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0))
+    return rejudged(unjudged, data)
 
 
 def quest_of(
@@ -186,7 +188,7 @@ def holds(way: Way, quest: Quest) -> bool:
         return way.done
     ends = quest.data, quest.start, way.current, way.data
     shares = [explained(*ends), mostly_explained(*ends) if wanders(way.current) else 0.0]
-    return max(shares) >= EXPLAINED or bool(explained_by_axis(*ends))
+    return max(shares) >= EXPLAINED
 
 
 def with_stages(way: Way, found: Sequence[Stage], seed: int, *, wide: bool = True) -> Way:

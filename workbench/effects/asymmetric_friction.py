@@ -26,6 +26,7 @@ class AsymmetricFriction(Effect):
         Parameter("torque_negative", "N*m"),
     )
     door = Door.FRICTION
+    depends_on = ("speed",)
     dry = True
     tier = 1
     twins = ("torque_bias",)  # unequal Coulomb torques are equal ones and a constant torque

@@ -94,7 +94,8 @@ class Effect(ABC):
             parameters that do something.
         splits: whether it gives the tree new joints, and so has to be installed before anything sits on it.
         on_links: whether it acts on links, which a spring or a gap may hold away from the motors.
-        of_position: whether it is a torque that positions alone decide.
+        depends_on: quantities of its axis (``position``, ``speed``, ``acceleration``, ``load``) that decide
+            its torque; empty where it is no torque on one axis, or of none of them alone.
         of_ground: whether it is one of a contact, which only recordings on the ground show.
         moves_feet: whether it puts a foot elsewhere at the same reading of the encoders.
         wanders: whether runs of nearly the same machine part, so that a fit of runs can add nothing to what
@@ -128,7 +129,7 @@ class Effect(ABC):
     by_runs: ClassVar[bool] = False
     splits: ClassVar[bool] = False
     on_links: ClassVar[bool] = False
-    of_position: ClassVar[bool] = False
+    depends_on: ClassVar[tuple[str, ...]] = ()
     of_ground: ClassVar[bool] = False
     moves_feet: ClassVar[bool] = False
     wanders: ClassVar[bool] = False

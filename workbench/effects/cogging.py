@@ -31,7 +31,7 @@ class Cogging(Effect):
     )
     nonlinear = ("order",)
     door = Door.MOTOR
-    of_position = True
+    depends_on = ("position",)
     tier = 1
     source = (
         "Jahns and Soong, Pulsating torque minimization techniques, IEEE Trans. Ind. Electron. 43(2), 1996"

@@ -18,6 +18,7 @@ class CoulombFriction(Effect):
     name = "coulomb_friction"
     parameters = (Parameter("torque", "N*m"),)
     door = Door.FRICTION
+    depends_on = ("speed",)
     basic = True
     dry = True
     locations = ("actuator", "joint")

@@ -23,7 +23,7 @@ class LinkageGravity(Effect):
     name = "linkage_gravity"
     parameters = (Parameter("g1", "N*m", lower=-INF), Parameter("g2", "N*m", lower=-INF))
     door = Door.MECHANISM
-    of_position = True
+    depends_on = ("position",)
     on_links = True
     adds_up = True
     basic = True

@@ -21,6 +21,7 @@ class LoadDependentFriction(Effect):
     name = "load_dependent_friction"
     parameters = (Parameter("torque", "N*m"), Parameter("ratio", "1", upper=0.9))
     door = Door.FRICTION
+    depends_on = ("speed", "load")
     dry = True
     tier = 1
     contains = ("coulomb_friction",)

@@ -25,7 +25,7 @@ class ParallelSpring(Effect):
         Parameter("rest", "rad", lower=-INF),
     )
     door = Door.MECHANISM
-    of_position = True
+    depends_on = ("position",)
     contains = ("torque_bias",)
     locations = ("actuator", "joint")
     trace = Trace.EVEN

@@ -22,6 +22,7 @@ class PreslidingHysteresis(Effect):
     parameters = (Parameter("torque", "N*m"), Parameter("stiffness", "N*m/rad", lower=1e-6))
     nonlinear = ("ratio",)  # stiffness over torque: one over the distance on which friction builds up
     door = Door.FRICTION
+    depends_on = ("speed",)
     tier = 1
     contains = ("coulomb_friction",)
     locations = ("actuator", "joint")

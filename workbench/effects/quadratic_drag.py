@@ -20,6 +20,7 @@ class QuadraticDrag(Effect):
     name = "quadratic_drag"
     parameters = (Parameter("drag", "N*m*s^2/rad^2"),)
     door = Door.FRICTION
+    depends_on = ("speed",)
     locations = ("actuator", "joint")
     of_a_make = True
     source = "Rayleigh's drag equation; windage and churning losses"

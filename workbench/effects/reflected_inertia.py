@@ -20,6 +20,7 @@ class ReflectedInertia(Effect):
     name = "reflected_inertia"
     parameters = (Parameter("inertia", "kg*m^2", about="added to what the model has"),)
     door = Door.MECHANISM
+    depends_on = ("acceleration",)
     basic = True
     of_a_make = True
     source = "paper, Eqs. 7 and 9"

@@ -27,6 +27,7 @@ class StribeckFriction(Effect):
     )
     nonlinear = ("speed",)
     door = Door.FRICTION
+    depends_on = ("speed",)
     dry = True
     tier = 1
     contains = ("coulomb_friction",)

@@ -20,6 +20,7 @@ class ViscousDamping(Effect):
     name = "viscous_damping"
     parameters = (Parameter("damping", "N*m*s/rad", about="added to what the model has"),)
     door = Door.FRICTION
+    depends_on = ("speed",)
     basic = True
     locations = ("actuator", "joint")
     of_a_make = True

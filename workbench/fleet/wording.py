@@ -19,7 +19,7 @@ _DIFFER = 0.01  # p-value below which scatter is more than the intervals'
 def sentence(fleet: Fleet) -> str:
     """How many robots lack what."""
     total, done = len(fleet.robots), fleet.diagnosed
-    lacking = [r for r in done if r["verdict"] == "missing_effect"]
+    lacking = [r for r in done if r["verdict"] in ("missing_effect", "partly_explained")]
     open_ = [r for r in done if r["verdict"] == "unexplained"]
     parts = [f"{len(lacking)} of {total} robots lack an effect that was found"]
     if fleet.effects:
@@ -39,7 +39,11 @@ def verdict_words(robot: Mapping[str, Any]) -> str:
     """The verdict of one robot in a few words."""
     if robot["failed"] is not None:
         return "failed"
-    return {"missing_effect": "missing", "consistent": "consistent"}.get(robot["verdict"], "unexplained")
+    return {
+        "missing_effect": "missing",
+        "partly_explained": "missing, and more",
+        "consistent": "consistent",
+    }.get(robot["verdict"], "unexplained")
 
 
 def errors(robot: Mapping[str, Any]) -> tuple[str, str, str]:

@@ -74,6 +74,8 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "holdout_noise_error": result.holdout_noise_error,
             "used": result.used,
             "notes": list(result.notes),
+            "near": [_finding(f) for f in result.near],
+            "stopped": result.stopped,
         }
     )
 
@@ -100,6 +102,8 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
         "used": result.used,
         "notes": list(result.notes),
         "nearest": result.nearest,
+        "near": [_finding(f) for f in result.diagnosis.near] if result.diagnosis else [],
+        "stopped": result.diagnosis.stopped if result.diagnosis else None,
     }
     if truth is not None:
         out["truth"] = [

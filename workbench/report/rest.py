@@ -16,4 +16,6 @@ def rest_sentence(result: Improvement) -> str:
     if not result.steps or result.nearest:  # the verdict says already that nothing explains it
         return "" if most is None else f"Of the error above the noise, {share_phrase(most)}."
     where = "" if most is None else f", of which {share_phrase(most)}"
-    return f"No effect of the catalogue explains the rest{where}."
+    if result.diagnosis is not None and result.diagnosis.stopped == "budget":
+        return f"The search ended before it had tried everything for the rest{where}."
+    return f"Nothing that was tried explains the rest{where}."

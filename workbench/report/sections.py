@@ -83,7 +83,7 @@ def sentence(result: Result) -> str:
 def _tone(result: Result) -> str:
     if isinstance(result, Comparison):
         return "consistent" if result.consistent else "missing_effect"
-    return result.verdict
+    return "missing_effect" if result.verdict == "partly_explained" else result.verdict
 
 
 def _lines(result: Result, before: Comparison | None) -> list[str]:

@@ -189,11 +189,26 @@ def diagnosis_sentence(result: Diagnosis) -> str:
         return "The model explains the data to the noise."
     if result.verdict == "unexplained" or not result.findings:
         rest = percent(result.unexplained_fraction)
-        return f"Something is missing that no known effect explains: {rest} of the excess error stays."
+        return f"Something is missing: {_nothing(result)}; {rest} of the error above the noise stays."
     if len(result.findings) == 1:
-        return f"Something is missing: {_named(result.findings[0])}."
-    names = any_of([effect_phrase(f.key) for f in result.findings], "and")
-    return f"{capital(_count(len(result.findings)))} effects are missing: {names}."
+        told = f"Something is missing: {_named(result.findings[0])}."
+    else:
+        names = any_of([effect_phrase(f.key) for f in result.findings], "and")
+        told = f"{capital(_count(len(result.findings)))} effects are missing: {names}."
+    return told + (partly_sentence(result) if result.verdict == "partly_explained" else "")
+
+
+def _nothing(result: Diagnosis | None) -> str:
+    """That nothing can be named: a limit of the search is no fact about the machine."""
+    if result is not None and result.stopped == "budget":
+        return "the search ended before it had tried everything, and nothing so far explains what is missing"
+    return "no effect that was tried explains what is missing"
+
+
+def partly_sentence(result: Diagnosis) -> str:
+    """How much stays unknown beside effects that are certain, with a space before it."""
+    rest = percent(result.unexplained_fraction)
+    return f" That is certain, and not all: {rest} of the error above the noise has another cause."
 
 
 def improvement_sentence(result: Improvement) -> str:
@@ -202,7 +217,7 @@ def improvement_sentence(result: Improvement) -> str:
     if not result.steps:
         if result.verdict == "consistent":
             return "The model explains the data to the noise as it is; nothing was added."
-        return "Nothing was added: no known effect explains what is missing (--nearest adds what comes near)."
+        return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds what comes near)."
     added = any_of([effect_phrase(s.key) for s in result.steps], "and") if len(result.steps) < 4 else ""
     added = added or f"{_count(len(result.steps))} effects"
     if result.verdict == "consistent":
@@ -212,8 +227,9 @@ def improvement_sentence(result: Improvement) -> str:
     times = times_noise(result.error_after, result.noise_error)
     rest = f", still {times} the noise floor" if times else ""
     if result.nearest:
-        return f"No known effect explains what is missing. With what comes nearest, {added}, {fall}{rest}."
-    return f"With {added}, {fall}{rest}."
+        return f"{capital(_nothing(result.diagnosis))}. With what comes nearest, {added}, {fall}{rest}."
+    partly = result.diagnosis if result.verdict == "partly_explained" else None
+    return f"With {added}, {fall}{rest}.{partly_sentence(partly) if partly else ''}"
 
 
 def lookalike_sentence(keys: Sequence[EffectKey]) -> str:

@@ -1,0 +1,189 @@
+"""Whether an effect is certain although something else is unknown: its law held against free functions.
+
+A law is adequate where it explains nearly as much of its axis's residual as a free smooth function of the
+law's own quantities does, and where its size stays what it is when a free smooth function of any other
+quantity is fitted beside it (partially linear regression: P. Robinson, Econometrica 56(4), 1988). What only
+correlates with the true cause fails the second, a torque of another law the first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import effect_named
+from workbench.models import AppliedEffect, Placement
+
+from .data import Data
+from .hypothesis import Fit
+from .judging import CLEARLY, EXPLAINED
+from .marching import respond
+from .regression import kept_rows, needing
+from .sensitivity import Scene
+from .shape import splines
+
+_BLOCKS = 10  # of all rows, each left out in turn
+_PENALTIES = np.logspace(-4, 4, 9)  # of a free function, times the mean of its normal equations' diagonal
+_QUANTITIES = ("position", "speed", "acceleration", "load")
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """How an effect stands against free functions.
+
+    Attributes:
+        share: of what a free function of the law's own quantities explains on blocks left out, what it does.
+        size: the least over free functions of other quantities beside it of its size, less `CLEARLY` standard
+            deviations of that; 1 is the size that was fitted.
+        spread: the largest change of its size beside them.
+    """
+
+    share: float
+    size: float
+    spread: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the effect is there, whatever else is missing."""
+        return self.share >= EXPLAINED and self.size > 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Axis:
+    """One coordinate: what laws do there (M, E), the residual of all (M,), quantities, rows' recordings."""
+
+    laws: np.ndarray
+    rest: np.ndarray
+    own: Mapping[str, np.ndarray]
+    others: Mapping[str, np.ndarray]
+    recording: np.ndarray
+
+
+def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
+    """Of each effect that is a law of its axis.
+
+    Args:
+        found: with all effects that were selected, along the measured motion.
+        start: without them.
+        data: recordings that are replayed along their measured motion.
+    """
+    scene = Scene.of(start.hypothesis.model, data, start.simulated, len(data.recordings))
+    applied = found.hypothesis.free
+    columns = [scene.total(a, a.values) for a in applied]
+    acts = respond([scene], [columns], data)[0]
+    out: dict[EffectKey, Adequacy] = {}
+    places = {(a.key.axis, a.key.location): Placement.of(scene.model, a.key) for a in applied if a.key.axis}
+    for (name, location), place in places.items():
+        assert place is not None
+        here = [k for k, a in enumerate(applied) if (a.key.axis, a.key.location) == (name, location)]
+        axis = _axis(scene, found, data, [part[:, 1] for part in acts], here, place)
+        out |= _of_axis(axis, [applied[k] for k in here])
+    return out
+
+
+def _axis(
+    scene: Scene, found: Fit, data: Data, acts: Sequence[np.ndarray], here: Sequence[int], place: Placement
+) -> _Axis:
+    """One coordinate of all recordings, on the rows that count there."""
+    laws, rest, own, others, which = [], [], [], [], []
+    motions = needing(scene)
+    for i, (motion, loop) in enumerate(zip(motions, scene.loops, strict=True)):
+        back = np.linalg.inv(loop.reading.to_actuator)
+        if place.location == "joint":
+            back = back @ scene.model.transmission
+        onto = back[:, place.index]
+        rows = kept_rows(scene, i)
+        rows = rows[loop.reading.counts[rows][:, np.abs(onto) > 1e-12].all(axis=1)]
+        scale = np.where(data.weight[1] > 0.0, 1.0 / np.where(data.weight[1] > 0.0, data.weight[1], 1.0), 0.0)
+        laws.append(np.einsum("knc,n->kc", acts[i][rows][:, :, here], scale * onto))
+        rest.append(data.residual(i, found.simulated[i])[rows, 1] @ onto)
+        position, speed, acceleration = motion.along(place)
+        load = motion.torque @ (scene.model.transmission if place.location == "joint" else np.eye(len(onto)))
+        known = dict(zip(_QUANTITIES, (position, speed, acceleration, load[:, place.index]), strict=True))
+        own.append({q: x[rows] for q, x in known.items()})
+        others.append(
+            {f"position {j}": motion.position[rows, j] for j in range(len(onto)) if j != place.index}
+        )
+        which.append(np.full(len(rows), i))
+    numbers = np.concatenate(which)
+    others_of = {q: np.concatenate([o[q] for o in others]) for q in others[0]}
+    return _Axis(
+        np.concatenate(laws),
+        np.concatenate(rest),
+        {q: np.concatenate([o[q] for o in own]) for q in _QUANTITIES},
+        {**others_of, "time": np.arange(len(numbers), dtype=float)},
+        numbers,
+    )
+
+
+def _of_axis(axis: _Axis, applied: Sequence[AppliedEffect]) -> dict[EffectKey, Adequacy]:
+    """Of all effects at one coordinate; those of the same quantities are parts of one law."""
+    out: dict[EffectKey, Adequacy] = {}
+    depends = [effect_named(a.key.effect).depends_on for a in applied]
+    for own in dict.fromkeys(d for d in depends if d):
+        alike = np.array([d == own for d in depends])
+        law = axis.laws[:, alike].sum(axis=1)
+        related = [bool(set(d) & set(own)) for d in depends]
+        lacking = axis.rest + axis.laws[:, related].sum(axis=1)
+        free = _explained(lacking, splines([axis.own[q] for q in own], [axis.own[q] for q in own]))
+        explained = 1.0 - np.sum(axis.rest**2) / np.sum(lacking**2)
+        laws = np.column_stack([law, axis.laws[:, ~alike]])
+        beside = {**{q: x for q, x in axis.own.items() if q not in own}, **axis.others}
+        sizes = {q: _size(laws, axis.rest, x) for q, x in beside.items() if np.ptp(x) > 0.0}
+        least = [size - CLEARLY * std for size, std in sizes.values()]
+        each = [axis.recording == i for i in np.unique(axis.recording)]
+        least += [_size(laws[rows], axis.rest[rows])[0] for rows in each]
+        adequacy = Adequacy(
+            float(np.clip(explained / max(free, 1e-12), 0.0, 1.0)),
+            min(least),
+            max((abs(size - 1.0) for size, _ in sizes.values()), default=0.0),
+        )
+        out |= {a.key: adequacy for a, same in zip(applied, alike, strict=True) if same}
+    return out
+
+
+def _explained(lacking: np.ndarray, free: tuple[np.ndarray, np.ndarray]) -> float:
+    """Share of a torque that a free function explains on blocks that were left out."""
+    _, left = _left_out(free[0], lacking, free[1], 0)
+    return 1.0 - left / float(lacking @ lacking)
+
+
+def _size(laws: np.ndarray, rest: np.ndarray, beside: np.ndarray | None = None) -> tuple[float, float]:
+    """Size of the first law in units of what was fitted, and its deviation, with a free function beside."""
+    count, free, penalty = laws.shape[1], np.zeros((len(rest), 0)), np.zeros((0, 0))
+    if beside is not None:
+        free, penalty = splines([beside], [beside])
+        free = free - free.mean(axis=0)
+    whole = np.zeros((count + free.shape[1],) * 2)
+    whole[count:, count:] = penalty
+    each, _ = _left_out(np.hstack([laws, free]), rest + laws.sum(axis=1), whole, count)
+    sizes = each[:, 0]
+    deviation = np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((sizes - sizes.mean()) ** 2))
+    return float(sizes.mean()), float(deviation)
+
+
+def _left_out(
+    basis: np.ndarray, torque: np.ndarray, penalty: np.ndarray, first: int
+) -> tuple[np.ndarray, float]:
+    """Coefficients with each block left out (B, C), and the squares left there, by the best penalty."""
+    block = np.arange(len(torque)) * _BLOCKS // len(torque)
+    parts = [basis[block == b] for b in range(_BLOCKS)]
+    torques = [torque[block == b] for b in range(_BLOCKS)]
+    grams, rights = [p.T @ p for p in parts], [p.T @ t for p, t in zip(parts, torques, strict=True)]
+    gram, right = np.sum(grams, axis=0), np.sum(rights, axis=0)
+    scale = float(np.mean(np.diag(gram)[first:])) if len(gram) > first else 0.0
+    ridge = 1e-9 * np.diag(np.diag(gram) + 1e-300)
+    best: tuple[np.ndarray, float] | None = None
+    for weight in _PENALTIES * scale if scale > 0.0 else (0.0,):
+        left_out = [
+            np.linalg.solve(gram - g + weight * penalty + ridge, right - r)
+            for g, r in zip(grams, rights, strict=True)
+        ]
+        left = sum(float(np.sum((t - p @ c) ** 2)) for t, p, c in zip(torques, parts, left_out, strict=True))
+        if best is None or left < best[1]:
+            best = np.array(left_out), left
+    assert best is not None
+    return best

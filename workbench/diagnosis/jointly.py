@@ -1,0 +1,171 @@
+"""All that is missing on all axes, solved jointly along the measured motion, and which of it is certain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.comparison import ClosedLoop, MeasuredMotion, followed
+from workbench.core import EffectKey, SimulationError
+from workbench.models import AppliedEffect
+from workbench.simulation import scored_torque
+
+from .adequacy import Adequacy, adequacies
+from .data import Data, gather
+from .fit import fit
+from .hypothesis import Fit
+from .judging import floor_of_judging, lowers_error, rejudged, stands_out
+from .refining import with_candidates
+from .regression import Regression, regression_of
+from .rivals import rivals_of
+from .selection import Selection, selected
+from .stage import Stage
+from .uncertainty import widened
+from .ways import Quest, Way, evaluated, is_consistent, starting_fit, with_last
+
+
+@dataclass(frozen=True)
+class Joint:
+    """What the joint solution comes to.
+
+    Attributes:
+        way: the search after the effects that are certain, or after all where these reach the noise.
+        adequacy: how each of them stands against free functions; empty where all is explained.
+        near: what helps as well and is not certain.
+        size: number of effects that it takes in all.
+    """
+
+    way: Way
+    adequacy: Mapping[EffectKey, Adequacy]
+    near: tuple[AppliedEffect, ...]
+    size: int
+
+
+def jointly(quest: Quest) -> Joint | None:
+    """The joint solution; None where no torque was recorded, or nothing helps that is certain."""
+    asked = _along(quest)
+    if asked is None:
+        return None
+    quest.progress("solving for all axes and effects at once, along the measured motion")
+    data, start = asked
+    problem = regression_of(start, data)
+    chosen = selected(problem)
+    whole = _fitted(problem, chosen, start, data)
+    if whole is None:
+        return None
+    known: dict[EffectKey, Adequacy] = {}
+    named: Fit | None = whole
+    if not is_consistent(data, whole.mean_squares):
+        known = {k: a for k, a in adequacies(whole, start, data).items() if a.holds}
+        named = _only(whole, known, data)
+    if named is None or not lowers_error(named, start, data):
+        return None
+    sure = _keys(named)
+    kept = Selection(tuple(e for e in chosen.chosen if e.key in sure), chosen.solution)
+    way = _in_the_loop(_stages(problem, kept, named, start, data), quest)
+    near = tuple(a for a in whole.hypothesis.free if a.key not in sure)
+    return None if way is None else Joint(way, known, near, len(chosen.chosen))
+
+
+def _along(quest: Quest) -> tuple[Data, Fit] | None:
+    """The recordings along their measured motion and the model there; None where nothing drives it there."""
+    data = quest.data
+    if isinstance(data.replay, MeasuredMotion):
+        return data, quest.start
+    driven = isinstance(data.replay, ClosedLoop)
+    if not driven or any(scored_torque(r) is None for r in data.recordings):
+        return None
+    along, model = followed(data.recordings), quest.start.hypothesis.model
+    try:
+        fresh, runs = gather(model, along[: data.training], along[data.training :], quest.seed)
+    except SimulationError:
+        return None
+    fresh = fresh.heard(fresh.mean_squares(runs.clean))
+    return fresh, starting_fit(model, fresh, runs.clean)
+
+
+def _fitted(problem: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
+    """All that was selected and is clearly another than nothing."""
+    if not chosen.chosen:
+        return None
+    candidates = chosen.candidates()
+    found = fit([with_candidates(problem.scene, candidates, current)], data)[0]
+    while found is not None:
+        clear = tuple(filter(stands_out, found.hypothesis.free))
+        if len(clear) == len(found.hypothesis.free):
+            break
+        found = fit([replace(found.hypothesis, free=clear)], data)[0] if clear else None
+    return found
+
+
+def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | None:
+    """The fit with some of its effects; deviations cover what the others change, and free functions."""
+    own = tuple(a for a in whole.hypothesis.free if a.key in sure)
+    if not own:
+        return None
+    kept = whole
+    if len(own) < len(whole.hypothesis.free):
+        alone = fit([replace(whole.hypothesis, free=own)], data)[0]
+        if alone is None:
+            return None
+        beside = replace(whole, hypothesis=replace(whole.hypothesis, free=own))
+        kept = widened(alone, [beside])
+    free = []
+    for applied in kept.hypothesis.free:
+        spread = 0.5 * sure[applied.key].spread
+        parameters = {
+            name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))
+            for name, e in applied.parameters.items()
+        }
+        free.append(AppliedEffect(applied.key, parameters))
+    return replace(kept, hypothesis=replace(kept.hypothesis, free=tuple(free)))
+
+
+def _stages(problem: Regression, chosen: Selection, end: Fit, before: Fit, data: Data) -> list[Stage]:
+    """The effects one after the other as they were selected, all with the values of the end."""
+    values = {a.key: a for a in end.hypothesis.free}
+    order = [values[e.key] for e in chosen.chosen]
+    steps = [replace(end.hypothesis, free=tuple(order[: k + 1])) for k in range(len(order))]
+    runs = data.run([h.model for h in steps[:-1]])
+    fits = [evaluated(h, r, data) for h, r in zip(steps[:-1], runs, strict=True)] + [end]
+    excess = max(before.judged - floor_of_judging(data), 1e-12)
+    stages, previous = [], before
+    for entry, fitted in zip(chosen.chosen, fits, strict=True):
+        behind, rivals = rivals_of(problem, chosen.chosen, entry)
+        stages.append(
+            Stage(
+                added=entry.key,
+                fit=fitted,
+                data=data,
+                removed_share=(previous.judged - fitted.judged) / excess,
+                rivals=rivals,
+                others=(),
+                dropped=(),
+                ranking=(),
+                behind=behind,
+                folds=(int(np.sum(fitted.agreeing < previous.agreeing)), len(fitted.agreeing)),
+                by_held_out=data.held_out_judges,
+            )
+        )
+        previous = fitted
+    return stages
+
+
+def _in_the_loop(stages: Sequence[Stage], quest: Quest) -> Way | None:
+    """The stages in the replay that the quest asks for; None where the error does not fall there."""
+    data = quest.data
+    if not isinstance(data.replay, MeasuredMotion):
+        runs = data.run([s.fit.hypothesis.model for s in stages])
+        fits = [evaluated(s.fit.hypothesis, r, data) for s, r in zip(stages, runs, strict=True)]
+        if not np.isfinite(fits[-1].mean_squares).all() or not lowers_error(fits[-1], quest.start, data):
+            return None
+        runs_at_all = [f if np.isfinite(f.mean_squares).all() else fits[-1] for f in fits]
+        stages = [replace(s, fit=f, data=data) for s, f in zip(stages, runs_at_all, strict=True)]
+    before = Way(rejudged(stages[-1].fit, data), data, tuple(stages))
+    return with_last(before, stages[-1], quest.seed)
+
+
+def _keys(found: Fit) -> tuple[EffectKey, ...]:
+    return tuple(a.key for a in found.hypothesis.free)
