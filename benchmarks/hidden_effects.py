@@ -39,6 +39,9 @@ def main() -> None:
     parser.add_argument(
         "--patience", type=float, default=900.0, help="a diagnosis that takes longer failed [s]"
     )
+    parser.add_argument(
+        "--again", action="store_true", help="diagnose each improved model too: nothing may be added"
+    )
     parser.add_argument("--list", action="store_true", help="name the cases and stop")
     parser.add_argument("--report", type=Path, nargs="+", help="marks to report on")
     parser.add_argument("--figures", type=Path, help="folder for the report's figures")
@@ -59,10 +62,12 @@ def main() -> None:
         return
     if arguments.out is None:
         parser.error("give --out or --report")
-    run(chosen, arguments.out, arguments.jobs, arguments.others, arguments.patience)
+    run(chosen, arguments.out, arguments.jobs, arguments.others, arguments.patience, arguments.again)
 
 
-def run(cases: list[Case], out: Path, jobs: int, others: list[str], patience: float) -> None:
+def run(
+    cases: list[Case], out: Path, jobs: int, others: list[str], patience: float, again: bool = False
+) -> None:
     """Marks what `out` has not got, cases or others' answers, and writes each as soon as it is there."""
     marks = {line["case"]: line for line in read([out])} if out.exists() else {}
     work = [
@@ -70,7 +75,9 @@ def run(cases: list[Case], out: Path, jobs: int, others: list[str], patience: fl
     ]
     now, started = revision(), time.perf_counter()
     tasks = (
-        delayed(mark)(case, {name: METHODS[name] for name in names}, now, marks.get(case.name), patience)
+        delayed(mark)(
+            case, {name: METHODS[name] for name in names}, now, marks.get(case.name), patience, again
+        )
         for case, names in work
     )
     with out.open("a") as file:
@@ -82,7 +89,8 @@ def run(cases: list[Case], out: Path, jobs: int, others: list[str], patience: fl
             left = (time.perf_counter() - started) / number * (len(work) - number) / 60
             print(
                 f"{number:4d}/{len(work)} {line['case']:55s} {line.get('outcome') or line['failed']:12s} "
-                f"{'; '.join(f['key'] for f in line.get('findings', []))}  ({left:.0f} min left)",
+                f"{'; '.join(f['key'] for f in line.get('findings', []))}"
+                f"{'; AGAIN: ' + ', '.join(line['again']) if line.get('again') else ''}  ({left:.0f} min left)",
                 flush=True,
             )
 

@@ -34,8 +34,8 @@ class Answer:
     """What a method says of a case.
 
     Attributes:
-        verdict: ``missing_effect``, ``consistent`` or ``unexplained``.
-        named: effects, best first; empty unless the verdict is ``missing_effect``.
+        verdict: ``missing_effect``, ``partly_explained``, ``consistent`` or ``unexplained``.
+        named: effects, best first; none with the last two.
         error_after: on the data that judge, with all that is named in the model; None if not known.
     """
 

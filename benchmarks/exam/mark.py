@@ -33,6 +33,7 @@ def mark(
     revision: str = "",
     marks: Mapping[str, Any] | None = None,
     patience: float = 900.0,
+    again: bool = False,
 ) -> dict[str, Any]:
     """Makes the recordings, asks everyone, and marks the answers.
 
@@ -42,6 +43,7 @@ def mark(
         revision: of the code, kept with the marks.
         marks: of this case already, to which only the others' are added.
         patience: the diagnosis has failed if it takes longer [s]; only a process's main thread can tell.
+        again: whether the model with all that was named is diagnosed too, to which nothing may be added.
     """
     if marks is not None:
         data = record(case)
@@ -83,6 +85,10 @@ def mark(
     line["floor"], line["floor_noise"] = errors_of(truth, judging) if known else (None, None)
     line["asked"] = _asked_for(case, model, data.training)
     line |= marked(case, answer_of(diagnosis), line)
+    if again and diagnosis.findings:
+        improved = with_answer(model, answer_of(diagnosis))
+        second = diagnose(improved, data.training, data.held_out, seed=case.seed)
+        line["again"] = [str(f.key) for f in second.findings]
     line["error_stated"], line["noise_stated"] = float(diagnosis.error), float(diagnosis.noise_error)
     line["unexplained_fraction"] = float(diagnosis.unexplained_fraction)
     line["ranking"] = [[str(key), round(float(share), 4)] for key, share in diagnosis.ranking[:6]]

@@ -128,7 +128,7 @@ def outcome(
     asked: Collection[EffectKey] | None = None,
 ) -> str:
     """One of `OUTCOMES`; `found` as `matches` gives it, `asked` what has to be named (all, if not said)."""
-    if answer.verdict != "missing_effect":
+    if not answer.named:
         return answer.verdict
     missing = {canonical(key) for key in (truth if asked is None else asked)} - {m.of for m in found}
     if any(match.how == "false" for match in found):
