@@ -90,7 +90,8 @@ def run(
             print(
                 f"{number:4d}/{len(work)} {line['case']:55s} {line.get('outcome') or line['failed']:12s} "
                 f"{'; '.join(f['key'] for f in line.get('findings', []))}"
-                f"{'; AGAIN: ' + ', '.join(line['again']) if line.get('again') else ''}  ({left:.0f} min left)",
+                f"{'; again: ' + ', '.join(line['again']) if line.get('again') else ''}"
+                f"  ({left:.0f} min left)",
                 flush=True,
             )
 

@@ -176,6 +176,6 @@ def cut_short_line(found: Search) -> tuple[str, ...]:
         return ()
     return (
         "the search ended when it had simulated as much as it may, before it had tried everything: what it "
-        "did not find may still be there; give fewer or shorter recordings, or the model that `improve` wrote, "
-        "and it looks further",
+        "did not find may still be there; give fewer or shorter recordings, or the model that `improve` "
+        "wrote, and it looks further",
     )
