@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 from figure_table import ROOT
-from PIL import Image
+from matplotlib.image import imread
+from scipy.ndimage import uniform_filter, zoom
 
 _WIDE = 400  # pixels to which pictures are brought before they are held against each other
-_SAME, _NOISE = 8, 0.01  # levels of 255 that no eye tells apart; share of pixels that a curve's noise moves
+_SAME, _NOISE = 0.03, 0.01  # of full brightness, which no eye tells apart; of the pixels, which noise moves
 _NUMBERS = 60  # characters of a line that are shown
 
 
@@ -74,8 +75,15 @@ def changed_pictures(
 
 
 def difference(a: Path, b: Path) -> float:
-    """Share of pixels in which two pictures differ, both brought to one width."""
-    first, second = (Image.open(p).convert("RGB") for p in (a, b))
-    size = (_WIDE, max(1, round(_WIDE * first.height / first.width)))
-    pixels = [np.asarray(p.resize(size), int) for p in (first, second)]
+    """Share of pixels in which two pictures differ, both brought to one size."""
+    first, second = (imread(p)[..., :3] for p in (a, b))
+    rows = max(1, round(_WIDE * first.shape[0] / first.shape[1]))
+    pixels = [_shrunk(p, (rows, _WIDE)) for p in (first, second)]
     return float(np.mean(np.abs(pixels[0] - pixels[1]).max(axis=-1) > _SAME))
+
+
+def _shrunk(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """A picture (H, W, 3) with each pixel of its new size the mean about its place."""
+    factors = [new / old for new, old in zip(size, image.shape[:2], strict=True)]
+    smooth = uniform_filter(image.astype(float), [*(max(1, round(1 / f)) for f in factors), 1])
+    return zoom(smooth, [*factors, 1.0], order=1)

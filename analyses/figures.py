@@ -21,7 +21,7 @@ from pathlib import Path
 
 from figure_files import changed_lines, changed_pictures, put_back, taken
 from figure_table import ROOT, TABLE, Figure, NotFoundError, figures, filled, like, measured, stated
-from rich.table import Table
+from rich.table import Column, Table
 
 from workbench import report
 from workbench.core.files import write_whole
@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if figure["id"] in given.only or (not given.only and (given.all or not figure.get("long"))):
             print(f"{figure['id']} ...", file=sys.stderr, flush=True)
             lines += made(figure, given.data, given.write)
-    table = Table("figure", "what", "was", "is", "")
+    table = Table("figure", Column("what", overflow="fold"), "was", "is", "")
     for line in lines:
         table.add_row(*line)
     report.print_table(table)
