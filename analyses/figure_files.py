@@ -7,6 +7,7 @@ import re
 import shutil
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from figure_table import ROOT
@@ -85,5 +86,5 @@ def difference(a: Path, b: Path) -> float:
 def _shrunk(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """A picture (H, W, 3) with each pixel of its new size the mean about its place."""
     factors = [new / old for new, old in zip(size, image.shape[:2], strict=True)]
-    smooth = uniform_filter(image.astype(float), [*(max(1, round(1 / f)) for f in factors), 1])
-    return zoom(smooth, [*factors, 1.0], order=1)
+    widths: Any = [*(max(1, round(1 / f)) for f in factors), 1]
+    return np.asarray(zoom(uniform_filter(image.astype(float), widths), [*factors, 1.0], order=1))
