@@ -77,7 +77,7 @@ def made(figure: Figure, data: Path, write: bool) -> list[Line]:
             last = (error.stderr or error.stdout).strip().splitlines()[-1:] or [
                 f"exit code {error.returncode}"
             ]
-            return [(name, f"{error.cmd}: {last[0]}", "", "", "! failed")]
+            return [(name, f"{error.cmd[-1]}: {last[0]}", "", "", "! failed")]
         if not write:
             put_back(before)
     return lines
@@ -123,11 +123,11 @@ def written(figure: Figure, new: dict[str, str]) -> None:
 def _there(need: str, data: Path) -> bool:
     if (data / need).is_dir():
         return True
+    module, _, part = need.partition(":")
     try:
-        importlib.import_module(need)
+        return hasattr(importlib.import_module(module), part or "__name__")
     except ImportError:
         return False
-    return True
 
 
 def _run(command: str) -> str:
