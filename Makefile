@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test check docs uncompile format clean
+.PHONY: setup training demo test check docs figures uncompile format clean
 
 setup: $(STAMP)
 
@@ -44,6 +44,11 @@ check: training
 # network. Not quietly: what is not said is no warning to --strict.
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+
+# What the documentation states, made anew, and what changed. ALL=1: what takes hours too; ONLY="ladder exam": some;
+# DATA=: folder of the measured data; WRITE=1: into the pages.
+figures: training
+	$(BIN)/python analyses/figures.py $(if $(ALL),--all) $(if $(ONLY),--only $(ONLY)) $(if $(DATA),--data $(DATA)) $(if $(WRITE),--write)
 
 # numba keeps machine code beside its file and does not see that a function of another file has changed.
 uncompile:

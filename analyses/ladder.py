@@ -19,6 +19,7 @@ def main() -> None:
     """Record, climb, draw."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--output", type=Path, default=Path("out/ladder.png"))
+    parser.add_argument("--json", type=Path, help="the steps as JSON of `workbench improve`")
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
     recordings = VirtualLeg(seed=arguments.seed).run(demo_experiments(arguments.seed))
@@ -27,6 +28,8 @@ def main() -> None:
     result, _ = improve(load_model("leg_kin_only"), training, judge, seed=arguments.seed)
     report.print_table(report.improvement_table(result))
     report.save_figure(report.ladder_figure(result), arguments.output, force=True)
+    if arguments.json:
+        report.write_json(report.improvement_dict(result), arguments.json, force=True)
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ from workbench import improve, load_model, load_recordings, report
 from workbench.core import Improvement, Recording
 from workbench.core.files import write_whole
 from workbench.frf import estimate, find_resonances, fit_two_mass
+from workbench.models import Model
 
 _SHAFT = """<mujoco model="shaft"><worldbody><body>
 <joint name="motor" axis="0 0 1" armature="{motor:.9g}"/>
@@ -69,11 +70,15 @@ def half(recording: Recording, first: int) -> Recording:
     )
 
 
-def diagnosed(recording: Recording, motor: float, load: float, folder: Path) -> Improvement:
-    """What a rigid shaft of both inertias [per ampere] is found to lack."""
+def rigid(motor: float, load: float, folder: Path) -> Model:
+    """A rigid shaft of both inertias [kg m^2 per N m/A], written into a folder."""
     write_whole(folder / "shaft.xml", _SHAFT.format(motor=motor, load=load), force=True)
-    model = load_model(str(folder / "shaft.xml"))
-    return improve(model, [half(recording, 0)], [half(recording, 1)])[0]
+    return load_model(str(folder / "shaft.xml"))
+
+
+def diagnosed(recording: Recording, motor: float, load: float, folder: Path) -> Improvement:
+    """What a rigid shaft of both inertias is found to lack."""
+    return improve(rigid(motor, load, folder), [half(recording, 0)], [half(recording, 1)])[0]
 
 
 def main() -> None:

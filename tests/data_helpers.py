@@ -11,6 +11,8 @@ import pytest
 import tomli_w
 
 _ROOT = Path(__file__).resolve().parents[1]
+#: The reference leg from an independent simulator, shipped.
+LEG = _ROOT / "examples" / "leg"
 
 
 def data_folder(name: str) -> Path:
@@ -23,7 +25,7 @@ def data_folder(name: str) -> Path:
 
 def leg_examples() -> list[Path]:
     """The TOML files of the reference leg's recordings."""
-    return sorted(data_folder("leg_examples").glob("*/*.toml"))
+    return sorted(LEG.glob("*/*.toml"))
 
 
 def emps_toml(folder: Path) -> Path:

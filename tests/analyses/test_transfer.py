@@ -8,6 +8,7 @@ import closed_loop
 import numpy as np
 import pitch_in_place
 import pytest
+from figure_table import figures, measured
 from transfer_chirp import reduction
 from transfer_plants import SETS, other_leg
 from transfer_policies import Rollout
@@ -17,6 +18,15 @@ from workbench.rigs import VirtualLeg
 from workbench.training.machine import STEP_S
 
 
+def found(figure: str, folder: Path, *rows: str) -> dict[str, float]:
+    """What `make figures` would read of a study's tables, of the clean set's rows with these names."""
+    [table] = [f for f in figures() if f["id"] == figure]
+    chosen = [v for v in table["values"] if v["row"] in rows and not v.get("take")]
+    values = [v for v in chosen if not v["file"].startswith("hidden")]
+    assert values
+    return {v["name"]: measured(v, folder, "") for v in values}
+
+
 def test_the_contact_free_leg(tmp_path: Path) -> None:
     [(_, trial)] = chirp_response.main(["--quick", "--out", str(tmp_path)])
     less = [reduction(errors, "s3n_full") for errors in (trial.position, trial.torque)]
@@ -24,6 +34,8 @@ def test_the_contact_free_leg(tmp_path: Path) -> None:
     assert trial.found == ("linkage_gravity",)
     np.testing.assert_allclose(trial.position["found"], trial.position["noise"], rtol=0.15)
     np.testing.assert_allclose(trial.torque["found"], trial.torque["noise"], rtol=0.15)
+    stated = found("chirp_clean", tmp_path, "S3N-Full", "S3N + found effects")
+    assert stated["position"] == pytest.approx(less[0], abs=0.06) and stated["over"] == pytest.approx(1, 0.15)
     files = {p.name for p in tmp_path.iterdir()}
     assert {"clean_reference_leg.md", "clean_curves.png", "clean_drive_hip.png", "chirp.csv"} <= files
 
@@ -34,19 +46,24 @@ def test_pitch_in_place(tmp_path: Path) -> None:
         assert 5.5 < results[name].range_rad_s[0] < 7.5  # the command has 6.28
         assert results[name].pitch_percent[0] < 15.0 and results[name].force[0] < 40.0
     assert (tmp_path / "pitch.png").stat().st_size > 10_000
+    assert set(found("pitch", tmp_path, "S3N-Full")) == {"full"}
 
 
 def test_circular_locomotion(tmp_path: Path) -> None:
     results = circular_locomotion.main(["--quick", "--out", str(tmp_path)])["clean"]
     for gap in results.values():
         assert 0.2 < gap.phase[0, 0] < 15.0 and gap.local.shape == (1, 1, 18)
+    stated = found("circular", tmp_path, "Kin-Only", "S3N-Full")
+    assert list(stated.values()) == pytest.approx([g.phase[0, 0] for g in results.values()], abs=0.01)
 
 
 def test_the_whole_way_round(tmp_path: Path) -> None:
-    kin_only, full, found = closed_loop.main(["--quick", "--out", str(tmp_path)])
-    assert found.found == ("linkage_gravity",) and not found.faults
-    assert kin_only.gap[0] > full.gap[0] > found.gap[0]
-    assert found.gap[0] < 1.5 * found.noise[0]
+    kin_only, full, last = closed_loop.main(["--quick", "--out", str(tmp_path)])
+    assert last.found == ("linkage_gravity",) and not last.faults
+    assert kin_only.gap[0] > full.gap[0] > last.gap[0]
+    assert last.gap[0] < 1.5 * last.noise[0]
+    stated = found("closed_loop", tmp_path, "Kin-Only", "S3N-Full", "S3N + found effects")
+    assert stated["found"] == pytest.approx(last.gap[0] / last.noise[0], abs=0.01)
 
 
 def test_the_circle_s_metrics_are_those_of_the_equations() -> None:

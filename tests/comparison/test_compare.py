@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tests.data_helpers import data_folder
+from tests.data_helpers import LEG as EXAMPLES
 from tests.simulation.make import having, leg_experiment
 from workbench.comparison import Simulated, compare, evaluate, simulate_with_noise
 from workbench.core import Controller, EffectKey, InputError, Recording
@@ -42,7 +42,7 @@ def test_the_virtual_leg_is_consistent_with_the_shipped_model() -> None:
 
 
 def test_the_measured_leg_is_consistent_with_the_shipped_model() -> None:
-    recordings = load_recordings(sorted((data_folder("leg_examples") / "clean").glob("*.toml")))
+    recordings = load_recordings(sorted((EXAMPLES / "clean").glob("*.toml")))
     result = compare(LEG, recordings)
     assert result.consistent
     assert result.error == pytest.approx(result.noise_error, rel=0.05)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.data_helpers import data_folder
+from tests.data_helpers import LEG as EXAMPLES
 from tests.simulation.make import LEG_LOOP, leg_experiment
 from workbench.comparison import compare
 from workbench.comparison.compare import consistent
@@ -64,7 +64,7 @@ def test_rows_that_miss_ticks_of_the_loop_are_no_error(every: int) -> None:
 
 def test_ticks_that_no_row_shows_do_not_raise_the_floor_of_a_measured_leg() -> None:
     """Rows of 5 ms, ticks of 3 ms: a right model's error and the floor beside it."""
-    clean = sorted(map(str, data_folder("leg_examples/clean").glob("*.toml")))
+    clean = sorted(map(str, (EXAMPLES / "clean").glob("*.toml")))
     slow = [degrade(log, every=5) for log in load_recordings(clean)]
     result = compare(LEG, slow)
     assert result.consistent and result.noise_error == pytest.approx(result.error, rel=0.16)

@@ -15,7 +15,7 @@ from workbench.models import AppliedEffect, Linkage
 from workbench.recordings import load_recordings
 from workbench.rigs import HiddenEffect, VirtualLeg, slow_sweep
 
-from ..data_helpers import data_folder
+from ..data_helpers import LEG
 from .rig import recordings
 
 #: Effects through each door, small enough to need a good model, and what may be named beside them.
@@ -181,7 +181,7 @@ def test_a_wrong_parameter_is_corrected_by_an_increment() -> None:
 
 
 def test_friction_in_data_from_an_independent_simulator() -> None:
-    folder = data_folder("leg_examples") / "friction"
+    folder = LEG / "friction"
     training = load_recordings([folder / "chirp_knee.toml", folder / "slow.toml"])
     held_out = load_recordings([folder / "validation.toml"])
     found = diagnose(load_model("leg"), training, held_out)

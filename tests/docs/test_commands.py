@@ -39,7 +39,8 @@ def blocks(page: Path) -> list[tuple[str, str | None, str]]:
     "page", [p for p in PAGES if any(b[0] == "console" for b in blocks(p))], ids=lambda p: p.name
 )
 def test_commands_of_a_page_run_in_order(page: Path, tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "docs" / "tutorial", tmp_path / "docs" / "tutorial")  # as in a clone
+    for folder in ("docs/tutorial", "examples"):  # as in a clone
+        shutil.copytree(ROOT / folder, tmp_path / folder)
     for kind, name, text in blocks(page):
         if kind != "console":
             assert name is not None

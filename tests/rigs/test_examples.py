@@ -1,18 +1,13 @@
 """The virtual leg against an independent simulator of the same leg: they differ by sensor noise only."""
 
 import json
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.data_helpers import LEG
 from workbench.recordings import load_recordings
 from workbench.rigs import Experiment, HiddenEffect, VirtualLeg
-
-ROOT = Path(__file__).resolve().parents[2]
-DATA = Path(os.environ.get("WORKBENCH_DATA", ROOT.parent / "shared" / "data")) / "leg_examples"
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason=f"no example data at {DATA}")
 
 #: What the sensors' noise alone makes through the loop: position [rad], torque [N m].
 NOISE = {"position": (1.6e-4, 1.6e-4), "velocity": (0.016, 0.017), "torque_measured": (0.064, 0.044)}
@@ -22,9 +17,9 @@ NOISE = {"position": (1.6e-4, 1.6e-4), "velocity": (0.016, 0.017), "torque_measu
 def test_an_independent_simulator_differs_by_noise_only(case: str) -> None:
     hidden = []
     if case == "friction":
-        truth = json.loads((DATA / "friction.truth.json").read_text())
+        truth = json.loads((LEG / "friction.truth.json").read_text())
         hidden = [HiddenEffect(truth["effect"], truth["axis"], truth["location"], truth["parameters"])]
-    theirs = load_recordings(sorted((DATA / case).glob("*.toml")))
+    theirs = load_recordings(sorted((LEG / case).glob("*.toml")))
     ours = VirtualLeg(hidden, seed=11).run([Experiment.replay(recording) for recording in theirs])
     for measured, simulated in zip(theirs, ours, strict=True):
         sticks = case == "friction" and measured.name == "slow"  # where each stick ends hangs on the noise

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import workbench.simulation.experiment as settings_of_experiments
-from tests.data_helpers import data_folder
+from tests.data_helpers import LEG as EXAMPLES
 from tests.models.make import machine_file
 from tests.simulation.make import LEG_LOOP, having, leg_experiment, simulated, slide_experiment
 from workbench.comparison import NoiseModel
@@ -30,7 +30,7 @@ ENCODER = 2 * np.pi / 2**14
 
 
 def test_the_shipped_leg_is_the_measured_one_up_to_noise() -> None:
-    files = sorted((data_folder("leg_examples") / "clean").glob("*.toml"))
+    files = sorted((EXAMPLES / "clean").glob("*.toml"))
     recordings = load_recordings(files)
     for measured, run in zip(recordings, simulate([Run(LEG, r) for r in recordings]), strict=True):
         for signal, noise in (("position", 1.8e-4), ("velocity", 0.019), ("torque_measured", 0.075)):
