@@ -30,17 +30,19 @@ class MechanismOptions:
 
 
 def refuse_model(path: Path) -> None:
-    """An MJCF needs no import.
+    """An MJCF needs no import, or has a loop that cannot be imported.
 
     Raises:
         InputError: the file is one.
     """
     from workbench.core.xml import parse_xml
+    from workbench.models import load_mjcf
 
     if not path.is_file():
         return  # said where it is opened
     remedy = "give an SDF or URDF file"
     if parse_xml(path.read_bytes(), path, problem="not an XML file", remedy=remedy).tag == "mujoco":
+        load_mjcf(path)  # says what of it is no model
         raise InputError(
             "it is an MJCF, which is a model already",
             file=path,
