@@ -9,6 +9,7 @@ import mujoco
 from workbench.core import InputError
 
 from .bound import refuse_equalities
+from .contacts import keep_base_apart
 from .engine import warned
 from .floating import take_apart
 from .mjcf import check_mjcf
@@ -18,7 +19,7 @@ _STRONGEST = 1e6  # m/s^2; no machine stands where gravity is stronger
 
 
 def load_mjcf(path: Path) -> mujoco.MjSpec:
-    """Parse an MJCF or URDF file.
+    """Parse an MJCF or URDF file; what hangs on a fixed base does not touch it (`contacts.keep_base_apart`).
 
     Raises:
         InputError: MuJoCo cannot read it; its own reason is kept. Or it has plugins, names files that do
@@ -34,6 +35,7 @@ def load_mjcf(path: Path) -> mujoco.MjSpec:
             f"MuJoCo cannot read this MJCF: {error}", file=path, remedy="correct what it names"
         ) from error
     refuse_equalities(spec, path)
+    keep_base_apart(spec)
     return spec
 
 
