@@ -76,7 +76,7 @@ def import_mechanism(
         InputError: an option that is not of its form, or a mechanism that cannot be made of the file.
     """
     from workbench.core import Mechanism
-    from workbench.importing import Drives, contents_of, import_model
+    from workbench.importing import Drives, assemblies, contents_of, import_model
     from workbench.models import linkage_table
 
     path, serial = asked.file, tuple(asked.joints)
@@ -111,6 +111,7 @@ def import_mechanism(
         asked.delay,
     )
     made = import_model(mechanism, drives, output, axes=axes, force=force)
+    ways = assemblies(mechanism)
     if json:
         content = {
             "format": 1,
@@ -121,6 +122,7 @@ def import_mechanism(
             "transmission": made.transmission.tolist(),
             "posture_dependent": made.posture_dependent,
             "linkage": None if made.linkage is None else linkage_table(made.linkage),
+            "assemblies": vars(ways),
         }
         write_result(content, json, files=[path], force=force)
     if quiet or json == "-":
@@ -134,6 +136,8 @@ def import_mechanism(
             + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
             + "."
         )
+    if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
+        echo(f"{ways}.")
     echo(f"Next: workbench check {output}")
 
 
