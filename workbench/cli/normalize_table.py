@@ -5,6 +5,7 @@ from __future__ import annotations
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from workbench.models import limits_left_out
 from workbench.report.layout import table as new_table
 from workbench.s3n import FloatingBaseError, NormalisedTree, omissions
 from workbench.s3n.posture_fitted import FittedTree, error_lines
@@ -31,6 +32,8 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
     if tree.left_out:
         parts.append(Text(f"Not in the file, plain MJCF has no such thing: {', '.join(tree.left_out)}."))
     parts += [Text(f"Left out: {line}.") for line in tree.removed]
+    if note := limits_left_out(tree.model):
+        parts.append(Text(f"Note: {note}."))
     if isinstance(tree, FittedTree):
         off = ", ".join(error_lines(tree.error))
         parts.append(Text(f"Not exact. Off from the closed chain, level base, over its limits: {off}."))
