@@ -1,15 +1,20 @@
 """A mechanism file becomes a model that passes its own check; what is wrong with it becomes one line."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
+from tests.cli.here import run
 from workbench.core import InputError, Mechanism
 from workbench.core.paths import closed_chain_file
 from workbench.importing import Drives, contents_of, import_model
+from workbench.mechanism import ClosedChain
 from workbench.models import read_model
+from workbench.s3n import compiled_dynamics
 from workbench.verification import verify
 
 LEG = Mechanism(closed_chain_file("leg"), limits=((-1.6, 1.6), (0.35, 2.6)))
@@ -121,3 +126,85 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     with pytest.raises(InputError):
         import_model(LEG, MOTORS, tmp_path / "own.toml")
     assert (tmp_path / "own.xml").read_text() == "mine" and not (tmp_path / "own.toml").exists()
+
+
+_BARS = """<sdf version="1.9"><model name="bars">{links}
+<joint name="hip" type="revolute"><parent>world</parent><child>thigh</child>{axis}</joint>
+<joint name="knee" type="revolute"><parent>thigh</parent><child>shank</child>{axis}</joint>
+<joint name="crank" type="revolute"><parent>world</parent><child>lever</child>{axis}</joint>
+<joint name="pin" type="revolute"><parent>lever</parent><child>rod</child>{axis}</joint>
+<frame name="below" attached_to="rod"><pose>0 0 -0.20 0 0 0</pose></frame>
+<frame name="heel" attached_to="shank"><pose>0.01 0 0.05 0 0 0</pose></frame></model></sdf>"""
+
+
+def unequal_bars(folder: Path) -> Path:
+    """A four-bar leg whose bars are of unequal lengths, so that it can be put together in two ways."""
+    links = ""
+    placed = ("thigh", "", 0.0), ("shank", "thigh", -0.22), ("lever", "", 0.0), ("rod", "lever", 0.045)
+    for name, above, z in placed:
+        relative = f' relative_to="{above}"' if above else ""
+        inertia = "".join(f"<{key}>0.002</{key}>" for key in ("ixx", "iyy", "izz"))
+        links += (
+            f'<link name="{name}"><pose{relative}>0 0 {z} 0 0 0</pose><inertial><pose>0 0 -0.1 0 0 0</pose>'
+        )
+        links += f"<mass>0.4</mass><inertia>{inertia}</inertia></inertial></link>"
+    file = folder / "bars.sdf"
+    file.write_text(_BARS.format(links=links, axis="<axis><xyz>0 -1 0</xyz></axis>"))
+    return file
+
+
+@pytest.mark.parametrize("crank", [1.0, -1.5])
+def test_the_start_chooses_the_way_to_put_a_leg_together_and_the_other_is_told(
+    tmp_path: Path, crank: float
+) -> None:
+    file = unequal_bars(tmp_path)
+    words = [
+        "--drive",
+        "hip",
+        "--drive",
+        "crank",
+        "--joint",
+        "hip",
+        "--joint",
+        "knee",
+        "--loop",
+        "below:heel",
+    ]
+    words += ["--limits", "hip=-0.5:0.5", "--limits", "knee=0.6:1.6"]
+    words += ["--start", "knee=1", "--start", f"crank={crank}"]
+    done = run("import", file, *words, "-o", "own.toml", "--json", "own.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "close in 2 ways" in done.stdout
+    model = read_model(tmp_path / "own.toml")
+    assert model.closed_chain is not None
+    chain = ClosedChain(model.closed_chain)
+    at = chain.drive_position(np.array([0.0, 1.1]))
+    # the rod's ends are where the two bars have them, and the crank lies on the side that was asked for
+    assert np.sign(at[1]) == np.sign(crank)
+    assert chain.loop_residual(at) < 1e-9
+    told = json.loads((tmp_path / "own.json").read_text())["assemblies"]
+    at = chain.drive_position(np.array(list(told["joints"].values())))
+    (other,) = told["others"]
+    assert told["own"]["crank"] == pytest.approx(at[1]) and np.sign(other["crank"]) == -np.sign(crank)
+    # what is told chooses it
+    chosen = replace(model.closed_chain, start=(*told["joints"].items(), ("crank", other["crank"])))
+    again = ClosedChain(chosen).drive_position(np.array(list(told["joints"].values())))
+    assert again[1] == pytest.approx(other["crank"])
+
+
+def test_what_import_made_is_normalised_to_s3n_full_and_agrees_with_check(tmp_path: Path) -> None:
+    model = import_model(LEG, MOTORS, tmp_path / "own.toml")
+    done = run("normalize", tmp_path / "own.toml", "-o", tmp_path / "n.xml", "--json", tmp_path / "n.json")
+    said = " ".join(done.stdout.split())
+    assert done.returncode == 0 and "variant s3n_full" in said
+    assert "leaves out the linkage's weight (g1" in said and "Exact" not in said
+    told = json.loads((tmp_path / "n.json").read_text())
+    assert told["variant"] == "s3n_full" and len(told["variant_leaves_out"]) == 1
+    bent = np.array([[0.0, np.pi / 2]])
+    table = verify(model, samples=3).variants["s3n_full"]
+    compiled = mujoco.MjModel.from_xml_path(str(tmp_path / "n.xml"))
+    written = compiled_dynamics(compiled, model.joints, bent, 0 * bent).mass[0]
+    assert [written[0, 0], written[0, 1], written[1, 1]] == pytest.approx(table, rel=1e-9)
+    plain = run("normalize", tmp_path / "own.toml", "-o", tmp_path / "k.xml", "--variant", "kin_only")
+    said = " ".join(plain.stdout.split())
+    assert "Exact" not in said and "drives' inertia" in said and "linkage's inertia" in said

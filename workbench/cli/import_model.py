@@ -30,17 +30,19 @@ class MechanismOptions:
 
 
 def refuse_model(path: Path) -> None:
-    """An MJCF needs no import.
+    """An MJCF needs no import, or has a loop that cannot be imported.
 
     Raises:
         InputError: the file is one.
     """
     from workbench.core.xml import parse_xml
+    from workbench.models import load_mjcf
 
     if not path.is_file():
         return  # said where it is opened
     remedy = "give an SDF or URDF file"
     if parse_xml(path.read_bytes(), path, problem="not an XML file", remedy=remedy).tag == "mujoco":
+        load_mjcf(path)  # says what of it is no model
         raise InputError(
             "it is an MJCF, which is a model already",
             file=path,
@@ -74,7 +76,7 @@ def import_mechanism(
         InputError: an option that is not of its form, or a mechanism that cannot be made of the file.
     """
     from workbench.core import Mechanism
-    from workbench.importing import Drives, contents_of, import_model
+    from workbench.importing import Drives, assemblies, contents_of, import_model
     from workbench.models import linkage_table
 
     path, serial = asked.file, tuple(asked.joints)
@@ -109,6 +111,7 @@ def import_mechanism(
         asked.delay,
     )
     made = import_model(mechanism, drives, output, axes=axes, force=force)
+    ways = assemblies(mechanism)
     if json:
         content = {
             "format": 1,
@@ -119,6 +122,7 @@ def import_mechanism(
             "transmission": made.transmission.tolist(),
             "posture_dependent": made.posture_dependent,
             "linkage": None if made.linkage is None else linkage_table(made.linkage),
+            "assemblies": vars(ways),
         }
         write_result(content, json, files=[path], force=force)
     if quiet or json == "-":
@@ -132,6 +136,8 @@ def import_mechanism(
             + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
             + "."
         )
+    if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
+        echo(f"{ways}.")
     echo(f"Next: workbench check {output}")
 
 

@@ -34,7 +34,7 @@ def normalize(
         typer.Option(
             "--variant",
             metavar="NAME",
-            help="kin_only, s3n_act, s3n_full or exact; else the model's own.",
+            help="kin_only, s3n_act, s3n_full or exact; else the model's own, S3N-Full for Kin-Only.",
             autocompletion=complete.variants,
         ),
     ] = None,
@@ -52,14 +52,14 @@ def normalize(
 ) -> None:
     """Write the S3N-normalised serial tree as plain MJCF, for anybody's training pipeline.
 
-    A mechanism whose transmission depends on the posture is fitted over its limits; how far the file is off
-    stands in it.
+    Without --variant a model that is Kin-Only is written as S3N-Full where it states its linkage. A mechanism
+    whose transmission depends on the posture is fitted over its limits; how far the file is off stands in it.
 
     Example: workbench normalize leg -o leg.xml --variant s3n_full
     """
     from workbench import report
     from workbench.effects import load_model
-    from workbench.s3n import floating_base_error, normalise, write_normalised
+    from workbench.s3n import floating_base_error, normalise, omissions, usual_variant, write_normalised
     from workbench.s3n.posture_fitted import FittedTree, fit_native
 
     from .normalize_table import normalize_table
@@ -73,6 +73,7 @@ def normalize(
             tell("fitting the tree over the workspace")
             tree = fit_native(loaded, allow=allow_error)
     else:
+        variant = variant or usual_variant(loaded)
         tree = normalise(loaded, variant)
     base, unknown = None, "the model names no closed chain"
     if loaded.closed_chain is not None and not isinstance(tree, FittedTree):
@@ -89,6 +90,7 @@ def normalize(
             "file": output,
             "added": [vars(entry) for entry in tree.added],
             "left_out": list(tree.left_out),
+            "variant_leaves_out": [] if isinstance(tree, FittedTree) else list(omissions(tree.model)),
             "removed": list(tree.removed),
             "floating_base": None
             if base is None

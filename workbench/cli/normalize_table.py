@@ -5,8 +5,9 @@ from __future__ import annotations
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from workbench.models import limits_left_out
 from workbench.report.layout import table as new_table
-from workbench.s3n import FloatingBaseError, NormalisedTree
+from workbench.s3n import FloatingBaseError, NormalisedTree, omissions
 from workbench.s3n.posture_fitted import FittedTree, error_lines
 
 
@@ -31,16 +32,24 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
     if tree.left_out:
         parts.append(Text(f"Not in the file, plain MJCF has no such thing: {', '.join(tree.left_out)}."))
     parts += [Text(f"Left out: {line}.") for line in tree.removed]
+    if note := limits_left_out(tree.model):
+        parts.append(Text(f"Note: {note}."))
     if isinstance(tree, FittedTree):
         off = ", ".join(error_lines(tree.error))
         parts.append(Text(f"Not exact. Off from the closed chain, level base, over its limits: {off}."))
         return Group(*parts)
+    missing = omissions(tree.model)
+    held = f"On its fixed base it moves as the model's variant {tree.model.variant} does"
+    if missing:
+        held = f"{held}, which leaves out {'; '.join(missing)}"
+    elif tree.model.variant == "exact":
+        held = "Exact on its fixed base"
     if base is None:
-        parts.append(Text(f"Exact on its fixed base. Errors on a free base are not known: {unknown}."))
+        parts.append(Text(f"{held}. Errors on a free base are not known: {unknown}."))
         return Group(*parts)
     parts.append(
         Text(
-            "Exact on its fixed base. On a free base against the closed chain: "
+            f"{held}. On a free base against the closed chain: "
             f"mass {base.mass:.3f} of {base.true_mass:.3f} kg, weight of {base.weight:.3f} of "
             f"{base.true_weight:.3f} kg, coupling with the base off by {100 * base.coupling:.1f} %, "
             f"inertia of the whole by {100 * base.inertia:.1f} %, "

@@ -1,7 +1,7 @@
 """How far a model is from measurements, and where."""
 
 from .closed_loop import ClosedLoop
-from .compare import compare, evaluate, matched, simulate_with_noise
+from .compare import cannot_run, compare, evaluate, matched, noise_rules, simulate_with_noise, told
 from .following import MeasuredMotion, followed
 from .long import compare_logs
 from .noise import DRAWS, NoiseModel
@@ -18,6 +18,7 @@ __all__ = [
     "Replay",
     "Scale",
     "Simulated",
+    "cannot_run",
     "compare",
     "compare_logs",
     "evaluate",
@@ -25,9 +26,11 @@ __all__ = [
     "is_free",
     "matched",
     "needs_inverse",
+    "noise_rules",
     "normalised",
     "replay_of",
     "score_runs",
     "scored_signals",
     "simulate_with_noise",
+    "told",
 ]

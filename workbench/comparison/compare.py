@@ -15,6 +15,7 @@ from workbench.core import (
     Recording,
     RecordingError,
     Share,
+    SimulationError,
 )
 from workbench.effects import axis_units
 from workbench.models import Model, limits_left_out
@@ -30,6 +31,7 @@ from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 from .standing import check_ground, on_ground
 from .swings import is_free
+from .touching import contact_notes, refuse_overlaps
 from .where import locate
 
 # A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
@@ -60,8 +62,8 @@ def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, .
     """Recordings as they are compared with this model: with the axes of a base that floats.
 
     Raises:
-        InputError: none given, other axes, a base that floats on one side only, or a transmission that
-            changes with the posture.
+        InputError: none given, other axes, a base that floats on one side only, a transmission that
+            changes with the posture, or links that overlap wherever they were.
     """
     if not recordings:
         raise InputError("no recordings given", remedy="name at least one recording's TOML file")
@@ -76,6 +78,7 @@ def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, .
         check_axes(r, model)
         if on_ground(r):
             check_ground(model, r)
+    refuse_overlaps(model, out)
     return out
 
 
@@ -92,10 +95,42 @@ def compare(
 
     Raises:
         InputError: recordings that do not fit the model.
-        SimulationError: the model is unstable in the recording's loop.
+        SimulationError: the model is unstable in the recording's loop, or noise throws it further off than
+            all that was measured.
     """
     simulated = simulate_with_noise(model, matched(model, recordings), draws=draws, seed=seed)
-    return evaluate(model, simulated)
+    return told(evaluate(model, simulated))
+
+
+def told(result: Comparison) -> Comparison:
+    """A comparison that says something.
+
+    Raises:
+        SimulationError: noise alone throws the model further off than all that was measured.
+    """
+    floor = result.noise_error - 3.0 * result.noise_error_std
+    if noise_rules(floor, [entry.recording for entry in result.recordings]):
+        raise SimulationError(cannot_run(result.model, result.noise_error))
+    return result
+
+
+def noise_rules(floor: float, recordings: Sequence[Recording]) -> bool:
+    """Whether a noise floor is so large that no error can be told from it.
+
+    A machine that never moved would leave an error of 1: a floor above is no nearer to the data. Where little
+    but noise was measured, that is all there is to explain, and a run from a noisy state has it twice.
+    """
+    levels = NoiseModel.of(recordings).levels
+    sensors = normalised(np.stack([levels.position_std, levels.torque_std]) ** 2, Scale.of(recordings))
+    return floor > max(_MARGIN_TOTAL, HOPELESS * np.nan_to_num(sensors))
+
+
+def cannot_run(model: str, floor: float) -> str:
+    """What is said of a model whose noise floor `noise_rules`."""
+    return (
+        f"model '{model}' cannot run these loops: noise alone throws it {floor:.3g} times as far off as all "
+        "that was measured; check the order of the axes, units, signs and gains, and what touches what"
+    )
 
 
 def evaluate(model: Model, simulated: Simulated) -> Comparison:
@@ -108,7 +143,8 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
 
     free = not any(map(on_ground, recordings))
     inverse = inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels) if free else None
-    return concluded(model, parts, Scale.of(recordings), where, inverse, notes_of(recordings))
+    notes = (*notes_of(recordings), *contact_notes(model, recordings))
+    return concluded(model, parts, Scale.of(recordings), where, inverse, notes)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from workbench.models import Model
 from workbench.recordings import Log, Stretch
 from workbench.simulation import scored_torque
 
-from .compare import Sums, compare, concluded, matched, notes_of
+from .compare import Sums, compare, concluded, matched, notes_of, told
 from .inverse import inverse_of, torque_sums
 from .lines import line_shares
 from .noise import DRAWS
@@ -22,6 +22,7 @@ from .score import Scale, follows_motion, normalised
 from .simulated import Simulated
 from .standing import on_ground
 from .survey import Survey
+from .touching import contact_notes
 from .where_long import Excess
 
 _NUMBERS = 240_000  # rows times axes of a stretch: some 200 MB with the runs of it
@@ -90,7 +91,8 @@ def compare_logs(
         spread = Excess.together([p.excess for p in parts], entries)
         return (*line_shares(shown), *spread.shares(axis_units(model)))
 
-    return concluded(model, sums, scale, where, _inverse(parts), _notes(model, parts))
+    notes = (*_notes(model, parts), *contact_notes(model, sample))
+    return told(concluded(model, sums, scale, where, _inverse(parts), notes))
 
 
 def _pieces(source: Recording | Log) -> Iterator[Stretch]:

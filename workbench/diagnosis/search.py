@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.comparison import MeasuredMotion
-from workbench.core import HOPELESS, Recording, SimulationError
+from workbench.comparison import MeasuredMotion, cannot_run, noise_rules
+from workbench.core import Recording, SimulationError
 from workbench.models import Model
 
 from .data import gather
@@ -61,11 +61,8 @@ def search(
         data, simulated = gather(model, training, held_out, seed)
     except SimulationError as error:
         raise UnstableLoop(str(error)) from error
-    if data.score(data.floor) > HOPELESS:
-        raise UnstableLoop(
-            f"model '{model.name}' cannot run these loops: noise alone throws it further off than all that "
-            "was measured; check the order of the axes, units, signs and gains"
-        )
+    if noise_rules(data.score(data.floor), data.recordings):
+        raise UnstableLoop(cannot_run(model.name, data.score(data.floor)))
     quest = quest_of(model, data, simulated.clean, limit, seed, progress)
     start, first = quest.start, quest.data
     before = is_consistent(first, start.mean_squares)

@@ -12,6 +12,8 @@ from .closure import CLOSED, DEAD, Closure
 from .tree import Tree
 
 _SEED = 7  # what is random here has to come out the same every time
+_STRAYED = 0.2  # rad or m from what was stated of the start: still that posture
+_HELD, _TRIES = 0.05, 40
 
 
 def assemble(tree: Tree, drives: Sequence[int]) -> np.ndarray:
@@ -25,7 +27,7 @@ def assemble(tree: Tree, drives: Sequence[int]) -> np.ndarray:
         InputError: the loops do not close near the start posture, or leave another number of freedoms than
             there are drives; says which joints are free then.
     """
-    theta = _close(tree, _start(tree))
+    theta = _near_start(tree, drives)
     if theta is None:
         raise InputError(
             f"the loops do not close near the start posture: {_gap_text(tree)}", file=tree.mechanism.file,
@@ -50,15 +52,45 @@ def _start(tree: Tree) -> np.ndarray:
     return theta
 
 
-def _close(tree: Tree, theta: np.ndarray) -> np.ndarray | None:
-    """Gauss-Newton over all coordinates, which moves them as little as it can; None if it does not close."""
+def _near_start(tree: Tree, drives: Sequence[int]) -> np.ndarray | None:
+    """The closed posture nearest to what the mechanism states of its start, whatever else has to turn.
+
+    Loops close in more than one way, and from the angles that nobody stated the nearest way may lead far from
+    those that somebody did. Then passive coordinates are begun all round, and what was stated is held.
+    """
+    start, stated = _start(tree), [tree.index(name, "start") for name, _ in tree.mechanism.start]
+    plain = _close(tree, start)
+    if plain is not None and np.abs(plain - start)[stated].max(initial=0.0) < _STRAYED:
+        return plain
+    kept = {*stated, *drives, *(tree.index(name, "joints") for name in tree.mechanism.joints)}
+    passive = [i for i in range(len(start)) if i not in kept]
+    ease = np.ones(len(start))
+    ease[stated] = _HELD
+    generator, found = np.random.default_rng(_SEED), [] if plain is None else [plain]
+    for _ in range(_TRIES):
+        guess = start.copy()
+        guess[passive] += generator.uniform(-np.pi, np.pi, len(passive))
+        closed = _close(tree, guess, ease)
+        found += [] if closed is None else [closed]
+    cost = np.zeros(len(start))
+    cost[list(kept)], cost[stated] = _HELD, 1.0
+    if not found:
+        return _close(tree, start)  # which says how far the loops gape
+    return min(found, key=lambda theta: float(cost @ (theta - start) ** 2))
+
+
+def _close(tree: Tree, theta: np.ndarray, ease: np.ndarray | float = 1.0) -> np.ndarray | None:
+    """Gauss-Newton over all coordinates, which moves them as little as it can; None if it does not close.
+
+    `ease` (N,): how readily each one gives way.
+    """
     theta = theta.copy()
     for _ in range(60):
         tree.move(theta)
         gap = tree.gap()
         if np.abs(gap).max(initial=0.0) < 1e-15:
             return theta
-        step = np.linalg.lstsq(tree.gap_jacobian(), gap, rcond=1e-12)[0]
+        step = ease * np.linalg.lstsq(tree.gap_jacobian() * ease, gap, rcond=1e-12)[0]
         size = np.abs(step).max()
         theta -= step * min(1.0, 0.5 / max(size, 1e-300))  # half a radian at most
         if size < 1e-12:

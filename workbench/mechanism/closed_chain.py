@@ -23,6 +23,9 @@ from .assembly import assemble
 from .closure import DEAD, Closure
 from .tree import Tree
 
+_SAME = 1e-6  # rad or m
+_SEED, _TRIES = 5, 60  # of guesses at other ways to close the loops
+
 
 @dataclass(frozen=True)
 class Reduced:
@@ -193,16 +196,43 @@ class ClosedChain:
         projection = self._serial.regular(joints)[1]
         return self._tree.foot_jacobian() @ projection
 
+    def assemblies(self, joints: np.ndarray) -> list[np.ndarray]:
+        """Positions of the drives (n,) in each way to close the loops at serial positions `joints` (n,).
+
+        The first is that of this mechanism; there may be others, of the same links put together otherwise,
+        here without whole turns.
+
+        Raises:
+            SimulationError: the loops cannot be closed there.
+        """
+        own, drives = self._serial.at(joints).theta, self._driven.independent
+        generator, found = np.random.default_rng(_SEED), [own]
+        for _ in range(_TRIES):
+            guess = own.copy()
+            guess[self._serial.dependent] += generator.uniform(-np.pi, np.pi, len(self._serial.dependent))
+            theta = self._serial.solve(guess)
+            if theta is not None and all(_apart(theta[drives], each[drives]) for each in found):
+                found.append((theta + np.pi) % (2 * np.pi) - np.pi)
+        return [theta[drives] for theta in found]
+
     def _inside_limits(self, start: np.ndarray) -> np.ndarray:
         """The start posture, or the middle of the limits where it lies outside and the middle is reached."""
         limits, joints = np.array(self.mechanism.limits).reshape(-1, 2), start[self._joints]
         if not len(limits) or np.all((joints >= limits[:, 0]) & (joints <= limits[:, 1])):
             return start
+        drives = self._driven.independent
         try:
-            middle = self._serial.at(limits.mean(axis=1))
-            return self._driven.at(middle.theta[self._driven.independent]).theta
+            middle = self._serial.at(limits.mean(axis=1)).theta
         except SimulationError:
             return start
+        try:
+            reached = self._driven.at(middle[drives]).theta
+        except SimulationError:
+            reached = start
+        if np.abs(reached - middle).max() > _SAME:
+            # a dead point of the drives lies between: they begin on the limits' side of it
+            self._driven, reached = Closure(self._tree, drives, middle), middle
+        return reached
 
     def _project(self, closure: Closure, q: np.ndarray, v: np.ndarray) -> Reduced:
         _, projection, inverse = closure.regular(q)
@@ -237,6 +267,11 @@ def _check_names(mechanism: Mechanism) -> None:
                 f"{n} drives, and {key} are {', '.join(names) or 'none'}", file=mechanism.file,
                 column=f"closed_chain.{key}", remedy="name one serial joint a drive, each once",
             )  # fmt: skip
+
+
+def _apart(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether positions differ by more than whole turns."""
+    return bool(np.abs(np.exp(1j * one) - np.exp(1j * other)).max() > 1e-6)
 
 
 def _ratio(matrix: np.ndarray) -> float:

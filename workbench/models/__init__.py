@@ -1,5 +1,6 @@
 """Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
 
+from .contacts import base_contacts, machine_bodies
 from .engine import silence
 from .floating import BASE_AXES
 from .from_table import structural_effect
@@ -23,6 +24,7 @@ __all__ = [
     "Model",
     "Placement",
     "axis_tendon",
+    "base_contacts",
     "base_spec",
     "find_model",
     "joint_kinds",
@@ -30,6 +32,7 @@ __all__ = [
     "linkage_table",
     "load_mjcf",
     "load_tree",
+    "machine_bodies",
     "model_text",
     "read_model",
     "rotors",

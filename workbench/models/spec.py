@@ -8,6 +8,8 @@ import mujoco
 
 from workbench.core import InputError
 
+from .bound import refuse_equalities
+from .contacts import keep_base_apart
 from .engine import warned
 from .floating import take_apart
 from .mjcf import check_mjcf
@@ -17,21 +19,24 @@ _STRONGEST = 1e6  # m/s^2; no machine stands where gravity is stronger
 
 
 def load_mjcf(path: Path) -> mujoco.MjSpec:
-    """Parse an MJCF or URDF file.
+    """Parse an MJCF or URDF file; what hangs on a fixed base does not touch it (`contacts.keep_base_apart`).
 
     Raises:
-        InputError: MuJoCo cannot read it; its own reason is kept. Or it has plugins, or names files that do
-            not lie beside or below it.
+        InputError: MuJoCo cannot read it; its own reason is kept. Or it has plugins, names files that do
+            not lie beside or below it, or holds bodies or joints together beside its tree.
     """
     if is_urdf(path):
         return load_urdf(path)
     check_mjcf(path)
     try:
-        return mujoco.MjSpec.from_file(str(path))
+        spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(
             f"MuJoCo cannot read this MJCF: {error}", file=path, remedy="correct what it names"
         ) from error
+    refuse_equalities(spec, path)
+    keep_base_apart(spec)
+    return spec
 
 
 def load_tree(path: Path) -> mujoco.MjSpec:

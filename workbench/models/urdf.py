@@ -10,6 +10,8 @@ import mujoco
 from workbench.core import InputError
 from workbench.core.xml import parse_xml
 
+from .bound import refuse_constraints
+
 _LOOKS = "visual", "collision"
 _KEPT = {"link", "joint"}
 _COMPILER = {"fusestatic": "false", "discardvisual": "true"}
@@ -24,7 +26,8 @@ def load_urdf(file: Path) -> mujoco.MjSpec:
     """Parse the links and joints of a URDF; where it ends in one link, its frame is a site for a payload.
 
     Raises:
-        InputError: no URDF, one that xacro has yet to expand, or one that MuJoCo cannot read.
+        InputError: no URDF, one that xacro has yet to expand, one with loops or joints that follow others, or
+            one that MuJoCo cannot read.
     """
     try:
         raw = file.read_bytes()
@@ -36,6 +39,7 @@ def load_urdf(file: Path) -> mujoco.MjSpec:
         raise InputError(f"it is a <{root.tag}>", file=file, remedy="a URDF is a <robot>")
     if b"<xacro:" in raw or b"${" in raw:
         raise InputError("holds xacro macros", file=file, remedy="expand it: xacro robot.xacro > robot.urdf")
+    refuse_constraints(root, file)
     for child in list(root):
         if child.tag not in _KEPT:
             root.remove(child)

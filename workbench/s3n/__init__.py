@@ -12,7 +12,7 @@ from .posture_fitted import FittedTree, fit_native
 from .posture_schedule import Schedule
 from .posture_worlds import ScheduledBatch, ScheduledWorld
 from .runner import VariantRun, cost_per_step, run_variant
-from .variants import VARIANT_NAMES, with_variant
+from .variants import VARIANT_NAMES, omissions, usual_variant, with_variant
 
 __all__ = [
     "VARIANT_NAMES",
@@ -35,9 +35,11 @@ __all__ = [
     "fit_native",
     "floating_base_error",
     "normalise",
+    "omissions",
     "posture_error",
     "reduced",
     "run_variant",
+    "usual_variant",
     "variant_dynamics",
     "with_variant",
     "write_normalised",

@@ -28,7 +28,8 @@ class Addition:
 
 def additions(before: mujoco.MjModel, after: mujoco.MjModel) -> tuple[Addition, ...]:
     """Compare two compiled trees: bodies, joints, tendons and actuators, by name."""
-    old, found = dict(_numbers(before)), []
+    # the user's actuators are no motors of this tree, whatever their names
+    old, found = {key: entry for key, entry in _numbers(before) if not key[0].startswith("motor ")}, []
     elements = {element for element, _ in old}
     for (element, quantity), (value, unit) in _numbers(after):
         was = old[element, quantity][0] if element in elements else None
@@ -71,8 +72,8 @@ def _numbers(m: mujoco.MjModel) -> Iterator[tuple[tuple[str, str], tuple[float, 
             yield (element, "gain"), (float(m.actuator_gainprm[a, 0]), "")
         yield (element, "bias"), (float(m.actuator_biasprm[a, 0]), "N*m")
         yield (element, "delay"), (float(m.actuator_delay[a]), "s")
-        limit = float(m.actuator_ctrlrange[a, 1]) if m.actuator_ctrllimited[a] else 0.0
-        yield (element, "torque limit"), (limit, "N*m")
+        if m.actuator_ctrllimited[a]:
+            yield (element, "torque limit"), (float(m.actuator_ctrlrange[a, 1]), "N*m")
 
 
 def _axis(

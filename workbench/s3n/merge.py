@@ -109,7 +109,7 @@ def _write(body: mujoco.MjsBody, one: Inertial) -> None:
         body.fullinertia = np.full(6, np.nan)
         body.iquat, body.inertia = np.array([1.0, 0.0, 0.0, 0.0]), np.diag(central)
         return
-    i = central
+    i, body.inertia = central, np.zeros(3)
     body.fullinertia = np.array([i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]])
 
 

@@ -23,7 +23,7 @@ def anchor_assets(spec: mujoco.MjSpec, file: Path) -> None:
     folder = file.resolve().parent
     if spec.meshes or spec.hfields or spec.skins:
         spec.meshdir = str(folder / spec.meshdir)
-    if spec.textures:
+    if any(texture.file or any(texture.cubefiles) for texture in spec.textures):
         spec.texturedir = str(folder / spec.texturedir)
 
 

@@ -11,7 +11,6 @@ import mujoco
 import numpy as np
 
 from workbench.core import SimulationError
-from workbench.core.files import write_whole
 from workbench.effects import (
     BASE_JOINT,
     Build,
@@ -24,6 +23,7 @@ from workbench.effects import (
 from workbench.models import AppliedEffect, Model, Placement, load_mjcf
 
 from .additions import Addition, additions
+from .assets import write_with_assets
 from .drives import MOTOR_STAGES, add_motors, settle_axes
 from .dynamics import compiled_dynamics
 from .merge import merge_into_links
@@ -113,12 +113,14 @@ def normalise(
 
 
 def write_normalised(tree: NormalisedTree, path: str | Path, *, force: bool = False) -> Path:
-    """Write the MJCF file, whole or not at all.
+    """Write the MJCF file, whole or not at all; its meshes and textures are named from there.
+
+    Those that do not lie beside or below it are copied to where it lies.
 
     Raises:
         InputError: the file exists and `force` is not set, or it cannot be written.
     """
-    return write_whole(path, tree.xml, force=force)
+    return write_with_assets(tree.xml, path, force=force)[0]
 
 
 def _outside(model: Model, applied: AppliedEffect) -> bool:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from workbench.core import InputError
 from workbench.effects.structure import is_parallelogram
 from workbench.models import VARIANTS, Linkage, Model, structural_effect
@@ -44,6 +46,35 @@ def with_variant(model: Model, variant: str) -> Model:
     )
     others = tuple(e for e in model.effects if e.key.effect not in _STRUCTURAL)
     return replace(model, variant=variant, effects=(*inside, *others))
+
+
+def usual_variant(model: Model) -> str:
+    """What a plain MJCF is written as where nobody says: all that the tree can hold of what the model states.
+
+    The linkage's inertia where it is known, at least the drives' where one moves several joints; a model that
+    states more than Kin-Only keeps its own variant.
+    """
+    if model.variant != "kin_only":
+        return model.variant
+    if is_parallelogram(model):
+        return "s3n_full"
+    coupled = not np.array_equal(model.transmission, np.eye(model.size))
+    heavy = any(model.actuators.inertia) or any(model.actuators.damping)
+    return "s3n_act" if coupled and heavy else "kin_only"
+
+
+def omissions(model: Model) -> tuple[str, ...]:
+    """What a model's variant leaves out of what the model states of its mechanism, each with its size."""
+    linkage, out = model.linkage, []
+    coupled = not np.array_equal(model.transmission, np.eye(model.size))
+    if coupled and any(model.actuators.inertia) and not model.has("actuator_inertia_coupling"):
+        out.append("the coupling of the joints by the drives' inertia, which sits on each drive's own joint")
+    if linkage is not None and not model.has("linkage_inertia"):
+        sizes = ", ".join(f"{k} = {getattr(linkage, k):.4g}" for k in ("M11", "M12", "M22"))
+        out.append(f"the linkage's inertia ({sizes} kg m²)")
+    if linkage is not None and not model.has("linkage_gravity"):
+        out.append(f"the linkage's weight (g1 = {linkage.g1:.4g}, g2 = {linkage.g2:.4g} N m)")
+    return tuple(out)
 
 
 def need_parallelogram(model: Model, what: str) -> Linkage:

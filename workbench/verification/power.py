@@ -8,6 +8,7 @@ from workbench.core import Check
 from workbench.effects import Plant
 from workbench.s3n import reduced
 
+from .states import moving
 from .subject import Subject
 
 _STEP = 1e-5  # s: error of the central difference is its square
@@ -34,5 +35,6 @@ def _imbalance(subject: Subject, plant: Plant) -> float:
     rate = (ahead - behind) / (2.0 * _STEP)
     bias = reduced(plant, q, v).bias
     made = np.einsum("ki,kij,kj->k", v, rate, v) / 2.0 - np.einsum("ki,ki->k", v, bias)
-    scale = np.abs(v * bias).sum(axis=1).max()
+    least = moving(reduced(plant, q, v).mass, v) * np.abs(v).max()
+    scale = max(np.abs(v * bias).sum(axis=1).max(), least)
     return float(np.abs(made).max() / scale) if scale > 0 else float(np.abs(made).max())

@@ -9,6 +9,7 @@ import numpy as np
 from workbench.models import Model, load_mjcf
 
 _AROUND = 0.5  # rad or m
+_LEFT = 1e-4  # of mass times speed squared: velocity terms that mean something
 _SPEED = 10.0  # rad/s or m/s: a fast swing of a leg
 
 
@@ -50,6 +51,14 @@ def random_states(model: Model, count: int, seed: int, middle: np.ndarray) -> St
     margin = 0.02 * (high - low)
     position = generator.uniform(low + margin, high - margin, (count, model.size))
     return States(position, generator.uniform(-_SPEED, _SPEED, (count, model.size)))
+
+
+def moving(mass: np.ndarray, v: np.ndarray) -> float:
+    """What velocity terms are held against where there are next to none, as of a mass on its axis.
+
+    They are what is left of forces of the size of mass matrix (N, n, n) times speed (N, n) squared.
+    """
+    return _LEFT * float(np.abs(mass).max() * np.abs(v).max() ** 2)
 
 
 def relative(difference: np.ndarray, reference: np.ndarray) -> float:

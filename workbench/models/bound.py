@@ -1,0 +1,66 @@
+"""What a file says beside its tree that binds joints or bodies to each other: a model here is a tree alone.
+
+Left out, such a loop would be a machine with more freedoms than the real one, of which every result is wrong.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+
+from workbench.core import InputError
+
+_LOOP = (
+    "describe the machine as an SDF or URDF with the loop cut open at a frame on either side, and import it: "
+    'workbench import FILE --drive MOTOR... --joint JOINT... --loop A:B -o MODEL.toml (or set active="false" '
+    "where the loop is not there)"
+)
+_FOLLOWER = (
+    "a joint that follows another is not supported: make it fixed in a copy of the file if what it moves "
+    "weighs next to nothing"
+)
+_KINDS = {
+    mujoco.mjtEq.mjEQ_CONNECT: ("connect", _LOOP),
+    mujoco.mjtEq.mjEQ_WELD: ("weld", _LOOP),
+    mujoco.mjtEq.mjEQ_JOINT: ("joint", _FOLLOWER),
+    mujoco.mjtEq.mjEQ_TENDON: ("tendon", _FOLLOWER),
+}
+
+
+def refuse_equalities(spec: mujoco.MjSpec, file: Path) -> None:
+    """Refuse an MJCF that holds bodies, joints or tendons together; an equality not active does nothing.
+
+    Raises:
+        InputError: one is active.
+    """
+    for each in spec.equalities:
+        if each.active:
+            kind, remedy = _KINDS.get(each.type, ("flex", "take it out of a copy of the file"))
+            called = f" '{each.name}'" if each.name else ""
+            ends = " and ".join(f"'{name}'" for name in (each.name1, each.name2) if name)
+            problem = f"the equality{called} ({kind}) binds {ends or 'the world'}, and a model is a tree"
+            raise InputError(problem, file=file, column=f"equality.{kind}", remedy=remedy)
+
+
+def refuse_constraints(root: ElementTree.Element, file: Path) -> None:
+    """The same of a URDF, whose tags are without prefix: joints that follow others, and loops.
+
+    Raises:
+        InputError: it has one.
+    """
+    for joint in root.iter("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None:
+            problem = f"joint '{joint.get('name')}' follows '{mimic.get('joint')}' (<mimic>)"
+            raise InputError(problem, file=file, column="mimic", remedy=_FOLLOWER)
+    for node in root:
+        if node.tag.endswith("_constraint") or node.tag == "loop_joint":
+            raise InputError(
+                f"it has a <{node.tag}>, and a model is a tree", file=file, column=node.tag, remedy=_LOOP
+            )
+        if node.tag == "gazebo" and node.find("joint") is not None:
+            name = node.find("joint").get("name")  # pyright: ignore[reportOptionalMemberAccess]
+            problem = f"the joint '{name}' inside of <gazebo> closes a loop, and a model is a tree"
+            raise InputError(problem, file=file, column="gazebo", remedy=_LOOP)
