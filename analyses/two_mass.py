@@ -2,10 +2,12 @@
 
     python analyses/two_mass.py data/two_mass/MultisineTypeA.mat --output out/two_mass
 
-A log of HoriFujimotoLab/FdiTools (MIT): 20 periods of a multisine, 11 to 250 Hz, on the motor current. Tops
-and dips are read off the response, a motor and a load on a spring are fitted to the motor's side alone, and
-the load's side, which the fit never saw, judges it. Then the diagnosis is given both inertias as one rigid
-shaft, and of the motor's side two stretches of five periods: one to fit, one to judge. All is per ampere.
+A log of HoriFujimotoLab/FdiTools (MIT): 20 periods of a multisine, 11 to 250 Hz, on the motor current, on
+every line (MultisineTypeA.mat) or on every fourth (MultisineTypeB.mat); the logged reference says on which.
+Tops and dips are read off the response, a motor and a load on a spring are fitted to the motor's side alone,
+and the load's side, which the fit never saw, judges it. Then the diagnosis is given both inertias as one
+rigid shaft, and of the motor's side two stretches of five periods: one to fit, one to judge. All is per
+ampere.
 """
 
 from __future__ import annotations
@@ -84,7 +86,7 @@ def diagnosed(recording: Recording, motor: float, load: float, folder: Path) -> 
 def main() -> None:
     """Estimate, fit, judge, print and draw."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("table", type=Path, help="MultisineTypeA.mat")
+    parser.add_argument("table", type=Path, help="MultisineTypeA.mat or MultisineTypeB.mat")
     parser.add_argument("--output", type=Path, default=Path("out/two_mass"))
     arguments = parser.parse_args()
     write_whole(arguments.output / "two_mass.toml", description(arguments.table), force=True)

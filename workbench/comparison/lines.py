@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.core import Recording, RecordingError, Share
+from workbench.core import InputError, Recording, RecordingError, Share
+from workbench.frf import lines_of
 from workbench.simulation import scored_torque
 
 _PERIODS = 3  # needed to tell a line from its noise
@@ -24,7 +25,7 @@ def line_shares(errors: Sequence[RecordingError]) -> tuple[Share, ...]:
 
     Args:
         errors: recordings with their simulations; those with a stated period and no feedback count, or that
-            follow the measured motion.
+            follow the measured motion. Of their lines those that were excited.
 
     Returns:
         At most three shares of signal ``response`` an axis, largest first; empty where none applies.
@@ -40,19 +41,29 @@ def line_shares(errors: Sequence[RecordingError]) -> tuple[Share, ...]:
         count = len(r) // rows - 1  # the first period holds the transient
         if count < _PERIODS or abs(rows * r.period - period) > 0.5 * r.period or not r.valid.all():
             continue
+        try:
+            excited = lines_of(r)
+        except InputError:
+            continue  # nothing says what was excited
         for i, axis in enumerate(r.axes):
-            shares += _bands(r, e.simulated, signal, i, axis, rows, count)
+            shares += _bands(r, e.simulated, signal, i, axis, rows, count, excited)
     return tuple(sorted(shares, key=lambda s: -s.share)[: _SHOWN * len(errors[0].recording.axes)])
 
 
 def _bands(
-    measured: Recording, simulated: Recording, signal: str, i: int, axis: str, rows: int, count: int
+    measured: Recording,
+    simulated: Recording,
+    signal: str,
+    i: int,
+    axis: str,
+    rows: int,
+    count: int,
+    lines: np.ndarray,
 ) -> list[Share]:
     real, made = (_spectra(x.signals[signal][:, i], rows, count) for x in (measured, simulated))
     rate = 1.0 / (rows * measured.period)
-    low = (measured.excitation.f_min_hz or rate) / rate
-    high = (measured.excitation.f_max_hz or 0.4 / measured.period) / rate
-    lines = np.arange(max(1, int(np.ceil(low - 1e-6))), int(np.floor(high + 1e-6)) + 1)
+    # what is up there is interpolation
+    lines = lines[rate * lines <= (measured.excitation.f_max_hz or 0.4 / measured.period) * (1.0 + 1e-6)]
     mean, model = real.mean(axis=0)[lines], made.mean(axis=0)[lines]
     noise = (np.abs(real[:, lines] - mean) ** 2).sum(axis=0) / (count * (count - 1))
     clear = (np.abs(mean) ** 2 > 9.0 * noise) & (np.abs(model) > 0)

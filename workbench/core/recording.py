@@ -57,14 +57,18 @@ class Controller:
 
 @dataclass(frozen=True)
 class Excitation:
-    """What drove the system: `kind` and the keys of the recording's ``[excitation]`` table."""
+    """What drove the system: `kind` and the keys of the recording's ``[excitation]`` table.
+
+    `lines`: which harmonics of the period were excited: ``"full"``, ``"odd"``, ``"odd_random"``,
+    ``"every_N"`` (N apart, wherever they begin), or their numbers.
+    """
 
     kind: str = "reference"
     mode: str | None = None
     period_s: float | None = None
     f_min_hz: float | None = None
     f_max_hz: float | None = None
-    lines: str | None = None
+    lines: str | tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from .leg import fit_leg
 from .limits import Limit, Scaled, scale_to_limits
 from .lines import detection_lines, select_lines
 from .local_polynomial import local_polynomial
+from .measure import lines_of
 from .mixing import mixing_matrix
 from .multisine import multisine
 from .period import find_period
@@ -44,6 +45,7 @@ __all__ = [
     "fit_leg",
     "fit_two_mass",
     "group_by_posture",
+    "lines_of",
     "load_design",
     "local_polynomial",
     "low_crest_phases",

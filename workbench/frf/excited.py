@@ -9,6 +9,8 @@ import scipy
 
 from workbench.core import InputError, Recording
 
+from .levels import excited_levels
+from .records import Choice
 from .span import Span
 from .spectra import period_spectra
 
@@ -22,8 +24,9 @@ _SAME = 0.98  # agreement of spectra that share their phases, noise in a measure
 def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
     """Excited harmonics of one experiment, ascending, shape (F,).
 
-    Those given; else those of the noise-free reference; else those at which the input repeats far above its
-    own scatter. The last two within the band and the grid that the recording states.
+    Those given, or named in the recording; else those of the noise-free reference; else those at which the
+    command, or the input where no command was logged, repeats and is no mere distortion. The last two within
+    the band and the grid that the recording states.
 
     Args:
         span: the experiment.
@@ -34,34 +37,51 @@ def excited_lines(span: Span, lines: Sequence[int] | None) -> np.ndarray:
     """
     recording, choice, rows = span.recording, span.choice, span.rows
     highest = (rows - 1) // 2
-    if lines is not None:
-        wanted = np.unique(np.asarray(lines, int))
+    stated = recording.excitation.lines
+    named = stated if isinstance(stated, tuple) else None
+    if lines is not None or named is not None:
+        wanted = np.unique(np.asarray(named if lines is None else lines, int))
         if len(wanted) == 0 or wanted[0] < 1 or wanted[-1] > highest:
             raise InputError(
                 f"lines must lie between 1 and {highest}, half the rate",
                 file=recording.source,
-                column="lines",
+                column="excitation.lines" if lines is None else "lines",
                 remedy="give harmonics of the period, below half of its rows",
             )
         return wanted
     every = np.arange(1, highest + 1)
+    signal = choice.reference or _commanded(recording, choice)
     if choice.reference is not None:
         reference = span.columns([choice.reference], periods=1)
         size = np.abs(period_spectra(reference, rows, every)[0]).max(axis=1)
         nearby = scipy.ndimage.maximum_filter1d(size, 2 * _NEARBY + 1)
         found = every[(size > _SILENT * size.max()) & (size > _QUIETER * nearby)]
     else:
-        spectra = period_spectra(span.columns([choice.input], periods=_LOOKED_AT), rows, every)
-        found = every[_repeats(spectra)]
-    found = found[_stated(found, recording, rows)]
-    if len(found) == 0:
+        spectra = period_spectra(span.columns([signal], periods=_LOOKED_AT), rows, every)
+        size = np.abs(spectra.mean(axis=0)).max(axis=1)
+        # what the recording rules out is not what the rest is compared with
+        in_band = _in_band(every, recording, rows)
+        found = every[in_band][excited_levels(spectra[:, in_band], every[in_band])]
+    found = found[_in_band(found, recording, rows)]
+    grid = _on_grid(found, size[found - 1], stated if isinstance(stated, str) else None)
+    if not grid.any():
+        where = f" on the lines that it states ({stated})" if len(found) else ""
         raise InputError(
-            f"no line of {choice.reference or choice.input} stands out in {recording.name}",
+            f"no line of {signal} stands out in {recording.name}{where}",
             file=recording.source,
-            column="excitation",
-            remedy="check its period and band, or name the lines",
+            column="excitation.lines" if where else "excitation",
+            remedy="check its period and band, or name the lines (lines = [3, 7, 11])",
         )
-    return found
+    return found[grid]
+
+
+def _commanded(recording: Recording, choice: Choice) -> str:
+    """The command where the input was measured and a command moves; else the input."""
+    command = recording.get("torque_command")
+    measured = choice.input not in ("position_reference", "velocity_reference", "torque_feedforward")
+    if not measured or command is None or not np.isfinite(command).all():
+        return choice.input
+    return "torque_command" if np.ptp(command[:, choice.place], axis=0).max() > 0 else choice.input
 
 
 def common_lines(found: Sequence[np.ndarray], recordings: Sequence[Recording]) -> np.ndarray:
@@ -138,19 +158,8 @@ def _same(a: np.ndarray, b: np.ndarray) -> bool:
     return bool((product > _SAME * np.linalg.norm(a, axis=(1, 2)) * np.linalg.norm(b, axis=(1, 2))).all())
 
 
-def _repeats(spectra: np.ndarray) -> np.ndarray:
-    """Lines (L,) bool at which periods (P, L, n) agree far better than noise would."""
-    count = len(spectra)
-    mean = spectra.mean(axis=0)
-    variance = np.sum(np.abs(spectra - mean) ** 2, axis=0) / (count - 1)
-    ratio = count * np.abs(mean) ** 2 / np.maximum(variance, 1e-300)
-    sure = ratio > scipy.stats.f.ppf(1 - 1e-4 / mean.size, 2, 2 * (count - 1))
-    large = np.abs(mean) > 0.01 * np.abs(mean).max(axis=0)
-    return np.any(sure & large, axis=1)
-
-
-def _stated(lines: np.ndarray, recording: Recording, rows: int) -> np.ndarray:
-    """Which lines lie in the band and on the grid that the recording states, (F,) bool."""
+def _in_band(lines: np.ndarray, recording: Recording, rows: int) -> np.ndarray:
+    """Which lines lie in the band that the recording states, (F,) bool."""
     e = recording.excitation
     frequency = lines / (rows * recording.period)
     half = 0.5 / (rows * recording.period)
@@ -159,6 +168,16 @@ def _stated(lines: np.ndarray, recording: Recording, rows: int) -> np.ndarray:
         keep &= frequency > e.f_min_hz - half
     if e.f_max_hz is not None:
         keep &= frequency < e.f_max_hz + half
-    if e.lines in ("odd", "odd_random"):
-        keep &= lines % 2 == 1
     return keep
+
+
+def _on_grid(lines: np.ndarray, size: np.ndarray, stated: str | None) -> np.ndarray:
+    """Which lines (F,), of that size (F,), lie on the grid that the recording states, (F,) bool."""
+    if stated in ("odd", "odd_random"):
+        return lines % 2 == 1
+    if stated is None or not stated.startswith("every_"):
+        return np.ones(len(lines), bool)
+    # lines that far apart may begin anywhere: where most of the input is
+    apart = int(stated.removeprefix("every_"))
+    first, place = np.unique(lines % apart, return_inverse=True)
+    return lines % apart == first[np.argmax(np.bincount(place, size**2))] if len(lines) else lines > 0

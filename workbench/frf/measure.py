@@ -47,6 +47,16 @@ class Measured:
         return np.searchsorted(self.every, lines)
 
 
+def lines_of(recording: Recording) -> np.ndarray:
+    """Harmonics that were excited in one recording of a periodic excitation, (F,), ascending.
+
+    Raises:
+        InputError: no torque, whole periods or lines; see `workbench.frf.estimate`.
+    """
+    choice = choose([recording], input=None, output=None, reference="auto", axes=None)
+    return excited_lines(whole_periods(recording, choice, rows_of_period([recording], choice, None)), None)
+
+
 def measure(
     recordings: Sequence[Recording],
     *,

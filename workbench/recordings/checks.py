@@ -51,12 +51,15 @@ def check_excitation(d: Description, time: np.ndarray, column: str, path: Path) 
             column=column,
             remedy="record at least one whole period, or correct excitation.period_s",
         )
+    named = "f_max_hz"
+    if wanted and isinstance(d.excitation.lines, tuple) and d.excitation.lines[-1] / wanted > (f_max or 0.0):
+        named, f_max = "lines", d.excitation.lines[-1] / wanted
     if f_max is not None and 1 / period <= 2 * f_max:
         raise InputError(
             f"the rate of {1 / period:.4g} Hz is too low for an excitation up to {f_max:g} Hz",
             file=path,
             column=column,
-            remedy=f"log faster than {2 * f_max:g} Hz, or correct excitation.f_max_hz",
+            remedy=f"log faster than {2 * f_max:g} Hz, or correct excitation.{named}",
         )
 
 

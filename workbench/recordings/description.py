@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import tomllib
 from collections.abc import Mapping
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic_core import PydanticCustomError
 
 from workbench.core import AXIS_SIGNALS, InputError
 from workbench.core.formats import check_format
@@ -38,10 +40,22 @@ def _column(value: Any) -> Any:
     return {"column": value} if isinstance(value, str) else value
 
 
+def _lines(value: Any) -> Any:
+    """Which harmonics were excited: a grid's name, or their numbers, ascending."""
+    if isinstance(value, list) and value and all(type(k) is int and k > 0 for k in value):
+        return tuple(sorted(set(value)))
+    if isinstance(value, str) and re.fullmatch(r"full|odd|odd_random|every_[1-9]\d{0,8}", value):
+        return value
+    # pydantic's own text for a choice of kinds takes a line for each
+    message = "should be 'full', 'odd', 'odd_random', 'every_N' (as 'every_4') or a list of line numbers"
+    raise PydanticCustomError("lines", message)
+
+
 AnyColumn = Annotated[Column, BeforeValidator(_column)]
 Columns = Annotated[list[AnyColumn], BeforeValidator(_listed)]
 Number = Annotated[float, Field(ge=-1e12, le=1e12)]  # no gain or period is larger, and its square is a number
 Numbers = Annotated[list[Number], BeforeValidator(_listed)]
+Lines = Annotated[str | tuple[int, ...], BeforeValidator(_lines)]
 UnitNames = Annotated[list[str], BeforeValidator(_listed)]
 
 
@@ -66,7 +80,7 @@ class ExcitationTable(_Table):
     period_s: Number | None = None
     f_min_hz: Number | None = None
     f_max_hz: Number | None = None
-    lines: Literal["full", "odd", "odd_random"] | None = None
+    lines: Lines | None = None
 
 
 class TimingTable(_Table):
