@@ -4,6 +4,7 @@ from .engine import silence
 from .floating import BASE_AXES
 from .from_table import structural_effect
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
+from .own_friction import own_friction
 from .paths import find_model
 from .read import read_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
@@ -31,6 +32,7 @@ __all__ = [
     "load_mjcf",
     "load_tree",
     "model_text",
+    "own_friction",
     "read_model",
     "rotors",
     "structural_effect",

@@ -15,6 +15,9 @@ from workbench.core import EffectKey
 from .model import Model
 from .spec import load_tree
 
+#: MuJoCo's flag that switches dry friction off.
+NO_FRICTION = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
+
 
 @dataclass(frozen=True)
 class Placement:
@@ -71,10 +74,16 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
     spec.option.iterations, spec.option.tolerance = 50, 1e-12
     # a run that diverges shall be seen to, not started afresh
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    if spec.option.disableflags & NO_FRICTION:
+        # what the file switches off stays off, and an effect's friction acts
+        spec.option.disableflags &= ~NO_FRICTION
+        for tendon in spec.tendons:
+            tendon.frictionloss = 0.0
     for i, name in enumerate(model.joints):
         if name in held:
             continue
         joint = spec.joint(name)
+        joint.frictionloss = 0.0  # an effect, as all dry friction: `own_friction`
         joint.armature = joint.armature + model.actuators.inertia[i]
         joint.damping[0] += model.actuators.damping[i]
     for location, matrix in (("actuator", model.transmission), ("joint", np.eye(model.size))):
@@ -93,12 +102,17 @@ def rotors(model: Model) -> tuple[np.ndarray, np.ndarray]:
     its armature is that drive's rotor, and its damping the drive's.
     """
     inertia, damping = _at_joints(model.serial, model.joints)
-    turns = model.transmission != 0.0
-    alone = (turns.sum(axis=1) == 1) & (turns[:, turns.argmax(axis=1)].sum(axis=0) == 1)
-    joint, ratio = turns.argmax(axis=1), model.transmission.sum(axis=1)
+    alone, joint, ratio = drives_alone(model)
     own = np.where(alone, 1.0 / np.where(alone, ratio, 1.0) ** 2, 0.0)
     stated = model.actuators
     return np.array(stated.inertia) + own * inertia[joint], np.array(stated.damping) + own * damping[joint]
+
+
+def drives_alone(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which drives turn one joint that no other turns; of each its first joint, and its ratio: (n,) each."""
+    turns = model.transmission != 0.0
+    alone = (turns.sum(axis=1) == 1) & (turns[:, turns.argmax(axis=1)].sum(axis=0) == 1)
+    return alone, turns.argmax(axis=1), model.transmission.sum(axis=1)
 
 
 @lru_cache(maxsize=64)
