@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from workbench.models import Model
+from workbench.models import Model, own_constraints
 
 from .chain import FrictionTerm, TorqueChain
 
@@ -30,18 +30,32 @@ def set_friction_constraints(m: mujoco.MjModel, chain: TorqueChain, model: Model
         chain: friction that depends on the state.
         model: for the sliding speed.
     """
-    h = m.opt.timestep
+    h, as_stated = m.opt.timestep, model.friction_as_in_mjcf
+    stated = own_constraints(model) if as_stated else {}
     for ident in range(m.ntendon):
+        name = m.tendon(ident).name
+        if as_stated and (name in stated or name.partition(":")[0] not in ("actuator", "joint")):
+            own = m.tendon_solref_fri[ident], m.tendon_solimp_fri[ident]
+            m.tendon_solref_fri[ident], m.tendon_solimp_fri[ident] = stated.get(name, own)
+            continue
         slow = model.sliding_speed * (0.1 if _slides(m, ident) else 1.0)
-        laws = [t for t in chain.friction if t.tendon == m.tendon(ident).name]
+        laws = [t for t in chain.friction if t.tendon == name]
         loss = float(m.tendon_frictionloss[ident]) + _most(laws, slow, model)
         if loss > 0.0:
             rate = loss / slow * float(m.tendon_invweight0[ident])
             m.tendon_solref_fri[ident], m.tendon_solimp_fri[ident] = _rigid(rate, h)
-    for dof in np.flatnonzero(m.dof_frictionloss):  # of joints that are no axis of the model's
+    for dof in np.flatnonzero(m.dof_frictionloss * (not as_stated)):  # of joints that are no axis
         slow = model.sliding_speed * (0.1 if m.jnt_type[m.dof_jntid[dof]] == _SLIDE else 1.0)
         rate = float(m.dof_frictionloss[dof] / slow * m.dof_invweight0[dof])
         m.dof_solref[dof], m.dof_solimp[dof] = _rigid(rate, h)
+
+
+def rigid_in_steps(timestep: float) -> tuple[tuple[float, float], tuple[float, ...]]:
+    """``solreffriction`` and ``solimpfriction`` of friction as rigid as steps of this length [s] allow.
+
+    The shortest time constant that MuJoCo takes is two steps: a joint below its friction stops within one.
+    """
+    return (2.0 * timestep, 1.0), (0.99, 0.99, 0.001, 0.5, 2.0)
 
 
 def _rigid(rate: float, timestep: float) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -4,10 +4,10 @@ from .engine import silence
 from .floating import BASE_AXES
 from .from_table import structural_effect
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
-from .own_friction import own_friction
+from .own_friction import friction_leads, own_constraints, own_friction
 from .paths import find_model
 from .read import read_model
-from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
+from .serial import NO_FRICTION, Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
 from .spec import load_mjcf, load_tree
 from .write import linkage_table, model_text, write_model
 
@@ -15,6 +15,7 @@ silence()
 
 __all__ = [
     "BASE_AXES",
+    "NO_FRICTION",
     "VARIANTS",
     "Actuators",
     "AppliedEffect",
@@ -26,12 +27,14 @@ __all__ = [
     "axis_tendon",
     "base_spec",
     "find_model",
+    "friction_leads",
     "joint_kinds",
     "limits_left_out",
     "linkage_table",
     "load_mjcf",
     "load_tree",
     "model_text",
+    "own_constraints",
     "own_friction",
     "read_model",
     "rotors",

@@ -21,7 +21,7 @@ from workbench.effects import (
     effect_named,
     settle_contacts,
 )
-from workbench.models import AppliedEffect, Model, Placement, load_mjcf
+from workbench.models import NO_FRICTION, AppliedEffect, Model, Placement, load_mjcf
 
 from .additions import Addition, additions
 from .drives import MOTOR_STAGES, add_motors, settle_axes
@@ -91,6 +91,7 @@ def normalise(
     settle_contacts(made)
     for name in ("timestep", "iterations", "tolerance", "disableflags", "integrator"):
         setattr(spec.option, name, getattr(own.option, name))
+    spec.option.disableflags &= ~NO_FRICTION  # switched off is only what the file itself had of it
     if integrator is not None:
         spec.option.integrator = INTEGRATORS[integrator]
     add_motors(made, model, settle_axes(made, plant))
