@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from workbench.core import SimulationError
-from workbench.models import AppliedEffect, Model, Placement, axis_tendon, own_friction
+from workbench.models import AppliedEffect, Model, Placement, axis_tendon, take_friction
 from workbench.models.engine import warned
 
 from .catalogue import effect_named
@@ -62,7 +62,7 @@ def build(model: Model, timestep: float = 0.001, held: Sequence[str] = (), groun
             lay_ground(out, model.ground)
         else:
             lift_off(out.spec, model.ground)
-    for applied in sorted(_added_up((*own_friction(model), *model.effects)), key=_turn):
+    for applied in sorted(_added_up((*take_friction(out.spec, model), *model.effects)), key=_turn):
         effect = effect_named(applied.key.effect)
         effect.install(out, model, Placement.of(model, applied.key), applied.values)
     return out

@@ -4,10 +4,10 @@ from .engine import silence
 from .floating import BASE_AXES
 from .from_table import structural_effect
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
-from .own_friction import friction_leads, own_constraints, own_friction
+from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_friction, take_friction
 from .paths import find_model
 from .read import read_model
-from .serial import NO_FRICTION, Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
+from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
 from .spec import load_mjcf, load_tree
 from .write import linkage_table, model_text, write_model
 
@@ -39,5 +39,6 @@ __all__ = [
     "read_model",
     "rotors",
     "structural_effect",
+    "take_friction",
     "write_model",
 ]

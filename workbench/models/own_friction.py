@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
-from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -13,8 +11,11 @@ import numpy as np
 from workbench.core import EffectKey, Estimate
 
 from .model import AppliedEffect, Model
-from .serial import NO_FRICTION, axis_tendon, drives_alone, joint_kinds
+from .serial import axis_tendon, drives_alone
 from .spec import load_tree
+
+#: MuJoCo's flag that switches dry friction off.
+NO_FRICTION = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
 
 
 def own_friction(model: Model) -> tuple[AppliedEffect, ...]:
@@ -23,22 +24,48 @@ def own_friction(model: Model) -> tuple[AppliedEffect, ...]:
     At a joint that one drive turns, and no other, it is that drive's, as the joint's armature and damping
     are; at any other it is the joint's own.
     """
-    loss, out = _at_joints(model.serial, tuple(model.joints)).loss, []
-    for joint, axis, location, ratio in _seats(model, loss):
-        unit = "N" if joint_kinds(model)[joint] == "slide" else "N*m"
-        torque = Estimate(float(loss[joint]) / ratio, 0.0, unit)
+    return take_friction(load_tree(model.serial), model)
+
+
+def take_friction(spec: mujoco.MjSpec, model: Model) -> tuple[AppliedEffect, ...]:
+    """The same out of a model's tree, whose joints have none afterwards.
+
+    What the file's flag switches off is nowhere any more, and the flag is gone: friction of effects acts.
+    """
+    if spec.option.disableflags & NO_FRICTION:
+        spec.option.disableflags &= ~NO_FRICTION
+        for element in (*spec.joints, *spec.tendons):
+            element.frictionloss = 0.0
+    out = []
+    for joint, axis, location, ratio in _seats(spec, model):
+        unit = "N" if joint.type == mujoco.mjtJoint.mjJNT_SLIDE else "N*m"
+        torque = Estimate(float(joint.frictionloss) / ratio, 0.0, unit)
         key = EffectKey("coulomb_friction", model.axes[axis], location)
         out.append(AppliedEffect(key, {"torque": torque}))
+        joint.frictionloss = 0.0
     return tuple(out)
 
 
 def own_constraints(model: Model) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """``solreffriction`` (2,) and ``solimpfriction`` (5,) of the same joints, by the tendon they act on."""
-    own = _at_joints(model.serial, tuple(model.joints))
     return {
-        axis_tendon(axis, location): (own.reference[joint], own.impedance[joint])
-        for joint, axis, location, _ in _seats(model, own.loss)
+        axis_tendon(axis, location): (np.array(joint.solref_friction), np.array(joint.solimp_friction))
+        for joint, axis, location, _ in _seats(load_tree(model.serial), model)
     }
+
+
+def _seats(
+    spec: mujoco.MjSpec, model: Model
+) -> Iterator[tuple[mujoco.MjsJoint, int, Literal["actuator", "joint"], float]]:
+    """Joints with dry friction, where it sits (axis and location), and the axis's speed over the joint's."""
+    alone, turned, ratio = drives_alone(model)
+    drive = {int(turned[k]): int(k) for k in np.flatnonzero(alone)}
+    there = {joint.name: joint for joint in spec.joints if joint.frictionloss}
+    for k, name in enumerate(model.joints):
+        if name in there and k in drive:
+            yield there[name], drive[k], "actuator", abs(float(ratio[drive[k]]))
+        elif name in there:
+            yield there[name], k, "joint", 1.0
 
 
 def friction_leads(m: mujoco.MjModel) -> dict[str, float]:
@@ -64,31 +91,3 @@ def _lead(reference: np.ndarray, impedance: np.ndarray, timestep: float) -> floa
     if reference[0] > 0.0:
         return 0.5 * float(impedance[1]) * max(float(reference[0]), 2.0 * timestep)
     return float(impedance[1] / max(-reference[1], 1e-12))
-
-
-def _seats(model: Model, loss: np.ndarray) -> Iterator[tuple[int, int, Literal["actuator", "joint"], float]]:
-    """Joints with dry friction, where it sits (axis and location), and the axis's speed over the joint's."""
-    alone, turned, ratio = drives_alone(model)
-    drive = {int(turned[k]): int(k) for k in np.flatnonzero(alone)}
-    for joint in map(int, np.flatnonzero(loss)):
-        if joint in drive:
-            yield joint, drive[joint], "actuator", abs(float(ratio[drive[joint]]))
-        else:
-            yield joint, joint, "joint", 1.0
-
-
-class _Stated(NamedTuple):
-    """Dry friction (n,) of an MJCF's joints, and its constraint's parameters, (n, 2) and (n, 5)."""
-
-    loss: np.ndarray
-    reference: np.ndarray
-    impedance: np.ndarray
-
-
-@lru_cache(maxsize=64)
-def _at_joints(serial: Path, joints: tuple[str, ...]) -> _Stated:
-    """What an MJCF's joints state; no friction where the file's flag switches it off."""
-    m = load_tree(serial).compile()
-    dofs = [m.joint(name).dofadr[0] for name in joints]
-    off = bool(m.opt.disableflags & NO_FRICTION)
-    return _Stated(m.dof_frictionloss[dofs] * (not off), m.dof_solref[dofs], m.dof_solimp[dofs])

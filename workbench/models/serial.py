@@ -15,9 +15,6 @@ from workbench.core import EffectKey
 from .model import Model
 from .spec import load_tree
 
-#: MuJoCo's flag that switches dry friction off.
-NO_FRICTION = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
-
 
 @dataclass(frozen=True)
 class Placement:
@@ -74,16 +71,10 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
     spec.option.iterations, spec.option.tolerance = 50, 1e-12
     # a run that diverges shall be seen to, not started afresh
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-    if spec.option.disableflags & NO_FRICTION:
-        # what the file switches off stays off, and an effect's friction acts
-        spec.option.disableflags &= ~NO_FRICTION
-        for tendon in spec.tendons:
-            tendon.frictionloss = 0.0
     for i, name in enumerate(model.joints):
         if name in held:
             continue
         joint = spec.joint(name)
-        joint.frictionloss = 0.0  # an effect, as all dry friction: `own_friction`
         joint.armature = joint.armature + model.actuators.inertia[i]
         joint.damping[0] += model.actuators.damping[i]
     for location, matrix in (("actuator", model.transmission), ("joint", np.eye(model.size))):
