@@ -81,6 +81,7 @@ def test_numbers_and_names(kp, coordinates, limit, delay, name, tmp_path: Path) 
         actuators=replace(model.actuators, torque_limit=limit, delay_s=delay),
         controller=Controller("pd", coordinates, kp=kp, kd=kp, period_s=0.001),
         sliding_speed=0.002,
+        friction_as_in_mjcf=True,
         flank_retardation_s=delay,
     )
     if name.isprintable():

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from tests.dry_arm import LOSS, dry_arm
 from tests.models.make import leg_file, machine_file
 from tests.simulation.make import having, leg_experiment, simulated
 from workbench.core import Controller, EffectKey, InputError
@@ -184,6 +185,35 @@ def test_the_users_own_elements_stay(tmp_path: Path) -> None:
     assert m.nsensor == 1  # the other one measured an actuator that drives replace
     assert any("m_boom" in line for line in tree.removed) and any("sensor" in line for line in tree.removed)
     same_dynamics(model, m)
+
+
+@pytest.mark.parametrize("where", ["joint", "fixed"])
+def test_dry_friction_of_the_users_own_is_written_rigid(tmp_path: Path, where: str) -> None:
+    """As the same friction is that was added to a file without it; asked for, it stays as it was."""
+    own = load_model(dry_arm(tmp_path, where))
+    tree = normalise(own)
+    m, soft = tree.mujoco, normalise(replace(own, friction_as_in_mjcf=True)).mujoco
+    added = load_model(dry_arm(tmp_path, "none", name="plain"))
+    for axis, loss in LOSS.items():
+        added = having(added, EffectKey("coulomb_friction", axis), torque=loss)
+    like, given = normalise(added).mujoco, mujoco.MjModel.from_xml_path(str(own.serial))
+    for name, loss in LOSS.items():
+        found = [_friction(x, name, where) for x in (m, given, soft)]
+        assert all(f[0] == loss for f in found)
+        np.testing.assert_allclose(found[0][1:], _friction(like, name, "joint")[1:])
+        np.testing.assert_allclose(found[2], found[1])
+    early = [a for a in tree.added if a.quantity == "friction turns early by"]
+    assert len(early) == 2
+    assert all(a.before == pytest.approx(0.0095) and a.after < 0.002 for a in early)
+
+
+def _friction(m: mujoco.MjModel, name: str, where: str) -> list[float]:
+    """Bound, reference damping and impedance of a joint's friction, or its tendon's."""
+    if where == "joint":
+        k = m.joint(name).dofadr[0]
+        return [m.dof_frictionloss[k], *m.dof_solref[k], *m.dof_solimp[k]]
+    k = m.tendon(f"seal_{name}").id
+    return [m.tendon_frictionloss[k], *m.tendon_solref_fri[k], *m.tendon_solimp_fri[k]]
 
 
 def test_meshes_are_found_from_anywhere(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
 from .simulated import Simulated
+from .soft_friction import softness_note
 from .swings import is_free
 
 __all__ = [
@@ -32,5 +33,6 @@ __all__ = [
     "score_runs",
     "scored_signals",
     "simulate_with_noise",
+    "softness_note",
     "told",
 ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from workbench.effects import axis_units
 from workbench.models import Model, limits_left_out
 from workbench.simulation import check_axes, scored_torque
 
+from .consistent import MARGIN_TOTAL, consistent
 from .floating import with_base
 from .grounded import force_squares
 from .inverse import inverse_dynamics
@@ -29,15 +30,11 @@ from .noise import DRAWS, NoiseModel
 from .replay import replay_of
 from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
+from .soft_friction import softness_note
 from .standing import check_ground, on_ground
 from .swings import is_free
 from .touching import contact_notes, refuse_overlaps
 from .where import locate
-
-# A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
-# signal's floor from a few draws to about 3 %.
-_MARGIN_TOTAL = 1.06
-_MARGIN_SIGNAL = 1.3
 
 
 def simulate_with_noise(
@@ -98,8 +95,10 @@ def compare(
         SimulationError: the model is unstable in the recording's loop, or noise throws it further off than
             all that was measured.
     """
-    simulated = simulate_with_noise(model, matched(model, recordings), draws=draws, seed=seed)
-    return told(evaluate(model, simulated))
+    replay = replay_of(model, matched(model, recordings))
+    simulated = replay.with_noise(model, seed, draws)
+    out = told(evaluate(model, simulated))
+    return replace(out, notes=(*out.notes, *filter(None, [softness_note(model, replay, simulated)])))
 
 
 def told(result: Comparison) -> Comparison:
@@ -122,7 +121,7 @@ def noise_rules(floor: float, recordings: Sequence[Recording]) -> bool:
     """
     levels = NoiseModel.of(recordings).levels
     sensors = normalised(np.stack([levels.position_std, levels.torque_std]) ** 2, Scale.of(recordings))
-    return floor > max(_MARGIN_TOTAL, HOPELESS * np.nan_to_num(sensors))
+    return floor > max(MARGIN_TOTAL, HOPELESS * np.nan_to_num(sensors))
 
 
 def cannot_run(model: str, floor: float) -> str:
@@ -230,40 +229,6 @@ def concluded(
         inverse_dynamics=inverse,
         notes=(*notes, *filter(None, [limits_left_out(model)])),
     )
-
-
-def consistent(
-    error_ms: np.ndarray,
-    draws_ms: np.ndarray,
-    error: float,
-    floors: np.ndarray,
-    allowed: np.ndarray | float = 0.0,
-    *,
-    by_signal: bool = True,
-) -> bool:
-    """Whether the score is no larger than noise makes it, and (`by_signal`) no single signal's error either.
-
-    Args:
-        error_ms: mean squares (2, n) of measured minus simulated, pooled.
-        draws_ms: the same of each noise draw, (draws, 2, n).
-        error: the score.
-        floors: the score of each noise draw, (draws,).
-        allowed: mean squares (2, n) of a signal that mean nothing, whatever its noise.
-        by_signal: look at each axis and kind by itself too, which finds effects that the score, ruled by
-            the noisiest signal, would hide.
-    """
-    spread = 3.0 * floors.std(ddof=1)
-    if floors.mean() > HOPELESS:  # a loop that noise blows up would excuse any error
-        return False
-    if not np.isfinite(error) or error > _MARGIN_TOTAL * floors.mean() + spread:
-        return False
-    floor = np.where(draws_ms.mean(axis=0) > 0, draws_ms.mean(axis=0), np.nan)
-    # noise that went round the loop is slow: in a short recording there is little of it to average over.
-    # A deviation from a few draws says little by itself, so axes share one.
-    scatter = np.sqrt(draws_ms / floor).std(axis=0, ddof=1)
-    shared = np.sqrt(np.mean(np.nan_to_num(scatter) ** 2, axis=1, keepdims=True))
-    limit = np.maximum(_MARGIN_SIGNAL, 1.1 + 3.0 * shared)
-    return not by_signal or bool(np.all(~(np.sqrt(error_ms / (floor + allowed)) > limit)))
 
 
 def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.comparison import Simulated, evaluate, followed, matched
+from workbench.comparison import Simulated, evaluate, followed, matched, softness_note
 from workbench.core import (
     Comparison,
     Diagnosis,
@@ -213,9 +213,17 @@ def _diagnosis(found: Search) -> Diagnosis:
         stopped=found.stopped,
         notes=(
             *before.notes,
+            *_softness(found),
             *([_NO_PAYLOAD] if verdict != "consistent" and found.model.payload_site is None else []),
         ),
     )
+
+
+def _softness(found: Search) -> tuple[str, ...]:
+    data = found.start_data
+    fitted = data.replay.only(range(data.training))
+    note = softness_note(found.model, fitted, _part(found.start_runs, slice(0, data.training)))
+    return () if note is None else (note,)
 
 
 def _held_out_floor(data: Data) -> float | None:

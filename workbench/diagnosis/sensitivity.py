@@ -11,7 +11,7 @@ import numpy as np
 
 from workbench.core import EffectKey, Recording
 from workbench.effects import Effect, Motion, Plant, compile_plant, effect_named
-from workbench.models import AppliedEffect, Model, Placement
+from workbench.models import AppliedEffect, Model, Placement, own_friction
 from workbench.simulation import on_all_cores
 
 from .data import Data
@@ -102,7 +102,8 @@ class Scene:
 
         A loop linearised about such a motion does not know that, and points elsewhere.
         """
-        dry = [e.key for e in self.model.effects if effect_named(e.key.effect).dry]
+        stated = (*own_friction(self.model), *self.model.effects)
+        dry = [e.key for e in stated if effect_named(e.key.effect).dry]
         for place in filter(None, (Placement.of(self.model, key) for key in dry)):
             moved = [np.abs(np.diff(m.along(place)[0])) / m.step for m in self.motions]
             if np.mean(np.concatenate(moved) < self.model.sliding_speed) > _STICKING:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from workbench.comparison import Scale, Simulated, normalised
-from workbench.comparison.compare import consistent
+from workbench.comparison.consistent import consistent
 from workbench.core import EffectKey, Recording, SimulationError
 from workbench.effects import effect_named
 from workbench.models import Model

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from workbench.core import SimulationError
-from workbench.models import AppliedEffect, Model, Placement, axis_tendon, joint_kinds
+from workbench.models import AppliedEffect, Model, Placement, axis_tendon, take_friction
 from workbench.models.engine import warned
 
 from .catalogue import effect_named
@@ -47,7 +47,7 @@ class Plant:
 
 
 def build(model: Model, timestep: float = 0.001, held: Sequence[str] = (), grounded: bool = True) -> Build:
-    """Install every effect of a model into its spec and torque chain.
+    """Install every effect of a model into its spec and torque chain, and the dry friction of its file.
 
     Args:
         model: the model.
@@ -62,7 +62,7 @@ def build(model: Model, timestep: float = 0.001, held: Sequence[str] = (), groun
             lay_ground(out, model.ground)
         else:
             lift_off(out.spec, model.ground)
-    for applied in sorted(_added_up(model.effects), key=_turn):
+    for applied in sorted(_added_up((*take_friction(out.spec, model), *model.effects)), key=_turn):
         effect = effect_named(applied.key.effect)
         effect.install(out, model, Placement.of(model, applied.key), applied.values)
     return out
@@ -122,7 +122,7 @@ def compile_plant(
     compiled.opt.timestep = timestep / substeps
     for term in made.chain.hysteresis:
         compiled.tendon_stiffness[compiled.tendon(term.spring).id] = 0.0
-    set_friction_constraints(compiled, made.chain, model, joint_kinds(model))
+    set_friction_constraints(compiled, made.chain, model)
     _leave_out_constraints(compiled, made.chain)
     drives = np.stack([tendon_row(compiled, axis_tendon(i)) for i in range(model.size)])
     lift = _lift(compiled, model)

@@ -20,7 +20,7 @@ import scipy
 from scipy.linalg import expm
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement, axis_tendon, rotors
+from workbench.models import AppliedEffect, Model, Placement, axis_tendon, own_friction, rotors
 
 from .base import is_rotary
 from .chain import Build, FlankTerm
@@ -65,8 +65,18 @@ def _stated_drives(model: Model) -> tuple[np.ndarray, np.ndarray]:
 
 def _without_drive(model: Model, index: int) -> Model:
     """A model without the effects of one drive."""
-    links = tuple(e for e in model.effects if (e.key.axis, e.key.location) != (model.axes[index], "actuator"))
-    return model if len(links) == len(model.effects) else replace(model, effects=links)
+    here = model.axes[index], "actuator"
+    links = tuple(e for e in model.effects if _seat(e.key) != here)
+    # what the file states there no list of effects can leave out: the same once more, against it
+    against = tuple(_negative(e) for e in own_friction(model) if _seat(e.key) == here)
+    return (
+        model if len(links) == len(model.effects) and not against else replace(model, effects=links + against)
+    )
+
+
+def _negative(applied: AppliedEffect) -> AppliedEffect:
+    parameters = {name: replace(e, value=-e.value) for name, e in applied.parameters.items()}
+    return replace(applied, parameters=parameters)
 
 
 def _seat(key: EffectKey) -> tuple[str | None, str]:

@@ -5,6 +5,7 @@ from .engine import silence
 from .floating import BASE_AXES
 from .from_table import structural_effect
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
+from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_friction, take_friction
 from .paths import find_model
 from .read import read_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
@@ -15,6 +16,7 @@ silence()
 
 __all__ = [
     "BASE_AXES",
+    "NO_FRICTION",
     "VARIANTS",
     "Actuators",
     "AppliedEffect",
@@ -27,6 +29,7 @@ __all__ = [
     "base_contacts",
     "base_spec",
     "find_model",
+    "friction_leads",
     "joint_kinds",
     "limits_left_out",
     "linkage_table",
@@ -34,8 +37,11 @@ __all__ = [
     "load_tree",
     "machine_bodies",
     "model_text",
+    "own_constraints",
+    "own_friction",
     "read_model",
     "rotors",
     "structural_effect",
+    "take_friction",
     "write_model",
 ]

@@ -56,6 +56,7 @@ def from_table(table: ModelTable, file: Path) -> Model:
         controller=_controller(table, n, file),
         payload_site=payload_site,
         sliding_speed=table.friction.sliding_speed,
+        friction_as_in_mjcf=table.friction.as_in_mjcf,
         flank_retardation_s=table.backlash.retardation_s,
         ground=_ground(table.ground, spec, file),
         floats=bool(base),

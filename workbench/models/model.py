@@ -128,6 +128,8 @@ class Model(Shown):
         floats: its base is free, and the last six axes (`floating.BASE_AXES`) are those of the base.
         sliding_speed: speed at which dry friction has its full value [rad/s; a tenth of it in m/s];
             below, an axis creeps. Bearings and gears do so, and no log tells 0 from a very small one.
+        friction_as_in_mjcf: dry friction that the MJCF states sets in as MuJoCo's constraint has it there, by
+            ``solreffriction`` and ``solimpfriction``, rather than at the sliding speed.
         flank_retardation_s: damping of a gap's flanks over their stiffness [s], while they touch.
         source: file it was read from.
     """
@@ -148,6 +150,7 @@ class Model(Shown):
     controller: Controller = field(default_factory=Controller)
     payload_site: str | None = None
     sliding_speed: float = 0.0005
+    friction_as_in_mjcf: bool = False
     flank_retardation_s: float = 0.0
     ground: Ground | None = None
     floats: bool = False

@@ -100,6 +100,7 @@ class FrictionTable(_Table):
     """``[friction]``: how dry friction sets in."""
 
     sliding_speed: _Positive = 0.0005
+    as_in_mjcf: bool = False
 
 
 class BacklashTable(_Table):

@@ -93,12 +93,17 @@ def rotors(model: Model) -> tuple[np.ndarray, np.ndarray]:
     its armature is that drive's rotor, and its damping the drive's.
     """
     inertia, damping = _at_joints(model.serial, model.joints)
-    turns = model.transmission != 0.0
-    alone = (turns.sum(axis=1) == 1) & (turns[:, turns.argmax(axis=1)].sum(axis=0) == 1)
-    joint, ratio = turns.argmax(axis=1), model.transmission.sum(axis=1)
+    alone, joint, ratio = drives_alone(model)
     own = np.where(alone, 1.0 / np.where(alone, ratio, 1.0) ** 2, 0.0)
     stated = model.actuators
     return np.array(stated.inertia) + own * inertia[joint], np.array(stated.damping) + own * damping[joint]
+
+
+def drives_alone(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which drives turn one joint that no other turns; of each its first joint, and its ratio: (n,) each."""
+    turns = model.transmission != 0.0
+    alone = (turns.sum(axis=1) == 1) & (turns[:, turns.argmax(axis=1)].sum(axis=0) == 1)
+    return alone, turns.argmax(axis=1), model.transmission.sum(axis=1)
 
 
 @lru_cache(maxsize=64)

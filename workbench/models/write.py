@@ -83,6 +83,8 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
     if model.payload_site:
         table["payload"] = {"site": model.payload_site}
     table["friction"] = {"sliding_speed": model.sliding_speed}
+    if model.friction_as_in_mjcf:
+        table["friction"]["as_in_mjcf"] = True
     if model.flank_retardation_s:
         table["backlash"] = {"retardation_s": model.flank_retardation_s}
     if model.ground:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from workbench.models import friction_leads
+
 _NOTHING = 1e-9  # relative difference that is no addition: the mass of a body that has weight only
 
 
@@ -32,7 +34,7 @@ def additions(before: mujoco.MjModel, after: mujoco.MjModel) -> tuple[Addition, 
     old, found = {key: entry for key, entry in _numbers(before) if not key[0].startswith("motor ")}, []
     elements = {element for element, _ in old}
     for (element, quantity), (value, unit) in _numbers(after):
-        was = old[element, quantity][0] if element in elements else None
+        was = old.get((element, quantity), (0.0, ""))[0] if element in elements else None
         if abs(value - (was or 0.0)) > _NOTHING * max(abs(value), abs(was or 0.0)):
             found.append(Addition(element, quantity, was, value, unit))
     return tuple(found)
@@ -65,6 +67,8 @@ def _numbers(m: mujoco.MjModel) -> Iterator[tuple[tuple[str, str], tuple[float, 
         yield from _axis(f"tendon {m.tendon(t).name}", own, slide)
         play = float(np.ptp(m.tendon_lengthspring[t]))
         yield (f"tendon {m.tendon(t).name}", "dead band"), (play, "m" if slide else "rad")
+    for element, lead in friction_leads(m).items():
+        yield (element, "friction turns early by"), (lead, "s")
     for a in range(m.nu):
         element = f"motor {m.actuator(a).name}"
         yield (element, "gear"), (float(m.actuator_gear[a, 0]), "")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import mujoco
 import numpy as np
 
@@ -27,6 +25,7 @@ def settle_axes(made: Build, plant: Plant) -> list[str]:
         name of the tendon that moves with each drive, in the order of the axes; empty for a joint.
     """
     model, spec, names = plant.model, made.spec, []
+    _dry(spec, plant.mujoco)
     for index, axis in enumerate(model.axes):
         name = axis if all(t.name != axis for t in spec.tendons) else f"{axis}_drive"
         tendon = axis_tendon(index)
@@ -34,7 +33,6 @@ def settle_axes(made: Build, plant: Plant) -> list[str]:
             _to_joint(made, plant, tendon, name)
             names.append("")
         else:
-            _dry(spec.tendon(tendon), plant.mujoco, tendon)
             spec.tendon(tendon).name = name
             names.append(name)
         _to_joint(made, plant, axis_tendon(index, "joint"), f"{axis}_pin")
@@ -50,13 +48,12 @@ def _to_joint(made: Build, plant: Plant, axis: str, name: str) -> None:
     joint = spec.joint(moved)
     if tendon.frictionloss and joint.frictionloss:
         # two frictions side by side set in each its own way
-        _dry(tendon, plant.mujoco, axis)
         tendon.name = name
         return
     joint.armature += coefficient**2 * tendon.armature
     joint.damping = np.asarray(joint.damping) + coefficient**2 * np.asarray(tendon.damping)
     if tendon.frictionloss:
-        _dry(joint, plant.mujoco, axis)
+        joint.solref_friction, joint.solimp_friction = tendon.solref_friction, tendon.solimp_friction
         joint.frictionloss = abs(coefficient) * tendon.frictionloss
     stiffness = coefficient**2 * float(tendon.stiffness[0])
     if stiffness:
@@ -66,10 +63,16 @@ def _to_joint(made: Build, plant: Plant, axis: str, name: str) -> None:
     spec.delete(tendon)
 
 
-def _dry(element: Any, m: mujoco.MjModel, tendon: str) -> None:
-    """Friction that sets in as it does in the compiled plant."""
-    ident = m.tendon(tendon).id
-    element.solref_friction, element.solimp_friction = m.tendon_solref_fri[ident], m.tendon_solimp_fri[ident]
+def _dry(spec: mujoco.MjSpec, m: mujoco.MjModel) -> None:
+    """All dry friction sets in as it does in the compiled plant, that of the user's file too."""
+    for tendon in spec.tendons:
+        if tendon.frictionloss:
+            k = m.tendon(tendon.name).id
+            tendon.solref_friction, tendon.solimp_friction = m.tendon_solref_fri[k], m.tendon_solimp_fri[k]
+    for joint in spec.joints:
+        if joint.frictionloss:
+            k = m.joint(joint.name).dofadr[0]
+            joint.solref_friction, joint.solimp_friction = m.dof_solref[k], m.dof_solimp[k]
 
 
 def add_motors(made: Build, model: Model, tendons: list[str]) -> None:

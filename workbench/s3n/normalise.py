@@ -20,7 +20,7 @@ from workbench.effects import (
     effect_named,
     settle_contacts,
 )
-from workbench.models import AppliedEffect, Model, Placement, load_mjcf
+from workbench.models import NO_FRICTION, AppliedEffect, Model, Placement, load_mjcf
 
 from .additions import Addition, additions
 from .assets import write_with_assets
@@ -91,6 +91,7 @@ def normalise(
     settle_contacts(made)
     for name in ("timestep", "iterations", "tolerance", "disableflags", "integrator"):
         setattr(spec.option, name, getattr(own.option, name))
+    spec.option.disableflags &= ~NO_FRICTION  # switched off is only what the file itself had of it
     if integrator is not None:
         spec.option.integrator = INTEGRATORS[integrator]
     add_motors(made, model, settle_axes(made, plant))

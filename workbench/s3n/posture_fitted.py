@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from workbench.core import InputError, SimulationError
-from workbench.effects import Build
+from workbench.effects import Build, rigid_in_steps
 from workbench.models import Model, load_mjcf
 
 from .additions import additions
@@ -69,6 +69,9 @@ def fit_native(
     chain = chain or PostureDependent(model)
     found = fit(chain, branches)
     spec = load_mjcf(model.serial)
+    if not model.friction_as_in_mjcf:
+        for dry in (e for e in (*spec.joints, *spec.tendons) if e.frictionloss):
+            dry.solref_friction, dry.solimp_friction = rigid_in_steps(spec.option.timestep)
     removed = [f"actuator {a.name or a.id}: drives are the model's" for a in spec.actuators]
     for sensor in [s for s in spec.sensors if s.objtype == mujoco.mjtObj.mjOBJ_ACTUATOR]:
         removed.append(f"sensor {sensor.name or sensor.id}: its actuator is gone")

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.effects import Plant, TorqueChain, heat, tendon_row, wound
 
-from .native import inverse_forces
+from .native import inverse_forces, tendon_slopes
 from .trajectory import Track
 
 
@@ -82,20 +82,30 @@ def dry_friction(plant: Plant, track: Track, torque: np.ndarray) -> np.ndarray:
 
     `torque` (N, n) is that on the drives' shafts, which may load the friction.
     """
-    model, m = plant.model, plant.mujoco
-    total = np.zeros_like(track.velocity)
-    for location in ("actuator", "joint"):
-        for index in range(model.size):
-            name = f"{location}:{index}"
-            row = _row(plant, name)
-            loss = np.full(len(total), float(m.tendon_frictionloss[m.tendon(name).id]))
-            speed = track.velocity @ row
-            for term in plant.chain.friction:
-                if term.tendon == name:
-                    loss = loss + term.law(speed, torque[:, index], *term.parameters)
-            width = 0.01 * float(np.sqrt(np.mean(speed**2))) + 1e-12
-            total += (loss * np.tanh(speed / width))[:, None] * row[None, :]
+    m, total = plant.mujoco, np.zeros_like(track.velocity)
+    for ident in range(m.ntendon):
+        name, loss = m.tendon(ident).name, np.full(len(total), float(m.tendon_frictionloss[ident]))
+        laws = [term for term in plant.chain.friction if term.tendon == name]
+        if not laws and not loss.any():
+            continue
+        rows = _rows(plant, track, ident)
+        speed = np.sum(track.velocity * rows, axis=1)
+        for term in laws:
+            loss = loss + term.law(speed, torque[:, int(name.partition(":")[2])], *term.parameters)
+        width = 0.01 * float(np.sqrt(np.mean(speed**2))) + 1e-12
+        total += (loss * np.tanh(speed / width))[:, None] * rows
     return total
+
+
+def _rows(plant: Plant, track: Track, tendon: int) -> np.ndarray:
+    """Slopes of a tendon's length by the drives' coordinates: (1, n); (N, n) where it runs through space."""
+    m = plant.mujoco
+    if m.wrap_type[m.tendon_adr[tendon]] == int(mujoco.mjtWrap.mjWRAP_JOINT):
+        return _row(plant, m.tendon(tendon).name)[None]
+    back = np.linalg.inv(plant.model.transmission)
+    serial = track.position @ back.T
+    states = plant.state_at(np.stack([serial, 0.0 * serial], axis=1))
+    return tendon_slopes(m, tendon, states[:, 0]) @ plant.lift @ back
 
 
 def _row(plant: Plant, tendon: str) -> np.ndarray:

@@ -62,6 +62,17 @@ def com_slopes(m: mujoco.MjModel, positions: np.ndarray) -> np.ndarray:
     return out
 
 
+def tendon_slopes(m: mujoco.MjModel, tendon: int, positions: np.ndarray) -> np.ndarray:
+    """Slopes (N, nv) of a tendon's length by the joints at positions (N, nv)."""
+    data, first = mujoco.MjData(m), int(m.ten_J_rowadr[tendon])
+    part = slice(first, first + int(m.ten_J_rownnz[tendon]))
+    found = np.empty((len(positions), part.stop - part.start))
+    _tendon_rows(m._address, data._address, (data.qpos, data.ten_J[part]), positions, found)
+    out = np.zeros((len(positions), m.nv))
+    out[:, m.ten_J_colind[part]] = found
+    return out
+
+
 @njit(cache=True, nogil=True)
 def _forces(model, data, views, states, acceleration, out):  # pyright: ignore
     position, rate, change, force = views
@@ -94,6 +105,15 @@ def _masses(model, data, position, positions, out):  # pyright: ignore
         _tendons(model, data)
         _mass(model, data)
         _dense(model, data, out[k].ctypes.data)
+
+
+@njit(cache=True, nogil=True)
+def _tendon_rows(model, data, views, positions, out):  # pyright: ignore
+    position, row = views
+    for k in range(len(out)):
+        _pose(model, data, position, positions[k])
+        _tendons(model, data)
+        out[k] = row
 
 
 @njit(cache=True, nogil=True)

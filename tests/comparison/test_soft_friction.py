@@ -1,0 +1,49 @@
+"""Dry friction that a file states is rigid here, and a note says what MuJoCo makes of it there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.dry_arm import RIGID, dry_arm, made
+from workbench.comparison import compare
+from workbench.core import Comparison
+from workbench.diagnosis import diagnose
+from workbench.effects import load_model
+
+_NAME = "friction constraint is soft"
+
+
+def soft_notes(comparison: Comparison) -> list[str]:
+    return [note for note in comparison.notes if _NAME in note]
+
+
+@pytest.mark.parametrize("where", ["joint", "fixed"])
+def test_a_right_file_explains_the_log_and_hears_of_its_softness(tmp_path: Path, where: str) -> None:
+    log = made(dry_arm(tmp_path, where, RIGID, name="machine"))
+    found = compare(load_model(dry_arm(tmp_path, where)), [log])
+    assert found.consistent and found.inverse_dynamics is not None
+    assert found.inverse_dynamics.relative_error < 0.05
+    (note,) = soft_notes(found)
+    assert 'solreffriction="0.004 1" solimpfriction="0.99 0.99"' in note
+    as_told = load_model(dry_arm(tmp_path, where, 'solreffriction="0.004 1" solimpfriction="0.99 0.99"'))
+    told = compare(as_told, [log])
+    assert told.consistent and not soft_notes(told)
+    found = diagnose(load_model(dry_arm(tmp_path, where)), [log])
+    assert found.verdict == "consistent" and any(_NAME in note for note in found.notes)
+    bare = compare(load_model(dry_arm(tmp_path, "none")), [log])
+    assert not bare.consistent and not soft_notes(bare)
+
+
+def test_logs_that_have_the_softness_are_told_how_to_state_it(tmp_path: Path) -> None:
+    """Whoever holds MuJoCo's own runs against the file has it on both sides."""
+    file = dry_arm(tmp_path)
+    log = made(file)
+    model = load_model(file)
+    found = compare(model, [log])
+    assert not found.consistent
+    assert "as_in_mjcf = true" in soft_notes(found)[0]
+    stated = compare(replace(model, friction_as_in_mjcf=True), [log])
+    assert stated.consistent and not soft_notes(stated)

@@ -1,0 +1,75 @@
+"""What the softness of MuJoCo's friction constraint, as a file states it, does to a comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.effects import rigid_in_steps
+from workbench.models import Model, friction_leads, load_tree
+
+from .consistent import consistent
+from .replay import Replay
+from .score import Scale, normalised, pooled, scored_signals, squares
+from .simulated import Simulated
+
+_FEW = 4
+
+
+def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | None:
+    """A note where the recordings would show that a file's dry friction is soft in MuJoCo; else None.
+
+    The workbench takes dry friction as rigid, whatever the file says of its constraint; a policy that trains
+    in the file has it as the file says. So the model runs once more with the file's own constraint.
+
+    Args:
+        model: that was run.
+        replay: how.
+        simulated: its runs.
+    """
+    own_file = load_tree(model.serial).compile()
+    leads = friction_leads(own_file)
+    if not leads or model.friction_as_in_mjcf:
+        return None
+    soft, recordings = replay.run([replace(model, friction_as_in_mjcf=True)])[0], simulated.recordings
+    names, counts = [scored_signals(r) for r in recordings], [int(np.sum(r.valid)) for r in recordings]
+    scale = Scale.of(recordings)
+
+    def apart(ones: Sequence[Recording], others: Sequence[Recording]) -> np.ndarray:
+        return pooled([squares(*pair) for pair in zip(ones, others, names, strict=True)], counts)
+
+    noise = np.stack([apart(draw, simulated.clean) for draw in simulated.noisy])
+    floors = np.array([normalised(ms, scale) for ms in noise])
+    allowed = pooled([simulated.immaterial(i) for i in range(len(recordings))], counts)
+    # what the file's own constraint would leave of a machine whose friction is rigid
+    left = noise.mean(axis=0) + apart(soft, simulated.clean)
+    if consistent(left, noise, normalised(left, scale), floors, allowed):
+        return None
+    rigid, own = (normalised(apart(recordings, runs), scale) for runs in (simulated.clean, soft))
+    return _words(leads, float(own_file.opt.timestep), rigid, own)
+
+
+def _words(leads: dict[str, float], timestep: float, rigid: float, own: float) -> str:
+    """The note, with the errors of both kinds of friction."""
+    (time, ratio), (impedance, *_) = rigid_in_steps(timestep)
+    said = (
+        f"the MJCF's dry friction ({_named(list(leads))}) is taken as rigid here; as the file states it, "
+        "MuJoCo's friction constraint is soft (solreffriction, solimpfriction): friction turns up to "
+        f"{1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would be {own:.3g} in "
+        f"place of {rigid:.3g}; "
+    )
+    if own < rigid:
+        return said + "the recordings have it: state as_in_mjcf = true in [friction] of a model file"
+    return said + (
+        f'to train in the file, give it solreffriction="{time:g} {ratio:g}" '
+        f'solimpfriction="{impedance:g} {impedance:g}", or train in what workbench normalize writes'
+    )
+
+
+def _named(names: list[str]) -> str:
+    """All of a few names, and of many the first and how many more."""
+    first = ", ".join(names[:_FEW])
+    return first if len(names) <= _FEW else f"{first} and {len(names) - _FEW} more"

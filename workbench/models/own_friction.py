@@ -1,0 +1,93 @@
+"""Dry friction that an MJCF or URDF states at its joints: an effect of the model like any other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal
+
+import mujoco
+import numpy as np
+
+from workbench.core import EffectKey, Estimate
+
+from .model import AppliedEffect, Model
+from .serial import axis_tendon, drives_alone
+from .spec import load_tree
+
+#: MuJoCo's flag that switches dry friction off.
+NO_FRICTION = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
+
+
+def own_friction(model: Model) -> tuple[AppliedEffect, ...]:
+    """``frictionloss`` of the model's joints as `coulomb_friction`, one effect a joint that states some.
+
+    At a joint that one drive turns, and no other, it is that drive's, as the joint's armature and damping
+    are; at any other it is the joint's own.
+    """
+    return take_friction(load_tree(model.serial), model)
+
+
+def take_friction(spec: mujoco.MjSpec, model: Model) -> tuple[AppliedEffect, ...]:
+    """The same out of a model's tree, whose joints have none afterwards.
+
+    What the file's flag switches off is nowhere any more, and the flag is gone: friction of effects acts.
+    """
+    if spec.option.disableflags & NO_FRICTION:
+        spec.option.disableflags &= ~NO_FRICTION
+        for element in (*spec.joints, *spec.tendons):
+            element.frictionloss = 0.0
+    out = []
+    for joint, axis, location, ratio in _seats(spec, model):
+        unit = "N" if joint.type == mujoco.mjtJoint.mjJNT_SLIDE else "N*m"
+        torque = Estimate(float(joint.frictionloss) / ratio, 0.0, unit)
+        key = EffectKey("coulomb_friction", model.axes[axis], location)
+        out.append(AppliedEffect(key, {"torque": torque}))
+        joint.frictionloss = 0.0
+    return tuple(out)
+
+
+def own_constraints(model: Model) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """``solreffriction`` (2,) and ``solimpfriction`` (5,) of the same joints, by the tendon they act on."""
+    return {
+        axis_tendon(axis, location): (np.array(joint.solref_friction), np.array(joint.solimp_friction))
+        for joint, axis, location, _ in _seats(load_tree(model.serial), model)
+    }
+
+
+def _seats(
+    spec: mujoco.MjSpec, model: Model
+) -> Iterator[tuple[mujoco.MjsJoint, int, Literal["actuator", "joint"], float]]:
+    """Joints with dry friction, where it sits (axis and location), and the axis's speed over the joint's."""
+    alone, turned, ratio = drives_alone(model)
+    drive = {int(turned[k]): int(k) for k in np.flatnonzero(alone)}
+    there = {joint.name: joint for joint in spec.joints if joint.frictionloss}
+    for k, name in enumerate(model.joints):
+        if name in there and k in drive:
+            yield there[name], drive[k], "actuator", abs(float(ratio[drive[k]]))
+        elif name in there:
+            yield there[name], k, "joint", 1.0
+
+
+def friction_leads(m: mujoco.MjModel) -> dict[str, float]:
+    """Joints and tendons of a compiled MJCF with dry friction, and how soft MuJoCo's constraint for it is.
+
+    That is the time [s] by which the friction turns before a reversal: the constraint pulls the speed w to
+    ``a = -b w``, so that under an acceleration a it changes sign 1 / b early.
+    """
+    out: dict[str, float] = {}
+    if m.opt.disableflags & NO_FRICTION:
+        return out
+    for k in np.flatnonzero(m.dof_frictionloss):
+        name = f"joint {m.joint(m.dof_jntid[k]).name}"
+        out[name] = _lead(m.dof_solref[k], m.dof_solimp[k], m.opt.timestep)
+    for k in np.flatnonzero(m.tendon_frictionloss):
+        name = f"tendon {m.tendon(k).name}"
+        out[name] = _lead(m.tendon_solref_fri[k], m.tendon_solimp_fri[k], m.opt.timestep)
+    return out
+
+
+def _lead(reference: np.ndarray, impedance: np.ndarray, timestep: float) -> float:
+    """One over the constraint's damping [s], as MuJoCo makes it of ``solreffriction`` (its "Computation")."""
+    if reference[0] > 0.0:
+        return 0.5 * float(impedance[1]) * max(float(reference[0]), 2.0 * timestep)
+    return float(impedance[1] / max(-reference[1], 1e-12))
