@@ -6,7 +6,6 @@ import gzip
 import io
 import re
 import zlib
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,31 +16,7 @@ from workbench.core import InputError
 from workbench.core.bounds import check_cells, read_bounded
 
 from ..table import Table
-
-_NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?")
-_EMPTY = ("", "nan", "null", "na", "n/a", "none", "#n/a", "-", "inf", "-inf", "true", "false")
-_LOOK = 60  # lines that show what kind of text it is
-
-
-@dataclass(frozen=True)
-class Style:
-    """How a text table is written.
-
-    Attributes:
-        encoding: of the bytes.
-        separator: between cells; ``" "`` stands for any run of blanks.
-        decimal: ``.`` or ``,``.
-        header: index of the line with names, or None.
-        first: index of the first line of numbers.
-        units: the unit row's cells, where there is one.
-    """
-
-    encoding: str
-    separator: str
-    decimal: str
-    header: int | None
-    first: int
-    units: tuple[str, ...] = ()
+from .text_style import EMPTY, LOOK, Style, cells_of, find_style
 
 
 def read_text(path: Path) -> Table:
@@ -57,8 +32,8 @@ def read_text(path: Path) -> Table:
     except UnicodeDecodeError as error:
         problem = f"is no {encoding.upper()} text from byte {error.start} on"
         raise InputError(problem, file=path, remedy="check that the file is whole") from error
-    lines = text.split("\n", _LOOK + 1)[: _LOOK + 1]
-    style = _style(lines, encoding, path)
+    lines = text.split("\n", LOOK + 1)[: LOOK + 1]
+    style = find_style(lines, encoding, path)
     names = _names(lines, style)
     body = "\n".join(text.split("\n")[style.first :]).strip("\n") + "\n"
     if style.separator == " ":
@@ -113,88 +88,11 @@ def _encoding(raw: bytes, path: Path) -> str:
     return "utf-8-sig"
 
 
-def _style(lines: list[str], encoding: str, path: Path) -> Style:
-    """The reading under which most lines are rows of equally many numbers."""
-    best: tuple[float, Style] | None = None
-    for separator, decimal in (
-        (";", ","),
-        (";", "."),
-        ("\t", ","),
-        ("\t", "."),
-        (",", "."),
-        (" ", ","),
-        (" ", "."),
-    ):
-        rows = [_cells(line, separator) for line in lines if line.strip()]
-        at = [i for i, line in enumerate(lines) if line.strip()]
-        if len(rows) > 2 and len(lines) > _LOOK:
-            rows, at = rows[:-1], at[:-1]  # the last line may be cut
-        numeric = [_is_row(row, decimal) for row in rows]
-        if not any(numeric):
-            continue
-        width = max(len(r) for r, good in zip(rows, numeric, strict=True) if good)
-        good = [ok and len(r) == width for r, ok in zip(rows, numeric, strict=True)]
-        if width < 2 or not any(good):
-            continue
-        first = good.index(True)
-        share = sum(good[first:]) / len(good[first:])
-        fractions = sum(decimal in cell for row in rows[first:] for cell in row)
-        score = share * 100 + min(width, 50) + (5 if fractions else 0)
-        header, units = _above(rows[:first], at, width)
-        style = Style(encoding, separator, decimal, header, at[first], units)
-        if best is None or score > best[0]:
-            best = score, style
-    if best is None:
-        raise InputError(
-            "has no rows of numbers with one separator between them",
-            file=path,
-            remedy="give one row a sample, two columns or more",
-        )
-    return best[1]
-
-
-def _cells(line: str, separator: str) -> list[str]:
-    line = line.lstrip("\ufeff")
-    parts = line.split() if separator == " " else line.split(separator)
-    return [part.strip().strip('"').strip() for part in parts]
-
-
-def _is_row(cells: list[str], decimal: str) -> bool:
-    """Whether cells are numbers or empty; one may be text (a time stamp)."""
-    other = "." if decimal == "," else ","
-    numbers = sum(bool(_NUMBER.fullmatch(c)) and other not in c for c in cells)
-    empty = sum(c.lower() in _EMPTY for c in cells)
-    return numbers > 0 and numbers + empty >= len(cells) - (1 if len(cells) > 3 else 0)
-
-
-def _above(rows: list[list[str]], at: list[int], width: int) -> tuple[int | None, tuple[str, ...]]:
-    """The header's line and the unit row, among the rows before the numbers."""
-    fitting = [i for i, row in enumerate(rows) if len(row) in (width, width + 1) and _worded(row)]
-    if not fitting:
-        return None, ()
-    last = fitting[-1]
-    if len(fitting) > 1 and fitting[-2] == last - 1 and _looks_like_units(rows[last]):
-        return at[last - 1], tuple(cell.strip("[]() ") for cell in rows[last])
-    return at[last], ()
-
-
-def _worded(row: list[str]) -> bool:
-    return sum(bool(cell) and not _NUMBER.fullmatch(cell) for cell in row) > 0.5 * len(row)
-
-
-def _looks_like_units(row: list[str]) -> bool:
-    from ..units import known_unit
-
-    cells = [cell.strip("[]() ") for cell in row]
-    known = sum(cell in ("", "-", "1") or known_unit(cell) for cell in cells)
-    return known >= 0.7 * len(cells) and any(known_unit(cell) for cell in cells)
-
-
 def _names(lines: list[str], style: Style) -> list[str]:
-    width = len(_cells(lines[style.first], style.separator))
+    width = len(cells_of(lines[style.first], style.separator))
     if style.header is None:
         return [f"column_{i + 1}" for i in range(width)]
-    cells = _cells(lines[style.header].lstrip("\ufeff#%/ \t"), style.separator)
+    cells = cells_of(lines[style.header].lstrip("\ufeff#%/ \t"), style.separator)
     cells = cells[-width:] if style.separator == " " else cells[:width]
     cells += [f"column_{i + 1}" for i in range(len(cells), width)]
     out: list[str] = []
@@ -257,7 +155,7 @@ def _numbers(cells: list[str | None], decimal: str) -> np.ndarray | None:
             low = cell.lower()
             if low in ("true", "false"):
                 out[i] = low == "true"
-            elif low not in _EMPTY:
+            elif low not in EMPTY:
                 bad += 1
     if bad > 0.02 * len(cells):
         return _stamps(cells)
