@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,8 @@ from .axes import named_axes
 from .clean import Clean, clean
 from .clock import find_time, rate_question
 from .draft import FALLBACK_RATE, Draft
-from .names import name_joints, role_of
+from .merge import on_rows_of
+from .names import Role, name_joints, role_of
 from .proposal import Answers, Proposal, Question, listed
 from .scaling import settle_scales
 from .settle import settle_units
@@ -45,9 +47,16 @@ def propose(table: Table, answers: Answers | None = None) -> Proposal:
     """
     answers = answers or Answers()
     _check_answers(table, answers)
+    table = on_rows_of(table, answers)
+    roles = _roles(table)
+    return _drafted(Draft(table, answers, roles, notes=list(table.notes)))
+
+
+def _roles(table: Table) -> dict[str, Role]:
     names = list(table.columns)
     named = name_joints([role_of(n, table.units.get(n, "")) for n in names])
-    return _drafted(Draft(table, answers, dict(zip(names, named, strict=True)), notes=list(table.notes)))
+    roles = dict(zip(names, named, strict=True))
+    return roles | {n: replace(roles[n], joint=joint) for n, joint in table.joints.items() if n in roles}
 
 
 def _check_answers(table: Table, answers: Answers) -> None:

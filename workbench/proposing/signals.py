@@ -112,6 +112,11 @@ def _second(out: Signals, data: dict[str, np.ndarray], signal: str, joint: str, 
     out.put(asked[signal], joint, leader, f"it leads by {abs(relation.lag)} rows", 0.93)
 
 
+def _is_counted(name: str, role: Role) -> bool:
+    """Whether a column has no name but its number, and no joint but that of such a name."""
+    return name.startswith("column_") and role.joint in ("", *role.words, "_".join(role.words))
+
+
 def _by_derivative(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role]) -> None:
     """Positions without a name: columns of which another is the derivative."""
     free = [n for n in data if n not in out.used()]
@@ -129,7 +134,7 @@ def _by_derivative(out: Signals, data: dict[str, np.ndarray], roles: dict[str, R
             continue
         taken |= {a, b}
         joint = next(
-            (j for j, c in velocities.items() if c == b), "" if a.startswith("column_") else roles[a].joint
+            (j for j, c in velocities.items() if c == b), "" if _is_counted(a, roles[a]) else roles[a].joint
         )
         found[a] = (joint or a, b)
     rank = in_rank({a: b for a, (_, b) in found.items()}, list(data), alike) if found else {}

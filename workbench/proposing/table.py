@@ -20,6 +20,8 @@ class Table:
         plain: whether the recording reader understands the file as it stands, by these names.
         clock: name of the column that is the log's own clock in seconds, where the log has one.
         notes: what was done to bring the file into this form, one sentence each.
+        joints: name -> the joint that the file says the column is of, where it does.
+        series: where the rows are those of one series of several, all of them.
     """
 
     file: Path
@@ -28,6 +30,8 @@ class Table:
     plain: bool = False
     clock: str | None = None
     notes: tuple[str, ...] = ()
+    joints: Mapping[str, str] = field(default_factory=dict)
+    series: tuple[Series, ...] = ()
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()), ()))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gzip
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,9 +15,11 @@ from workbench.core.bounds import bounded, check_fetched
 from ..table import Table
 from .arrays import read_matlab_file, read_numpy_file, read_parquet_file
 from .can_log import read_can_log
+from .json_log import read_json
 from .lerobot import is_lerobot, read_lerobot
 from .logs import read_bag, read_mcap_file
 from .text import read_text
+from .torch_file import read_torch_file
 
 #: File ending -> reader; what has another ending is taken for text.
 READERS = {
@@ -27,11 +31,18 @@ READERS = {
     ".blf": read_can_log,
     ".asc": read_can_log,
     ".mf4": read_can_log,
+    ".json": read_json,
+    ".jsonl": read_json,
+    ".ndjson": read_json,
+    ".pt": read_torch_file,
+    ".pth": read_torch_file,
 }
 
 _LARGEST = 1e30
 _ARCHIVES = (".zip", ".tar", ".tgz", ".tar.gz", ".7z", ".rar", ".bz2", ".xz", ".zst")
-_PICKLES = (".pkl", ".pickle", ".joblib", ".pt", ".pth")
+_JSON = (".json", ".jsonl", ".ndjson")
+_PICKLES = (".pkl", ".pickle", ".joblib")
+_STARTS = b"{", b"[{", b"[["  # of JSON, whatever the file is called
 
 
 def open_table(path: Path, *, episode: int = 0) -> Table:
@@ -80,7 +91,19 @@ def _reader(path: Path):
         with path.open("rb") as file:
             if file.read(1) == b"(":
                 return read_can_log
-    return READERS.get(path.suffix.lower(), read_text)
+    suffix = Path(name.removesuffix(".gz")).suffix
+    if suffix in READERS and (suffix in _JSON or not name.endswith(".gz")):
+        return READERS[suffix]
+    return read_json if _is_json(path) else read_text
+
+
+def _is_json(path: Path) -> bool:
+    try:
+        with (gzip.open if path.name.lower().endswith(".gz") else open)(path, "rb") as file:
+            start = b"".join(file.read(200).removeprefix(b"\xef\xbb\xbf").split())
+    except (OSError, EOFError, zlib.error):
+        return False  # the reader says so
+    return start.startswith(_STARTS)
 
 
 def _folder(path: Path, episode: int) -> Table:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -94,7 +94,7 @@ def read_matlab_file(path: Path) -> Table:
     for name, value in data.items():
         if not name.startswith("__"):
             _walk(name, value, arrays, 0)
-    return _stacked(path, arrays, plain=True)
+    return stacked(path, arrays, plain=True)
 
 
 def _walk(name: str, value: Any, out: dict[str, np.ndarray], depth: int) -> None:
@@ -107,8 +107,18 @@ def _walk(name: str, value: Any, out: dict[str, np.ndarray], depth: int) -> None
         out[name] = value
 
 
-def _stacked(path: Path, arrays: dict[str, np.ndarray], plain: bool) -> Table:
-    """Arrays of the commonest length as columns, with ``[i]`` where an array has several."""
+def stacked(path: Path, arrays: dict[str, np.ndarray], plain: bool, left: Sequence[str] = ()) -> Table:
+    """Arrays of the commonest length as columns, with ``[i]`` where an array has several.
+
+    Args:
+        path: of the file.
+        arrays: of one or two dimensions, by name.
+        plain: as of a `Table`.
+        left: what else is in the file.
+
+    Raises:
+        InputError: none is as long as a log.
+    """
     by_row = {
         n: (a.T if a.shape[0] < a.shape[1] else a)
         for n, a in ((n, np.atleast_2d(a)) for n, a in arrays.items())
@@ -127,13 +137,16 @@ def _stacked(path: Path, arrays: dict[str, np.ndarray], plain: bool) -> Table:
     if not columns:
         raise InputError("holds no numbers", file=path, remedy="name another file")
     check_cells(length * len(columns), path)
-    left = [name for name, array in tall.items() if len(array) != length]
-    notes = tuple(f"'{name}' has another length than the rest and is left out." for name in left)
+    other = [name for name, array in by_row.items() if name not in tall or len(array) != length]
+    notes = tuple(f"'{name}' has another length than the rest and is left out." for name in other)
+    if left:
+        notes = (*notes, f"Not read, it is no array of numbers: {', '.join(left)}.")
     return Table(path, columns, plain=plain, notes=notes)
 
 
 def read_numpy_file(path: Path) -> Table:
     """Arrays of a .npy or .npz file; one with objects in it is refused, not unpickled."""
+    left: list[str] = []
     try:
         if path.suffix.lower() == ".npy":
             with path.open("rb") as file:
@@ -146,12 +159,14 @@ def read_numpy_file(path: Path) -> Table:
                 for entry in archive.infolist():
                     if entry.filename.endswith(".npy"):
                         with archive.open(entry) as file:
-                            arrays |= dict(_fields(entry.filename[:-4], _array(file, path)))
+                            found = dict(_fields(entry.filename[:-4], _array(file, path)))
+                        arrays |= found
+                        left += [] if found else [entry.filename[:-4]]
     except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, *_HEADERS) as error:
         if isinstance(error, InputError):
             raise
         raise InputError("is not a readable NumPy file", file=path, remedy=_WHOLE) from error
-    return _stacked(path, arrays, plain=False)
+    return stacked(path, arrays, plain=False, left=left)
 
 
 def _fields(name: str, array: np.ndarray | None) -> Iterator[tuple[str, np.ndarray]]:

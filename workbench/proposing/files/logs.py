@@ -6,6 +6,7 @@ import io
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import redirect_stderr
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,12 +48,15 @@ def _table(path: Path, messages: Messages) -> Table:
             file=path,
             remedy="record sensor_msgs/JointState, std_msgs/Float64MultiArray or JSON",
         )
-    return merged(path, series)
+    origin = min(float(each.stamps[0]) for each in series)
+    series = [replace(each, stamps=each.stamps - origin) for each in series]
+    known = Table(path, {}, {"log time": "s"}, clock="log time")
+    return merged(known, series, "log time")
 
 
 def _series(path: Path, messages: Messages) -> list[Series]:
-    stamps: dict[str, list[float]] = {}
-    rows: dict[str, list[dict[str, float]]] = {}
+    stamps: dict[tuple[str, frozenset[str]], list[float]] = {}
+    rows: dict[tuple[str, frozenset[str]], list[dict[str, float]]] = {}
     cells = 0
     for topic, log_time, message in messages:
         row = dict(_numbers(topic.strip("/"), message))
@@ -61,15 +65,32 @@ def _series(path: Path, messages: Messages) -> list[Series]:
         cells += len(row)
         if cells > MOST_CELLS // 8:  # held as Python numbers here
             raise too_large(path)
-        stamps.setdefault(topic, []).append(_stamp(message, log_time))
-        rows.setdefault(topic, []).append(row)
+        key = topic, frozenset(row)
+        stamps.setdefault(key, []).append(_stamp(message, log_time))
+        rows.setdefault(key, []).append(row)
     out = []
-    for topic, found in rows.items():
+    for together in _publishers(list(rows)):
+        found = [row for key in together for row in rows[key]]
+        times = np.array([stamp for key in together for stamp in stamps[key]])
         names = dict.fromkeys(name for row in found for name in row)
         columns = {name: np.array([row.get(name, np.nan) for row in found]) for name in names}
-        order = np.argsort(stamps[topic], kind="stable")
-        out.append(Series(np.array(stamps[topic])[order], {n: c[order] for n, c in columns.items()}))
+        order = np.argsort(times, kind="stable")
+        out.append(Series(times[order], {n: c[order] for n, c in columns.items()}))
     return out
+
+
+def _publishers(keys: list[tuple[str, frozenset[str]]]) -> list[list[tuple[str, frozenset[str]]]]:
+    """Messages of one series: of one topic, with columns in common.
+
+    Drivers of different joints publish on one topic, each by its own clock.
+    """
+    groups: list[tuple[str, set[str], list[tuple[str, frozenset[str]]]]] = []
+    for topic, names in keys:
+        same = [g for g in groups if g[0] == topic and g[1] & names]
+        groups = [g for g in groups if g not in same]
+        joined = [key for g in same for key in g[2]]
+        groups.append((topic, set(names).union(*(g[1] for g in same)), [*joined, (topic, names)]))
+    return [members for _, _, members in groups]
 
 
 def _stamp(message: Any, log_time: int) -> float:

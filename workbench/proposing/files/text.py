@@ -16,7 +16,9 @@ from workbench.core import InputError
 from workbench.core.bounds import check_cells, read_bounded
 
 from ..table import Table
+from .joint_names import named_by_text
 from .text_style import EMPTY, LOOK, Style, cells_of, find_style
+from .written_time import stamps
 
 
 def read_text(path: Path) -> Table:
@@ -39,15 +41,16 @@ def read_text(path: Path) -> Table:
     if style.separator == " ":
         body = re.sub(r"[ \t]+", " ", re.sub(r"(?m)^[ \t]+|[ \t]+$", "", body))
     check_cells(len(names) * body.count("\n"), path)
-    columns, left_out = _columns(body, names, style, path)
-    notes = [f"Column '{name}' holds text and is left out." for name in left_out]
+    columns, texts, exact, notes = _columns(body, names, style, path)
+    heads = cells_of(lines[style.header], style.separator) if style.header is not None else []
     plain = (
-        style.header == 0
+        exact
+        and style.header == 0
         and style.first == 1
         and style.decimal == "."
         and style.separator in ",;\t"
         and encoding == "utf-8-sig"
-        and len(set(names)) == len(names)
+        and heads == names
         and path.name.lower().endswith((".csv", ".csv.gz"))
     )
     if style.decimal == ",":
@@ -55,7 +58,7 @@ def read_text(path: Path) -> Table:
     if encoding not in ("utf-8-sig",):
         notes.append(f"The text is {encoding.upper()}.")
     units = {n: u for n, u in zip(names, style.units, strict=False) if u and n in columns}
-    return Table(path, columns, units, plain, None, tuple(notes))
+    return named_by_text(Table(path, columns, units, plain, None, tuple(notes)), names, texts)
 
 
 def _raw(path: Path) -> bytes:
@@ -104,8 +107,8 @@ def _names(lines: list[str], style: Style) -> list[str]:
 
 def _columns(
     body: str, names: list[str], style: Style, path: Path
-) -> tuple[dict[str, np.ndarray], list[str]]:
-    """Numbers by name, and names of columns that hold text."""
+) -> tuple[dict[str, np.ndarray], dict[str, list[str]], bool, list[str]]:
+    """Numbers by name, text by name, whether all cells of numbers are such, and what was left out."""
     keys = [f"c{i}" for i in range(len(names))]
     skipped: list[int] = []
 
@@ -130,43 +133,41 @@ def _columns(
     if len(skipped) > 0.1 * table.num_rows:
         remedy = f"give every row {len(names)} cells"
         raise InputError(f"{len(skipped)} rows have another number of cells", file=path, remedy=remedy)
+    notes = [f"{len(skipped)} rows with another number of cells are left out."] if skipped else []
     out: dict[str, np.ndarray] = {}
-    text: list[str] = []
+    text: dict[str, list[str]] = {}
+    exact = True
     for name, key in zip(names, keys, strict=True):
-        values = _numbers(table[key].to_pylist(), style.decimal)
+        cells = table[key].to_pylist()
+        values, whole = _numbers(cells, style.decimal)
+        exact &= whole or values is None
         if values is None:
-            text.append(name)
+            text[name] = [(cell or "").strip().strip('"') for cell in cells]
         else:
             out[name] = values
-    return out, text
+    if not out:
+        raise InputError("has no column of numbers", file=path, remedy="give one row a sample")
+    return out, text, exact, notes
 
 
-def _numbers(cells: list[str | None], decimal: str) -> np.ndarray | None:
-    """Cells as floats; None where more than a few are text."""
+def _numbers(cells: list[str | None], decimal: str) -> tuple[np.ndarray | None, bool]:
+    """Cells as floats, None where more than a few are text; and whether every cell is one or empty."""
     out = np.full(len(cells), np.nan)
-    bad = 0
+    bad, exact = 0, True
     for i, cell in enumerate(cells):
         cell = (cell or "").strip()
         if decimal == ",":
             cell = cell.replace(",", ".", 1)
         try:
             out[i] = float(cell)
+            exact &= bool(np.isfinite(out[i])) or cell.lower() == "nan"
         except ValueError:
             low = cell.lower()
             if low in ("true", "false"):
                 out[i] = low == "true"
             elif low not in EMPTY:
                 bad += 1
+            exact &= low in EMPTY and low != "-"
     if bad > 0.02 * len(cells):
-        return _stamps(cells)
-    return np.where(np.isfinite(out), out, np.nan)
-
-
-def _stamps(cells: list[str | None]) -> np.ndarray | None:
-    """Written dates and times as seconds since 1970; None where they are not such."""
-    try:
-        texts = [(c or "").strip().replace(",", ".").rstrip("Z") for c in cells]
-        stamps = np.array(texts, dtype="datetime64[ns]")
-    except ValueError:
-        return None
-    return np.where(np.isnat(stamps), np.nan, stamps.astype(np.int64) / 1e9)
+        return stamps(cells), False
+    return np.where(np.isfinite(out), out, np.nan), exact
