@@ -20,8 +20,8 @@ def import_(
         str,
         typer.Argument(
             metavar="FILE",
-            help="A table or log (CSV, Parquet, MATLAB, NumPy, MCAP, ROS 2 bag, LeRobot data set, CAN log), "
-            "or SDF or URDF of a mechanism, its loops cut open.",
+            help="A table or log (CSV, JSON, Parquet, MATLAB, NumPy, PyTorch, MCAP, ROS 2 bag, LeRobot data "
+            "set, CAN log), or SDF or URDF of a mechanism, its loops cut open.",
         ),
     ],
     output: Annotated[
@@ -71,7 +71,10 @@ def import_(
     period: Annotated[
         float | None, typer.Option("--period", metavar="S", help="Table: the loop's period.")
     ] = None,
-    episode: Annotated[int, typer.Option("--episode", min=0, help="LeRobot: which episode.")] = 0,
+    episode: Annotated[
+        int | None,
+        typer.Option("--episode", min=0, metavar="K", help="LeRobot, or a log of several runs: which one."),
+    ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Table: take the likeliest answer to every question.")
     ] = False,
@@ -145,10 +148,8 @@ def import_(
     path = Path(file)
     check_outputs(json, force=force)
     if path.suffix.lower() not in (".sdf", ".urdf", ".xml", ".xacro", ".world"):
-        answers = read_answers(axis, column, unit, rate, counts, coordinates, kp, kd, period, model)
-        import_table(
-            path, output, answers, episode=episode, yes=yes, model=model, json=json, force=force, quiet=quiet
-        )
+        answers = read_answers(axis, column, unit, rate, counts, coordinates, kp, kd, period, model, episode)
+        import_table(path, output, answers, yes=yes, model=model, json=json, force=force, quiet=quiet)
         return
     refuse_model(path)
     if not drive:

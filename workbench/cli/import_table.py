@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from workbench.inspection import Inspection
     from workbench.proposing import Answers, Proposal
 
+_NUMBERS = ("rate", "counts")  # without an answer, a proposal does not hold the likeliest of these
 _ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
 
 
@@ -24,7 +25,6 @@ def import_table(
     output: str,
     answers: Answers,
     *,
-    episode: int = 0,
     yes: bool = False,
     model: str | None = None,
     json: str | None = None,
@@ -44,11 +44,11 @@ def import_table(
 
     target = Path(output) if output else default_output(path)
     check_free(target, force=force)
-    table = open_table(path, episode=episode)
+    table = open_table(path, episode=answers.episode or 0)
     proposal = propose(table, answers)
     for _ in range(_ROUNDS):
-        # a proposal holds the likeliest units and axes already, and says that they are guesses
-        asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key != "rate"))
+        # a proposal holds the likeliest units, axes and run already, and says that they are guesses
+        asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key not in _NUMBERS))
         if not asked:
             break
         silent = quiet or json == "-"
@@ -94,6 +94,7 @@ def read_answers(
     kd: list[float] | None,
     period: float | None,
     model: str | None,
+    episode: int | None,
 ) -> Answers:
     """What the options say.
 
@@ -122,6 +123,7 @@ def read_answers(
         model_axes=names,
         linear=linear,
         transmission=transmission,
+        episode=episode,
     )
 
 

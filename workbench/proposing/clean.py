@@ -20,25 +20,28 @@ class Clean:
         valid: rows that were measured (K,) bool, or None where all were and no gap is among them.
         changed: whether anything differs from the file, so that a table has to be written.
         notes: what was done, one sentence each.
+        runs: rows of each run that is in the file, one after the other; one is taken.
     """
 
     columns: Mapping[str, np.ndarray]
     valid: np.ndarray | None
     changed: bool
     notes: tuple[str, ...]
+    runs: tuple[int, ...]
 
 
-def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str]) -> Clean:
+def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str], run: int | None = None) -> Clean:
     """Put rows in order.
 
     Args:
         columns: name -> values (N,).
         time: the time column, in any unit.
         used: the other columns that the recording names.
+        run: which run, where time starts anew; else the longest.
     """
     notes: list[str] = []
     t = columns[time]
-    rows, changed = _in_order(t, notes)
+    rows, changed, runs = _in_order(t, notes, run)
     t = t[rows]
     data = {name: columns[name][rows] for name in used}
     t, kept = _without_repeats(t, notes)
@@ -69,27 +72,28 @@ def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str]) -> 
         gaps = int((step > max(1.5 * np.median(step), 1.3 * np.quantile(step, 0.95))).sum())
         notes.append(f"{gaps} gap(s) in time are marked as not measured.")
         valid = good
-    return Clean({time: t, **data}, valid, changed or valid is not None, tuple(notes))
+    return Clean({time: t, **data}, valid, changed or valid is not None, tuple(notes), runs)
 
 
-def _in_order(t: np.ndarray, notes: list[str]) -> tuple[np.ndarray, bool]:
-    """Indices of the rows to keep, in order of time."""
+def _in_order(t: np.ndarray, notes: list[str], run: int | None) -> tuple[np.ndarray, bool, tuple[int, ...]]:
+    """Indices of the rows to keep, in order of time; whether any differ; and rows of each run."""
     rows = np.flatnonzero(np.isfinite(t))
     changed = len(rows) < len(t)
     if changed:
         notes.append(f"{len(t) - len(rows)} rows without a time are left out.")
     back = np.flatnonzero(np.diff(t[rows]) < 0)
     if len(back) == 0:
-        return rows, changed
+        return rows, changed, (len(rows),)
     # a clock that starts again: several runs in one file
     edges = np.concatenate([[0], back + 1, [len(rows)]])
     sizes = np.diff(edges)
     if sizes.max() > 0.05 * len(rows) and len(back) < 50 and _restarts(t[rows], back):
-        longest = int(np.argmax(sizes))
-        notes.append(f"Time starts anew {len(back)} time(s); the longest of {len(sizes)} runs is taken.")
-        return rows[edges[longest] : edges[longest + 1]], True
+        taken = int(np.argmax(sizes)) if run is None else min(run, len(sizes) - 1)
+        which = "the longest" if run is None else f"number {run}, counted from 0,"
+        notes.append(f"Time starts anew {len(back)} time(s); {which} of {len(sizes)} runs is taken.")
+        return rows[edges[taken] : edges[taken + 1]], True, tuple(int(size) for size in sizes)
     notes.append(f"Time goes back at {len(back)} row(s); rows are sorted by time.")
-    return rows[np.argsort(t[rows], kind="stable")], True
+    return rows[np.argsort(t[rows], kind="stable")], True, (len(rows),)
 
 
 def _restarts(t: np.ndarray, back: np.ndarray) -> bool:

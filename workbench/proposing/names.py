@@ -30,6 +30,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "time": (
         *("time", "t", "timestamp", "stamp", "clock", "zeit", "epoch", "datetime", "timestep", "tid"),
         *("sec", "secs", "seconds", "millis", "micros", "ms", "us", "ns", "date"),
+        *("nanosec", "nanosecs", "nanoseconds", "nsec", "nsecs", "usec", "usecs", "msec", "msecs"),
     ),
     "valid": ("valid", "ok"),
     "index": ("index", "idx", "sample", "samples", "frame", "row", "step", "n", "count", "counter", "nr"),

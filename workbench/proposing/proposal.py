@@ -45,7 +45,7 @@ class Question:
     """What the file does not say.
 
     Attributes:
-        key: ``unit.KIND``, ``column.SIGNAL``, ``rate``, ``axes``, ``coordinates`` or ``counts``.
+        key: ``unit.KIND``, ``column.SIGNAL``, ``rate``, ``axes``, ``coordinates``, ``counts`` or ``episode``.
         text: the question.
         choices: answers to choose from; empty where any may be right.
         best: the likeliest, ``""`` where none is.
@@ -74,6 +74,7 @@ class Answers:
         model_axes: the model's axes, in its order.
         linear: which of the model's axes move along a line.
         transmission: the model's J in q_p = J q_s, shape (n, n), where it is not the identity.
+        episode: which run of a log in which time starts anew, counted from 0.
         guessed: keys of questions that were answered for the user.
     """
 
@@ -89,6 +90,7 @@ class Answers:
     model_axes: tuple[str, ...] = ()
     linear: tuple[bool, ...] = ()
     transmission: np.ndarray | None = None
+    episode: int | None = None
     guessed: frozenset[str] = frozenset()
 
     def with_answer(self, key: str, value: str) -> Answers:
@@ -106,6 +108,10 @@ class Answers:
             if value not in ("actuator", "joint"):
                 raise ValueError(value)
             return replace(self, coordinates=value)
+        if kind == "episode":
+            if not value.isdigit():
+                raise ValueError(value)
+            return replace(self, episode=int(value))
         if kind == "axes":
             names = listed(value)
             if not names or (self.model_axes and sorted(names) != sorted(self.model_axes)):

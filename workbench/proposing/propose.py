@@ -19,9 +19,11 @@ from .draft import FALLBACK_RATE, Draft
 from .merge import on_rows_of
 from .names import Role, name_joints, role_of
 from .proposal import Answers, Proposal, Question, listed
+from .rows import on_rows_of_axes
 from .scaling import settle_scales
 from .settle import settle_units
 from .signals import read_signals
+from .stamps import whole_clocks
 from .stated import EXAMPLES
 from .table import Table
 from .units import pint_unit
@@ -48,7 +50,12 @@ def propose(table: Table, answers: Answers | None = None) -> Proposal:
     answers = answers or Answers()
     _check_answers(table, answers)
     table = on_rows_of(table, answers)
+    if "time" not in answers.columns:
+        table = whole_clocks(table)
     roles = _roles(table)
+    time = find_time(table, roles, answers)[0]
+    if time is not None:
+        table = on_rows_of_axes(table, roles, time, answers)
     return _drafted(Draft(table, answers, roles, notes=list(table.notes)))
 
 
@@ -148,12 +155,35 @@ def _rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -> Clea
     dead = [n for n in used if not np.isfinite(data[n]).any()]
     for name in dead:
         raise InputError("has no numbers", file=draft.table.file, column=name, remedy="leave it out")
-    rows = clean(data, time or "t", used)
+    rows = clean(data, time or "t", used, draft.answers.episode)
     if len(next(iter(rows.columns.values()))) < 8:
         remedy = "record more, or mend the time column"
         raise InputError("has fewer than eight usable rows", file=draft.table.file, remedy=remedy)
     draft.notes += rows.notes
+    _check_run(draft, rows.runs)
+    kept, every = len(next(iter(rows.columns.values()))), len(draft.table)
+    if len(rows.runs) == 1 and 2 * kept < every:
+        raise InputError(
+            f"only {kept} of {every} rows can be used. {' '.join(rows.notes)}",
+            file=draft.table.file,
+            remedy="give a table with one row a sample, all columns in it",
+        )
     return rows
+
+
+def _check_run(draft: Draft, runs: tuple[int, ...]) -> None:
+    """Ask which run is meant where most rows are of others; a data set's episode was chosen before."""
+    asked = draft.answers.episode
+    if asked is not None and asked >= len(runs) and draft.table.file.is_file():
+        there = f"time starts anew {len(runs) - 1} times in it" if len(runs) > 1 else "time never starts anew"
+        remedy = f"give --episode from 0 to {len(runs) - 1}" if len(runs) > 1 else "leave out --episode"
+        raise InputError(f"has no run {asked}: {there}", file=draft.table.file, remedy=remedy)
+    if asked is None and 2 * max(runs) < sum(runs):
+        best = int(np.argmax(runs))
+        sizes = ", ".join(map(str, runs[:8])) + (" and more" if len(runs) > 8 else "")
+        text = f"Time starts anew: {len(runs)} runs of {sizes} rows. Which one, counted from 0?"
+        choices = tuple(str(k) for k in range(min(len(runs), 8)))
+        draft.questions.append(Question("episode", text, choices, str(best), f"--episode {best}"))
 
 
 def _description(

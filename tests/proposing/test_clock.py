@@ -1,0 +1,142 @@
+"""Rows of other topics, stamps in two columns, counters that begin anew, several runs in one file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.proposing.make import KP, columns, imported, log, same, text
+from workbench.core import InputError
+from workbench.proposing import Answers, open_table, propose
+from workbench.proposing.files import logs
+
+LOG = log()
+N = len(LOG.t)
+
+
+def put(folder: Path, content: str) -> Path:
+    path = folder / "run.csv"
+    path.write_text(content)
+    return path
+
+
+def with_rows_between(data: dict[str, np.ndarray], others: np.ndarray, name: str) -> dict[str, np.ndarray]:
+    """The columns with rows of another topic at the times `others`, in order of time."""
+    t = np.concatenate([data["t"], others])
+    order = np.argsort(t, kind="stable")
+    nan = np.full(len(others), np.nan)
+    out = {n: np.concatenate([v, nan])[order] for n, v in data.items() if n != "t"}
+    value = np.concatenate([np.full(len(data["t"]), np.nan), np.cos(others)])[order]
+    return {"t": t[order], **out, name: value}
+
+
+@pytest.mark.parametrize("rate", [3.0, 60.0, 900.0])
+@pytest.mark.parametrize("name", ["imu/angular_velocity/x", "battery voltage", "arm/shoulder/position"])
+def test_rows_of_another_topic_are_no_rows(tmp_path: Path, rate: float, name: str) -> None:
+    others = np.arange(0.0013, LOG.t[-1], 1 / rate)
+    data = with_rows_between(columns(LOG), others, name)
+    twice = np.insert(np.arange(len(data["t"])), [40, 90], [40, 90])  # logged twice,
+    twice[[300, 310]] = twice[[310, 300]]  # and two rows exchanged
+    answers = Answers(model_axes=("hip", "knee"))
+    proposal, recording = imported(put(tmp_path, text({n: v[twice] for n, v in data.items()})), answers)
+    same(recording, LOG, tolerance=1e-9)
+    assert len(recording) == N and recording.period == pytest.approx(0.005) and recording.valid.all()
+    assert recording.controller.period_s == pytest.approx(0.005)
+    assert np.allclose(recording.controller.kp, KP, rtol=0.01)
+    assert any("rows without a number of any axis" in note for note in proposal.notes)
+
+
+def test_a_reference_on_rows_of_its_own_is_held_on_those_of_the_axes(tmp_path: Path) -> None:
+    plain = columns(LOG)
+    seen = {n: v for n, v in plain.items() if "ref" not in n}
+    at = LOG.t[::4] - 0.001  # asked for at a quarter of the rate, before the row that shows it
+    data = with_rows_between(seen, at, "other")
+    for i, joint in enumerate(("hip", "knee")):
+        cells = np.full(len(data["t"]), np.nan)
+        cells[np.isfinite(data["other"])] = LOG.ref[::4, i]
+        data[f"pos_ref_{joint}"] = cells
+    del data["other"]
+    _, recording = imported(put(tmp_path, text(data)))
+    assert len(recording) == N and recording.period == pytest.approx(0.005)
+    assert np.abs(recording.signals["position_reference"] - np.repeat(LOG.ref[::4], 4, axis=0)).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("names", "digits"),
+    [
+        (("header.stamp.sec", "header.stamp.nanosec"), 9),
+        (("stamp.secs", "stamp.nsecs"), 9),
+        (("tv_sec", "tv_usec"), 6),
+        (None, 9),
+        (None, 3),
+    ],
+)
+def test_stamps_in_two_columns_are_joined(tmp_path: Path, names: tuple[str, str] | None, digits: int) -> None:
+    ticks = np.round((LOG.t + 0.3) * 10**digits).astype(np.int64)
+    pair = {"a": 1_700_000_000 + ticks // 10**digits, "b": ticks % 10**digits}
+    if names:
+        pair = dict(zip(names, pair.values(), strict=True))
+        data = {**pair, **{n: v for n, v in columns(LOG).items() if n != "t"}}
+    else:
+        data = {**pair, **{f"q{i}": LOG.q[:, i] for i in (0, 1)}, **{f"v{i}": LOG.v[:, i] for i in (0, 1)}}
+    _, recording = imported(put(tmp_path, text(data, header=names is not None)))
+    assert len(recording) == N and recording.period == pytest.approx(0.005, rel=1e-6)
+    assert np.abs(recording.position - LOG.q).max() < 1e-9
+
+
+@pytest.mark.parametrize(("name", "period", "tick"), [("nanosec", 1e9, 1e-9), ("t_us", 2**32, 1e-6)])
+def test_a_counter_that_begins_anew_goes_on(tmp_path: Path, name: str, period: float, tick: float) -> None:
+    data = columns(LOG)
+    ticks = (np.round(LOG.t / tick) + period - 3e6) % period
+    proposal, recording = imported(
+        put(tmp_path, text({name: ticks, **{n: v for n, v in data.items() if n != "t"}}))
+    )
+    same(recording, LOG, tolerance=1e-9)
+    assert any("begins anew" in note for note in proposal.notes)
+
+
+def test_most_of_a_log_is_not_left_out_without_a_question(tmp_path: Path) -> None:
+    runs = [slice(0, 300), slice(0, 400), slice(0, 350)]
+    data = {n: np.concatenate([v[run] for run in runs]) for n, v in columns(LOG).items()}
+    table = open_table(put(tmp_path, text(data)))
+    asked = propose(table).questions
+    assert [q.key for q in asked] == ["episode"] and asked[0].best == "1"
+    assert "300, 400, 350" in asked[0].text and asked[0].option == "--episode 1"
+    _, recording = imported(table.file, Answers(episode=2))
+    assert len(recording) == 350
+    assert np.abs(recording.position - LOG.q[:350]).max() < 1e-9
+    with pytest.raises(InputError, match="has no run 3"):
+        propose(table, Answers(episode=3))
+
+
+def test_rows_of_which_most_have_one_stamp_are_refused(tmp_path: Path) -> None:
+    data = columns(LOG)
+    data["t"] = np.repeat(np.cumsum(np.random.default_rng(1).uniform(0.005, 0.1, N // 4)), 4)
+    with pytest.raises(InputError, match=f"only {N // 4} of {N} rows can be used"):
+        propose(open_table(put(tmp_path, text(data))))
+
+
+def messages(other_joints: tuple[str, ...], more: int) -> Iterator[tuple[str, int, object]]:
+    for k, t in enumerate(LOG.t):
+        ours = {"name": ["hip", "knee"], "position": list(LOG.q[k]), "velocity": list(LOG.v[k])}
+        yield "/joint_states", round(t * 1e9), ours
+        for _ in range(1 + (k < more)):
+            theirs = {"name": list(other_joints), "position": [0.1 * t, 0.2], "velocity": [0.1, 0.0]}
+            yield "/joint_states", round((t + 0.0007 + 0.001 * _) * 1e9), theirs
+
+
+@pytest.mark.parametrize("more", [0, 50])
+def test_two_drivers_on_one_topic_are_two_series(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: int
+) -> None:
+    file = tmp_path / "run.mcap"
+    file.write_bytes(json.dumps({}).encode())
+    monkeypatch.setattr(logs, "_mcap_messages", lambda path: messages(("shoulder", "elbow"), more))
+    _, recording = imported(file, Answers(model_axes=("hip", "knee")))
+    assert len(recording) == N and recording.period == pytest.approx(0.005)
+    assert np.abs(recording.position - LOG.q).max() < 1e-9
+    assert np.abs(recording.velocity - LOG.v).max() < 1e-9
