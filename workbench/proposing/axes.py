@@ -85,6 +85,8 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
             wanted = list(draft.answers.model_axes)
             joints = [by_name[axis] for axis in wanted]
         draft.assume("axes", ", ".join(wanted), 1.0, "you said so")
+    elif len(wanted) == 1:
+        draft.assume("axes", wanted[0], 0.98, "the model's only axis")
     else:
         pairs = ", ".join(f"{o} is {w}" for o, w in zip(own, wanted, strict=True))
         draft.assume("axes", ", ".join(wanted), 0.85, "the model's order")

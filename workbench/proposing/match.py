@@ -76,5 +76,6 @@ def _smooth(change: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def held_share(values: np.ndarray) -> float:
-    """Part of the rows at which a column keeps its value exactly."""
-    return float(np.mean(np.diff(values) == 0)) if len(values) > 1 else 1.0
+    """Part of the rows at which a column keeps its value, but for those at exactly zero: drives were off."""
+    on = (values[1:] != 0) | (values[:-1] != 0)
+    return float(np.mean(np.diff(values)[on] == 0)) if on.any() else 0.0

@@ -196,7 +196,9 @@ def name_joints(roles: Sequence[Role]) -> list[Role]:
     for members in groups.values():
         split = [roles[i].joint.split("_") for i in members]
         shared = set.intersection(*map(set, split)) if len(members) > 1 else set()
-        for i, words in zip(members, split, strict=True):
-            own = [w for w in words if w and w not in shared and w not in _NOISE]
-            out[i] = replace(roles[i], joint="_".join(own))
+        own = [[w for w in words if w and w not in shared and w not in _NOISE] for words in split]
+        for i, words, named in zip(members, split, own, strict=True):
+            # among joints with names, one is called "motor"
+            rest = named or [w for w in words if w and w not in shared and any(own)]
+            out[i] = replace(roles[i], joint="_".join(rest))
     return out

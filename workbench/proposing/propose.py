@@ -103,7 +103,7 @@ def _drafted(draft: Draft) -> Proposal:
     scales = settle_scales(draft, columns, axes, units, relations)
     description = _description(draft, axes, columns, units, scales, rows, time)
     named = {n for names in columns.values() for n in names}
-    unused = [n for n in table.columns if n not in named and n != time]
+    unused = [n for n in table.columns if n not in named and n not in (time, _valid(draft))]
     if unused:
         shown = ", ".join(unused[:8]) + (f" and {len(unused) - 8} more" if len(unused) > 8 else "")
         silent = not any(signal.startswith("torque") for signal in columns)
@@ -155,6 +155,11 @@ def _rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -> Clea
     dead = [n for n in used if not np.isfinite(data[n]).any()]
     for name in dead:
         raise InputError("has no numbers", file=draft.table.file, column=name, remedy="leave it out")
+    valid = _valid(draft)
+    if valid:
+        measured = data[valid] != 0
+        data |= {n: np.where(measured, data[n], np.nan) for n in used}
+        draft.notes.append(f"{int((~measured).sum())} rows are not measured, as '{valid}' says.")
     rows = clean(data, time or "t", used, draft.answers.episode)
     if len(next(iter(rows.columns.values()))) < 8:
         remedy = "record more, or mend the time column"
@@ -169,6 +174,18 @@ def _rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -> Clea
             remedy="give a table with one row a sample, all columns in it",
         )
     return rows
+
+
+def _valid(draft: Draft) -> str:
+    """The column of zeros and ones that says which rows were measured; ``""`` where there is none."""
+    stated = draft.answers.columns.get("valid", ())
+    for name in stated or ("valid",):
+        values = draft.table.columns.get(name, np.full(1, np.nan))
+        if np.isin(values, (0.0, 1.0)).all() and values.any():
+            return name
+        if stated:
+            raise InputError("is not 0 or 1 in every row", file=draft.table.file, column=name)
+    return ""
 
 
 def _check_run(draft: Draft, runs: tuple[int, ...]) -> None:

@@ -12,6 +12,7 @@ from workbench.core import InputError
 
 from .clean import Clean
 from .clock import time_weights
+from .counts import turn_of
 from .disagree import is_near, note_clock, note_factors, note_rate, note_size
 from .draft import FALLBACK_RATE, Draft
 from .match import Relation
@@ -26,6 +27,7 @@ _CHOICES = {
     "velocity": (("rad/s", "deg/s", "rpm"), ("m/s", "mm/s")),
     "torque": (("N*m", "mN*m", "N*mm"), ("N",)),
 }
+_GUESSED = 0.8
 _TURNS = 0.9  # of joints that nobody says more of
 _TIE = "velocity over slope of position"
 
@@ -99,7 +101,11 @@ def settle_units(
     if signals_of("torque", columns):
         motion["torque"] = _torques(rows, columns, stated)
     for kind, told in motion.items():
-        units[kind] = _settle(draft, kind, told, stated.linear)
+        counts_of = [i for i, t in enumerate(told) if t.unit == "counts"]
+        turn = (
+            turn_of(np.column_stack([rows.columns[columns[kind][i]] for i in counts_of])) if counts_of else 0
+        )
+        units[kind] = _settle(draft, kind, told, stated.linear, turn)
     for kind, usual in (("current", "A"), ("voltage", "V"), ("temperature", "degC")):
         if kind in columns:
             units[kind] = tuple(header_unit(draft, name, kind) or usual for name in columns[kind])
@@ -170,18 +176,22 @@ def _weights(
     return by, f"numbers up to {np.nanmax(np.abs(values)):.3g}"
 
 
-def _settle(draft: Draft, kind: str, told: list[_Told], linear: Sequence[bool]) -> tuple[str, ...]:
+def _settle(
+    draft: Draft, kind: str, told: list[_Told], linear: Sequence[bool], turn: int = 0
+) -> tuple[str, ...]:
     """Note a unit; where it is not sure, ask."""
     name, units = f"unit of {kind}", tuple(t.unit for t in told)
     if kind in draft.answers.units:
         draft.assume(name, _shown(units), 1.0, "you said so")
         return units
     if "counts" in units:
-        text = "Positions are whole numbers, encoder counts it seems. How many make a turn?"
-        draft.questions.append(Question("counts", text, (), "", "--counts N (or --unit position=deg)"))
+        draft.questions.append(_counts_question(turn))
         return tuple("turn" if u == "counts" else u for u in units)
     because = "; ".join(dict.fromkeys(part for t in told for part in t.because.split("; ")))
-    draft.assume(name, _shown(units), min(t.sure for t in told), because)
+    sure = min(t.sure for t in told)
+    if kind == "position" and "turn" in units and draft.answers.counts and "counts" in draft.answers.guessed:
+        sure, because = _GUESSED, f"numbers run over {draft.answers.counts:.0f}, taken for counts of one turn"
+    draft.assume(name, _shown(units), sure, because)
     unsure = [i for i, t in enumerate(told) if t.sure < ASK]
     if unsure:
         options = _options(kind, units, unsure, linear)
@@ -189,6 +199,14 @@ def _settle(draft: Draft, kind: str, told: list[_Told], linear: Sequence[bool]) 
         best = units[0] if len(set(units)) == 1 else ",".join(units)
         draft.questions.append(Question(f"unit.{kind}", text, options, best, f"--unit {kind}={best}"))
     return units
+
+
+def _counts_question(turn: int) -> Question:
+    text = "Positions are whole numbers, encoder counts it seems. How many make a turn?"
+    if turn:
+        text = f"Positions run over a turn of {turn} encoder counts, it seems. Do as many make a turn?"
+    best = str(turn) if turn else ""
+    return Question("counts", text, (), best, f"--counts {best or 'N'} (or --unit position=deg)")
 
 
 def _options(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .assignment import Signals, filled
+from .assignment import Signals, filled, moves
 from .law import is_law
 from .match import held_share
 from .names import Role
@@ -16,10 +16,11 @@ def settle_torques(out: Signals, data: dict[str, np.ndarray]) -> None:
     plain = out.columns.pop("torque", {})
     because = out.because.pop("torque", "its name")
     out.sure.pop("torque", None)
-    # columns of one name are one signal, whatever a joint that hardly moves looks like
-    held = bool(plain) and float(np.median([held_share(data[c]) for c in plain.values()])) > 0.4
+    # columns of one name are one signal, whatever a joint that hardly moves or has no drive looks like
+    driven = {joint: c for joint, c in plain.items() if moves(data[c])}
+    held = bool(driven) and float(np.median([held_share(filled(data[c])) for c in driven.values()])) > 0.4
     commanded = "torque_command" in out.columns
-    law = not commanded and bool(plain) and is_law(*_loop(out, data, list(plain.values())))
+    law = not commanded and bool(driven) and is_law(*_loop(out, data, driven))
     for joint, column in plain.items():
         if joint in out.columns.get("torque_measured", {}):
             if joint not in out.columns.get("torque_command", {}):
@@ -45,15 +46,21 @@ def take_drives(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role
 
 
 def _loop(
-    out: Signals, data: dict[str, np.ndarray], torques: list[str]
+    out: Signals, data: dict[str, np.ndarray], torques: dict[str, str]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Errors, speeds and torques (N, n) of all joints; no columns where not all are logged."""
+    """Errors, speeds and torques (N, n) of the joints that are driven; no columns where not all are logged.
+
+    Args:
+        out, data: what is known.
+        torques: joint -> column of its torque; joints that are called otherwise are in the positions' order.
+    """
     signals = [out.columns.get(s, {}) for s in ("position_reference", "position", "velocity")]
     asked, seen, speeds = ({j: c for j, c in own.items() if c in data} for own in signals)
-    joints = [j for j in seen if j in asked and j in speeds] if len(torques) == len(seen) else []
-    if len(joints) < len(seen):
+    if not set(torques) <= set(seen) and len(torques) == len(seen):
+        torques = dict(zip(seen, torques.values(), strict=True))
+    if not torques or not all(j in seen and j in asked and j in speeds for j in torques):
         return np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
-    error = [filled(data[asked[j]]) - filled(data[seen[j]]) for j in joints]
-    speed = [filled(data[speeds[j]]) for j in joints]
-    torque = [filled(data[name]) for name in torques]
+    error = [filled(data[asked[j]]) - filled(data[seen[j]]) for j in torques]
+    speed = [filled(data[speeds[j]]) for j in torques]
+    torque = [filled(data[name]) for name in torques.values()]
     return np.stack(error, axis=1), np.stack(speed, axis=1), np.stack(torque, axis=1)

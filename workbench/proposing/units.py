@@ -8,6 +8,8 @@ import numpy as np
 
 from workbench.core.units import KINDS, to_si
 
+from .counts import turn_of
+
 #: Spellings that pint reads otherwise or not at all ("Nm" is a nanometre to it).
 _SPELLINGS: dict[str, tuple[str, ...]] = {
     "N*m": ("nm", "n m", "n.m", "n·m", "n*m", "n-m", "newtonmeter", "newton meter"),
@@ -117,7 +119,7 @@ def by_size(kind: str, values: np.ndarray, linear: bool) -> dict[str, float]:
             "rad": _falls(max(top / 1.5, spread), 7.0, 3.0),
             "deg": _rises(top, 15.0, 3.0) * _falls(top, 3000.0, 3.0),
             "turn": 0.01,
-            "counts": 30.0 if whole and top > 500 else 0.0,
+            "counts": 30.0 if (whole and top > 500) or turn_of(values) else 0.0,
         }
     if kind == "velocity":
         return {

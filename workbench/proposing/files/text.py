@@ -57,7 +57,9 @@ def read_text(path: Path) -> Table:
         notes.append("Numbers have a decimal comma.")
     if encoding not in ("utf-8-sig",):
         notes.append(f"The text is {encoding.upper()}.")
-    units = {n: u for n, u in zip(names, style.units, strict=False) if u and n in columns}
+    units = {
+        n: u for n, u in zip(names, style.units, strict=False) if u not in ("", "-", "1") and n in columns
+    }
     return named_by_text(Table(path, columns, units, plain, None, tuple(notes)), names, texts)
 
 

@@ -1,0 +1,44 @@
+"""Positions that count an encoder's steps: how many make a turn, where the numbers run over one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Steps a turn that encoders have: powers of two of absolute ones, and four a line of incremental ones.
+TURNS = tuple(2**k for k in range(10, 25)) + tuple(4 * lines for lines in (500, 1000, 2500, 5000, 10000))
+_SURELY = 4096  # fractions are interpolated counts only of a turn that no angle in degrees is as long as
+_OVER = 0.9  # of a turn is run over,
+_NEAR = 0.02  # to one of its ends to so much of it,
+_BEYOND = 0.002  # and past both by no more: a filter of speed overshoots by some counts
+
+
+def turn_of(values: np.ndarray) -> int:
+    """Steps a turn of positions that run over a whole one; 0 where they do not.
+
+    Args:
+        values: all columns, shape (N, n), of which each ends just below the turn, or half of it either way.
+    """
+    found = set()
+    for column in values.T:
+        finite = column[np.isfinite(column)]
+        if not len(finite):
+            return 0
+        low, high = float(finite.min()), float(finite.max())
+        whole = bool(np.all(finite == np.round(finite)))
+        found.add(
+            next((n for n in sorted(TURNS) if (whole or n >= _SURELY) and _fills(low, high, n, whole)), 0)
+        )
+    return found.pop() if len(found) == 1 else 0
+
+
+def _fills(low: float, high: float, turn: int, whole: bool) -> bool:
+    """Whether numbers run over a turn that begins at nothing, or half of it before, and stay in it.
+
+    Fractions are counted from nothing: what goes either way like that is an angle more often.
+    """
+    for start in (0.0, -0.5 * turn)[: 1 + whole]:
+        first, last = (low - start) / turn, (high - start) / turn
+        inside = first >= -_BEYOND and last <= 1 + _BEYOND
+        if inside and last - first >= _OVER and min(first, 1 - last) <= _NEAR:
+            return True
+    return False
