@@ -208,3 +208,24 @@ def test_a_model_is_not_imported(tmp_path: Path) -> None:
     done = run("import", "arm.xml", cwd=tmp_path)
     assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
     assert "a model already" in done.stderr and "workbench compare arm.xml RUN.toml" in done.stderr
+
+
+def test_the_loop_that_a_model_states_is_not_asked_for(tmp_path: Path) -> None:
+    data = {name: v for name, v in columns(LOG).items() if "torque" not in name}
+    (tmp_path / "run.csv").write_text(text(data))
+    done = run("import", "run.csv", "--model", "leg", "--coordinates", "joint", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "the model's" in done.stdout and "--kp" not in done.stdout
+    assert "Next: workbench inspect run.toml" in done.stdout
+    assert "[controller]" not in (tmp_path / "run.toml").read_text()
+
+
+def test_which_of_several_runs_is_asked(tmp_path: Path) -> None:
+    runs = {n: np.concatenate([v[:200], v[:300], v[:250]]) for n, v in columns(LOG).items()}
+    (tmp_path / "run.csv").write_text(text(runs))
+    done = run("import", "run.csv", cwd=tmp_path)
+    assert done.returncode == 2 and "--episode 1" in done.stderr and not (tmp_path / "run.toml").exists()
+    assert run("import", "run.csv", "--episode", "2", cwd=tmp_path).returncode == 0
+    assert len(load_recording(tmp_path / "run.toml")) == 250
+    done = run("import", "run.csv", "--yes", "--force", cwd=tmp_path)
+    assert done.returncode == 0 and "the longest of 3 runs" in done.stdout

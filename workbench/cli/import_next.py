@@ -10,7 +10,13 @@ from workbench.inspection import Remark
 
 
 def next_step(
-    description: Mapping[str, Any], remarks: Sequence[Remark], target: Path, model: str | None, *, short: bool
+    description: Mapping[str, Any],
+    remarks: Sequence[Remark],
+    target: Path,
+    model: str | None,
+    *,
+    short: bool,
+    looped: bool,
 ) -> str:
     """The last line of an import.
 
@@ -20,6 +26,7 @@ def next_step(
         target: where it was written.
         model: the model that was named, if one was.
         short: whether it has too few rows to be compared.
+        looped: whether the recording or the model states the loop.
     """
     wrong = [remark for remark in remarks if remark.severity == "problem"]
     if wrong:
@@ -27,7 +34,7 @@ def next_step(
         return f"Next: {'; '.join(ways)}. Then: workbench inspect {target}"
     if short:
         return "Next: import a longer log."
-    if not description.get("controller") and not any(s.startswith("torque") for s in description["columns"]):
+    if not looped and not any(s.startswith("torque") for s in description["columns"]):
         return "Next: name the torque (--column torque_measured=…) or the gains (--kp, --kd)."
     return f"Next: workbench inspect {target}. Then: workbench compare {model or 'MODEL'} {target}"
 

@@ -71,7 +71,10 @@ def import_table(
         echo(f"Wrote {' and '.join(str(f) for f in written)}.")
         remarks = found.recordings[0].remarks
         short = len(recording) < FEW
-        echo(next_step(proposal.description, remarks, target, model, short=short))
+        looped = bool(proposal.description.get("controller")) or (
+            answers.loop and "position_reference" in recording.signals
+        )
+        echo(next_step(proposal.description, remarks, target, model, short=short, looped=looped))
 
 
 def default_output(path: Path) -> Path:
@@ -108,7 +111,7 @@ def read_answers(
     for value, option in ((rate, "--rate"), (counts, "--counts"), (period, "--period")):
         if value is not None and not 0 < value < float("inf"):
             raise InputError(f"{option} must be positive", remedy="give a finite number above zero")
-    names, linear, transmission = _model_axes(model)
+    names, linear, transmission, loop = _model_axes(model)
     columns = {k: tuple(v.split(",")) for k, v in named_values(column, "--column", "position=q1,q2").items()}
     return Answers(
         axes=tuple(axis or ()),
@@ -123,20 +126,22 @@ def read_answers(
         model_axes=names,
         linear=linear,
         transmission=transmission,
+        loop=loop,
         episode=episode,
     )
 
 
-def _model_axes(model: str | None) -> tuple[tuple[str, ...], tuple[bool, ...], np.ndarray | None]:
-    """Axes, which of them move along a line, and the transmission where it is not the identity."""
+def _model_axes(model: str | None) -> tuple[tuple[str, ...], tuple[bool, ...], np.ndarray | None, bool]:
+    """Axes, which move along a line, the transmission if not the identity, whether a loop is stated."""
     if model is None:
-        return (), (), None
+        return (), (), None, False
     from workbench.effects import axis_units, load_model
 
     loaded = load_model(model)
     n = len(loaded.driven)
     slides, transmission = tuple(unit == "m" for unit in axis_units(loaded)[:n]), loaded.transmission[:n, :n]
-    return loaded.driven, slides, None if np.array_equal(transmission, np.eye(n)) else transmission
+    turned = None if np.array_equal(transmission, np.eye(n)) else transmission
+    return loaded.driven, slides, turned, loaded.controller.kind != "unknown"
 
 
 def proposal_dict(proposal: Proposal, written: list[Path], found: Inspection) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.core import Estimate
-from workbench.report.numbers import interval, number
+from workbench.report.numbers import interval, number, unit_text
 from workbench.report.sheet import Curve, Drawing, Panel, Row, Section, Sheet, SheetTable
 from workbench.report.wording import capital, effect_phrase, parameter_name
 
@@ -86,7 +86,7 @@ def _panel(name: str, by_robot: object, mean: float) -> Panel:
     x = np.arange(1.0, len(by_robot) + 1)
     value = np.array([e.value for e in by_robot.values()])
     half = _Z95 * np.array([e.std for e in by_robot.values()])
-    unit = next(iter(by_robot.values())).unit
+    unit = unit_text(next(iter(by_robot.values())).unit)
     curves = (
         Curve("95 %", "noise", x, None, value - half, value + half),
         Curve("robot", "measured", x, value),

@@ -74,6 +74,7 @@ class Answers:
         model_axes: the model's axes, in its order.
         linear: which of the model's axes move along a line.
         transmission: the model's J in q_p = J q_s, shape (n, n), where it is not the identity.
+        loop: whether the model states its loop.
         episode: which run of a log in which time starts anew, counted from 0.
         guessed: keys of questions that were answered for the user.
     """
@@ -90,6 +91,7 @@ class Answers:
     model_axes: tuple[str, ...] = ()
     linear: tuple[bool, ...] = ()
     transmission: np.ndarray | None = None
+    loop: bool = False
     episode: int | None = None
     guessed: frozenset[str] = frozenset()
 

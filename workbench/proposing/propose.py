@@ -13,9 +13,9 @@ from workbench.core import AXIS_SIGNALS, InputError
 
 from .assignment import Signals
 from .axes import named_axes
-from .clean import Clean, clean
+from .clean import Clean
 from .clock import find_time, rate_question
-from .draft import FALLBACK_RATE, Draft
+from .draft import Draft
 from .merge import on_rows_of
 from .names import Role, name_joints, role_of
 from .proposal import Answers, Proposal, Question, listed
@@ -27,6 +27,7 @@ from .stamps import whole_clocks
 from .stated import EXAMPLES
 from .table import Table
 from .units import pint_unit
+from .usable import usable_rows, valid_column
 from .velocities import derivatives, uncross
 
 #: Kinds whose unit can be stated, and an example of each.
@@ -95,7 +96,7 @@ def _drafted(draft: Draft) -> Proposal:
     draft.notes += signals.notes
     _take_stated(draft, signals)
     axes, columns = named_axes(signals, draft)
-    rows = _rows(draft, time, columns)
+    rows = usable_rows(draft, time, columns)
     period_raw = float(np.median(np.diff(rows.columns[time or "t"])))
     columns = uncross(draft, rows, columns, axes)
     relations = derivatives(rows, columns)
@@ -103,7 +104,7 @@ def _drafted(draft: Draft) -> Proposal:
     scales = settle_scales(draft, columns, axes, units, relations)
     description = _description(draft, axes, columns, units, scales, rows, time)
     named = {n for names in columns.values() for n in names}
-    unused = [n for n in table.columns if n not in named and n not in (time, _valid(draft))]
+    unused = [n for n in table.columns if n not in named and n not in (time, valid_column(draft))]
     if unused:
         shown = ", ".join(unused[:8]) + (f" and {len(unused) - 8} more" if len(unused) > 8 else "")
         silent = not any(signal.startswith("torque") for signal in columns)
@@ -145,62 +146,6 @@ def _take_stated(draft: Draft, signals: Signals) -> None:
             signals.columns[signal] = dict(zip(joints, names, strict=True))
             signals.sure[signal], signals.because[signal] = 1.0, "you said so"
     signals.columns = {s: c for s, c in signals.columns.items() if c}
-
-
-def _rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -> Clean:
-    used = list(dict.fromkeys(n for names in columns.values() for n in names if n != time))
-    data = dict(draft.table.columns)
-    if time is None:
-        data["t"] = np.arange(len(draft.table)) / (draft.answers.rate_hz or FALLBACK_RATE)
-    dead = [n for n in used if not np.isfinite(data[n]).any()]
-    for name in dead:
-        raise InputError("has no numbers", file=draft.table.file, column=name, remedy="leave it out")
-    valid = _valid(draft)
-    if valid:
-        measured = data[valid] != 0
-        data |= {n: np.where(measured, data[n], np.nan) for n in used}
-        draft.notes.append(f"{int((~measured).sum())} rows are not measured, as '{valid}' says.")
-    rows = clean(data, time or "t", used, draft.answers.episode)
-    if len(next(iter(rows.columns.values()))) < 8:
-        remedy = "record more, or mend the time column"
-        raise InputError("has fewer than eight usable rows", file=draft.table.file, remedy=remedy)
-    draft.notes += rows.notes
-    _check_run(draft, rows.runs)
-    kept, every = len(next(iter(rows.columns.values()))), len(draft.table)
-    if len(rows.runs) == 1 and 2 * kept < every:
-        raise InputError(
-            f"only {kept} of {every} rows can be used. {' '.join(rows.notes)}",
-            file=draft.table.file,
-            remedy="give a table with one row a sample, all columns in it",
-        )
-    return rows
-
-
-def _valid(draft: Draft) -> str:
-    """The column of zeros and ones that says which rows were measured; ``""`` where there is none."""
-    stated = draft.answers.columns.get("valid", ())
-    for name in stated or ("valid",):
-        values = draft.table.columns.get(name, np.full(1, np.nan))
-        if np.isin(values, (0.0, 1.0)).all() and values.any():
-            return name
-        if stated:
-            raise InputError("is not 0 or 1 in every row", file=draft.table.file, column=name)
-    return ""
-
-
-def _check_run(draft: Draft, runs: tuple[int, ...]) -> None:
-    """Ask which run is meant where most rows are of others; a data set's episode was chosen before."""
-    asked = draft.answers.episode
-    if asked is not None and asked >= len(runs) and draft.table.file.is_file():
-        there = f"time starts anew {len(runs) - 1} times in it" if len(runs) > 1 else "time never starts anew"
-        remedy = f"give --episode from 0 to {len(runs) - 1}" if len(runs) > 1 else "leave out --episode"
-        raise InputError(f"has no run {asked}: {there}", file=draft.table.file, remedy=remedy)
-    if asked is None and 2 * max(runs) < sum(runs):
-        best = int(np.argmax(runs))
-        sizes = ", ".join(map(str, runs[:8])) + (" and more" if len(runs) > 8 else "")
-        text = f"Time starts anew: {len(runs)} runs of {sizes} rows. Which one, counted from 0?"
-        choices = tuple(str(k) for k in range(min(len(runs), 8)))
-        draft.questions.append(Question("episode", text, choices, str(best), f"--episode {best}"))
 
 
 def _description(

@@ -115,6 +115,8 @@ def _control(recording: Recording, answers: Answers) -> tuple[dict[str, Any], li
             because = "too few rows to tell; give --kp and --kd"
         if recording.get("position_reference") is None:
             because = "no reference is logged"
+        elif answers.loop:
+            return {}, [Assumption("controller", "the model's", 0.97, "the model states its loop")], at_rest
         return {}, [Assumption("controller", UNKNOWN, 0.98, because)], at_rest
     table = {
         "kind": "pd",

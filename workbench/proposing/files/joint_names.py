@@ -27,7 +27,9 @@ def named_by_text(table: Table, names: Sequence[str], texts: Mapping[str, Sequen
     whole = {
         n: [f"{v:.0f}" for v in values]
         for n, values in table.columns.items()
-        if len(np.unique(values)) <= _MOST and np.array_equal(values, np.round(values))
+        if set(role_of(n).words) & set(_NAMES)
+        and len(np.unique(values)) <= _MOST
+        and np.array_equal(values, np.round(values))
     }
     rows = of_rows(table.columns, {**texts, **whole})
     told = of_columns(names, table.columns, texts) if rows is None else rows[1]
