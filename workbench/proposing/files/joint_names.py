@@ -130,6 +130,8 @@ def _time(columns: Mapping[str, np.ndarray], cells: Sequence[str], joints: Seque
     for name, values in columns.items():
         if role_of(name).kind != "time":
             continue
+        if not all(np.isfinite(values[r]).any() for r in rows):
+            continue
         spans = [(float(np.nanmin(values[r])), float(np.nanmax(values[r]))) for r in rows]
         shared = min(last for _, last in spans) - max(begin for begin, _ in spans)
         if shared > 0.5 * (max(last for _, last in spans) - min(begin for begin, _ in spans)):
