@@ -258,7 +258,7 @@ KINDS: dict[str, Kind] = {
         f"import {file}": Kind(
             partial(_write, file=file), {file: "table"}, partial(_imported, file), check_table, 0.5
         )
-        for file in ("a.csv", "a.txt", "a.tsv", "a.parquet", "a.mat", "a.npz", "a.npy")
+        for file in ("a.csv", "a.txt", "a.tsv", "a.parquet", "a.mat", "a.npz", "a.npy", "a.json", "a.jsonl")
     },
     "model TOML": Kind(seeds.model, {"leg.toml": "toml"}, partial(_model, "leg.toml"), check_model, 3.0),
     "MJCF": Kind(seeds.model, {"leg.xml": "xml"}, partial(_model, "leg.toml"), check_model, 1.5),

@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.data_helpers import data_folder
 from tests.proposing.make import columns, imported, log, same, text
 from workbench.core import InputError
-from workbench.proposing import open_table
+from workbench.proposing import Answers, open_table, propose
 
 LOG = log()
 
@@ -154,3 +155,13 @@ def test_without_pytorch_one_line_says_how_to_convert(
     with pytest.raises(InputError, match="PyTorch is not installed") as caught:
         open_table(tmp_path / "run.pt")
     assert "npz" in str(caught.value.remedy)
+
+
+def test_a_measured_servo_in_json(tmp_path: Path) -> None:
+    file = data_folder("bam_xl330") / "kp200_sin_sin.json"
+    proposal = propose(open_table(file), Answers(units={"torque": "N*m"}, model_axes=("servo",)))
+    found = proposal.description["columns"]
+    assert not proposal.questions
+    assert (found["time"], found["position"], found["velocity"]) == ("timestamp", ["position"], ["speed"])
+    assert found["position_reference"] == ["goal_position"]
+    assert "Not read: mass, length, kp, vin, motor, trajectory." in proposal.notes

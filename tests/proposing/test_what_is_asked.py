@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.data_helpers import data_folder
 from tests.proposing.make import KD, KP, columns, imported, log, same, text
 from workbench.proposing import Answers, open_table, propose
 
@@ -104,3 +105,13 @@ def test_rows_that_the_log_says_are_not_measured_are_masked(tmp_path: Path, name
     proposal, recording = imported(put(tmp_path, data), answers)
     assert np.array_equal(recording.valid, data[name] == 1)
     assert not any("Not used" in note for note in proposal.notes)
+
+
+def test_counts_of_a_measured_motor(tmp_path: Path) -> None:
+    file = data_folder("odrive") / "nocomp_0.csv.gz"
+    asked = propose(open_table(file), Answers(model_axes=("motor",), linear=(False,))).questions
+    assert [(q.key, q.best) for q in asked] == [("counts", "8192")]
+    copy = tmp_path / file.name
+    copy.write_bytes(file.read_bytes())
+    _, recording = imported(copy, Answers(model_axes=("motor",), linear=(False,), counts=8192))
+    assert 0.99 < np.ptp(recording.position) / (2 * np.pi) < 1.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -84,6 +85,11 @@ def write_table(path: Path, columns: Mapping[str, Any]) -> None:
         savemat(path, dict(columns))
     elif name.endswith(".npz"):
         np.savez(path, **{n: v for n, v in columns.items() if v.dtype != object})
+    elif name.endswith((".json", ".jsonl")):
+        lists = {n: np.asarray(v).tolist() for n, v in columns.items()}
+        records = [dict(zip(lists, cells, strict=False)) for cells in zip(*lists.values(), strict=False)]
+        lines = [json.dumps(record, default=str) for record in records]
+        path.write_text("\n".join(lines) if name.endswith("l") else json.dumps(lists, default=str))
     else:
         array = np.stack([np.asarray(v, float) for v in columns.values()], axis=1)
         np.save(path, array)
