@@ -129,10 +129,7 @@ def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
     """
     added = found.final.hypothesis.added
     if found.near:
-        return (
-            "comes near and is not certain, since a free function of another quantity can take its place: "
-            + " and ".join(map(_estimated, found.near)),
-        )
+        return ()
     if verdict != "unexplained" or found.explained < _SOME or not all(map(stands_out, added)):
         return ()
     if found.explained < NEAR:
