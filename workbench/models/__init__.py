@@ -8,7 +8,7 @@ from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, M
 from .paths import find_model
 from .read import read_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
-from .spec import load_mjcf, load_tree
+from .spec import load_mjcf, load_tree, load_with_loops
 from .write import linkage_table, model_text, write_model
 
 silence()
@@ -32,6 +32,7 @@ __all__ = [
     "linkage_table",
     "load_mjcf",
     "load_tree",
+    "load_with_loops",
     "machine_bodies",
     "model_text",
     "read_model",
