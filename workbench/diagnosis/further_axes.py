@@ -12,8 +12,9 @@ from .choosing import behind
 from .data import Data
 from .fit import fit
 from .hypothesis import Fit
-from .judging import helps_an_axis, lowers_error, witnessed
+from .judging import floor_of_judging, helps_an_axis, lowers_error, witnessed
 from .refining import polished, with_candidate
+from .removed import removed_share, removed_shares
 from .screen import Candidate
 from .stage import Stage
 from .ways import Quest, Way, with_stages
@@ -67,16 +68,16 @@ def _stage(candidate: Candidate, found: Fit, tried: list[_Tried], way: Way) -> S
     before, data, key = way.current, way.data, candidate.key
     kept = polished(found, data)
     own = [(c.key, f) for c, f in tried if c.key.axis == key.axis]
-    excess = max(before.judged, 1e-12)
+    floor = floor_of_judging(data)
     return Stage(
         added=key,
         fit=kept,
         data=data,
-        removed_share=(before.judged - kept.judged) / excess,
+        removed_share=removed_share(before.judged, kept.judged, floor),
         rivals=(),
         others=tuple((k, f.hypothesis.model) for k, f in own if k != key),
         dropped=(),
-        ranking=tuple((k, (before.judged - f.judged) / excess) for k, f in own),
+        ranking=removed_shares(before.judged, [(k, f.judged) for k, f in own], floor),
         behind=behind(key, _left(found, key, data), ((k, _left(f, key, data)) for k, f in own)),
         folds=(int(np.sum(kept.agreeing < before.agreeing)), len(kept.agreeing)),
         by_held_out=data.held_out_judges,
