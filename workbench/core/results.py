@@ -182,7 +182,8 @@ class Diagnosis(Shown):
         where: where that rest sits.
         next_experiment: what to measure to know more; None when nothing is open.
         not_excited: effects that this data could not have shown.
-        ranking: every candidate tried: (key, share of the excess that it removes), best first.
+        ranking: every candidate tried: (key, share of the squared error above the noise that it removes by
+            itself), best first.
         before, after: the comparisons behind the verdict.
         held_out: the same two of held-out recordings; None where there are none.
         settled: properties of the model that the findings were fitted with and that the model as given has

@@ -12,7 +12,8 @@ from workbench.models import AppliedEffect
 from .evidence import Clues, adequacy_lines, finding_lines
 from .giving import other_causes
 from .hypothesis import Fit
-from .judging import stands_out
+from .judging import floor_of_judging, stands_out
+from .removed import removed_share
 from .stage import Search, Stage, has_cause
 
 NEAR = 0.8  # share of the excess from which a cause is worth telling that may not be named
@@ -90,14 +91,16 @@ def _probability(stage: Stage, found: Search) -> float:
 
 
 def ranking_of(found: Search) -> tuple[tuple[EffectKey, float], ...]:
-    """Share of the excess that each effect removes by itself: simulated where it was, else as screened."""
+    """`removed_share` of each effect by itself: simulated where it was, else as screened."""
     if found.consistent_before or not found.screened:
         return ()
     simulated = found.stages[0].ranking if found.stages else ()
     done = {key for key, _ in simulated}
-    start = found.start.judged
+    start, floor = found.start.judged, floor_of_judging(found.start_data)
     rest = [
-        (c.key, float(np.clip(1.0 - c.judged / start, 0.0, 1.0))) for c in found.screened if c.key not in done
+        (c.key, float(np.clip(removed_share(start, c.judged, floor), 0.0, 1.0)))
+        for c in found.screened
+        if c.key not in done
     ]
     return tuple(sorted((*simulated, *rest), key=lambda r: -r[1])[:12])
 

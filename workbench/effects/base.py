@@ -234,6 +234,16 @@ class Effect(ABC):
         del motions, model, place, shape
         return True
 
+    def free_responses(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> np.ndarray:
+        """What states that no sensor shows add to the response, by where they begin: (N, n, states).
+
+        One column for each state that begins at one; none where the response knows its beginning.
+        """
+        del model, place, shape
+        return np.zeros((*motion.position.shape, 0))
+
     def before(self, motion: Motion, place: Placement | None, values: Mapping[str, float]) -> Motion:
         """The motion as the chain saw it before this effect was installed with these values."""
         del place, values
