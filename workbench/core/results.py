@@ -155,6 +155,8 @@ class Finding:
         probability: calibrated chance that the name is right.
         indistinguishable_from: what explains the same data as well.
         evidence: one line each.
+        model_value: what the model had of the number that this corrects, None where it corrects none.
+        total: what that number is with the finding.
     """
 
     key: EffectKey
@@ -165,6 +167,8 @@ class Finding:
     probability: float
     indistinguishable_from: tuple[EffectKey, ...] = ()
     evidence: tuple[str, ...] = ()
+    model_value: float | None = None
+    total: Estimate | None = None
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
-from workbench.models import AppliedEffect
+from workbench.effects import effect_named
+from workbench.models import AppliedEffect, Model, Placement
 
 from .evidence import Clues, adequacy_lines, finding_lines
 from .giving import other_causes
@@ -44,6 +47,7 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
                     *adequacy_lines(applied.key, found.adequacy),
                     *Clues(found.start_data, previous).of_finding(applied.key),
                 ),
+                **_corrected(found.model, applied),
             )
         )
     return tuple(findings)
@@ -58,6 +62,15 @@ def near_findings(found: Search) -> tuple[Finding, ...]:
         Finding(a.key, dict(a.parameters), score(found.final.mean_squares), after, None, 0.0)
         for a in found.near
     )
+
+
+def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
+    """Of an effect that corrects a number of the model: what that was, and what it is now."""
+    own = effect_named(applied.key.effect).model_value(model, Placement.of(model, applied.key))
+    if own is None:
+        return {}
+    (more,) = applied.parameters.values()
+    return {"model_value": own, "total": replace(more, value=own + more.value)}
 
 
 def _before(found: Search, index: int) -> Fit:

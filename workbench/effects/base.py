@@ -104,6 +104,8 @@ class Effect(ABC):
             can begin with it in the middle of a recording.
         of_a_make: whether it comes with the make of a joint or its drive, so that all axes may have it alike;
             springs, offsets and ripples come with the assembly of each.
+        corrects: whether it corrects a number that a model may have (`model_value`), so that it may be
+            negative, down to a total of none (`bounds`).
         adds_up: whether what a model states of it and what is found of it are one effect, of their sum.
         trace: what it leaves in a frequency response; None where that says nothing of it. On the input's
             side, or of a sensor on the output's.
@@ -135,6 +137,7 @@ class Effect(ABC):
     wanders: ClassVar[bool] = False
     needs_the_past: ClassVar[bool] = False
     of_a_make: ClassVar[bool] = False
+    corrects: ClassVar[bool] = False
     adds_up: ClassVar[bool] = False
     trace: ClassVar[Trace | None] = None
     axes: ClassVar[Literal["each", "all"]] = "each"
@@ -212,6 +215,16 @@ class Effect(ABC):
         """
         del values, position_noise, torque_noise
         return {}
+
+    def sits(self, key: EffectKey, model: Model, place: Placement) -> bool:
+        """Whether a key names this effect in this place."""
+        where = key.axis, key.location
+        return key.effect == self.name and where == (model.axes[place.index], place.location)
+
+    def model_value(self, model: Model, place: Placement | None) -> float | None:
+        """What a model has of the one number that this corrects; None where it corrects none."""
+        del model, place
+        return None
 
     def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
         """How far one step of a fit may move the values of a shape: half of themselves."""

@@ -59,7 +59,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
         if name not in applied.parameters:
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
         estimate = applied.parameters[name]
-        lower = parameter.lower if name not in ("damping", "inertia") else -float("inf")
+        lower = -float("inf") if effect.corrects or name in ("damping", "inertia") else parameter.lower
         if not lower <= estimate.value <= parameter.upper:
             allowed = f"{lower:g} to {parameter.upper:g} {unit}"
             raise refuse(

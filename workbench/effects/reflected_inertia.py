@@ -41,6 +41,12 @@ class ReflectedInertia(Effect):
         assert place is not None
         return np.array([-0.9 * rotors(model)[0][place.index]]), np.array([np.inf])
 
+    def model_value(self, model: Model, place: Placement | None) -> float:
+        """What the model states of the drive's own, and what was added."""
+        assert place is not None
+        own = float(rotors(model)[0][place.index])
+        return own + sum(e.values["inertia"] for e in model.effects if self.sits(e.key, model, place))
+
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
     ) -> None:

@@ -167,6 +167,8 @@ def _finding(place: int, f: Finding, held_floor: float | None) -> list[Renderabl
     rows.add_column(overflow="fold")
     for name, e in f.parameters.items():
         rows.add_row(Text(w.parameter_name(name)), Text(f"{interval(e)}  (95 %)"))
+    if f.total is not None and f.model_value:
+        rows.add_row("in all", f"{interval(f.total)}, where the model has {number(f.model_value)}")
     rows.add_row("error with it", number(f.error_after))
     if f.holdout_error_before is not None and f.holdout_error_after is not None:
         fall = f"{number(f.holdout_error_before)} -> {number(f.holdout_error_after)}"
