@@ -144,8 +144,6 @@ def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
     What takes off less has no name, but that there is something is told.
     """
     added = found.final.hypothesis.added
-    if found.near:
-        return ()
     if verdict != "unexplained" or found.explained < _SOME or not all(map(stands_out, added)):
         return ()
     if found.explained < NEAR:

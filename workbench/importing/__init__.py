@@ -1,4 +1,4 @@
-"""A leg of a user's own, from a file with a loop (SDF, URDF, MJCF), as a model: tree, transmission, linkage."""
+"""A leg of a user's own, from a file with a loop (SDF, URDF, MJCF): tree, transmission, linkage."""
 
 from .assemblies import Assemblies, assemblies
 from .contents import Contents, contents_of
