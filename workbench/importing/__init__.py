@@ -1,4 +1,4 @@
-"""A user's own leg, from a file with a loop (SDF, URDF or MJCF), made a model: tree, transmission, linkage."""
+"""A user's own leg, from a file with a loop (SDF, URDF or MJCF), made a model: tree, drives, linkage."""
 
 from .assemblies import Assemblies, assemblies
 from .contents import Contents, contents_of
