@@ -7,8 +7,10 @@ from .long import compare_logs
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
+from .signs import Turn, Turned, turned_axes
 from .simulated import Simulated
 from .swings import is_free
+from .weighed import is_weighable, torque_left
 
 __all__ = [
     "DRAWS",
@@ -18,11 +20,14 @@ __all__ = [
     "Replay",
     "Scale",
     "Simulated",
+    "Turn",
+    "Turned",
     "compare",
     "compare_logs",
     "evaluate",
     "followed",
     "is_free",
+    "is_weighable",
     "matched",
     "needs_inverse",
     "normalised",
@@ -30,4 +35,6 @@ __all__ = [
     "score_runs",
     "scored_signals",
     "simulate_with_noise",
+    "torque_left",
+    "turned_axes",
 ]
