@@ -42,6 +42,8 @@ def import_table(
     from workbench.models import read_model
     from workbench.proposing import complete, open_table, propose, write
 
+    from .import_check import with_model
+
     target = Path(output) if output else default_output(path)
     check_free(target, force=force)
     table = open_table(path, episode=episode)
@@ -57,6 +59,8 @@ def import_table(
     proposal, recording = complete(proposal, table, answers)
     written = write(proposal, table, target, force=force)
     found = inspect([recording])
+    if model:
+        found = with_model(found, model, recording)
     if json:
         read = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
         read += read_model(model).files if model else []

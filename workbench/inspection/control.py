@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from workbench.core import Recording
+from workbench.core import Controller, Recording
 
 from .factors import name_factor
 from .law import Fit, Ticks, fit_commands, fit_gains, fit_sensors, ticks
@@ -38,12 +38,13 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
     if recording.get("torque_command") is None:
         return []
     ratio, phase, remarks = find_ticks(recording)
-    stated = recording.controller.kind in ("pd", "cascade_pv")
-    if not stated or recording.get("position_reference") is None:
+    if recording.get("position_reference") is None:
         return remarks
     at = ticks(recording, ratio, phase)
     if len(at.command) < 50 or np.ptp(at.command) == 0:
         return remarks
+    if recording.controller.kind not in ("pd", "cascade_pv"):
+        return remarks + _pushes_away(recording, at)
     maps = _maps(recording, transmission)
     c = recording.controller
     fit, m = min(((fit_gains(at, c, m), m) for m in maps), key=lambda found: found[0].rest)
@@ -57,6 +58,22 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
             text += " Its coordinates differ from the signals'; give the transmission."
         return [*remarks, Remark("warning", "controller", None, text, {"unexplained": fit.rest})]
     return remarks + _read_gains(recording, fit, m)
+
+
+def _pushes_away(recording: Recording, at: Ticks) -> list[Remark]:
+    """A law that nobody stated and that drives an axis away from its reference: no loop would stand."""
+    n = len(recording.axes)
+    fit = fit_gains(at, Controller("pd", recording.coordinates, (1.0,) * n, (1.0,) * n), np.eye(n))
+    remarks = []
+    for i, axis in enumerate(recording.axes if fit.rest < _EXACT else ()):
+        kp, std = fit.by_name[f"kp_{i}"]
+        if kp < -5 * std:
+            text = (
+                f"The command of '{axis}' is a PD law of kp {kp:.4g}, which pushes away from the reference: "
+                "its torque or its motion has the wrong sign."
+            )
+            remarks.append(Remark("problem", "sign", axis, text, {"kp": kp, "unexplained": fit.rest}))
+    return remarks
 
 
 def _maps(recording: Recording, transmission: np.ndarray | None) -> list[np.ndarray]:

@@ -15,6 +15,7 @@ from .inertia import remark_on_inertia
 from .motion import remark_on_motion
 from .result import Inspection, RecordingInspection, Remark
 from .torque import remark_on_command_limits, remark_on_torque
+from .work import remark_on_work
 
 FEW = 200  # rows below which nothing is compared
 
@@ -43,7 +44,8 @@ def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> Recor
         remarks += remark_on_motion(recording, held)
         remarks += remark_on_control(recording, transmission)
         remarks += remark_on_torque(recording, noise)
-        remarks += remark_on_inertia(recording, held)
+        backward = remark_on_inertia(recording, held)
+        remarks += backward or remark_on_work(recording, held)
         remarks += remark_on_command_limits(recording)
     else:
         text = f"Only {len(recording)} rows: too few to check signals against each other."
