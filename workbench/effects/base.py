@@ -104,8 +104,6 @@ class Effect(ABC):
             can begin with it in the middle of a recording.
         of_a_make: whether it comes with the make of a joint or its drive, so that all axes may have it alike;
             springs, offsets and ripples come with the assembly of each.
-        corrects: whether it corrects a number that a model may have (`model_value`), so that it may be
-            negative, down to a total of none (`bounds`).
         adds_up: whether what a model states of it and what is found of it are one effect, of their sum.
         trace: what it leaves in a frequency response; None where that says nothing of it. On the input's
             side, or of a sensor on the output's.
@@ -137,7 +135,6 @@ class Effect(ABC):
     wanders: ClassVar[bool] = False
     needs_the_past: ClassVar[bool] = False
     of_a_make: ClassVar[bool] = False
-    corrects: ClassVar[bool] = False
     adds_up: ClassVar[bool] = False
     trace: ClassVar[Trace | None] = None
     axes: ClassVar[Literal["each", "all"]] = "each"

@@ -25,7 +25,6 @@ class CoulombFriction(Effect):
     dry = True
     locations = ("actuator", "joint")
     of_a_make = True
-    corrects = True
     trace = Trace.ODD
     source = "Coulomb 1785; Armstrong-Helouvry et al., Automatica 30(7), 1994"
     shows = "torque residual steps at each reversal, odd in speed, independent of its size"

@@ -24,7 +24,6 @@ class ViscousDamping(Effect):
     basic = True
     locations = ("actuator", "joint")
     of_a_make = True
-    corrects = True
     source = "Newtonian lubricant film; Armstrong-Helouvry et al., Automatica 30(7), 1994"
     shows = "torque residual odd and linear in speed; FRF magnitude at low frequency"
     reveal = "steady runs at several speeds in both directions"
