@@ -60,7 +60,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
         if name not in applied.parameters:
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
         estimate = applied.parameters[name]
-        lower = -float("inf") if corrects or name in ("damping", "inertia") else parameter.lower
+        lower = -float("inf") if corrects else parameter.lower
         if not lower <= estimate.value <= parameter.upper:
             allowed = f"{lower:g} to {parameter.upper:g} {unit}"
             raise refuse(
