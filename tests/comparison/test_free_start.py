@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import tomli_w
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from tests.data_helpers import data_folder
 from workbench.comparison import compare
@@ -86,6 +87,29 @@ def test_a_right_model_is_at_the_noise_wherever_a_log_begins(shaft: Model, first
     assert right.error < 1.1 * right.noise_error
     left = parts(right)
     assert left[0] < 1.3 * np.median(left)
+
+
+def test_up_to_where_a_row_is_a_twelfth_of_a_period(shaft: Model) -> None:
+    """A drive that holds its torque from row to row: the spring's own torque comes no half row late."""
+    first = run(0.3)
+    count, skipped = len(first), round(0.3 * RATE)
+    through = np.array([[-STIFFNESS, STIFFNESS, -DAMPING, DAMPING]])
+    change = np.vstack([np.eye(2, 4, 2), through / MOTOR, -through / LOAD])
+    push = np.array([[0.0], [0.0], [1.0 / MOTOR], [0.0]])
+    whole = expm(np.block([[change, push], [np.zeros((1, 5))]]) / RATE)
+    kept, added = whole[:4, :4], whole[:4, 4]
+    noise, lines = np.random.default_rng(4), np.arange(13.0, 200.0, 4.0)
+    turn = np.outer(np.arange(skipped + count) / RATE, 2.0 * np.pi * lines)
+    torque = 0.5 * np.cos(turn + noise.uniform(0.0, 2.0 * np.pi, len(lines))).sum(axis=1)
+    x = np.zeros((len(torque), 4))
+    for k in range(len(torque) - 1):
+        x[k + 1] = kept @ x[k] + added * torque[k]
+    held = first.with_signals(
+        position=x[skipped:, :1] + 2e-6 * noise.normal(size=(count, 1)),
+        torque_measured=torque[skipped:, None] + 0.02 * noise.normal(size=(count, 1)),
+    )
+    held = replace(held, excitation=replace(held.excitation, f_max_hz=200.0))
+    assert compare(soft(shaft), [held]).consistent
 
 
 def test_a_wrong_spring_is_not_excused(shaft: Model) -> None:
