@@ -61,7 +61,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
         estimate = applied.parameters[name]
         lower = -float("inf") if corrects else parameter.lower
-        if not lower <= estimate.value <= parameter.upper:
+        if not (np.isfinite(estimate.value) and lower <= estimate.value <= parameter.upper):
             allowed = f"{lower:g} to {parameter.upper:g} {unit}"
             raise refuse(
                 f"{effect.name}: {name} = {estimate.value:g} lies outside {allowed}",

@@ -24,8 +24,9 @@ def usable(name: str) -> str:
     count, index = torch.cuda.device_count(), device.index or 0
     if index >= count:
         cards = f"{count} CUDA card{'s' * (count != 1)}" if count else "no CUDA card that torch can use"
+        others = f", or on cuda:0 to cuda:{count - 1}" if count else ""
         raise InputError(
             f"--device {name}: this machine has {cards}",
-            remedy="train on the processor: --device cpu" + (f", or cuda:0 to cuda:{count - 1}" * (count > 0)),
+            remedy=f"train on the processor, --device cpu{others}",
         )
     return f"cuda:{index}"
