@@ -59,6 +59,8 @@ class JointCompliance(Effect):
         """What the lacking torque asks for, from antiresonances from 4 Hz on, hardly and well damped."""
         assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
+        if inertia <= 0.0:  # a rotor as heavy as all that turns leaves nothing behind it
+            return []
         starts = [
             (inertia * w**2, 2.0 * share * inertia * w)
             for w in frequencies(motions, 4.0, 150.0, 10)
