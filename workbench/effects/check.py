@@ -54,13 +54,14 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
         if name not in known:
             raise refuse(f"{effect.name} has no parameter '{name}'", f"it has {', '.join(known) or 'none'}")
     place, checked = Placement.of(model, key), {}
-    corrects = effect.model_value(model, place) is not None  # then it may be negative: `bounds` says how far
+    own = effect.model_value(model, place)  # what may be taken off: then it may be negative
+    low, high = effect.bounds(model, place)
     for name, parameter in known.items():
         unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
         if name not in applied.parameters:
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
         estimate = applied.parameters[name]
-        lower = -float("inf") if corrects else parameter.lower
+        lower = parameter.lower if own is None else float(low[0])
         if not (np.isfinite(estimate.value) and lower <= estimate.value <= parameter.upper):
             allowed = f"{lower:g} to {parameter.upper:g} {unit}"
             raise refuse(
