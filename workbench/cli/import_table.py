@@ -38,9 +38,10 @@ def import_table(
     """
     from workbench import report
     from workbench.core.files import check_free
+    from workbench.effects import load_model
     from workbench.inspection import inspect
     from workbench.models import read_model
-    from workbench.proposing import complete, open_table, propose, write
+    from workbench.proposing import by_weight, complete, open_table, propose, write
 
     from .import_check import with_model
 
@@ -48,6 +49,9 @@ def import_table(
     check_free(target, force=force)
     table = open_table(path, episode=episode)
     proposal = propose(table, answers)
+    if model:
+        answers = by_weight(proposal, table, answers, load_model(model))
+        proposal = propose(table, answers)
     for _ in range(_ROUNDS):
         # a proposal holds the likeliest units and axes already, and says that they are guesses
         asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key != "rate"))

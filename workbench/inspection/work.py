@@ -13,7 +13,7 @@ _LATE_S = 0.005  # a torque may be logged so much early or late, which turns the
 
 
 def remark_on_work(recording: Recording, held: np.ndarray) -> list[Remark]:
-    """Check that the measured torques did more work on the machine than it gave back.
+    """Check, where no command is logged, that the torques did more work on the machine than it gave back.
 
     Args:
         recording: what was measured.
@@ -21,7 +21,8 @@ def remark_on_work(recording: Recording, held: np.ndarray) -> list[Remark]:
     """
     torque = recording.get("torque_measured")
     live = np.flatnonzero(~held)
-    if torque is None or len(live) == 0:
+    # beside a command and its law a wrong sign shows at once
+    if torque is None or recording.get("torque_command") is not None or len(live) == 0:
         return []
     rows = int(np.ceil(_LATE_S / recording.period))
     shifts = range(-rows, rows + 1, max(1, rows // 2))

@@ -45,7 +45,8 @@ class Question:
     """What the file does not say.
 
     Attributes:
-        key: ``unit.KIND``, ``column.SIGNAL``, ``rate``, ``axes``, ``coordinates`` or ``counts``.
+        key: ``unit.KIND``, ``unit`` (its answers are ``KIND=UNIT``), ``column.SIGNAL``, ``constant`` (of the
+            torque), ``rate``, ``axes``, ``coordinates`` or ``counts``.
         text: the question.
         choices: answers to choose from; empty where any may be right.
         best: the likeliest, ``""`` where none is.
@@ -75,6 +76,7 @@ class Answers:
         linear: which of the model's axes move along a line.
         transmission: the model's J in q_p = J q_s, shape (n, n), where it is not the identity.
         guessed: keys of questions that were answered for the user.
+        weighed: kind -> why its unit is so, where a model's weight and inertia told it.
     """
 
     axes: tuple[str, ...] = ()
@@ -90,6 +92,11 @@ class Answers:
     linear: tuple[bool, ...] = ()
     transmission: np.ndarray | None = None
     guessed: frozenset[str] = frozenset()
+    weighed: Mapping[str, str] = field(default_factory=dict)
+
+    def because(self, kind: str) -> str:
+        """Why a unit that is not the data's own guess is as it is."""
+        return self.weighed.get(kind, "you said so")
 
     def with_answer(self, key: str, value: str) -> Answers:
         """These answers and one more; the key is a question's.
@@ -99,7 +106,11 @@ class Answers:
         """
         kind, _, name = key.partition(".")
         if kind == "unit":
+            name, value = (name, value) if name else _pair(value)
             return replace(self, units={**self.units, name: value})
+        if kind == "constant":
+            constants = [f"{float(part):g}*N*m" for part in listed(value)]
+            return replace(self, units={**self.units, "torque": ",".join(constants)})
         if kind == "column":
             return replace(self, columns={**self.columns, name: listed(value)})
         if kind == "coordinates":
@@ -139,3 +150,15 @@ class Proposal:
 def listed(value: str) -> tuple[str, ...]:
     """The parts of a text with commas."""
     return tuple(part.strip() for part in value.split(",") if part.strip())
+
+
+def _pair(value: str) -> tuple[str, str]:
+    """``KIND=UNIT`` as two.
+
+    Raises:
+        ValueError: it is no such pair.
+    """
+    kind, equals, unit = value.partition("=")
+    if not equals:
+        raise ValueError(value)
+    return kind.strip(), unit.strip()

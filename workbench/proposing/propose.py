@@ -24,6 +24,7 @@ from .stated import EXAMPLES
 from .table import Table
 from .units import pint_unit
 from .velocities import derivatives, uncross
+from .wraps import whole_positions
 
 #: Kinds whose unit can be stated, and an example of each.
 UNITS = {"time": "ms", **{kind: turning for kind, (turning, _) in EXAMPLES.items()}}
@@ -66,10 +67,12 @@ def _check_answers(table: Table, answers: Answers) -> None:
         wrong = [unit for unit in listed(text) or ("",) if not pint_unit(unit, kind)]
         if kind not in UNITS or (kind == "time" and len(listed(text)) > 1) or wrong:
             known = kind if kind in UNITS else "position"
+            remedy = f"e.g. --unit {known}={UNITS[known]}"
+            if kind == "torque" and wrong and pint_unit(wrong[0], "current"):
+                remedy = "give the torque constants, in N m per A: --unit torque=0.5*N*m, or one an axis"
             raise InputError(
-                f"'{wrong[0] if wrong else text}' is no unit of {kind}", file=table.file,
-                remedy=f"e.g. --unit {known}={UNITS[known]}",
-            )  # fmt: skip
+                f"'{wrong[0] if wrong else text}' is no unit of {kind}", file=table.file, remedy=remedy
+            )
 
 
 def _drafted(draft: Draft) -> Proposal:
@@ -81,9 +84,10 @@ def _drafted(draft: Draft) -> Proposal:
     axes, columns = named_axes(signals, draft)
     rows = _rows(draft, time, columns)
     period_raw = float(np.median(np.diff(rows.columns[time or "t"])))
-    columns = uncross(draft, rows, columns, axes)
-    relations = derivatives(rows, columns)
-    units = settle_units(draft, rows, columns, axes, time, period_raw, relations)
+    whole, wraps = whole_positions(rows, columns["position"])
+    columns = uncross(draft, whole, columns, axes)
+    relations = derivatives(whole, columns)
+    units = settle_units(draft, whole, columns, axes, time, period_raw, relations, wraps)
     scales = settle_scales(draft, columns, axes, units, relations)
     description = _description(draft, axes, columns, units, scales, rows, time)
     named = {n for names in columns.values() for n in names}
@@ -180,7 +184,19 @@ def _description(
         "axes": list(axes),
         "columns": out,
         "units": {kind: each[0] if len(set(each)) == 1 else list(each) for kind, each in units.items()},
+        **({"guessed_units": guessed} if (guessed := _guessed(draft)) else {}),
     }
+
+
+def _guessed(draft: Draft) -> list[str]:
+    """Kinds of units that nothing but the size of numbers tells: a diagnosis doubts these first."""
+    told = {
+        a.what.removeprefix("unit of "): a.because for a in draft.assumed if a.what.startswith("unit of ")
+    }
+    guessed = [kind for kind in EXAMPLES if told.get(kind, "").startswith("numbers")]
+    # what one of the two is, the slope tells of the other
+    motion = {"position", "velocity"} & told.keys()
+    return [kind for kind in guessed if kind == "torque" or motion <= set(guessed)]
 
 
 def _writable(

@@ -102,6 +102,7 @@ class Description(_Table):
     axes: Annotated[list[str], BeforeValidator(_listed)]
     columns: dict[str, Columns]
     units: dict[str, UnitNames] = {}
+    guessed_units: list[str] = []
     controller: ControllerTable | None = None
     excitation: ExcitationTable = ExcitationTable()
     timing: TimingTable = TimingTable()
@@ -199,6 +200,9 @@ def _check_names(d: Description, path: Path) -> None:
             column="columns.ground_force",
             remedy="give fx, fy, fz for every foot",
         )
+    for kind in d.guessed_units:
+        if kind not in KINDS:
+            raise _unknown_key("guessed_units", kind, tuple(KINDS), path)
     for kind, units in d.units.items():
         if kind not in KINDS:
             raise _unknown_key(f"units.{kind}", kind, tuple(KINDS), path)
