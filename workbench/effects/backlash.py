@@ -58,6 +58,8 @@ class Backlash(Effect):
         """The gap that foresees best what passes through it: a grid, then downhill from its best."""
         assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
+        if inertia <= 0.0:
+            return ()  # nothing that could move in a gap
         rotor = float(motions[0].rotor[0][place.index])
         way = max(float(np.ptp(m.position[:, place.index])) for m in motions) + 1e-9
         pieces = [Passage.of(m, model, place) for m in motions]
@@ -66,11 +68,11 @@ class Backlash(Effect):
         gaps = way * np.geomspace(2e-4, 0.1, 9)
         gap, stiffness, retardation, least = best_gap(pieces, inertia, rotor, gaps, stiffnesses, top)
         if gap < 1e-4 * way:
-            return []  # a spring, which is another effect
+            return ()  # a spring, which is another effect
         rigid = left_by(pieces, inertia, 0.0, top, 0.0)
         shape = {"gap": gap, "stiffness": stiffness, "retardation": retardation}
         if not foresees(pieces, inertia, gap, stiffness, retardation):
-            return []
+            return ()
         return [(shape, least / max(rigid, 1e-300))]
 
     def stated(self, model: Model, shape: Mapping[str, float]) -> Model:

@@ -54,12 +54,14 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
         if name not in known:
             raise refuse(f"{effect.name} has no parameter '{name}'", f"it has {', '.join(known) or 'none'}")
     checked: dict[str, Estimate] = {}
+    low, high = effect.bounds(model, Placement.of(model, key))
+    alone = len(known) == len(low) == 1  # then `bounds` says how far it goes, also below nothing
     for name, parameter in known.items():
         unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
         if name not in applied.parameters:
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
         estimate = applied.parameters[name]
-        lower = parameter.lower if name not in ("damping", "inertia") else -float("inf")
+        lower = -float("inf") if alone else parameter.lower
         if not lower <= estimate.value <= parameter.upper:
             allowed = f"{lower:g} to {parameter.upper:g} {unit}"
             raise refuse(
@@ -68,7 +70,6 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             )
         checked[name] = Estimate(estimate.value, estimate.std, unit)
     coefficients, _ = effect.to_coefficients({name: e.value for name, e in checked.items()})
-    low, high = effect.bounds(model, Placement.of(model, key))
     slack = 1e-9 * np.maximum(1.0, np.abs(coefficients))
     if np.any(coefficients < low - slack) or np.any(coefficients > high + slack):
         given = ", ".join(f"{name} = {e.value:g}" for name, e in checked.items())

@@ -58,6 +58,8 @@ class JointCompliance(Effect):
         """What the lacking torque asks for, from antiresonances from 4 Hz on, hardly and well damped."""
         assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
+        if inertia <= 0.0:
+            return ()  # nothing that a spring could hold
         starts = [
             (inertia * w**2, 2.0 * share * inertia * w)
             for w in frequencies(motions, 4.0, 150.0, 10)
