@@ -55,14 +55,15 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             raise refuse(f"{effect.name} has no parameter '{name}'", f"it has {', '.join(known) or 'none'}")
     checked: dict[str, Estimate] = {}
     low, high = effect.bounds(model, Placement.of(model, key))
-    alone = len(known) == len(low) == 1  # then `bounds` says how far it goes, also below nothing
+    # what corrects a number of the model may be negative: `bounds` says how far
+    alone = len(known) == len(low) == 1 and low[0] < 0.0 == effect.parameters[0].lower
     for name, parameter in known.items():
         unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
         if name not in applied.parameters:
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
         estimate = applied.parameters[name]
         lower = -float("inf") if alone else parameter.lower
-        if not lower <= estimate.value <= parameter.upper:
+        if not (np.isfinite(estimate.value) and lower <= estimate.value <= parameter.upper):
             allowed = f"{lower:g} to {parameter.upper:g} {unit}"
             raise refuse(
                 f"{effect.name}: {name} = {estimate.value:g} lies outside {allowed}",
