@@ -46,10 +46,10 @@ def can_split(model: Model, key: EffectKey) -> bool:
         return False
     row = model.transmission[model.axes.index(key.axis)]
     alone = np.count_nonzero(row) == 1 or model.has("actuator_inertia_coupling")
-    return _rotor(model, model.axes.index(key.axis)) > 0 and (key.location == "joint" or alone)
+    return rotor_inertia(model, model.axes.index(key.axis)) > 0 and (key.location == "joint" or alone)
 
 
-def _rotor(model: Model, index: int) -> float:
+def rotor_inertia(model: Model, index: int) -> float:
     """Inertia of a drive, with what was found to be more of it [kg m^2 or kg]."""
     more = EffectKey("reflected_inertia", model.axes[index])
     own = _stated_drives(model)[0][index]
@@ -220,4 +220,4 @@ def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count
 def stiffest(model: Model, place: Placement | None) -> float:
     """Stiffness [N m/rad or N/m] beyond which a fit need not look: the rotor would ring at `_RIGID`."""
     assert place is not None
-    return _rotor(model, place.index) * (2.0 * np.pi * _RIGID) ** 2
+    return rotor_inertia(model, place.index) * (2.0 * np.pi * _RIGID) ** 2
