@@ -48,7 +48,9 @@ def _left(plant: Plant, recordings: Sequence[Recording]) -> np.ndarray:
     sums = np.zeros((2, plant.model.size))
     for r in recordings:
         measured, needed, valid = torque_pair(plant, r, None, noise_levels(r))
-        speed = r.velocity if r.coordinates == "actuator" else r.velocity @ plant.model.transmission.T
+        logged = r.get("velocity")
+        speed = np.gradient(r.position, r.period, axis=0) if logged is None else logged
+        speed = speed if r.coordinates == "actuator" else speed @ plant.model.transmission.T
         rows = np.flatnonzero(valid)
         rows = rows[:: max(1, len(rows) // _MOST)]
         for i, (x, y, v) in enumerate(zip(measured[rows].T, needed[rows].T, speed[rows].T, strict=True)):
