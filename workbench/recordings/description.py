@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
-from pydantic_core import PydanticCustomError
 
 from workbench.core import AXIS_SIGNALS, InputError
 from workbench.core.formats import check_format
@@ -48,7 +47,7 @@ def _lines(value: Any) -> Any:
         return value
     # pydantic's own text for a choice of kinds takes a line for each
     message = "should be 'full', 'odd', 'odd_random', 'every_N' (as 'every_4') or a list of line numbers"
-    raise PydanticCustomError("lines", message)
+    raise ValueError(message)
 
 
 AnyColumn = Annotated[Column, BeforeValidator(_column)]
@@ -231,7 +230,8 @@ def _explain(error: ValidationError, path: Path) -> InputError:
         )
     if first["type"] == "missing":
         return InputError("is missing", file=path, column=key, remedy="add it")
-    message = first["msg"][0].lower() + first["msg"][1:]
+    said = first["msg"].removeprefix("Value error, ")
+    message = said[0].lower() + said[1:]
     return InputError(
         f"{message}, found {first['input']!r}", file=path, column=key, remedy="correct the value"
     )
