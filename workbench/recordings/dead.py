@@ -78,7 +78,9 @@ def _dead(measured: np.ndarray, asked: np.ndarray, good: np.ndarray, width: int,
     none = np.zeros(len(measured), bool)
     if not good.any() or np.ptp(measured[good]) == 0:
         return none
-    got, wanted = (np.sqrt(scipy.ndimage.uniform_filter1d(x**2, width)) for x in (measured, asked))
+    # running sums may end a little below nothing
+    powers = (scipy.ndimage.uniform_filter1d(x**2, width) for x in (measured, asked))
+    got, wanted = (np.sqrt(np.maximum(power, 0.0)) for power in powers)
     given = measured[good & (got >= _NIL * wanted)]
     usual = float(np.sqrt(np.mean(given**2))) if len(given) else 0.0
     silent = (got < _NIL * np.minimum(wanted, usual)) & (wanted > _ASKED * usual) & good
