@@ -12,9 +12,11 @@ from .coordinates import Elsewhere, found_elsewhere, maps
 from .factors import name_factor
 from .law import Fit, Ticks, fit_commands, fit_gains, fit_sensors, ticks
 from .result import Remark
+from .speeds import explain_speed, remark_on_speed
 from .ticks import find_ticks
 
 _EXACT = 0.005  # what a law that holds may leave, as a part of the command's variation
+_HOLDS = 0.02  # the same of a law whose speed was not logged, and is made of the position
 _FAIR = 0.2  # above this the law is not followed
 _OFF = 0.02  # relative deviation of a gain that is reported
 _SWAPS = (
@@ -48,6 +50,10 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
         return remarks + _pushes_away(recording, at)
     c = recording.controller
     tried = maps(recording, c, transmission)
+    if "velocity" in recording.derived:
+        speeds = explain_speed(recording, ratio, phase, tried)
+        if speeds[0].fit.rest < _HOLDS:
+            return [*remarks, remark_on_speed(speeds, recording.axes)]
     fit, m = min(((fit_gains(at, c, m), m) for m in tried), key=lambda found: found[0].rest)
     if fit.rest > _EXACT:
         if c.kind == "pd" and (elsewhere := found_elsewhere(recording, at, transmission)) is not None:
