@@ -76,7 +76,8 @@ def remark_on_speed(found: Sequence[Explanation], axes: Sequence[str]) -> Remark
     best, *others = found
     stated = [e for e in others if not e.off]
     shown = [*stated[:2], *[e for e in others if e.off][:1]]
-    text = f"With {best.told(axes)}, the logged command is the stated law; {100 * best.fit.rest:.1g} % of it stays."
+    rest = f"{100 * best.fit.rest:.1g} % of it stays"
+    text = f"With {best.told(axes)}, the logged command is the stated law; {rest}."
     if shown:
         ways = "; ".join(e.told(axes) for e in shown)
         text += f" As good: {ways}. No speed was logged that could tell which."
