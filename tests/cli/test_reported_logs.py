@@ -83,3 +83,15 @@ def test_encoders_that_wrap(tmp_path: Path, log: str, model: str, friction: str)
     assert "jumps by its whole range of" in said and "controller pd" in said
     told = run("diagnose", logs / f"{model}.xml", tmp_path / f"{log}.toml")
     assert f"Coulomb friction on the {'hip' if model == 'leg' else 'wheel'} drive, {friction}" in told.stdout
+
+
+def test_the_loop_that_a_log_shows(tmp_path: Path) -> None:
+    logs = report_folder("loop_of_the_log")
+    seen = " ".join(run("inspect", logs / "aw.toml", columns=200).stdout.split())
+    assert "in joint coordinates the logged command follows the stated law (0.0001 % of it stays)" in seen
+    told = run("diagnose", logs / "own.toml", logs / "afw.toml", "--holdout", logs / "bfw.toml")
+    assert told.returncode == 2 and 'write coordinates = "joint"' in told.stderr
+    said = imported(tmp_path, logs / "lowcmd.csv.gz", "--model", logs / "leg.xml")
+    assert "controller pd, kp 25, 30; kd 0.6, 0.8" in said and "Not used" not in said
+    said = imported(tmp_path, logs / "target.csv.gz")
+    assert "position_reference j_target" in said and "controller pd, kp 40; kd 0.3" in said

@@ -18,7 +18,8 @@ UNKNOWN = Controller()
 def given(*spans: tuple[float, float], axes: tuple[int, ...] = (0, 1), noise: float = 0.02) -> np.ndarray:
     torque = ASKED.copy()
     for start, end in spans:
-        torque[np.ix_((start <= T) & (end > T), axes)] = 0.0
+        for i in axes:
+            torque[(start <= T) & (end > T), i] = 0.0
     return torque + RNG.normal(0, noise, torque.shape) if noise else torque
 
 

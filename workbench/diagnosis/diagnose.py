@@ -29,6 +29,7 @@ from .findings import (
     refuting_line,
     step_of,
 )
+from .loops import refuse_coordinates
 from .mirrored import refuse_turned
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, UnstableLoop, search
@@ -172,6 +173,7 @@ def _matched(
             f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
             remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
         )  # fmt: skip
+    refuse_coordinates(model, (*fitted, *judging))
     refuse_unit(model, fitted)
     refuse_turned(model, fitted)
     return fitted, judging

@@ -15,6 +15,7 @@ from .axes import named_axes
 from .clean import Clean, clean
 from .clock import find_time, rate_question
 from .draft import FALLBACK_RATE, Draft
+from .gains import GAINS, gains_shown, take_controller
 from .names import name_joints, role_of
 from .proposal import Answers, Proposal, Question, listed
 from .scaling import settle_scales
@@ -84,13 +85,19 @@ def _drafted(draft: Draft) -> Proposal:
     axes, columns = named_axes(signals, draft)
     rows = _rows(draft, time, columns)
     period_raw = float(np.median(np.diff(rows.columns[time or "t"])))
+    controller = take_controller(draft, columns, axes, _coordinates(draft.answers))
     whole, wraps = whole_positions(rows, columns["position"])
     columns = uncross(draft, whole, columns, axes)
     relations = derivatives(whole, columns)
     units = settle_units(draft, whole, columns, axes, time, period_raw, relations, wraps)
     scales = settle_scales(draft, columns, axes, units, relations)
     description = _description(draft, axes, columns, units, scales, rows, time)
-    named = {n for names in columns.values() for n in names}
+    if controller:
+        description["controller"] = controller
+        draft.assume("controller", gains_shown(controller), 0.97, "gains are logged beside the references")
+    named = {n for names in columns.values() for n in names} | {
+        n for n in table.columns if _is_loop(draft, n)
+    }
     unused = [n for n in table.columns if n not in named and n != time]
     if unused:
         shown = ", ".join(unused[:8]) + (f" and {len(unused) - 8} more" if len(unused) > 8 else "")
@@ -170,9 +177,8 @@ def _description(
             ]
     if rows.valid is not None:
         out["valid"] = "valid"
-    coordinates = draft.answers.coordinates or "joint"
+    coordinates = _coordinates(draft.answers)
     if draft.answers.transmission is not None and not draft.answers.coordinates:
-        coordinates = "actuator"
         text = "The model's drives do not turn as its joints do. Where were the signals counted?"
         options = ("actuator", "joint")
         draft.questions.append(Question("coordinates", text, options, "actuator", "--coordinates actuator"))
@@ -197,6 +203,17 @@ def _guessed(draft: Draft) -> list[str]:
     # what one of the two is, the slope tells of the other
     motion = {"position", "velocity"} & told.keys()
     return [kind for kind in guessed if kind == "torque" or motion <= set(guessed)]
+
+
+def _coordinates(answers: Answers) -> str:
+    return answers.coordinates or ("joint" if answers.transmission is None else "actuator")
+
+
+def _is_loop(draft: Draft, column: str) -> bool:
+    """Whether a column is a part of a loop that needs no signal: a gain, or a reference that stays nil."""
+    role = draft.roles[column]
+    nil = role.role in ("reference", "feedforward") and not np.nan_to_num(draft.table.columns[column]).any()
+    return role.kind in GAINS or (nil and role.kind in ("velocity", "torque"))
 
 
 def _writable(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .assignment import Signals, filled
+from .gains import settle_feedforward
 from .law import is_law
 from .match import held_share
 from .names import Role
@@ -18,6 +19,9 @@ def settle_torques(out: Signals, data: dict[str, np.ndarray]) -> None:
     out.sure.pop("torque", None)
     # columns of one name are one signal, whatever a joint that hardly moves looks like
     held = bool(plain) and float(np.median([held_share(data[c]) for c in plain.values()])) > 0.4
+    settle_feedforward(
+        out, law=is_law(*_loop(out, data, list(out.columns.get("torque_command", {}).values())))
+    )
     commanded = "torque_command" in out.columns
     law = not commanded and bool(plain) and is_law(*_loop(out, data, list(plain.values())))
     for joint, column in plain.items():
