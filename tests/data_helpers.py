@@ -150,3 +150,11 @@ def two_mass(folder: Path) -> tuple[Path, Path]:
     both_masses = {"inertia": [0.00956], "damping": [0.1]}  # of the two, from a fit to the response
     model = {"format": 1, "name": "rigid", "serial": "rigid.xml", "actuators": both_masses}
     return write_toml(folder / "rigid.toml", model), recording
+
+
+def report_folder(name: str) -> Path:
+    """A folder of small inputs that failed; skips the test where they are not at hand."""
+    folder = _ROOT.parent / "shared" / "cases" / "reports" / name
+    if not folder.exists():
+        pytest.skip(f"no inputs at {folder}")
+    return folder

@@ -7,11 +7,17 @@ import io
 import os
 import sys
 import traceback
+from functools import cache
 from pathlib import Path
 from subprocess import CompletedProcess
 from unittest import mock
 
+import typer.main
+
 from workbench.cli import main
+
+#: The tree of commands is the same every time, and takes longer to make than most commands to run.
+_MADE = cache(typer.main.get_command)
 
 
 def run(*words: object, cwd: Path | None = None, columns: int = 80) -> CompletedProcess[str]:
@@ -21,6 +27,7 @@ def run(*words: object, cwd: Path | None = None, columns: int = 80) -> Completed
     with (
         contextlib.chdir(cwd or Path.cwd()),
         mock.patch.dict(os.environ, {"COLUMNS": str(columns)}),
+        mock.patch.object(typer.main, "get_command", _MADE),
         mock.patch.object(sys, "argv", ["workbench", *said]),
         mock.patch.object(sys, "stdin", io.StringIO()),
         contextlib.redirect_stdout(out),

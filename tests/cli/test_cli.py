@@ -125,6 +125,10 @@ def test_add_takes_over_what_a_diagnosis_settled_of_the_model(tmp_path: Path) ->
     assert run("add", "leg", "--from", tmp_path / "d.json", "-o", new).returncode == 0
     model = load_model(new)
     assert model.sliding_speed == 0.02 and not model.actuators.full_braking, "no speed limit was added"
+    finding["parameters"]["torque"]["std"] = None  # JSON has no infinity
+    (tmp_path / "d.json").write_text(json.dumps(diagnosis))
+    assert run("add", "leg", "--from", tmp_path / "d.json", "-o", tmp_path / "open.toml").returncode == 0
+    assert load_model(tmp_path / "open.toml").effects[-1].parameters["torque"].std == float("inf")
     (tmp_path / "d.json").write_text(json.dumps({**diagnosis, "settled": {"sliding_speed": "fast"}}))
     refused = run("add", "leg", "--from", tmp_path / "d.json", "-o", new, "--force")
     assert refused.returncode == 2 and "settled" in refused.stderr

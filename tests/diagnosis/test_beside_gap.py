@@ -12,7 +12,7 @@ from workbench.diagnosis.by_torque import plain_by_torque
 from workbench.diagnosis.fit import fit
 from workbench.diagnosis.giving import what_gives_way
 from workbench.diagnosis.hypothesis import Hypothesis
-from workbench.diagnosis.judging import nearly_at_floor
+from workbench.diagnosis.judging import floor_of_judging, nearly_at_floor
 from workbench.diagnosis.other_ways import what_the_torque_shows
 from workbench.diagnosis.stage import Stage
 from workbench.diagnosis.ways import Quest, Way, with_stages
@@ -51,9 +51,11 @@ def test_each_is_a_step_and_the_error_falls_with_all(heavier: Quest) -> None:
     assert [s.added for s in stages] == [KEY, INERTIA]
     assert [{a.key for a in s.fit.hypothesis.free} for s in stages] == [{KEY}, {KEY, INERTIA}]
     assert all(s.ranking == ((s.added, s.removed_share),) for s in stages), "and no shares of the torque"
-    end = stages[-1].fit.judged / heavier.start.judged
-    assert end < 0.1
-    assert sum(s.removed_share for s in stages) == pytest.approx(1.0 - end)
+    assert stages[-1].fit.judged < 0.1 * heavier.start.judged
+    before, floor = heavier.start.judged, floor_of_judging(heavier.data)
+    for s in stages:
+        assert s.removed_share == pytest.approx((before - s.fit.judged) / (before - floor))
+        before = s.fit.judged
 
 
 def test_a_gap_that_is_all_that_is_missing_stays_alone() -> None:

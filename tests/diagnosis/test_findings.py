@@ -26,7 +26,7 @@ def told(*added: EffectKey, rivals: tuple[EffectKey, ...]) -> tuple[float, tuple
         final=fit,
         consistent_after=True,
         explained=1.0,
-        by_axis={},
+        adequacy={},
         start_data=SimpleNamespace(score=lambda *_, **__: 0.0),
     )
     step = step_of(stage, found, False, {_HIP: ("a line",)})

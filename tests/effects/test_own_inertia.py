@@ -8,9 +8,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from workbench.core import EffectKey, Estimate
-from workbench.effects import compile_plant, effect_named, load_model
+from workbench.core import Controller, EffectKey, Estimate, Recording
+from workbench.effects import compile_plant, effect_named, link_inertia, load_model
 from workbench.models import AppliedEffect, Model, Placement
+from workbench.simulation import Track, motion_of
 
 _ARM = """<mujoco><option gravity="0 0 0"/><worldbody><body><joint name="a" axis="0 -1 0" armature="0.02"/>
 <inertial pos="0 0 0" mass="1" diaginertia="0.01 0.03 0.03"/></body></worldbody></mujoco>"""
@@ -43,6 +44,22 @@ def test_inertia_goes_either_way(arm: Model, more: float) -> None:
 def test_no_more_than_the_rotor_can_be_missing(arm: Model) -> None:
     lower, _ = effect_named("reflected_inertia").bounds(arm, Placement.of(arm, EffectKey("", "a")))
     assert lower == pytest.approx([-0.018])
+    less = with_effect(arm, "reflected_inertia", inertia=-0.015)
+    again, _ = effect_named("reflected_inertia").bounds(less, Placement.of(arm, EffectKey("", "a")))
+    assert again == pytest.approx([-0.003]), "what was taken off already counts"
+
+
+@pytest.mark.parametrize("more", [-0.018, 0.0, 0.004])
+def test_the_link_behind_a_rotor_is_the_same_whatever_was_found_of_the_rotor(arm: Model, more: float) -> None:
+    found = with_effect(arm, "reflected_inertia", inertia=more)
+    time = 0.01 * np.arange(50)
+    still = {"position": np.zeros((50, 1)), "torque_command": np.zeros((50, 1))}
+    recording = Recording("still", ("a",), "joint", time, still, ("rad",), controller=Controller("none"))
+    track = Track(still["position"], still["position"], still["position"])
+    motion = motion_of(track, recording, compile_plant(found), np.eye(1))
+    own, column = link_inertia(motion, found, Placement.of(arm, EffectKey("", "a")))
+    assert own == pytest.approx(0.03) and column == pytest.approx(np.full((50, 1), 0.03))
+    assert motion.rotor[0] == pytest.approx([0.02 + more])
 
 
 def test_a_spring_has_the_rotor_on_one_side_and_the_link_on_the_other(arm: Model) -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from workbench.effects.flexible import spring_wind
+from workbench.effects.flexible import free_wind, spring_wind
 from workbench.effects.springs import _winds
 
 _STEP = 0.001
@@ -17,6 +18,27 @@ def test_one_spring_winds_as_it_does_by_itself() -> None:
     alone = spring_wind(_LOAD[:, 0], _STEP, 0.05, 200.0, 0.4)
     winds = _winds(_LOAD[:, :1], _STEP, np.array([[0.05]]), np.array([200.0]), np.array([0.4]))
     np.testing.assert_allclose(winds[:, 0], alone, rtol=1e-6, atol=1e-6 * np.abs(alone).max())
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.4, 20.0])
+def test_a_spring_winds_from_where_it_begins(damping: float) -> None:
+    """Cut out of a motion, the same second derivative from the state at the cut; by integration from rest."""
+    inertia, stiffness, cut = 0.05, 200.0, 700
+
+    def rates(t: float, x: np.ndarray) -> list[float]:
+        torque = np.sin(2 * np.pi * 7.0 * t)
+        return [x[1], (torque - damping * x[1] - stiffness * x[0]) / inertia]
+
+    x = solve_ivp(rates, (0.0, _T[-1]), [0.0, 0.0], "DOP853", _T, rtol=1e-10, atol=1e-13).y
+    second = (_LOAD[:, 0] - damping * x[1] - stiffness * x[0]) / inertia
+    whole = spring_wind(_LOAD[:, 0], _STEP, inertia, stiffness, damping)
+    assert whole == pytest.approx(second, abs=2e-3 * np.abs(second).max())
+    # a torque that is there already has wound the spring up: counted from it, as the motion begins
+    load = _LOAD[cut:, 0]
+    moved = spring_wind(load - load[0], _STEP, inertia, stiffness, damping)
+    state = [x[0, cut] - load[0] / stiffness, x[1, cut]]
+    freely = free_wind(len(load), _STEP, inertia, stiffness, damping) @ state
+    assert moved + freely == pytest.approx(second[cut:], abs=2e-3 * np.abs(second).max())
 
 
 def test_springs_whose_links_do_not_feel_each_other_wind_each_by_itself() -> None:

@@ -61,12 +61,13 @@ def test_a_urdf_that_says_more_than_a_tree_is_refused(
 
 
 @pytest.mark.parametrize(
-    "command", [("check",), ("normalize", "-o", "n.xml"), ("compare", "run.toml"), ("import",)]
+    "command", [("check",), ("normalize", "-o", "n.xml"), ("compare", "run.toml"), ("import", "--drive", "a")]
 )
 def test_each_command_names_the_loop_in_one_line(tmp_path: Path, command: tuple[str, ...]) -> None:
-    file = _mjcf(tmp_path, _BOUND["connect"].format(active=""))
+    kind = "joint" if command[0] == "import" else "connect"  # which takes loops, but no joint that follows
+    file = _mjcf(tmp_path, _BOUND[kind].format(active=""))
     first, *rest = command
     done = run(first, file.name, *rest, cwd=tmp_path)
     assert done.returncode == 2
-    assert done.stderr.count("\n") == 1 and "'pin' (connect)" in done.stderr
+    assert done.stderr.count("\n") == 1 and f"'pin' ({kind})" in done.stderr
     assert not (tmp_path / "n.xml").exists()

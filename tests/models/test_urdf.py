@@ -10,6 +10,7 @@ import pytest
 
 from workbench.core import InputError
 from workbench.effects import compile_plant, load_model
+from workbench.models import own_friction
 
 _LINK = """<link name="{name}"><inertial><origin xyz="0 0 {z}"/><mass value="{mass}"/>
 <inertia ixx="0.02" iyy="0.03" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
@@ -85,3 +86,11 @@ def test_what_is_no_urdf_of_an_arm_is_refused_in_one_line(text: str, told: str, 
     with pytest.raises(InputError, match=told) as error:
         load_model(_written(tmp_path, text))
     assert "\n" not in str(error.value)
+
+
+def test_its_joints_friction_is_dry_friction(tmp_path: Path) -> None:
+    one, other = (load_model(_written(tmp_path, t, n)) for t, n in ((_ARM, "arm.urdf"), (_MJCF, "same.xml")))
+    assert own_friction(one) == own_friction(other)
+    assert [(str(e.key), e.values) for e in own_friction(one)] == [
+        ("coulomb_friction@shoulder", {"torque": 0.7})
+    ]

@@ -112,7 +112,8 @@ def test_what_is_only_nearest_is_not_called_a_cause(improvement, diagnosis):
     beside = replace(diagnosis, evidence=(line,))
     near = replace(improvement, verdict="unexplained", nearest=True, diagnosis=beside)
     text = " ".join(printed(improvement_table(near)).split())
-    assert "No known effect explains what is missing. With what comes nearest, Coulomb friction" in text
+    assert "No effect that was tried explains what is missing." in text
+    assert "With what comes nearest, Coulomb friction" in text
     assert line[1:] in text
 
 
@@ -123,12 +124,15 @@ def test_an_improvement_that_stops_above_the_noise_says_why_and_where(improvemen
     short = replace(improvement, verdict="unexplained", after=after)
     text = " ".join(printed(improvement_table(short)).split())
     assert re.search(
-        r"No effect of the catalogue explains the rest, of which \d+ % is in the (hip|knee) \w+,", text
+        r"Nothing that was tried explains the rest, of which \d+ % is in the (hip|knee) \w+,", text
     )
-    assert "catalogue" not in printed(improvement_table(improvement))
+    assert "was tried" not in printed(improvement_table(improvement))
+    spent = replace(short, diagnosis=replace(short.diagnosis, stopped="budget"))
+    text = " ".join(printed(improvement_table(spent)).split())
+    assert "The search ended before it had tried everything for the rest" in text
     nothing = replace(short, steps=(), before=after)
     text = " ".join(printed(improvement_table(nothing)).split())
-    assert "no known effect explains what is missing" in text and "catalogue" not in text
+    assert "no effect that was tried explains what is missing" in text
     assert "Of the error above the noise, " in text
 
 

@@ -12,10 +12,10 @@ from tests.cli.here import run
 from tests.s3n.layouts import LAYOUTS, REFUSED, lay_out
 
 _COUNTS = """nbody njnt ngeom nsite nmesh ntex nhfield nkey ncam nlight neq nexclude nmocap ntendon"""
-_NUMBERS = """jnt_range jnt_limited jnt_actfrcrange jnt_actfrclimited jnt_stiffness jnt_user qpos0 qpos_spring
-dof_damping dof_armature dof_frictionloss body_mass body_gravcomp geom_size geom_pos geom_contype
-geom_conaffinity geom_friction geom_rgba site_pos key_qpos key_qvel tendon_stiffness numeric_data
-mesh_vert cam_pos"""
+_NUMBERS = """jnt_range jnt_limited jnt_actfrcrange jnt_actfrclimited jnt_stiffness jnt_user qpos0
+qpos_spring dof_damping dof_armature dof_frictionloss body_mass body_gravcomp geom_size geom_pos geom_contype
+geom_conaffinity geom_friction geom_rgba site_pos key_qpos key_qvel tendon_stiffness numeric_data mesh_vert
+cam_pos"""
 
 
 def _same(own: mujoco.MjModel, new: mujoco.MjModel) -> None:

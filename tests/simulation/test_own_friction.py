@@ -11,7 +11,7 @@ import pytest
 from tests.data_helpers import write_toml
 from tests.dry_arm import LOSS, RIGID, dry_arm, made
 from tests.simulation.make import having, leg_experiment, simulated
-from workbench.core import EffectKey
+from workbench.core import EffectKey, InputError
 from workbench.core.paths import models_folder
 from workbench.effects import compile_plant, load_model
 from workbench.models import Model, own_friction
@@ -142,3 +142,16 @@ def test_what_a_file_switches_off_stays_off(tmp_path: Path) -> None:
     one, other = (simulated(m, asked) for m in both)
     np.testing.assert_array_equal(one.position, other.position)
     assert np.abs(one.position - simulated(plain, asked).position).max() > 1e-3
+
+
+def test_less_than_a_file_states_may_be_added_and_no_less_than_none(tmp_path: Path) -> None:
+    own, plain = load_model(dry_arm(tmp_path)), load_model(dry_arm(tmp_path, "none", name="plain"))
+    none = own
+    for axis, loss in LOSS.items():
+        none = having(none, EffectKey(FRICTION, axis), torque=-loss)
+        with pytest.raises(InputError, match="lies outside"):
+            having(own, EffectKey(FRICTION, axis), torque=-loss - 0.1)
+    with pytest.raises(InputError, match="lies outside"):
+        having(none, EffectKey(FRICTION, "lift"), torque=-0.1)
+    asked = made(dry_arm(tmp_path, "joint", RIGID, name="machine"), 0.6)
+    np.testing.assert_array_equal(simulated(none, asked).position, simulated(plain, asked).position)

@@ -139,3 +139,13 @@ def test_identified_numbers_may_differ_by_what_is_allowed(tmp_path: Path) -> Non
     model = read_model(file)
     assert not verify(model, samples=5).passed
     assert verify(model, samples=5, tolerance=0.01).passed
+
+
+def test_velocity_terms_of_a_balanced_link_are_nothing_and_not_a_breach(tmp_path: Path) -> None:
+    """A link whose mass lies on its axis has no velocity terms: what rounding leaves of them is none."""
+    (tmp_path / "wheel.xml").write_text(
+        """<mujoco><worldbody><body name="arm"><joint name="arm" axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.02"/><body name="wheel" pos="0 0 -0.2">
+<joint name="wheel" axis="0 1 0"/><geom size="0.03"/></body></body></worldbody></mujoco>"""
+    )
+    assert verify(read_model(tmp_path / "wheel.xml"), samples=12).passed

@@ -131,7 +131,7 @@ def parse_values(texts: list[str]) -> dict[str, Estimate]:
     """``name=value`` words.
 
     Raises:
-        InputError: not of that form, or not a finite number.
+        InputError: not of that form, not a finite number, or a name that stands twice.
     """
     out = {}
     for text in texts:
@@ -142,6 +142,8 @@ def parse_values(texts: list[str]) -> dict[str, Estimate]:
             number = float("nan")
         if not equals or number != number or number in (float("inf"), float("-inf")):
             raise InputError(f"'{text}' is not name=value with a number", remedy="e.g. torque=0.25")
+        if name in out:
+            raise InputError(f"{name} is given twice", remedy=f"give it once, e.g. {text}")
         out[name] = Estimate(number, 0.0, "")
     return out
 
@@ -162,7 +164,7 @@ def read_findings(path: str) -> list[Any]:
             AppliedEffect(
                 EffectKey(row["effect"], row["axis"], row.get("location", "actuator")),
                 {
-                    k: Estimate(float(v["value"]), float(v["std"]), v["unit"])
+                    k: Estimate(float(v["value"]), _std(v["std"]), v["unit"])
                     for k, v in row["parameters"].items()
                 },
             )
@@ -177,3 +179,8 @@ def read_findings(path: str) -> list[Any]:
     if not found:
         raise InputError("the diagnosis has no findings", file=path, remedy="nothing is to be added")
     return found
+
+
+def _std(value: float | None) -> float:
+    """A deviation as JSON has it, which knows no infinity: null where the data leave it open."""
+    return float("inf") if value is None else float(value)

@@ -21,7 +21,7 @@ def import_(
         typer.Argument(
             metavar="FILE",
             help="A table or log (CSV, JSON, Parquet, MATLAB, NumPy, PyTorch, MCAP, ROS 2 bag, LeRobot data "
-            "set, CAN log), or SDF or URDF of a mechanism, its loops cut open.",
+            "set, CAN log), or SDF or URDF of a mechanism, its loops cut open, or MJCF with loops.",
         ),
     ],
     output: Annotated[
@@ -133,7 +133,7 @@ def import_(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Make a recording of any table or log, or a model of your own leg from an SDF or URDF with a loop.
+    """Make a recording of any table or log, or a model of your own leg from an SDF, URDF or MJCF with a loop.
 
     Of a table it finds time, joints, quantities and units, shows what it assumes, and asks what it cannot
     tell; the source is not changed. Of an SDF or URDF without --drive it lists joints and frames.

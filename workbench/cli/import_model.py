@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from workbench.core import InputError
 
 from .common import echo, named_values, write_result
+
+if TYPE_CHECKING:
+    from workbench.models import Model
 
 
 @dataclass(frozen=True)
@@ -30,19 +34,15 @@ class MechanismOptions:
 
 
 def refuse_model(path: Path) -> None:
-    """An MJCF needs no import, or has a loop that cannot be imported.
+    """An MJCF without a loop needs no import.
 
     Raises:
         InputError: the file is one.
     """
-    from workbench.core.xml import parse_xml
-    from workbench.models import load_mjcf
+    from workbench.importing import is_mjcf
+    from workbench.models import load_with_loops
 
-    if not path.is_file():
-        return  # said where it is opened
-    remedy = "give an SDF or URDF file"
-    if parse_xml(path.read_bytes(), path, problem="not an XML file", remedy=remedy).tag == "mujoco":
-        load_mjcf(path)  # says what of it is no model
+    if is_mjcf(path) and not any(equality.active for equality in load_with_loops(path).equalities):
         raise InputError(
             "it is an MJCF, which is a model already",
             file=path,
@@ -102,21 +102,29 @@ def import_mechanism(
         start=tuple((k, _number(v)) for k, v in named_values(asked.start, "--start", "knee=1.2").items()),
         limits=tuple(stated[name] for name in serial) if known else (),
     )
-    count = len(asked.drives)
+    names, count = asked.drives, len(asked.drives)
+    gear = _each(asked.gear, count, 1.0, "--gear")
+    # of an MJCF a joint has at its output what motors have at the rotor
+    inertia, damping = (
+        [own.get(name, 0.0) / ratio**2 for name, ratio in zip(names, gear, strict=True)]
+        for own in (contents.armature, contents.damping)
+    )
+    limit = [contents.torque_limit.get(name, float("inf")) for name in names]
     drives = Drives(
-        _each(asked.gear, count, 1.0, "--gear"),
-        _each(asked.rotor_inertia, count, 0.0, "--rotor-inertia"),
-        _each(asked.rotor_damping, count, 0.0, "--rotor-damping"),
-        _each(asked.torque_limit, count, float("inf"), "--torque-limit"),
+        gear,
+        _each(asked.rotor_inertia or inertia, count, 0.0, "--rotor-inertia"),
+        _each(asked.rotor_damping or damping, count, 0.0, "--rotor-damping"),
+        _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
     )
     made = import_model(mechanism, drives, output, axes=axes, force=force)
-    ways = assemblies(mechanism)
+    assert made.closed_chain is not None
+    ways = assemblies(made.closed_chain)
     if json:
         content = {
             "format": 1,
             "model": made.name,
-            "files": [output, str(Path(output).with_name(made.serial.name))],
+            "files": [output, *map(str, _beside(made, path, output))],
             "axes": list(made.axes),
             "joints": list(made.joints),
             "transmission": made.transmission.tolist(),
@@ -128,7 +136,14 @@ def import_mechanism(
     if quiet or json == "-":
         return
     kind = "changes with the posture" if made.posture_dependent else "is constant"
-    echo(f"Wrote {output} and {made.serial.name}: the transmission {kind}: {made.transmission.tolist()}.")
+    beside = " and ".join(file.name for file in _beside(made, path, output))
+    echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
+    lost = {name: value for name, value in contents.damping.items() if value and name not in names}
+    if lost:
+        said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())
+        echo(
+            f"Left out are springs and dry friction, and damping of joints without a drive: {said} N m s/rad."
+        )
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         echo(
@@ -139,6 +154,13 @@ def import_mechanism(
     if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
         echo(f"{ways}.")
     echo(f"Next: workbench check {output}")
+
+
+def _beside(made: Model, source: Path, output: str) -> list[Path]:
+    """The files that came with a model file."""
+    chain = made.closed_chain.file if made.closed_chain else source
+    written = [made.serial, *([] if chain == source.resolve() else [chain])]
+    return [Path(output).with_name(file.name) for file in written]
 
 
 def _frames(text: str) -> tuple[str, str]:

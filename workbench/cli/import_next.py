@@ -35,6 +35,13 @@ def next_step(
     if short:
         return "Next: import a longer log."
     if not looped and not any(s.startswith("torque") for s in description["columns"]):
+        if amperes := description["columns"].get("current"):
+            names = ",".join(name["column"] if isinstance(name, dict) else name for name in amperes)
+            constants = ",".join(["K*N*m"] * len(amperes))
+            return (
+                f"Next: make a torque of the currents, K being N m per A: --column torque_measured={names} "
+                f"--unit torque={constants}; or give the gains (--kp, --kd)."
+            )
         return "Next: name the torque (--column torque_measured=…) or the gains (--kp, --kd)."
     return f"Next: workbench inspect {target}. Then: workbench compare {model or 'MODEL'} {target}"
 

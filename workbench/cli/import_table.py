@@ -38,14 +38,20 @@ def import_table(
     """
     from workbench import report
     from workbench.core.files import check_free
+    from workbench.effects import load_model
     from workbench.inspection import inspect
     from workbench.models import read_model
-    from workbench.proposing import complete, open_table, propose, write
+    from workbench.proposing import by_weight, complete, open_table, propose, write
+
+    from .import_check import with_model
 
     target = Path(output) if output else default_output(path)
     check_free(target, force=force)
     table = open_table(path, episode=answers.episode or 0)
     proposal = propose(table, answers)
+    if model:
+        answers = by_weight(proposal, table, answers, load_model(model))
+        proposal = propose(table, answers)
     for _ in range(_ROUNDS):
         # a proposal holds the likeliest units, axes and run already, and says that they are guesses
         asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key not in _NUMBERS))
@@ -57,6 +63,8 @@ def import_table(
     proposal, recording = complete(proposal, table, answers)
     written = write(proposal, table, target, force=force)
     found = inspect([recording])
+    if model:
+        found = with_model(found, model, recording)
     if json:
         read = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
         read += read_model(model).files if model else []

@@ -95,6 +95,17 @@ def train(
     if not output:
         raise InputError("no folder for the run", remedy="name one: -o runs/reach")
     check_outputs(json, force=force)
+    try:
+        from workbench.training.device import usable
+        from workbench.training.export import export
+        from workbench.training.learn import learn
+
+        device = usable(device)
+    except ImportError as error:
+        raise InputError(
+            f"training needs {error.name}",
+            remedy="install the extra: pip install -e '.[training]' in the checkout",
+        ) from error
     shown = not quiet and json != "-"
     wanted = TASKS[task]
     legs = legs or wanted.randomisation
@@ -122,19 +133,11 @@ def train(
         worlds=envs,
         iterations=iterations or wanted.iterations,
         seed=seed,
-        device="cuda:0" if device == "cuda" else device,
+        device=device,
         save_every=save_every,
         threads=threads,
         randomisation=replace(Randomisation(), legs=legs),
     )
-    try:
-        from workbench.training.export import export
-        from workbench.training.learn import learn
-    except ImportError as error:
-        raise InputError(
-            f"training needs {error.name}",
-            remedy="install the extra: pip install -e '.[training]' in the checkout",
-        ) from error
     folder = Path(output)
     last: list[Progress] = []
     with progress(quiet) as tell:

@@ -7,9 +7,11 @@ from .long import compare_logs
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
+from .signs import Turn, Turned, turned_axes
 from .simulated import Simulated
 from .soft_friction import softness_note
 from .swings import is_free
+from .weighed import is_weighable, torque_left
 
 __all__ = [
     "DRAWS",
@@ -19,12 +21,15 @@ __all__ = [
     "Replay",
     "Scale",
     "Simulated",
+    "Turn",
+    "Turned",
     "cannot_run",
     "compare",
     "compare_logs",
     "evaluate",
     "followed",
     "is_free",
+    "is_weighable",
     "matched",
     "needs_inverse",
     "noise_rules",
@@ -35,4 +40,6 @@ __all__ = [
     "simulate_with_noise",
     "softness_note",
     "told",
+    "torque_left",
+    "turned_axes",
 ]

@@ -17,7 +17,7 @@ from workbench.simulation import Disturbance, SensorNoise
 from .band import corner_hz
 from .counted_rows import moving
 from .inverse import cutoff_hz
-from .measured_motion import Follower, Reading, noisy, quiet, read_motion
+from .measured_motion import Follower, Reading, read_motion
 from .noise import DRAWS, NoiseModel, noise_seeds
 from .simulated import Simulated
 
@@ -57,7 +57,7 @@ class MeasuredMotion:
         plant = compile_plant(model)
         self._corner = corner or min(corner_hz(r, plant, noise.levels) for r in recordings)
         first = [self._reading(r) for r in recordings]
-        smooth = [self._reading(quiet(r)) for r in first]
+        smooth = [self._reading(_quiet(r)) for r in first]
         again = self._seen(smooth, [noise.draw(k) for k in range(len(smooth))])
         wobbles = [a.track.velocity - s.track.velocity for a, s in zip(again, smooth, strict=True)]
         counts = moving(first, wobbles, self._transmission)
@@ -135,7 +135,7 @@ class MeasuredMotion:
 
     def _seen(self, smooth: Sequence[Reading], noises: Sequence[SensorNoise]) -> list[Reading]:
         """Smooth readings as noisy sensors would have shown them."""
-        seen = [self._reading(noisy(s.recording, n, s.name)) for s, n in zip(smooth, noises, strict=True)]
+        seen = [self._reading(_noisy(s.recording, n, s.name)) for s, n in zip(smooth, noises, strict=True)]
         return [replace(r, counts=s.counts) for r, s in zip(seen, smooth, strict=True)]
 
     def _draws(self, seed: int, draws: int) -> list[list[Reading]]:
@@ -153,3 +153,17 @@ def _compiled(model: Model) -> Plant | None:
         return compile_plant(model)
     except SimulationError:
         return None
+
+
+def _quiet(reading: Reading) -> Recording:
+    """The recording with its motion as smooth as it was taken to be."""
+    back = np.linalg.inv(reading.to_actuator).T
+    track = reading.track
+    return reading.recording.with_signals(position=track.position @ back, velocity=track.velocity @ back)
+
+
+def _noisy(smooth: Recording, noise: SensorNoise, name: str) -> Recording:
+    """A smooth recording as noisy sensors would have shown it."""
+    q, w, torque = noise.logged(smooth.position, smooth.velocity, smooth.signals[name])
+    seen = smooth.with_signals(position=q, velocity=w)
+    return seen.with_signals(torque_measured=torque) if name == "torque_measured" else seen

@@ -16,7 +16,6 @@ from workbench.effects import Motion, Plant, SensorErrors, giving_way
 from workbench.recordings import NoiseLevels
 from workbench.simulation import (
     Disturbance,
-    SensorNoise,
     Track,
     interpolate,
     motion_of,
@@ -28,12 +27,12 @@ from workbench.simulation import (
     true_motion,
 )
 
+from .free_start import LEAST_GAIN, FreeStart
 from .inverse import lowpass, torque_at_tap
 
 # A log may show the torque that stands until the next row, or that of the row's time, which says no log: the
 # mean over what stands comes half a row after the other, and ticks inside a row blur both.
 _EARLY, _LATE = -0.6, 0.15  # rows
-_LEAST_GAIN = 1e-3  # a motor that a wrong guess has burnt gives no torque, whatever is asked of it
 _BLUR = 0.1  # between 1/12 and 1/8
 _SLACK = 0.004  # of a torque's root mean square
 _KEPT = 4_000_000  # numbers of rigid torques that are remembered: most candidates share them
@@ -87,15 +86,28 @@ class Reading:
         shift = self._shift(rest, late)
         return np.where(self.counts & (shift > _EARLY) & (shift < _LATE), late, 0.0)
 
+    def free_start(self, plant: Plant) -> FreeStart:
+        """What beginnings of springs that no sensor shows may be behind, in own coordinates."""
+
+        def passed(torque: np.ndarray) -> np.ndarray:
+            own = np.einsum("kjs,ji->kis", torque, self.to_actuator)
+            return lowpass(own, self.recording, self.corner_hz)
+
+        motion = self.motion(plant) if giving_way(plant.model) else None
+        size = np.sqrt(np.mean(self.recording.signals[self.name] ** 2, axis=0))
+        return FreeStart.of(plant.model, motion, passed, self.counts, size)
+
     def _rest(self, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
-        """Measured minus needed torque, and what a row's delay of the measured one takes off, (N, n)."""
+        """Measured minus needed torque, and what a row's delay takes off, (N, n); less `free_start` of it."""
         track, r = self._made(plant), self.recording
         rigid = self.rigid(plant) if plant.chain.sensors.none else None
         tap = _unblurred(torque_at_tap(plant, self.recording, track, self.to_actuator))
         needed = required_torque(plant, track, r.period, rigid) - self._spared(plant, track)
         rest = (tap - needed) @ self.to_actuator
         late = np.gradient(tap @ self.to_actuator, axis=0)
-        return lowpass(rest, r, self.corner_hz), lowpass(late, r, self.corner_hz)
+        rest, late = lowpass(rest, r, self.corner_hz), lowpass(late, r, self.corner_hz)
+        start = self.free_start(plant)
+        return start.without(rest), start.without(late)
 
     def _spared(self, plant: Plant, track: Track) -> np.ndarray:
         """What motors need not give (N, n) as what hangs on them through springs and gaps does not follow."""
@@ -109,7 +121,7 @@ class Reading:
             offset = effect.response(motion, model, place, shape).offset
             assert offset is not None
             total += offset
-        return total / np.maximum(motion.gain, _LEAST_GAIN)
+        return total / np.maximum(motion.gain, LEAST_GAIN)
 
     def _shift(self, rest: np.ndarray, late: np.ndarray) -> np.ndarray:
         """By how many rows (n,) each torque is late, as far as the motion tells."""
@@ -161,20 +173,6 @@ def read_motion(
     return Reading(recording, track, to_actuator, name, corner_hz, whole)
 
 
-def quiet(reading: Reading) -> Recording:
-    """The recording with its motion as smooth as it was taken to be."""
-    back = np.linalg.inv(reading.to_actuator).T
-    track = reading.track
-    return reading.recording.with_signals(position=track.position @ back, velocity=track.velocity @ back)
-
-
-def noisy(smooth: Recording, noise: SensorNoise, name: str) -> Recording:
-    """A smooth recording as noisy sensors would have shown it."""
-    q, w, torque = noise.logged(smooth.position, smooth.velocity, smooth.signals[name])
-    seen = smooth.with_signals(position=q, velocity=w)
-    return seen.with_signals(torque_measured=torque) if name == "torque_measured" else seen
-
-
 @dataclass(frozen=True)
 class Follower:
     """What changes the torque that a model needs along one track."""
@@ -191,9 +189,9 @@ class Follower:
             torque[list(disturbance.taps)] = 0.0
         for column, part in disturbance.readings.items():
             torque[column] += self._shifted(part[0])
-        needed = -np.moveaxis(torque / np.maximum(self.motion.gain, _LEAST_GAIN), 0, -1)
+        needed = -np.moveaxis(torque / np.maximum(self.motion.gain, LEAST_GAIN), 0, -1)
         passed = lowpass(needed, self.reading.recording, self.reading.corner_hz)
-        passed = np.einsum("kjc,ji->kic", passed, self.reading.to_actuator)
+        passed = self._free.without(np.einsum("kjc,ji->kic", passed, self.reading.to_actuator))
         return np.zeros_like(passed), self._timed(passed)
 
     def _timed(self, columns: np.ndarray) -> np.ndarray:
@@ -206,6 +204,10 @@ class Follower:
     @cached_property
     def _late(self) -> np.ndarray:
         return self.reading.late(self.plant)
+
+    @cached_property
+    def _free(self) -> FreeStart:
+        return self.reading.free_start(self.plant)
 
     def _shifted(self, position: np.ndarray) -> np.ndarray:
         """Torque (N, n) that a change of what the encoders read stands for."""

@@ -17,6 +17,7 @@ from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 
 _FEW = 4
+_STATE = "the recordings have it: state as_in_mjcf = true in [friction] of a model file"
 
 
 def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | None:
@@ -48,22 +49,22 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     left = noise.mean(axis=0) + apart(soft, simulated.clean)
     if consistent(left, noise, normalised(left, scale), floors, allowed):
         return None
-    rigid, own = (normalised(apart(recordings, runs), scale) for runs in (simulated.clean, soft))
-    return _words(leads, float(own_file.opt.timestep), rigid, own)
-
-
-def _words(leads: dict[str, float], timestep: float, rigid: float, own: float) -> str:
-    """The note, with the errors of both kinds of friction."""
-    (time, ratio), (impedance, *_) = rigid_in_steps(timestep)
-    said = (
+    runs = [apart(recordings, made) for made in (simulated.clean, soft)]
+    rigid, own = (normalised(ms, scale) for ms in runs)
+    theirs = own < rigid and consistent(runs[1], noise, own, floors, allowed)
+    softness = f"{1e3 * max(leads.values()):.2g} ms before a reversal"
+    return (
         f"the MJCF's dry friction ({_named(list(leads))}) is taken as rigid here; as the file states it, "
         "MuJoCo's friction constraint is soft (solreffriction, solimpfriction): friction turns up to "
-        f"{1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would be {own:.3g} in "
-        f"place of {rigid:.3g}; "
+        f"{softness}. With it the error would be {own:.3g} in place of {rigid:.3g}; "
+        + (_STATE if theirs else _stiffen(float(own_file.opt.timestep)))
     )
-    if own < rigid:
-        return said + "the recordings have it: state as_in_mjcf = true in [friction] of a model file"
-    return said + (
+
+
+def _stiffen(timestep: float) -> str:
+    """What makes the file's friction as rigid as its steps allow."""
+    (time, ratio), (impedance, *_) = rigid_in_steps(timestep)
+    return (
         f'to train in the file, give it solreffriction="{time:g} {ratio:g}" '
         f'solimpfriction="{impedance:g} {impedance:g}", or train in what workbench normalize writes'
     )

@@ -98,7 +98,8 @@ class Recording(Shown):
         signals: name of `AXIS_SIGNALS` -> array (N, n); a missing signal is absent. ``position`` is
             always there.
         units: SI unit per axis of position, ``"rad"`` or ``"m"``, length n.
-        valid: rows that were measured, shape (N,) bool; masked rows hold interpolated numbers.
+        valid: rows that count, shape (N,) bool; masked ones were not measured and hold interpolated numbers,
+            or were measured while a drive was off.
         derived: names of signals that were computed rather than measured (e.g. ``"velocity"``).
         notes: what the reader did to the data, one sentence each ("clock jitter of 2 % resampled").
         extra: other columns by signal name, each (N, k) (ground_force, base_...).
@@ -109,6 +110,7 @@ class Recording(Shown):
             onto the clock; what a loop read of these rows was not. 0 where the loop is seen to keep time.
         guessed: signal -> rows (N,) bool that no row of the log shows, made of those beside; of signals whose
             rows are few enough for a loop to tick between them unseen.
+        guessed_units: kinds (``"position"``, ``"torque"``...) whose units an import guessed by size.
     """
 
     name: str
@@ -129,6 +131,7 @@ class Recording(Shown):
     steps: Mapping[str, FloatArray] = field(default_factory=dict)
     late_s: float = 0.0
     guessed: Mapping[str, FloatArray] = field(default_factory=dict)
+    guessed_units: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         frozen = {k: _readonly(v) for k, v in self.signals.items()}

@@ -155,6 +155,8 @@ class Finding:
         probability: calibrated chance that the name is right.
         indistinguishable_from: what explains the same data as well.
         evidence: one line each.
+        model_value: what the model had of the number that this corrects, None where it corrects none.
+        total: what that number is with the finding.
     """
 
     key: EffectKey
@@ -165,6 +167,8 @@ class Finding:
     probability: float
     indistinguishable_from: tuple[EffectKey, ...] = ()
     evidence: tuple[str, ...] = ()
+    model_value: float | None = None
+    total: Estimate | None = None
 
 
 @dataclass(frozen=True)
@@ -182,7 +186,8 @@ class Diagnosis(Shown):
         where: where that rest sits.
         next_experiment: what to measure to know more; None when nothing is open.
         not_excited: effects that this data could not have shown.
-        ranking: every candidate tried: (key, share of the excess that it removes), best first.
+        ranking: every candidate tried: (key, share of the squared error above the noise that it removes by
+            itself), best first.
         before, after: the comparisons behind the verdict.
         held_out: the same two of held-out recordings; None where there are none.
         settled: properties of the model that the findings were fitted with and that the model as given has

@@ -21,8 +21,10 @@ KINDS: dict[str, tuple[str, ...]] = {
     "force": ("N",),
 }
 
+_LARGEST = 1e12
 _LONGEST = 60  # characters; pint takes a minute for 100,000
 # pint works out powers of numbers, however large: only those of names go to it
+_TIMES = re.compile(r"\s*(\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+)\s*\*\s*(?=\D)")
 _POWER = re.compile(r"\*\*|\^|[⁰¹²³⁴⁵⁶⁷⁸⁹]")
 _POWER_OF_NAME = re.compile(r"(?<=[^\W\d])\s*(?:(?:\*\*|\^)\s*\(?[-+]?\d\)?(?!\d)|⁻?[¹²³⁴])")
 
@@ -40,7 +42,7 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
     """Scale and offset that turn a number in `unit` into SI for a signal kind.
 
     Args:
-        unit: any unit pint can parse, e.g. ``"deg"``, ``"mm"``, ``"degC"``.
+        unit: any unit pint can parse, e.g. ``"deg"``, ``"mm"``, ``"degC"``; a number of it as ``"0.1*deg"``.
         kind: one of `KINDS`.
 
     Returns:
@@ -51,6 +53,9 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
     """
     if (product := unit.replace(" ", "*")) in KINDS[kind]:
         return 1.0, 0.0, product
+    if (times := _TIMES.match(unit)) and 0.0 < (number := float(times[1])) <= _LARGEST:
+        scale, offset, si = to_si(unit[times.end() :], kind)
+        return number * scale, offset, si
     if len(unit) > _LONGEST or _POWER.search(_POWER_OF_NAME.sub("", unit)):
         raise ValueError(f"unknown unit '{unit[:_LONGEST]}'")
     registry = _registry()

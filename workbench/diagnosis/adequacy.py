@@ -1,9 +1,11 @@
 """Whether an effect is certain although something else is unknown: its law held against free functions.
 
 A law is adequate where it explains nearly as much of its axis's residual as a free smooth function of the
-law's own quantities does, and where its size stays what it is when a free smooth function of any other
-quantity is fitted beside it (partially linear regression: P. Robinson, Econometrica 56(4), 1988). What only
-correlates with the true cause fails the second, a torque of another law the first.
+law's own quantities does, and as the law with a size that varies freely with any other quantity (varying
+coefficients: T. Hastie and R. Tibshirani, J. R. Statist. Soc. B 55(4), 1993); and where its size stays what
+it is when a free smooth function of any other quantity is fitted beside it (partially linear regression:
+P. Robinson, Econometrica 56(4), 1988). What only correlates with the true cause fails the last, a torque of
+another law the first two.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ class Adequacy:
     """How an effect stands against free functions.
 
     Attributes:
-        share: of what a free function of the law's own quantities explains on blocks left out, what it does.
+        share: of what a free function of the law's own quantities, or the law with a size that varies freely,
+            explains on blocks left out, what it does.
         size: the least over free functions of other quantities beside it of its size, less `CLEARLY` standard
             deviations of that; 1 is the size that was fitted.
         spread: the largest change of its size beside them.
@@ -125,30 +128,35 @@ def _of_axis(axis: _Axis, applied: Sequence[AppliedEffect]) -> dict[EffectKey, A
     depends = [effect_named(a.key.effect).depends_on for a in applied]
     for own in dict.fromkeys(d for d in depends if d):
         alike = np.array([d == own for d in depends])
+        related = np.array([bool(set(d) & set(own)) for d in depends])
         law = axis.laws[:, alike].sum(axis=1)
-        related = [bool(set(d) & set(own)) for d in depends]
-        lacking = axis.rest + axis.laws[:, related].sum(axis=1)
-        free = _explained(lacking, splines([axis.own[q] for q in own], [axis.own[q] for q in own]))
-        explained = 1.0 - np.sum(axis.rest**2) / np.sum(lacking**2)
-        laws = np.column_stack([law, axis.laws[:, ~alike]])
         beside = {**{q: x for q, x in axis.own.items() if q not in own}, **axis.others}
-        sizes = {q: _size(laws, axis.rest, x) for q, x in beside.items() if np.ptp(x) > 0.0}
-        least = [size - CLEARLY * std for size, std in sizes.values()]
+        beside = {q: x for q, x in beside.items() if np.ptp(x) > 0.0}
+        quantities = [axis.own[q] for q in own]
+        free = [(splines(quantities, quantities), axis.laws[:, related].sum(axis=1))]
+        for basis, penalty in (splines([x], [x]) for x in beside.values()):
+            free.append(((law[:, None] * basis, penalty), law))
+        laws = np.column_stack([law, axis.laws[:, ~alike]])
+        sizes = [_size(laws, axis.rest, x) for x in beside.values()]
         each = [axis.recording == i for i in np.unique(axis.recording)]
-        least += [_size(laws[rows], axis.rest[rows])[0] for rows in each]
         adequacy = Adequacy(
-            float(np.clip(explained / max(free, 1e-12), 0.0, 1.0)),
-            min(least),
-            max((abs(size - 1.0) for size, _ in sizes.values()), default=0.0),
+            min(_share(f, part, axis.rest) for f, part in free),
+            min(
+                *(size - CLEARLY * std for size, std in sizes),
+                *(_size(laws[rows], axis.rest[rows])[0] for rows in each),
+            ),
+            max((abs(size - 1.0) for size, _ in sizes), default=0.0),
         )
         out |= {a.key: adequacy for a, same in zip(applied, alike, strict=True) if same}
     return out
 
 
-def _explained(lacking: np.ndarray, free: tuple[np.ndarray, np.ndarray]) -> float:
-    """Share of a torque that a free function explains on blocks that were left out."""
-    _, left = _left_out(free[0], lacking, free[1], 0)
-    return 1.0 - left / float(lacking @ lacking)
+def _share(free: tuple[np.ndarray, np.ndarray], law: np.ndarray, rest: np.ndarray) -> float:
+    """What laws explain of a torque over what a free function explains on blocks that were left out."""
+    lacking = law + rest
+    whole = float(lacking @ lacking)
+    most = 1.0 - _left_out(free[0], lacking, free[1], 0)[1] / whole
+    return float(np.clip((1.0 - float(rest @ rest) / whole) / max(most, 1e-12), 0.0, 1.0))
 
 
 def _size(laws: np.ndarray, rest: np.ndarray, beside: np.ndarray | None = None) -> tuple[float, float]:

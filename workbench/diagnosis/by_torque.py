@@ -15,8 +15,9 @@ from .data import Data
 from .fit import fit
 from .giving import pins_of, what_gives_way
 from .hypothesis import Fit, Hypothesis, applied_effect
-from .judging import witnessed
+from .judging import floor_of_judging, witnessed
 from .refining import with_candidates
+from .removed import removed_share
 from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
@@ -65,7 +66,7 @@ def plain_by_torque(
     close = behind(plain.key, plain.judged, ((c.key, c.judged) for c in others))
     stages = []
     for candidate, earlier, found in zip(chosen, (start, *fits), fits, strict=False):
-        removed = (earlier.judged - found.judged) / max(start.judged, 1e-12)
+        removed = removed_share(earlier.judged, found.judged, floor_of_judging(data))
         stage = Stage(
             added=candidate.key,
             fit=found,

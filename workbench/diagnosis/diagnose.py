@@ -29,9 +29,12 @@ from .findings import (
     refuting_line,
     step_of,
 )
+from .loops import refuse_coordinates
+from .mirrored import refuse_turned
 from .next_experiment import next_experiment
 from .search import LIMIT, Progress, UnstableLoop, search
 from .stage import Search
+from .units import doubted, refuse_unit
 from .verdict import NAMED, refuted, verdict_of
 
 _FEWEST = 60  # rows to fit; a log of 5 Hz has them in twelve seconds
@@ -170,6 +173,9 @@ def _matched(
             f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
             remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
         )  # fmt: skip
+    refuse_coordinates(model, (*fitted, *judging))
+    refuse_unit(model, fitted)
+    refuse_turned(model, fitted)
     return fitted, judging
 
 
@@ -180,7 +186,7 @@ def _diagnosis(found: Search) -> Diagnosis:
     after, *judged = before, *judging
     if named and found.stages[-1].runs is not None:
         after, *judged = _comparisons(found.final.hypothesis.model, found.stages[-1].runs, found)
-    findings = findings_of(found) if named else ()
+    findings = doubted(findings_of(found), found.start_data.recordings) if named else ()
     rest = 0.0 if verdict == "consistent" else 1.0 - (found.explained if named else 0.0)
     if named and found.consistent_after:
         rest = min(rest, 1.0 - found.explained)

@@ -27,6 +27,7 @@ from .judging import (
     witnessed,
 )
 from .refining import polished, settle, with_candidates
+from .removed import removed_share, removed_shares
 from .screen import Candidate, Entry, equations, judge, limits_of
 from .sensitivity import Column, Scene
 from .stage import Stage
@@ -189,12 +190,9 @@ def _stages(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> t
     order = [whole.free[k] for k in np.argsort(left, kind="stable")]
     parts = [replace(whole, free=tuple(order[: k + 1])) for k in range(len(order) - 1)]
     grown = [f for f in fit(parts, data) if f is not None]
-    excess = max(start.judged, 1e-12)
-    ranking = tuple(
-        (whole.free[k].key, 1.0 - left[k] / excess)
-        for k in np.argsort(left, kind="stable")
-        if left[k] < np.inf
-    )
+    floor = floor_of_judging(data)
+    alone = [(a.key, judged) for a, judged in zip(whole.free, left, strict=True) if judged < np.inf]
+    ranking = removed_shares(start.judged, alone, floor)
     forms = set(best.effects) | {e.name for e in EFFECTS if set(e.contains) & set(best.effects)}
     instead = [(f.fit.hypothesis.free[0].key, f.fit.judged) for f in fits if not set(f.effects) & forms]
     before, stages = start, []
@@ -205,7 +203,7 @@ def _stages(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> t
                 added=added,
                 fit=result,
                 data=data,
-                removed_share=(before.judged - result.judged) / excess,
+                removed_share=removed_share(before.judged, result.judged, floor),
                 rivals=(),
                 others=(),
                 dropped=(),

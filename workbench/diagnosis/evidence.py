@@ -129,7 +129,7 @@ def finding_lines(stage: Stage, applied: AppliedEffect, found: Collection[Effect
     judged = stage.by_held_out
     source = "held-out recordings" if judged else "data left out of the fit"
     agree, of = stage.folds
-    removed = 100.0 * min(stage.removed_share, 1.0)
+    removed = 100.0 * min(max(stage.removed_share, 0.0), 1.0)
     lines = [
         f"removes {removed:.1f} % of the squared error above the noise on {source}",
         f"helps on {agree} of {of} {'held-out recordings' if judged else 'folds'}",

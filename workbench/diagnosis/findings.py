@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
-from workbench.models import AppliedEffect
+from workbench.effects import effect_named
+from workbench.models import AppliedEffect, Model, Placement
 
 from .evidence import Clues, adequacy_lines, finding_lines
 from .giving import other_causes
 from .hypothesis import Fit
-from .judging import stands_out
+from .judging import floor_of_judging, stands_out
+from .removed import removed_share
 from .stage import Search, Stage, has_cause
 
 NEAR = 0.8  # share of the excess from which a cause is worth telling that may not be named
@@ -43,6 +47,7 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
                     *adequacy_lines(applied.key, found.adequacy),
                     *Clues(found.start_data, previous).of_finding(applied.key),
                 ),
+                **_corrected(found.model, applied),
             )
         )
     return tuple(findings)
@@ -57,6 +62,15 @@ def near_findings(found: Search) -> tuple[Finding, ...]:
         Finding(a.key, dict(a.parameters), score(found.final.mean_squares), after, None, 0.0)
         for a in found.near
     )
+
+
+def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
+    """Of an effect that corrects a number of the model: what that was, and what it is now."""
+    own = effect_named(applied.key.effect).model_value(model, Placement.of(model, applied.key))
+    if own is None:
+        return {}
+    (more,) = applied.parameters.values()
+    return {"model_value": own, "total": replace(more, value=own + more.value)}
 
 
 def _before(found: Search, index: int) -> Fit:
@@ -90,14 +104,16 @@ def _probability(stage: Stage, found: Search) -> float:
 
 
 def ranking_of(found: Search) -> tuple[tuple[EffectKey, float], ...]:
-    """Share of the excess that each effect removes by itself: simulated where it was, else as screened."""
+    """`removed_share` of each effect by itself: simulated where it was, else as screened."""
     if found.consistent_before or not found.screened:
         return ()
     simulated = found.stages[0].ranking if found.stages else ()
     done = {key for key, _ in simulated}
-    start = found.start.judged
+    start, floor = found.start.judged, floor_of_judging(found.start_data)
     rest = [
-        (c.key, float(np.clip(1.0 - c.judged / start, 0.0, 1.0))) for c in found.screened if c.key not in done
+        (c.key, float(np.clip(removed_share(start, c.judged, floor), 0.0, 1.0)))
+        for c in found.screened
+        if c.key not in done
     ]
     return tuple(sorted((*simulated, *rest), key=lambda r: -r[1])[:12])
 
@@ -128,11 +144,6 @@ def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
     What takes off less has no name, but that there is something is told.
     """
     added = found.final.hypothesis.added
-    if found.near:
-        return (
-            "comes near and is not certain, since a free function of another quantity can take its place: "
-            + " and ".join(map(_estimated, found.near)),
-        )
     if verdict != "unexplained" or found.explained < _SOME or not all(map(stands_out, added)):
         return ()
     if found.explained < NEAR:

@@ -13,6 +13,7 @@ from .data import Data
 from .hypothesis import Fit, Hypothesis, moved, room
 from .marching import respond
 from .normal import Normal, normal, total
+from .removed import removed_share
 from .sensitivity import Scene
 from .solve import solve
 from .uncertainty import covariance_of, with_deviations
@@ -105,16 +106,16 @@ def race(
 
     Returns:
         Per hypothesis its fit to all recordings, None where it never ran or fell behind; and the share of the
-        excess on the first recordings that it removed there, None where it never ran.
+        squared error above the noise that it removed on the first recordings, None where it never ran.
     """
     telling = data.telling(current.mean_squares, _TELLING)
     some = data.part(telling)
     floor = some.objective(some.pool(some.floor))
-    excess = max(some.objective(some.pool(current.mean_squares[list(telling)])) - floor, 1e-12)
+    before = some.objective(some.pool(current.mean_squares[list(telling)]))
     first = _pursued(hypotheses, some, _HEATS)
     left = np.array([w.value - floor for w in first])
-    shares = [1.0 - x / excess if np.isfinite(x) else None for x in left]
-    limit = _BEHIND * max(left.min(initial=np.inf), 0.0) + 0.2 * floor + 0.02 * excess
+    shares = [removed_share(before, w.value, floor) if np.isfinite(w.value) else None for w in first]
+    limit = _BEHIND * max(left.min(initial=np.inf), 0.0) + 0.2 * floor + 0.02 * max(before - floor, 0.0)
     near = np.isfinite(left) & (left <= limit)
     running = {k: w.best for k, w in enumerate(first) if near[k]}
     final = dict(zip(running, fit(list(running.values()), data), strict=True))

@@ -21,6 +21,7 @@ from .judging import (
     witnessed,
 )
 from .refining import polished, with_candidate
+from .removed import removed_share, removed_shares
 from .sensitivity import Scene
 from .stage import Stage, has_cause
 from .sticking import candidates
@@ -83,18 +84,18 @@ def _stage(explanation: Explanation, left: Sequence[Judged], stage: Stage, rest:
     """One cause in place of another; `left`: what each of these leaves."""
     (candidate, found), data = explanation, way.data
     found = polished(found, data)
-    excess = max(rest.judged - floor_of_judging(data), 1e-12)
+    floor = floor_of_judging(data)
     alike = [key for key, judged in left if judged <= found.judged * (1.0 + TIE)]
     pins = pins_of(way.current.hypothesis.base, candidate.key)
     return Stage(
         added=candidate.key,
         fit=found,
         data=data,
-        removed_share=(rest.judged - found.judged) / excess,
+        removed_share=removed_share(rest.judged, found.judged, floor),
         rivals=tuple(dict.fromkeys(key for key in (*alike, *pins) if key != candidate.key)),
         others=(),
         dropped=(stage.added,),
-        ranking=tuple(sorted(((k, (rest.judged - j) / excess) for k, j in left), key=lambda r: -r[1])),
+        ranking=removed_shares(rest.judged, left, floor),
         behind=behind(candidate.key, found.judged, left),
         folds=(int(np.sum(found.agreeing < way.current.agreeing)), len(found.agreeing)),
         by_held_out=data.held_out_judges,

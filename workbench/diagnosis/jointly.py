@@ -19,6 +19,7 @@ from .hypothesis import Fit
 from .judging import floor_of_judging, lowers_error, rejudged, stands_out
 from .refining import with_candidates
 from .regression import Regression, regression_of
+from .removed import removed_share
 from .rivals import rivals_of
 from .selection import Selection, selected
 from .stage import Stage
@@ -130,7 +131,7 @@ def _stages(problem: Regression, chosen: Selection, end: Fit, before: Fit, data:
     steps = [replace(end.hypothesis, free=tuple(order[: k + 1])) for k in range(len(order))]
     runs = data.run([h.model for h in steps[:-1]])
     fits = [evaluated(h, r, data) for h, r in zip(steps[:-1], runs, strict=True)] + [end]
-    excess = max(before.judged - floor_of_judging(data), 1e-12)
+    floor = floor_of_judging(data)
     stages, previous = [], before
     for entry, fitted in zip(chosen.chosen, fits, strict=True):
         behind, rivals = rivals_of(problem, chosen.chosen, entry)
@@ -139,7 +140,7 @@ def _stages(problem: Regression, chosen: Selection, end: Fit, before: Fit, data:
                 added=entry.key,
                 fit=fitted,
                 data=data,
-                removed_share=(previous.judged - fitted.judged) / excess,
+                removed_share=removed_share(previous.judged, fitted.judged, floor),
                 rivals=rivals,
                 others=(),
                 dropped=(),

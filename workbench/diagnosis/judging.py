@@ -12,6 +12,7 @@ from workbench.models import AppliedEffect, Model, Placement
 
 from .data import HEARD, Data
 from .hypothesis import Fit
+from .removed import removed_share
 from .sensitivity import Column, Scene, combine
 
 HELPS = 0.05  # share of the excess that an effect must remove on data it was not fitted on
@@ -148,7 +149,7 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
         )
         if np.sqrt(after) > (1.0 - _LATER) * np.sqrt(before):
             return False
-        removed[held_out] = (before - after) / max(before - floor, 1e-12)
+        removed[held_out] = removed_share(before, after, floor)
     # what foretells nearly all of motion that it was not fitted on may leave more to what else is missing
     least = 0.0 if removed.get(True, 0.0) > _MOST else LATER_SHARE
     return min(removed.values()) > least

@@ -1,13 +1,12 @@
-"""An axis whose columns all have the other sign than the model's: its law holds, its physics do not."""
+"""An axis of which columns have the other sign than the model's: its law may hold, its physics do not."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
-from workbench.comparison import replay_of, score_runs
+from workbench.comparison import Turn, replay_of, score_runs, turned_axes
 from workbench.core import InputError, Recording
 from workbench.models import Model
 
@@ -15,10 +14,26 @@ _WORSE = 3.0  # times the noise, from which it is asked
 _SOME = 2  # recordings are enough
 _GOOD = 0.25  # of what was measured is off, as a model's that lacks an effect may be
 _LEFT = 0.2  # of the error, which no effect but a sign takes off by itself
-_SIGNED = (
-    "position", "velocity", "torque_command", "torque_measured", "torque_feedforward", "position_reference",
-    "velocity_reference", "link_position", "current", "voltage",
-)  # fmt: skip
+_ALIKE = 1.2  # times the least error, within which two axes explain one as well as the other
+_REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the joint in the model"
+
+
+def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
+    """Refuse recordings whose torque the model explains as soon as columns of one axis are turned round.
+
+    That takes seconds where the loops take minutes, and needs no command.
+
+    Raises:
+        InputError: names the axes and columns.
+    """
+    found = turned_axes(model, recordings)
+    if found is None:
+        return
+    axes = list(dict.fromkeys(turn.axis for turn in found.turns))
+    raise InputError(
+        f"{_named(axes)} has the other sign than in model '{model.name}': {found}",
+        file=recordings[0].source, column=" or ".join(axes), remedy=_REMEDY,
+    )  # fmt: skip
 
 
 def refuse_mirrored(model: Model, recordings: Sequence[Recording], error: float, floor: float) -> None:
@@ -32,21 +47,27 @@ def refuse_mirrored(model: Model, recordings: Sequence[Recording], error: float,
         error, floor: of them and of the noise, as scores.
 
     Raises:
-        InputError: names the axis.
+        InputError: names the axis, or all that explain the recordings alike.
     """
     j, some = model.transmission, recordings[:_SOME]
     if error < _WORSE * floor or np.count_nonzero(j) > len(j):
         return
-    scores = {axis: _score(model, [_turned(r, k) for r in some]) for k, axis in enumerate(recordings[0].axes)}
-    axis, score = min(scores.items(), key=lambda each: each[1])
+    turns = [Turn(axis, motion=True, torque=True) for axis in recordings[0].axes]
+    scores = {turn.axis: _score(model, [turn.of(r) for r in some]) for turn in turns}
+    score = min(scores.values())
     # where runs go astray, one that goes less far astray says nothing
     if score < min(_GOOD, _LEFT * (error := _score(model, some))):
+        axes = [axis for axis, own in scores.items() if own <= _ALIKE * score]
+        both = ", whichever of them is turned" if len(axes) > 1 else ""
         raise InputError(
-            f"axis '{axis}' has the other sign than in model '{model.name}': turned round, all its columns "
-            f"together, the error falls from {error:.3g} to {score:.3g}",
-            file=recordings[0].source, column=axis,
-            remedy="negate them, or turn the axis of the joint in the model",
+            f"{_named(axes)} has the other sign than in model '{model.name}': turned round, all its columns "
+            f"together, the error falls from {error:.3g} to {score:.3g}{both}",
+            file=recordings[0].source, column=" or ".join(axes), remedy=_REMEDY,
         )  # fmt: skip
+
+
+def _named(axes: Sequence[str]) -> str:
+    return "axis " + " or ".join(f"'{axis}'" for axis in axes)
 
 
 def _score(model: Model, recordings: Sequence[Recording]) -> float:
@@ -55,13 +76,3 @@ def _score(model: Model, recordings: Sequence[Recording]) -> float:
     (runs,) = replay.run([model])
     score, _ = score_runs(replay.recordings, runs)
     return score if np.isfinite(score) else np.inf
-
-
-def _turned(recording: Recording, axis: int) -> Recording:
-    """The recording with an axis turned round."""
-    sides = np.where(np.arange(len(recording.axes)) == axis, -1.0, 1.0)
-    signals = {
-        name: x * sides if name in _SIGNED and x.shape[1] == len(sides) else x
-        for name, x in recording.signals.items()
-    }
-    return replace(recording, signals=signals)

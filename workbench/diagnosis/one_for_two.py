@@ -16,6 +16,7 @@ from .giving import pins_of
 from .hypothesis import Fit, Hypothesis
 from .judging import TIE, floor_of_judging, rejudged, witnessed
 from .refining import polished, with_candidate
+from .removed import removed_share
 from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
@@ -89,8 +90,7 @@ def _stages(
     stages: list[Stage] = []
     before = rejudged(start, data)
     for key, now in zip(order, (*(f or last for f in fits), last), strict=True):
-        excess = max(before.judged - floor_of_judging(data), 1e-12)
-        removed = (before.judged - now.judged) / excess
+        removed = removed_share(before.judged, now.judged, floor_of_judging(data))
         stage = next((s for s in way.stages if s.added == key), None) or Stage(
             added=key,
             fit=now,

@@ -27,6 +27,7 @@ from .judging import (
 )
 from .normal import Normal, total
 from .refining import polished, with_candidates
+from .removed import removed_share, removed_shares
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of
 from .sensitivity import Scene
 from .stage import Stage
@@ -96,8 +97,9 @@ def _stages(
     """First the effect that does more by itself, then both."""
     order = sorted(range(2), key=lambda k: singles[k].judged)
     keys = [best.fit.hypothesis.free[k].key for k in order]
-    excess = max(start.judged, 1e-12)
-    shares = tuple((keys[n], 1.0 - singles[k].judged / excess) for n, k in enumerate(order))
+    floor = floor_of_judging(data)
+    alone = [(key, singles[k].judged) for key, k in zip(keys, order, strict=True)]
+    shares = removed_shares(start.judged, alone, floor)
     before = (start, singles[order[0]])
     stages = []
     for n, result in enumerate((singles[order[0]], best.fit)):
@@ -114,7 +116,7 @@ def _stages(
                 added=keys[n],
                 fit=result,
                 data=data,
-                removed_share=(before[n].judged - result.judged) / excess,
+                removed_share=removed_share(before[n].judged, result.judged, floor),
                 rivals=tuple(
                     k
                     for k, f in instead

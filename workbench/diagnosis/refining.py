@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
-from workbench.models import AppliedEffect, structural_effect
+from workbench.models import AppliedEffect, Placement, structural_effect
 
 from .data import Data
 from .fit import PRECISE, fit, values_of
@@ -46,7 +46,7 @@ def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothes
         x = np.stack([np.concatenate([t.ravel() for t in c.torque]) for c in linear], axis=1)
         y = np.concatenate([t.ravel() for t in target.torque])
         coefficients = np.linalg.lstsq(x, y, rcond=None)[0]
-        lower = np.array([p.lower for p in effect.parameters if p.name not in effect.nonlinear])
+        lower, _ = effect.bounds(scene.model, Placement.of(scene.model, candidate.key))
         coefficients = np.maximum(coefficients, lower)
     values, base = effect.to_parameters(coefficients, shape), effect.stated(base, shape)
     added = applied_effect(scene.model, AppliedEffect(candidate.key), values)

@@ -137,6 +137,8 @@ def regression_of(start: Fit, data: Data) -> Regression:
         acts = effect.door in _DOORS and not effect.splits and not effect.of_ground
         if not acts or effect.free(model) == 0 or not data.replay.shows(key.effect):
             continue
+        if effect.door is Door.MOTOR and _is_a_gain(key, scene):
+            continue
         for shape in effect.shapes(scene.motions, model, place):
             linear, fixed = scene.columns(key, shape, motions)
             if fixed is None and linear:
@@ -194,6 +196,14 @@ def needing(scene: Scene) -> list[Motion]:
         lacking = reading.recording.signals[reading.name] - run.signals[reading.name]
         out.append(replace(motion, torque=motion.torque - lacking @ np.linalg.inv(reading.to_actuator)))
     return out
+
+
+def _is_a_gain(key: EffectKey, scene: Scene) -> bool:
+    """Whether an effect scales the torque that was measured: less of that leaves less of any residual too."""
+    effect, place = effect_named(key.effect), Placement.of(scene.model, key)
+    idle = replace(scene.motions[0], torque=np.zeros_like(scene.motions[0].torque))
+    (shape, *_) = effect.shapes(scene.motions[:1], scene.model, place)
+    return not np.any(effect.response(idle, scene.model, place, shape).columns)
 
 
 def _by_axis(columns: np.ndarray, residual: np.ndarray) -> tuple[Normal, ...]:

@@ -15,6 +15,7 @@ from .fit import fit
 from .hypothesis import Fit
 from .judging import TIE, floor_of_judging, sizes_of, stands_out
 from .refining import polished, with_candidates
+from .removed import removed_share
 from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
@@ -117,10 +118,7 @@ def _stages(
     (one,) = fit([found.hypothesis.without(keys[-1])], data)
     if one is None:
         return ()
-    first = replace(last, added=keys[0], fit=one, removed_share=_removed(rest, one, data))
-    return first, replace(last, dropped=(), removed_share=_removed(one, found, data))
-
-
-def _removed(before: Fit, after: Fit, data: Data) -> float:
-    """Share of the judged excess that is gone."""
-    return (before.judged - after.judged) / max(before.judged - floor_of_judging(data), 1e-12)
+    floor = floor_of_judging(data)
+    shares = [removed_share(a.judged, b.judged, floor) for a, b in ((rest, one), (one, found))]
+    first = replace(last, added=keys[0], fit=one, removed_share=shares[0])
+    return first, replace(last, dropped=(), removed_share=shares[1])

@@ -24,11 +24,12 @@ class Stage:
         added: the effect.
         fit: model with it and all earlier ones, refitted.
         data: recordings with the noise floor of that model.
-        removed_share: share of the judged excess that it removed.
+        removed_share: share of the squared error above the noise, as it was before, that it removed (see
+            `removed.removed_share`).
         rivals: effects that do as well, with the number of free parameters no smaller.
         others: models with the best other explanations in place of it, best first.
         dropped: earlier effects that it made needless.
-        ranking: what every simulated candidate removed of the excess, best first.
+        ranking: the same share of every simulated candidate by itself, best first.
         behind: other explanations with their judged error over this one's, best first.
         folds: (agreeing, all).
         by_held_out: whether held-out recordings judged.

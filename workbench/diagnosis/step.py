@@ -17,6 +17,7 @@ from .data import Data
 from .hypothesis import Fit
 from .judging import cancels, explains_fitted, helps, lowers_error, witnessed
 from .refining import polished, prune
+from .removed import removed_share
 from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
@@ -114,7 +115,7 @@ def _stage(choice: _Choice, tried: Tried, at: Standpoint) -> Stage:
         added=choice.key,
         fit=kept,
         data=data,
-        removed_share=(before.judged - kept.judged) / at.excess,
+        removed_share=removed_share(before.judged, kept.judged, at.floor),
         rivals=(*choice.rivals, *(k for k in choice.needless if not contains(choice.key, k))),
         others=tuple(
             (c.key, f.hypothesis.model)
@@ -141,5 +142,5 @@ def _stands_for_itself(other: Candidate, choice: _Choice) -> bool:
 def _ranking(tried: Tried, at: Standpoint) -> tuple[tuple[EffectKey, float], ...]:
     """What every simulated candidate removed of the excess, best first."""
     removed = dict(tried.at_first)
-    removed |= {c.key: (at.current.judged - f.judged) / at.excess for c, f in tried.fits}
+    removed |= {c.key: removed_share(at.current.judged, f.judged, at.floor) for c, f in tried.fits}
     return tuple(sorted(removed.items(), key=lambda r: -r[1]))

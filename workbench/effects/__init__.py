@@ -6,7 +6,7 @@ from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, giving_way, places
 from .chain import Build, FlankTerm, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
-from .flexible import link_inertia
+from .flexible import link_inertia, rotor_inertia
 from .friction_constraint import rigid_in_steps
 from .ground import feet_of, plate_columns, settle_contacts
 from .ground_friction import FEWEST_SLIPS, ratio_in_slip
@@ -65,6 +65,7 @@ __all__ = [
     "plate_columns",
     "ratio_in_slip",
     "rigid_in_steps",
+    "rotor_inertia",
     "settle_contacts",
     "smooth_sign",
     "tendon_row",

@@ -58,6 +58,8 @@ class Backlash(Effect):
         """The gap that foresees best what passes through it: a grid, then downhill from its best."""
         assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
+        if inertia <= 0.0:  # a rotor as heavy as all that turns leaves nothing behind it
+            return []
         rotor = float(motions[0].rotor[0][place.index])
         way = max(float(np.ptp(m.position[:, place.index])) for m in motions) + 1e-9
         pieces = [Passage.of(m, model, place) for m in motions]

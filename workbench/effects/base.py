@@ -213,6 +213,16 @@ class Effect(ABC):
         del values, position_noise, torque_noise
         return {}
 
+    def sits(self, key: EffectKey, model: Model, place: Placement) -> bool:
+        """Whether a key names this effect in this place."""
+        where = key.axis, key.location
+        return key.effect == self.name and where == (model.axes[place.index], place.location)
+
+    def model_value(self, model: Model, place: Placement | None) -> float | None:
+        """What a model has of the one number that this corrects; None where it corrects none."""
+        del model, place
+        return None
+
     def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
         """How far one step of a fit may move the values of a shape: half of themselves."""
         return {name: 0.5 * abs(value) + 1e-5 for name, value in shape.items()}
@@ -233,6 +243,16 @@ class Effect(ABC):
         """Whether its response says something by itself, where it asks measured torque for its state."""
         del motions, model, place, shape
         return True
+
+    def free_responses(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> np.ndarray:
+        """What states that no sensor shows add to the response, by where they begin: (N, n, states).
+
+        One column for each state that begins at one; none where the response knows its beginning.
+        """
+        del model, place, shape
+        return np.zeros((*motion.position.shape, 0))
 
     def before(self, motion: Motion, place: Placement | None, values: Mapping[str, float]) -> Motion:
         """The motion as the chain saw it before this effect was installed with these values."""

@@ -12,7 +12,7 @@ from workbench.models import Model, Placement
 
 from .base import Door, Effect, Parameter, Trace
 from .chain import Build
-from .flexible import frequencies, spring_wind
+from .flexible import free_wind, frequencies, spring_wind
 from .lacking import Lack, refined, share_left
 from .motion import Motion
 from .response import Response
@@ -85,6 +85,15 @@ class BaseCompliance(Effect):
         """No free coefficient: what the base's acceleration makes the links feel."""
         recoil = _recoil(motion, self.to_parameters(_NONE, shape))
         return Response(np.zeros((0, *motion.position.shape)), offset=recoil)
+
+    def free_responses(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> np.ndarray:
+        """How a base swings out that was away from its rest, or moving, at the first row."""
+        values, (_, column) = self.to_parameters(_NONE, shape), _push(motion)
+        total = values["mass"] + motion.momentum()[1]
+        sway = free_wind(len(column), motion.step, total, values["stiffness"], values["damping"])
+        return column[:, :, None] * sway[:, None, :]
 
     def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
         """Stiffness and damping of what rings at this rate with this share of critical damping."""

@@ -53,14 +53,16 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
     for name in applied.parameters:
         if name not in known:
             raise refuse(f"{effect.name} has no parameter '{name}'", f"it has {', '.join(known) or 'none'}")
-    checked: dict[str, Estimate] = {}
+    place, checked = Placement.of(model, key), {}
+    own = effect.model_value(model, place)  # what may be taken off: then it may be negative
+    low, high = effect.bounds(model, place)
     for name, parameter in known.items():
         unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
         if name not in applied.parameters:
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
         estimate = applied.parameters[name]
-        lower = parameter.lower if name not in ("damping", "inertia") else -float("inf")
-        if not lower <= estimate.value <= parameter.upper:
+        lower = parameter.lower if own is None else float(low[0])
+        if not (np.isfinite(estimate.value) and lower <= estimate.value <= parameter.upper):
             allowed = f"{lower:g} to {parameter.upper:g} {unit}"
             raise refuse(
                 f"{effect.name}: {name} = {estimate.value:g} lies outside {allowed}",
@@ -68,7 +70,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             )
         checked[name] = Estimate(estimate.value, estimate.std, unit)
     coefficients, _ = effect.to_coefficients({name: e.value for name, e in checked.items()})
-    low, high = effect.bounds(model, Placement.of(model, key))
+    low, high = effect.bounds(model, place)
     slack = 1e-9 * np.maximum(1.0, np.abs(coefficients))
     if np.any(coefficients < low - slack) or np.any(coefficients > high + slack):
         given = ", ".join(f"{name} = {e.value:g}" for name, e in checked.items())

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from workbench.models import Model, Placement
+import numpy as np
+
+from workbench.models import Model, Placement, own_friction
 
 from .base import Door, Effect, Parameter, Trace
 from .chain import Build
@@ -16,7 +18,7 @@ class CoulombFriction(Effect):
     """torque = -f sign(w); sticks where the other torques stay below f."""
 
     name = "coulomb_friction"
-    parameters = (Parameter("torque", "N*m"),)
+    parameters = (Parameter("torque", "N*m", about="added to what the model has"),)
     door = Door.FRICTION
     depends_on = ("speed",)
     basic = True
@@ -36,6 +38,16 @@ class CoulombFriction(Effect):
         assert place is not None
         _, speed, _ = motion.along(place)
         return Response(single(place, -smooth_sign(speed), motion)[None])
+
+    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
+        """Friction that the model has there may turn out smaller, down to none."""
+        return np.array([-self.model_value(model, place)]), np.array([np.inf])
+
+    def model_value(self, model: Model, place: Placement | None) -> float:
+        """``frictionloss`` that the model's file states there, and what was added."""
+        assert place is not None
+        every = (*own_friction(model), *model.effects)
+        return sum(e.values["torque"] for e in every if self.sits(e.key, model, place))
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

@@ -46,10 +46,10 @@ def can_split(model: Model, key: EffectKey) -> bool:
         return False
     row = model.transmission[model.axes.index(key.axis)]
     alone = np.count_nonzero(row) == 1 or model.has("actuator_inertia_coupling")
-    return _rotor(model, model.axes.index(key.axis)) > 0 and (key.location == "joint" or alone)
+    return rotor_inertia(model, model.axes.index(key.axis)) > 0 and (key.location == "joint" or alone)
 
 
-def _rotor(model: Model, index: int) -> float:
+def rotor_inertia(model: Model, index: int) -> float:
     """Inertia of a drive, with what was found to be more of it [kg m^2 or kg]."""
     more = EffectKey("reflected_inertia", model.axes[index])
     own = _stated_drives(model)[0][index]
@@ -191,12 +191,24 @@ def spring_wind(
     inertia d'' + damping d' + stiffness d = torque.
     """
     change = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
-    whole = expm(step * np.block([[change, np.array([[0.0], [1.0 / inertia]])], [np.zeros((1, 3))]]))
-    kept, added = whole[:2, :2], whole[:2, 2]
-    trace, seen, through = float(np.trace(kept)), change[1], 1.0 / inertia
-    bottom = np.array([1.0, -trace, float(np.linalg.det(kept))])
-    top = through * bottom + np.array([0.0, seen @ added, seen @ (kept - trace * np.eye(2)) @ added])
-    return np.asarray(scipy.signal.lfilter(top, bottom, torque))
+    through = np.array([[0.0], [1.0 / inertia]])
+    # torque goes straight from row to row: held, it would come half a row late
+    rows = scipy.signal.cont2discrete((change, through, change[1:], through[1:]), step, "foh")
+    top, bottom = scipy.signal.ss2tf(*rows[:4])
+    return np.asarray(scipy.signal.lfilter(top[0], bottom, torque))
+
+
+def free_wind(rows: int, step: float, inertia: float, stiffness: float, damping: float) -> np.ndarray:
+    """Second derivative (rows, 2) of a spring's wind that nothing drives, from a wind and a rate of one."""
+    change = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
+    kept = expm(step * change)
+    # a state that follows its own characteristic equation is a filter's answer to its first two values
+    first = np.stack([change[1], change[1] @ kept])
+    bottom = np.array([1.0, -float(np.trace(kept)), float(np.linalg.det(kept))])
+    impulse = np.zeros(rows)
+    impulse[0] = 1.0
+    tops = [(a, b + bottom[1] * a) for a, b in first.T]
+    return np.stack([scipy.signal.lfilter(top, bottom, impulse) for top in tops], axis=1)
 
 
 def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count: int) -> np.ndarray:
@@ -208,4 +220,4 @@ def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count
 def stiffest(model: Model, place: Placement | None) -> float:
     """Stiffness [N m/rad or N/m] beyond which a fit need not look: the rotor would ring at `_RIGID`."""
     assert place is not None
-    return _rotor(model, place.index) * (2.0 * np.pi * _RIGID) ** 2
+    return rotor_inertia(model, place.index) * (2.0 * np.pi * _RIGID) ** 2

@@ -13,6 +13,7 @@ from .base import Door, Effect, Parameter, Trace
 from .chain import Build
 from .flexible import (
     can_split,
+    free_wind,
     frequencies,
     link_inertia,
     split,
@@ -58,6 +59,8 @@ class JointCompliance(Effect):
         """What the lacking torque asks for, from antiresonances from 4 Hz on, hardly and well damped."""
         assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
+        if inertia <= 0.0:  # a rotor as heavy as all that turns leaves nothing behind it
+            return []
         starts = [
             (inertia * w**2, 2.0 * share * inertia * w)
             for w in frequencies(motions, 4.0, 150.0, 10)
@@ -93,9 +96,18 @@ class JointCompliance(Effect):
         assert place is not None
         inertia, column = link_inertia(motion, model, place)
         torque = transmitted(motion, model, place)
-        moved = torque - torque[0]  # the motion starts from rest, with the spring wound up by the weights
+        moved = torque - torque[0]  # from rest, wound up by the weights; `free_responses` say the rest
         wind = spring_wind(moved, motion.step, inertia, shape["stiffness"], shape["damping"])
         return Response(np.zeros((0, *motion.position.shape)), offset=column * wind[:, None])
+
+    def free_responses(
+        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
+    ) -> np.ndarray:
+        """How a spring unwinds that was wound up, or winding, at the first row."""
+        assert place is not None
+        inertia, column = link_inertia(motion, model, place)
+        wind = free_wind(len(column), motion.step, inertia, shape["stiffness"], shape["damping"])
+        return column[:, :, None] * wind[:, None, :]
 
     def least(self, shape: Mapping[str, float]) -> np.ndarray:
         """Of the damping, a thousandth of what makes a spring on a rotor of 0.01 kg m^2 stop ringing."""

@@ -92,7 +92,8 @@ def foresees(
     for piece in pieces:
         rows = max(_MEAN, round(_SLOW_S / piece.step))
         error = piece.unforeseen(inertia, gap, stiffness, retardation)
-        drawn += pull**2 * float(np.sum(_means(error, rows) ** 2)) * rows
+        with np.errstate(over="ignore"):  # a draw beyond all numbers is more than what is lacking
+            drawn += pull**2 * float(np.sum(_means(error, rows) ** 2)) * rows
         lacked += float(np.sum(_means(piece.load - piece.passed, rows) ** 2)) * rows
     return drawn < _OWN**2 * lacked
 

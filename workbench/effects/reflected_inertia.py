@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from workbench.core import EffectKey
 from workbench.models import Model, Placement, rotors
 
 from .base import Door, Effect, Parameter
@@ -37,9 +38,17 @@ class ReflectedInertia(Effect):
         return Response(single(place, -acceleration, motion)[None])
 
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
-        """The drive's own inertia may turn out smaller than stated, but stays above a tenth of it."""
+        """The drive's own inertia may turn out smaller than stated, but stays above a tenth of it in all."""
         assert place is not None
-        return np.array([-0.9 * rotors(model)[0][place.index]]), np.array([np.inf])
+        own, key = rotors(model)[0][place.index], EffectKey(self.name, model.axes[place.index])
+        added = sum(e.values["inertia"] for e in model.effects if e.key == key)
+        return np.array([-max(0.9 * own + added, 0.0)]), np.array([np.inf])
+
+    def model_value(self, model: Model, place: Placement | None) -> float:
+        """What the model states of the drive's own, and what was added."""
+        assert place is not None
+        own = float(rotors(model)[0][place.index])
+        return own + sum(e.values["inertia"] for e in model.effects if self.sits(e.key, model, place))
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

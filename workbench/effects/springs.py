@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy
-from scipy.linalg import expm
 
 from workbench.models import Model, Placement
 
@@ -104,17 +103,19 @@ def _winds(
 ) -> np.ndarray:
     """Second derivatives (N, S) of the springs' winds under the torques that pass rigidly (N, S).
 
-    inertia d'' + damping d' + stiffness d = torque, held over each step, mode by mode.
+    inertia d'' + damping d' + stiffness d = torque, which goes straight from row to row, mode by mode.
     """
     n = len(stiffness)
     through = np.linalg.inv(inertia)
     change = np.block([[np.zeros((n, n)), np.eye(n)], [-through * stiffness, -through * damping]])
     entry = np.vstack([np.zeros((n, n)), through])
-    whole = expm(step * np.block([[change, entry], [np.zeros((n, 3 * n))]]))
-    rates, modes = np.linalg.eig(whole[: 2 * n, : 2 * n])
-    driven = load @ np.linalg.solve(modes, whole[: 2 * n, 2 * n :]).T
+    kept, added, seen, direct, _ = scipy.signal.cont2discrete(
+        (change, entry, change[n:], through), step, "foh"
+    )
+    rates, modes = np.linalg.eig(kept)
+    driven = load @ np.linalg.solve(modes, added).T
     state = np.stack(
         [scipy.signal.lfilter([0.0, 1.0], [1.0, -rate], driven[:, k]) for k, rate in enumerate(rates)],
         axis=1,
     )
-    return np.asarray((state @ (change[n:] @ modes).T).real + load @ through.T)
+    return np.asarray((state @ (seen @ modes).T).real + load @ direct.T)

@@ -38,10 +38,14 @@ class ViscousDamping(Effect):
         return Response(single(place, -speed, motion)[None])
 
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
-        """The drive's own damping may turn out smaller than stated, but not negative."""
+        """Damping that the model has there may turn out smaller, down to none."""
+        return np.array([-self.model_value(model, place)]), np.array([np.inf])
+
+    def model_value(self, model: Model, place: Placement | None) -> float:
+        """What the model states of the drive's own, and what was added."""
         assert place is not None
-        own = rotors(model)[1][place.index] if place.location == "actuator" else 0.0
-        return np.array([-own]), np.array([np.inf])
+        own = float(rotors(model)[1][place.index]) if place.location == "actuator" else 0.0
+        return own + sum(e.values["damping"] for e in model.effects if self.sits(e.key, model, place))
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

@@ -1,7 +1,8 @@
-"""A user's own leg, from an SDF or URDF with a loop, made a model: serial tree, transmission, linkage."""
+"""A leg of a user's own, from a file with a loop (SDF, URDF, MJCF): tree, transmission, linkage."""
 
 from .assemblies import Assemblies, assemblies
 from .contents import Contents, contents_of
+from .from_mjcf import is_mjcf
 from .import_model import Drives, import_model
 
-__all__ = ["Assemblies", "Contents", "Drives", "assemblies", "contents_of", "import_model"]
+__all__ = ["Assemblies", "Contents", "Drives", "assemblies", "contents_of", "import_model", "is_mjcf"]

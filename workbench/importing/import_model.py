@@ -14,6 +14,7 @@ from workbench.core.files import check_free, write_all
 from workbench.mechanism import ClosedChain, constant_transmission
 from workbench.models import Actuators, Model, model_text
 
+from .from_mjcf import opened
 from .linkage import parallelogram_linkage
 from .serial_tree import serial_mjcf
 
@@ -64,7 +65,8 @@ def import_model(
     Args:
         mechanism: file, drives, serial joints, loops, foot.
         drives: the motors.
-        output: the model file; ``leg.toml`` comes with ``leg.xml``.
+        output: the model file; ``leg.toml`` comes with ``leg.xml``, and of an MJCF with ``leg.sdf``, in which
+            its loops are cut open.
         axes: names of the axes; the drives' joints if not given.
         force: overwrite.
 
@@ -78,30 +80,46 @@ def import_model(
         raise InputError("the model file has to end in .toml", file=target, remedy="e.g. -o leg.toml")
     tree = target.with_suffix(".xml")
     for file in (target, tree):
-        check_free(file, force=force)
+        _check_written(file, mechanism.file, force)
     names = tuple(axes) if axes else mechanism.drives
     if len(names) != len(mechanism.drives) or len(set(names)) != len(names):
         raise InputError(
             f"{len(names)} axis names for {len(mechanism.drives)} drives", remedy="name each axis once"
         )
-    chain = ClosedChain(mechanism)
-    transmission = constant_transmission(chain)
-    mjcf = serial_mjcf(mechanism, target.stem)
-    model = Model(
-        name=target.stem,
-        serial=tree.resolve(),
-        axes=names,
-        joints=mechanism.joints,
-        transmission=transmission.matrix,
-        actuators=drives.at_output,
-        closed_chain=replace(mechanism, file=mechanism.file.resolve()),
-        posture_dependent=not transmission.constant,
-        payload_site=mechanism.foot,
-    )
-    with TemporaryDirectory() as folder:
-        (Path(folder) / tree.name).write_text(mjcf)
-        linkage = parallelogram_linkage(chain, replace(model, serial=Path(folder) / tree.name))
+    with opened(mechanism.file) as (source, converted):
+        cut, kept, texts = replace(mechanism, file=source), mechanism.file, dict[Path, str]()
+        if converted is not None:
+            cut = replace(cut, loops=(*converted.loops, *mechanism.loops))
+            kept = target.with_suffix(".sdf")
+            _check_written(kept, mechanism.file, force)
+            texts[kept] = converted.sdf
+        chain = ClosedChain(cut)
+        transmission = constant_transmission(chain)
+        mjcf = serial_mjcf(cut, target.stem)
+        model = Model(
+            name=target.stem,
+            serial=tree.resolve(),
+            axes=names,
+            joints=cut.joints,
+            transmission=transmission.matrix,
+            actuators=drives.at_output,
+            closed_chain=replace(cut, file=kept.resolve()),
+            posture_dependent=not transmission.constant,
+            payload_site=cut.foot,
+        )
+        with TemporaryDirectory() as folder:
+            (Path(folder) / tree.name).write_text(mjcf)
+            linkage = parallelogram_linkage(chain, replace(model, serial=Path(folder) / tree.name))
     if linkage is not None:
         model = replace(model, linkage=linkage)
-    write_all({tree: mjcf, target: model_text(model, target)}, force=force)
+    write_all({tree: mjcf, target: model_text(model, target), **texts}, force=force)
     return model
+
+
+def _check_written(file: Path, source: Path, force: bool) -> None:
+    """Refuse to write over what is there, and over the mechanism itself whatever is wanted."""
+    if file.resolve() == source.resolve():
+        raise InputError(
+            "it would be written over by the model of it", file=source, remedy="give the model another name"
+        )
+    check_free(file, force=force)

@@ -6,14 +6,17 @@ from itertools import combinations
 
 import numpy as np
 
-from workbench.core import Recording
+from workbench.core import Controller, Recording
 
+from .coordinates import Elsewhere, found_elsewhere, maps
 from .factors import name_factor
 from .law import Fit, Ticks, fit_commands, fit_gains, fit_sensors, ticks
 from .result import Remark
+from .speeds import explain_speed, remark_on_speed
 from .ticks import find_ticks
 
 _EXACT = 0.005  # what a law that holds may leave, as a part of the command's variation
+_HOLDS = 0.02  # the same of a law whose speed was not logged, and is made of the position
 _FAIR = 0.2  # above this the law is not followed
 _OFF = 0.02  # relative deviation of a gain that is reported
 _SWAPS = (
@@ -38,17 +41,24 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
     if recording.get("torque_command") is None:
         return []
     ratio, phase, remarks = find_ticks(recording)
-    stated = recording.controller.kind in ("pd", "cascade_pv")
-    if not stated or recording.get("position_reference") is None:
+    if recording.get("position_reference") is None:
         return remarks
     at = ticks(recording, ratio, phase)
     if len(at.command) < 50 or np.ptp(at.command) == 0:
         return remarks
-    maps = _maps(recording, transmission)
+    if recording.controller.kind not in ("pd", "cascade_pv"):
+        return remarks + _pushes_away(recording, at)
     c = recording.controller
-    fit, m = min(((fit_gains(at, c, m), m) for m in maps), key=lambda found: found[0].rest)
+    tried = maps(recording, c, transmission)
+    if "velocity" in recording.derived:
+        speeds = explain_speed(recording, ratio, phase, tried)
+        if speeds[0].fit.rest < _HOLDS:
+            return [*remarks, remark_on_speed(speeds, recording.axes)]
+    fit, m = min(((fit_gains(at, c, m), m) for m in tried), key=lambda found: found[0].rest)
     if fit.rest > _EXACT:
-        other = _alternative(recording, at, ratio, phase, maps, fit.rest)
+        if c.kind == "pd" and (elsewhere := found_elsewhere(recording, at, transmission)) is not None:
+            return [*remarks, _elsewhere(elsewhere)]
+        other = _alternative(recording, at, ratio, phase, tried, fit.rest)
         if other is not None:
             return remarks + other
     if fit.rest > _FAIR:
@@ -59,43 +69,55 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
     return remarks + _read_gains(recording, fit, m)
 
 
-def _maps(recording: Recording, transmission: np.ndarray | None) -> list[np.ndarray]:
-    """Candidates of M, which takes the recording's positions to the controller's."""
+def _pushes_away(recording: Recording, at: Ticks) -> list[Remark]:
+    """A law that nobody stated and that drives an axis away from its reference: no loop would stand."""
     n = len(recording.axes)
-    if recording.coordinates == recording.controller.coordinates:
-        return [np.eye(n)]
-    usual: list[np.ndarray] = [np.eye(n)]
-    belt = np.array([[1.0, 0.0], [1.0, 1.0]])
-    for leg in (belt, np.block([[np.eye(1), np.zeros((1, 2))], [np.zeros((2, 1)), belt]])):
-        if n % len(leg) == 0:
-            usual.append(np.kron(np.eye(n // len(leg)), leg))
-    given = usual if transmission is None else [np.asarray(transmission, float)]
-    return [np.linalg.inv(j) for j in given] if recording.coordinates == "actuator" else given
+    fit = fit_gains(at, Controller("pd", recording.coordinates, (1.0,) * n, (1.0,) * n), np.eye(n))
+    remarks = []
+    for i, axis in enumerate(recording.axes if fit.rest < _EXACT else ()):
+        kp, std = fit.by_name[f"kp_{i}"]
+        if kp < -5 * std:
+            text = (
+                f"The command of '{axis}' is a PD law of kp {kp:.4g}, which pushes away from the reference: "
+                "its torque or its motion has the wrong sign."
+            )
+            remarks.append(Remark("problem", "sign", axis, text, {"kp": kp, "unexplained": fit.rest}))
+    return remarks
+
+
+def _elsewhere(found: Elsewhere) -> Remark:
+    text = f'The loop acts in other coordinates: {found}. State coordinates = "{found.coordinates}".'
+    value = {
+        "coordinates": found.coordinates,
+        "unexplained": found.rest,
+        "to_controller": found.to_controller,
+    }
+    return Remark("problem", "controller", None, text, value)
 
 
 def _alternative(
-    recording: Recording, at: Ticks, ratio: int, phase: int, maps: list[np.ndarray], rest: float
+    recording: Recording, at: Ticks, ratio: int, phase: int, tried: list[np.ndarray], rest: float
 ) -> list[Remark] | None:
     """The simplest mistake that makes the law hold: late measurements, a wrong sensor, swapped columns."""
     c, axes = recording.controller, recording.axes
     enough = min(0.1, 0.2 * rest)
     for lag in range(1, max(4, ratio) + 1):
         late = ticks(recording, ratio, phase, lag)
-        fit, m = min(((fit_gains(late, c, m), m) for m in maps), key=lambda found: found[0].rest)
+        fit, m = min(((fit_gains(late, c, m), m) for m in tried), key=lambda found: found[0].rest)
         if fit.rest < enough:
             text = f"The command answers measurements of {lag} row(s) earlier."
             severity = "note" if recording.timing.delay == "loop" or lag <= 1 else "warning"
             value = {"rows": lag, "delay_s": lag * recording.period}
             return [Remark(severity, "clock", None, text, value), *_read_gains(recording, fit, m)]
     for scaled in (fit_sensors, fit_commands):
-        best_fit = min((scaled(at, c, m) for m in maps), key=lambda fit: fit.rest)
+        best_fit = min((scaled(at, c, m) for m in tried), key=lambda fit: fit.rest)
         if best_fit.rest < enough:
             return _read_columns(axes, best_fit)
     found: list[tuple[float, tuple[str, ...], int, int, Fit, np.ndarray]] = []
     for signals in _SWAPS:
         for a, b in combinations(range(len(axes)), 2):
             swapped = at.swapped(signals, a, b)
-            found += [(fit.rest, signals, a, b, fit, m) for m in maps for fit in [fit_gains(swapped, c, m)]]
+            found += [(fit.rest, signals, a, b, fit, m) for m in tried for fit in [fit_gains(swapped, c, m)]]
     best = min(found, key=lambda entry: entry[0], default=None)
     if best is None or best[0] > enough:
         return None

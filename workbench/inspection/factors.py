@@ -11,6 +11,7 @@ NAMED: tuple[tuple[float, str], ...] = (
     (2 * math.pi, "revolutions and radians"),
     (6.0, "rpm and deg/s"),
     (360.0, "revolutions and degrees"),
+    (10.0, "a factor of ten, as of a decimal point"),
     (1000.0, "milli (mN m, mm or ms) and the whole unit"),
     (100.0, "cm and m"),
 )
@@ -23,10 +24,13 @@ def name_factor(factor: float, tolerance: float = 0.03) -> str | None:
         factor: ratio of what was found to what was expected; its sign does not matter.
         tolerance: relative.
     """
+    return next(iter(name_factors(factor, tolerance)), None)
+
+
+def name_factors(factor: float, tolerance: float = 0.03) -> tuple[str, ...]:
+    """Every mix-up that a factor may come from, the nearest first; as `name_factor`."""
     size = abs(factor)
     if size == 0 or not math.isfinite(size):
-        return None
-    for named, meaning in NAMED:
-        if abs(math.log(size / named)) < tolerance or abs(math.log(size * named)) < tolerance:
-            return meaning
-    return None
+        return ()
+    misses = sorted((abs(abs(math.log(size)) - math.log(named)), meaning) for named, meaning in NAMED)
+    return tuple(meaning for miss, meaning in misses if miss < tolerance)

@@ -1,7 +1,7 @@
 """Torque against acceleration: a wrong sign or swapped axes show as an inertia that cannot be.
 
 Above the frequencies of gravity, acceleration is ``M^-1 torque``, and M^-1 is symmetric and positive
-definite: an axis' own torque pushes it forward.
+definite: an axis' own torque pushes it forward, and what i does to j is what j does to i.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from .result import Remark
 _LOWEST_HZ, _HIGHEST_HZ = 1.0, 40.0
 _SURE = 8.0  # standard deviations
 _EXPLAINED = 0.4  # of the acceleration, before anything is said
+_ALIKE = 3.0  # times: two couplings that friction and noise make unlike are still of one size
 
 
 def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
@@ -49,11 +50,20 @@ def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
             remarks.append(Remark("problem", "swap", None, text, {**value, "axes": [names[i], names[j]]}))
     for i, axis in enumerate(names):
         backward = mobility[i, i] < -_SURE * spread[i, i] and explained[i] > _EXPLAINED
-        # at one frequency a spring, or another axis that is driven at it, turns the phase of an inertia
-        if backward and i not in swapped and is_broad(tau[:, i]):
+        # at one frequency a spring, or another axis that is driven at it, turns the phase of an inertia;
+        # that two axes answer each other unlike, no spring does
+        unlike = any(_unlike(mobility, spread, i, j) for j in range(len(live)) if j != i)
+        if backward and i not in swapped and (unlike or is_broad(tau[:, i])):
             text = f"'{axis}' accelerates against its measured torque: one of them has the wrong sign."
             remarks.append(Remark("problem", "sign", axis, text, value))
     return remarks
+
+
+def _unlike(mobility: np.ndarray, spread: np.ndarray, i: int, j: int) -> bool:
+    """Whether i pushes j one way and j pushes i the other: one of them has torque and motion of two signs."""
+    there, back = mobility[j, i], mobility[i, j]
+    plain = min(abs(there) / spread[j, i], abs(back) / spread[i, j]) > _SURE
+    return plain and there * back < 0 and max(abs(there), abs(back)) < _ALIKE * min(abs(there), abs(back))
 
 
 def _band_pass(recording: Recording) -> Callable[[np.ndarray], np.ndarray]:

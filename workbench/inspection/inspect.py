@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from .inertia import remark_on_inertia
 from .motion import remark_on_motion
 from .result import Inspection, RecordingInspection, Remark
 from .torque import remark_on_command_limits, remark_on_torque
+from .work import remark_on_work
 
 FEW = 200  # rows below which nothing is compared
 
@@ -34,6 +36,18 @@ def inspect(recordings: Sequence[Recording], *, transmission: np.ndarray | None 
     return Inspection(tuple(_inspect_one(recording, transmission) for recording in recordings))
 
 
+def _driven(recording: Recording) -> Recording:
+    """The longest stretch of rows that count: drives that are off say nothing of torque."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], recording.valid, [False]]).astype(int)))
+    if recording.valid.all() or not len(edges):
+        return recording
+    first, last = max(zip(edges[::2], edges[1::2], strict=True), key=lambda span: span[1] - span[0])
+    signals = {name: x[first:last] for name, x in recording.signals.items()}
+    rows = slice(first, last)
+    time = recording.time[rows] - recording.time[first]
+    return replace(recording, time=time, signals=signals, valid=None, extra={}, guessed={})
+
+
 def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> RecordingInspection:
     noise = noise_levels(recording)
     excited = excited_axes(recording, noise)
@@ -42,9 +56,12 @@ def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> Recor
     if len(recording) >= FEW:
         remarks += remark_on_motion(recording, held)
         remarks += remark_on_control(recording, transmission)
-        remarks += remark_on_torque(recording, noise)
-        remarks += remark_on_inertia(recording, held)
-        remarks += remark_on_command_limits(recording)
+        driven = _driven(recording)
+        if len(driven) >= FEW:
+            remarks += remark_on_torque(driven, noise)
+            backward = remark_on_inertia(driven, held)
+            remarks += backward or remark_on_work(driven, held)
+            remarks += remark_on_command_limits(driven)
     else:
         text = f"Only {len(recording)} rows: too few to check signals against each other."
         remarks.append(Remark("note", "reader", None, text))

@@ -9,7 +9,7 @@ from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_fric
 from .paths import find_model
 from .read import read_model
 from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
-from .spec import load_mjcf, load_tree
+from .spec import load_mjcf, load_tree, load_with_loops
 from .write import linkage_table, model_text, write_model
 
 silence()
@@ -35,6 +35,7 @@ __all__ = [
     "linkage_table",
     "load_mjcf",
     "load_tree",
+    "load_with_loops",
     "machine_bodies",
     "model_text",
     "own_constraints",

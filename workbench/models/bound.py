@@ -12,15 +12,17 @@ import mujoco
 
 from workbench.core import InputError
 
-_LOOP = (
-    "describe the machine as an SDF or URDF with the loop cut open at a frame on either side, and import it: "
-    'workbench import FILE --drive MOTOR... --joint JOINT... --loop A:B -o MODEL.toml (or set active="false" '
-    "where the loop is not there)"
+_IMPORT = (
+    "make a model of it: workbench import FILE --drive JOINT... --joint JOINT... --foot SITE -o MODEL.toml"
 )
+_LOOP = f'{_IMPORT} (or set active="false" where the loop is not there)'
+_CUT = f"name a frame on either side of the pin that closes it, and {_IMPORT}, with --loop A:B"
 _FOLLOWER = (
     "a joint that follows another is not supported: make it fixed in a copy of the file if what it moves "
     "weighs next to nothing"
 )
+#: Equalities that close a loop of bodies.
+LOOPS = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD
 _KINDS = {
     mujoco.mjtEq.mjEQ_CONNECT: ("connect", _LOOP),
     mujoco.mjtEq.mjEQ_WELD: ("weld", _LOOP),
@@ -29,14 +31,19 @@ _KINDS = {
 }
 
 
-def refuse_equalities(spec: mujoco.MjSpec, file: Path) -> None:
+def refuse_equalities(spec: mujoco.MjSpec, file: Path, *, loops: bool = False) -> None:
     """Refuse an MJCF that holds bodies, joints or tendons together; an equality not active does nothing.
+
+    Args:
+        spec: the MJCF.
+        file: it was read from.
+        loops: whether bodies may be held together.
 
     Raises:
         InputError: one is active.
     """
     for each in spec.equalities:
-        if each.active:
+        if each.active and not (loops and each.type in LOOPS):
             kind, remedy = _KINDS.get(each.type, ("flex", "take it out of a copy of the file"))
             called = f" '{each.name}'" if each.name else ""
             ends = " and ".join(f"'{name}'" for name in (each.name1, each.name2) if name)
@@ -58,9 +65,9 @@ def refuse_constraints(root: ElementTree.Element, file: Path) -> None:
     for node in root:
         if node.tag.endswith("_constraint") or node.tag == "loop_joint":
             raise InputError(
-                f"it has a <{node.tag}>, and a model is a tree", file=file, column=node.tag, remedy=_LOOP
+                f"it has a <{node.tag}>, and a model is a tree", file=file, column=node.tag, remedy=_IMPORT
             )
         if node.tag == "gazebo" and node.find("joint") is not None:
             name = node.find("joint").get("name")  # pyright: ignore[reportOptionalMemberAccess]
             problem = f"the joint '{name}' inside of <gazebo> closes a loop, and a model is a tree"
-            raise InputError(problem, file=file, column="gazebo", remedy=_LOOP)
+            raise InputError(problem, file=file, column="gazebo", remedy=_CUT)

@@ -27,16 +27,31 @@ def load_mjcf(path: Path) -> mujoco.MjSpec:
     """
     if is_urdf(path):
         return load_urdf(path)
+    spec = _parsed(path)
+    refuse_equalities(spec, path)
+    keep_base_apart(spec)
+    return spec
+
+
+def load_with_loops(path: Path) -> mujoco.MjSpec:
+    """Parse an MJCF whose bodies may be held together in loops, as an import takes it.
+
+    Raises:
+        InputError: as `load_mjcf`, loops apart.
+    """
+    spec = _parsed(path)
+    refuse_equalities(spec, path, loops=True)
+    return spec
+
+
+def _parsed(path: Path) -> mujoco.MjSpec:
     check_mjcf(path)
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
+        return mujoco.MjSpec.from_file(str(path))
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(
             f"MuJoCo cannot read this MJCF: {error}", file=path, remedy="correct what it names"
         ) from error
-    refuse_equalities(spec, path)
-    keep_base_apart(spec)
-    return spec
 
 
 def load_tree(path: Path) -> mujoco.MjSpec:

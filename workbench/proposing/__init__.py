@@ -1,5 +1,6 @@
 """Any table or log that an engineer has, made a recording: what its columns are is found or asked."""
 
+from .by_weight import by_weight
 from .files import open_table
 from .proposal import Answers, Assumption, Proposal, Question
 from .propose import propose
@@ -12,6 +13,7 @@ __all__ = [
     "Proposal",
     "Question",
     "Table",
+    "by_weight",
     "complete",
     "open_table",
     "propose",

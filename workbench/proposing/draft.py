@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from .names import Role
 from .proposal import Answers, Assumption, Question
@@ -31,3 +31,12 @@ class Draft:
     def assume(self, what: str, value: str, sure: float, because: str) -> None:
         """Note an assumption."""
         self.assumed.append(Assumption(what, value, sure, because))
+
+    def unsure(self, what: str, sure: float, value: str | None = None) -> None:
+        """Make an assumption less sure than it was noted to be, or of another value."""
+        self.assumed = [
+            replace(a, sure=min(a.sure, sure), value=a.value if value is None else value)
+            if a.what == what
+            else a
+            for a in self.assumed
+        ]

@@ -32,6 +32,8 @@ KINDS: dict[str, tuple[str, ...]] = {
         *("sec", "secs", "seconds", "millis", "micros", "ms", "us", "ns", "date"),
         *("nanosec", "nanosecs", "nanoseconds", "nsec", "nsecs", "usec", "usecs", "msec", "msecs"),
     ),
+    "kp": ("kp", "stiffness"),
+    "kd": ("kd", "damping"),
     "valid": ("valid", "ok"),
     "index": ("index", "idx", "sample", "samples", "frame", "row", "step", "n", "count", "counter", "nr"),
 }
@@ -58,7 +60,8 @@ ROLES: dict[str, tuple[str, ...]] = {
         *("obs", "present", "sensed", "sensor", "est", "estimated", "states"),
     ),
 }
-_COMMAND = ("cmd", "command", "commands", "commanded", "action", "actions", "ctrl", "control")
+#: Words for what is asked of a drive, whatever it is.
+COMMANDS = frozenset({"cmd", "command", "commands", "commanded", "action", "actions", "ctrl", "control"})
 _NOISE = (
     "joint",
     "joints",
@@ -113,7 +116,7 @@ def role_of(name: str, unit: str = "") -> Role:
     for word in words:
         if word in _ROLE and (not role or role == "measured"):
             role = _ROLE[word]
-            only_command = word in _COMMAND
+            only_command = word in COMMANDS
             rest.remove(word)
         elif word in _ROLE:
             rest.remove(word)

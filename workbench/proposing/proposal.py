@@ -45,7 +45,8 @@ class Question:
     """What the file does not say.
 
     Attributes:
-        key: ``unit.KIND``, ``column.SIGNAL``, ``rate``, ``axes``, ``coordinates``, ``counts`` or ``episode``.
+        key: ``unit.KIND``, ``unit`` (its answers are ``KIND=UNIT``), ``column.SIGNAL``, ``constant`` (of the
+            torque), ``rate``, ``axes``, ``coordinates``, ``counts`` or ``episode``.
         text: the question.
         choices: answers to choose from; empty where any may be right.
         best: the likeliest, ``""`` where none is.
@@ -77,6 +78,7 @@ class Answers:
         loop: whether the model states its loop.
         episode: which run of a log in which time starts anew, counted from 0.
         guessed: keys of questions that were answered for the user.
+        weighed: kind -> why its unit is so, where a model's weight and inertia told it.
     """
 
     axes: tuple[str, ...] = ()
@@ -94,6 +96,11 @@ class Answers:
     loop: bool = False
     episode: int | None = None
     guessed: frozenset[str] = frozenset()
+    weighed: Mapping[str, str] = field(default_factory=dict)
+
+    def because(self, kind: str) -> str:
+        """Why a unit that is not the data's own guess is as it is."""
+        return self.weighed.get(kind, "you said so")
 
     def with_answer(self, key: str, value: str) -> Answers:
         """These answers and one more; the key is a question's.
@@ -103,7 +110,11 @@ class Answers:
         """
         kind, _, name = key.partition(".")
         if kind == "unit":
+            name, value = (name, value) if name else _pair(value)
             return replace(self, units={**self.units, name: value})
+        if kind == "constant":
+            constants = [f"{float(part):g}*N*m" for part in listed(value)]
+            return replace(self, units={**self.units, "torque": ",".join(constants)})
         if kind == "column":
             return replace(self, columns={**self.columns, name: listed(value)})
         if kind == "coordinates":
@@ -147,3 +158,15 @@ class Proposal:
 def listed(value: str) -> tuple[str, ...]:
     """The parts of a text with commas."""
     return tuple(part.strip() for part in value.split(",") if part.strip())
+
+
+def _pair(value: str) -> tuple[str, str]:
+    """``KIND=UNIT`` as two.
+
+    Raises:
+        ValueError: it is no such pair.
+    """
+    kind, equals, unit = value.partition("=")
+    if not equals:
+        raise ValueError(value)
+    return kind.strip(), unit.strip()

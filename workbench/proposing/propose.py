@@ -16,6 +16,7 @@ from .axes import named_axes
 from .clean import Clean
 from .clock import find_time, rate_question
 from .draft import Draft
+from .gains import GAINS, gains_shown, take_controller
 from .merge import on_rows_of
 from .names import Role, name_joints, role_of
 from .proposal import Answers, Proposal, Question, listed
@@ -29,6 +30,7 @@ from .table import Table
 from .units import pint_unit
 from .usable import usable_rows, valid_column
 from .velocities import derivatives, uncross
+from .wraps import whole_positions
 
 #: Kinds whose unit can be stated, and an example of each.
 UNITS = {"time": "ms", **{kind: turning for kind, (turning, _) in EXAMPLES.items()}}
@@ -83,10 +85,12 @@ def _check_answers(table: Table, answers: Answers) -> None:
         wrong = [unit for unit in listed(text) or ("",) if not pint_unit(unit, kind)]
         if kind not in UNITS or (kind == "time" and len(listed(text)) > 1) or wrong:
             known = kind if kind in UNITS else "position"
+            remedy = f"e.g. --unit {known}={UNITS[known]}"
+            if kind == "torque" and wrong and pint_unit(wrong[0], "current"):
+                remedy = "give the torque constants, in N m per A: --unit torque=0.5*N*m, or one an axis"
             raise InputError(
-                f"'{wrong[0] if wrong else text}' is no unit of {kind}", file=table.file,
-                remedy=f"e.g. --unit {known}={UNITS[known]}",
-            )  # fmt: skip
+                f"'{wrong[0] if wrong else text}' is no unit of {kind}", file=table.file, remedy=remedy
+            )
 
 
 def _drafted(draft: Draft) -> Proposal:
@@ -98,12 +102,19 @@ def _drafted(draft: Draft) -> Proposal:
     axes, columns = named_axes(signals, draft)
     rows = usable_rows(draft, time, columns)
     period_raw = float(np.median(np.diff(rows.columns[time or "t"])))
-    columns = uncross(draft, rows, columns, axes)
-    relations = derivatives(rows, columns)
-    units = settle_units(draft, rows, columns, axes, time, period_raw, relations)
+    controller = take_controller(draft, columns, axes, _coordinates(draft.answers))
+    whole, wraps = whole_positions(rows, columns["position"])
+    columns = uncross(draft, whole, columns, axes)
+    relations = derivatives(whole, columns)
+    units = settle_units(draft, whole, columns, axes, time, period_raw, relations, wraps)
     scales = settle_scales(draft, columns, axes, units, relations)
     description = _description(draft, axes, columns, units, scales, rows, time)
-    named = {n for names in columns.values() for n in names}
+    if controller:
+        description["controller"] = controller
+        draft.assume("controller", gains_shown(controller), 0.97, "gains are logged beside the references")
+    named = {n for names in columns.values() for n in names} | {
+        n for n in table.columns if _is_loop(draft, n)
+    }
     unused = [n for n in table.columns if n not in named and n not in (time, valid_column(draft))]
     if unused:
         shown = ", ".join(unused[:8]) + (f" and {len(unused) - 8} more" if len(unused) > 8 else "")
@@ -167,9 +178,8 @@ def _description(
             ]
     if rows.valid is not None:
         out["valid"] = "valid"
-    coordinates = draft.answers.coordinates or "joint"
+    coordinates = _coordinates(draft.answers)
     if draft.answers.transmission is not None and not draft.answers.coordinates:
-        coordinates = "actuator"
         text = "The model's drives do not turn as its joints do. Where were the signals counted?"
         options = ("actuator", "joint")
         draft.questions.append(Question("coordinates", text, options, "actuator", "--coordinates actuator"))
@@ -181,7 +191,30 @@ def _description(
         "axes": list(axes),
         "columns": out,
         "units": {kind: each[0] if len(set(each)) == 1 else list(each) for kind, each in units.items()},
+        **({"guessed_units": guessed} if (guessed := _guessed(draft)) else {}),
     }
+
+
+def _guessed(draft: Draft) -> list[str]:
+    """Kinds of units that nothing but the size of numbers tells: a diagnosis doubts these first."""
+    told = {
+        a.what.removeprefix("unit of "): a.because for a in draft.assumed if a.what.startswith("unit of ")
+    }
+    guessed = [kind for kind in EXAMPLES if told.get(kind, "").startswith("numbers")]
+    # what one of the two is, the slope tells of the other
+    motion = {"position", "velocity"} & told.keys()
+    return [kind for kind in guessed if kind == "torque" or motion <= set(guessed)]
+
+
+def _coordinates(answers: Answers) -> str:
+    return answers.coordinates or ("joint" if answers.transmission is None else "actuator")
+
+
+def _is_loop(draft: Draft, column: str) -> bool:
+    """Whether a column is a part of a loop that needs no signal: a gain, or a reference that stays nil."""
+    role = draft.roles[column]
+    nil = role.role in ("reference", "feedforward") and not np.nan_to_num(draft.table.columns[column]).any()
+    return role.kind in GAINS or (nil and role.kind in ("velocity", "torque"))
 
 
 def _writable(

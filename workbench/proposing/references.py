@@ -6,8 +6,11 @@ import numpy as np
 
 from .assignment import Signals, filled, moves
 from .match import ALIKE, derivative, follows
-from .names import Role
+from .names import COMMANDS, Role
 from .roles import is_held_reference, is_reference
+
+_BESIDE = 0.5  # of its range, by which a reference may lie beside the positions
+_SIZE = 10.0  # times as large as these it may be, or as small
 
 
 def hold_references(out: Signals, data: dict[str, np.ndarray]) -> None:
@@ -66,6 +69,12 @@ def unnamed_references(out: Signals, data: dict[str, np.ndarray], roles: dict[st
         for joint in alike:
             out.put("position_reference", joint, by_name[joint], "its name; the position follows it", 0.96)
         return
+    # beyond what a loop can follow, a position is unlike its reference, and its name is all there is
+    if positions and all(j in by_name and _may_lead(out, data, j, by_name[j], roles) for j in positions):
+        for joint in positions:
+            because = "its name; of the position's size, though hardly followed"
+            out.put("position_reference", joint, by_name[joint], because, 0.93)
+        return
     found: dict[str, tuple[float, str]] = {}
     for joint, column in out.columns.get("position", {}).items():
         for name in free:
@@ -75,6 +84,22 @@ def unnamed_references(out: Signals, data: dict[str, np.ndarray], roles: dict[st
     if found and len(found) == len(out.columns["position"]) == len({name for _, name in found.values()}):
         for joint, (_, name) in found.items():
             out.put("position_reference", joint, name, "the position follows it", 0.93)
+
+
+def _may_lead(
+    out: Signals, data: dict[str, np.ndarray], joint: str, name: str, roles: dict[str, Role]
+) -> bool:
+    """Whether a column that is called a reference is one of position, and not of speed or torque."""
+    if set(roles[name].words) & COMMANDS:
+        return False
+    asked, seen = filled(data[name]), filled(data[out.columns["position"][joint]])
+    of_position = follows(asked, seen).likeness
+    others = [by[joint] for signal, by in out.columns.items() if signal != "position" and joint in by]
+    if any(follows(asked, filled(data[other])).likeness > max(ALIKE, of_position) for other in others):
+        return False
+    size = max(np.ptp(asked), np.ptp(seen))
+    near = abs(float(np.median(asked) - np.median(seen))) < _BESIDE * size
+    return near and max(np.ptp(asked), np.ptp(seen)) < _SIZE * min(np.ptp(asked), np.ptp(seen))
 
 
 def _follows(data: dict[str, np.ndarray], asked: str, seen: str) -> bool:

@@ -9,7 +9,9 @@ import numpy as np
 
 from .units import scale
 
-_SPREAD = 0.04  # by how much a measured factor may miss the right one
+_SPREAD = 0.012  # by how much a measured factor may miss the right one
+_NOISE = 0.3  # of what makes two columns unlike, by which noise and filters pull the factor
+_APART = 0.01  # weight of turns a second beside a position in another unit
 _FLOOR = 1e-6  # weight of a reading that the factor contradicts
 
 
@@ -28,11 +30,13 @@ class Motion:
     Attributes:
         position, velocity: unit -> weight by statement or size; velocity is empty where there is none.
         factor: velocity over the derivative of position, both in the table's own units; None where unknown.
+        likeness: of the two, 0 to 1.
     """
 
     position: Mapping[str, float]
     velocity: Mapping[str, float]
     factor: float | None
+    likeness: float = 0.9
 
 
 def weigh(time: Mapping[str, float], motions: Sequence[Motion]) -> tuple[Told, list[dict[str, Told]]] | None:
@@ -75,14 +79,16 @@ def expected(time: str, position: str, velocity: str) -> float:
 def _readings(time: str, motion: Motion) -> dict[tuple[str, str], float]:
     """Weight of each pair of units, given the clock's."""
     out = {}
+    spread = _SPREAD + _NOISE * (1.0 - motion.likeness)
     for p, wp in motion.position.items():
         for v, wv in (motion.velocity or {"": 1.0}).items():
-            weight = wp * wv
+            # who counts turns of one thing does of the other
+            weight = wp * wv * (_APART if v == "turn/s" and p != "turn" else 1.0)
             if v and motion.factor:
                 if p == "counts":
                     weight *= _FLOOR**0.5
                 else:
-                    miss = np.log(abs(motion.factor) / expected(time, p, v)) / _SPREAD
+                    miss = np.log(abs(motion.factor) / expected(time, p, v)) / spread
                     weight *= float(np.exp(-0.5 * min(miss * miss, 1400.0))) + _FLOOR
             out[p, v] = weight
     return out

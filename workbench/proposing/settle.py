@@ -3,42 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-
-from workbench.core import InputError
 
 from .clean import Clean
 from .clock import time_weights
 from .counts import turn_of
 from .disagree import is_near, note_clock, note_factors, note_rate, note_size
 from .draft import FALLBACK_RATE, Draft
+from .likely import UnitTold, motion_units, torque_units
 from .match import Relation
+from .normalised import ask_range
 from .proposal import ASK, Question
-from .scales import Motion, Told, expected, weigh
-from .stated import Stated, header_unit, signals_of, stated_units
-from .units import by_size
+from .scales import expected
+from .stated import header_unit, signals_of, stated_units
+from .tens import ask_tens
+from .torque_constant import ask_constant
 
 _CHOICES = {
     "time": (("s", "ms", "us", "ns"), ()),
-    "position": (("rad", "deg"), ("m", "mm")),
-    "velocity": (("rad/s", "deg/s", "rpm"), ("m/s", "mm/s")),
+    "position": (("rad", "deg", "turn"), ("m", "mm")),
+    "velocity": (("rad/s", "deg/s", "rpm", "turn/s"), ("m/s", "mm/s")),
     "torque": (("N*m", "mN*m", "N*mm"), ("N",)),
 }
 _GUESSED = 0.8
 _TURNS = 0.9  # of joints that nobody says more of
 _TIE = "velocity over slope of position"
-
-
-@dataclass
-class _Told:
-    """A unit of one axis, as it was told."""
-
-    unit: str
-    sure: float
-    because: str
 
 
 def settle_units(
@@ -49,6 +40,7 @@ def settle_units(
     time: str | None,
     step: float,
     relations: list[Relation],
+    wraps: Mapping[str, float] | None = None,
 ) -> dict[str, tuple[str, ...]]:
     """Kind -> unit of each axis (of time: one), by names, joints, sizes, and velocity against position.
 
@@ -60,6 +52,7 @@ def settle_units(
         time: the column of time, if there is one.
         step: median step of time [its unit].
         relations: of velocity to position, one an axis.
+        wraps: position columns of encoders that wrap -> their ranges.
 
     Raises:
         InputError: no unit makes such numbers likely, or a stated one is none of its axis.
@@ -71,8 +64,9 @@ def settle_units(
         by_time, why_time = time_weights(draft.table.columns[time], draft.roles[time], draft.answers)
     # per row to per unit of time
     counts = [1.0 if slides else draft.answers.counts or 1.0 for slides in stated.linear]  # a turn
-    factors = {i: abs(r.factor) * step * counts[i] for i, r in enumerate(relations) if r.likeness > 0.9}
-    clock, motion = _motion(draft, rows, columns, stated, by_time, factors)
+    tied = {i: r for i, r in enumerate(relations) if r.likeness > 0.9}
+    factors = {i: abs(r.factor) * step * counts[i] for i, r in tied.items()}
+    clock, motion = motion_units(draft, rows, columns, stated, by_time, (factors, tied), wraps or {})
     taken = {kind: [t.unit for t in told] for kind, told in motion.items()}
     ratios = {
         i: f / expected(clock.unit, taken["position"][i], taken["velocity"][i])
@@ -92,97 +86,37 @@ def settle_units(
     if time is not None:
         note_clock(draft, time, by_time, why_time, clock.unit)
         why_time = _and(why_time, _TIE) if near else why_time
-        units["time"] = _settle(draft, "time", [_Told(clock.unit, clock.sure, why_time)], (False,))
+        units["time"] = _settle(draft, "time", [UnitTold(clock.unit, clock.sure, why_time)], (False,))
     if any(stated.guessed) and draft.answers.counts is None:
         which = [axis for axis, guess in zip(axes, stated.guessed, strict=True) if guess]
         why = "no unit and no model says that one slides (--unit position=m, or --model)"
         draft.assume("motion", f"{', '.join(which)}: turning", _TURNS, why)
     note_size(draft, columns, rows, taken["position"], stated)
     if signals_of("torque", columns):
-        motion["torque"] = _torques(rows, columns, stated)
+        motion["torque"] = torque_units(draft, rows, columns, stated)
     for kind, told in motion.items():
         counts_of = [i for i, t in enumerate(told) if t.unit == "counts"]
         turn = (
             turn_of(np.column_stack([rows.columns[columns[kind][i]] for i in counts_of])) if counts_of else 0
         )
         units[kind] = _settle(draft, kind, told, stated.linear, turn)
+    if "velocity" in units:
+        ask_tens(draft, units, timed=time is not None)
+    ask_range(draft, rows, columns["position"], units["position"])
+    ask_constant(draft, columns)
     for kind, usual in (("current", "A"), ("voltage", "V"), ("temperature", "degC")):
         if kind in columns:
             units[kind] = tuple(header_unit(draft, name, kind) or usual for name in columns[kind])
     return units
 
 
-def _motion(
-    draft: Draft,
-    rows: Clean,
-    columns: dict[str, list[str]],
-    stated: Stated,
-    by_time: dict[str, float],
-    factors: Mapping[int, float],
-) -> tuple[Told, dict[str, list[_Told]]]:
-    """The clock's unit, and those of ``position`` and, where it was logged, ``velocity``, one an axis."""
-    kinds = [kind for kind in ("position", "velocity") if kind in columns]
-    groups: dict[tuple, list[int]] = {}
-    for i, linear in enumerate(stated.linear):
-        groups.setdefault((linear, *(stated.units[kind][i] for kind in kinds)), []).append(i)
-    weights = [
-        {kind: _weights(kind, rows, columns, stated, which) for kind in kinds} for which in groups.values()
-    ]
-    motions = []
-    for which, by in zip(groups.values(), weights, strict=True):
-        good = [factors[i] for i in which if i in factors]
-        factor = float(np.median(good)) if good else None
-        motions.append(Motion(by["position"][0], by.get("velocity", ({}, ""))[0], factor))
-    told = weigh(by_time, motions)
-    if told is None:
-        raise InputError(
-            "the unit of position cannot be told from such numbers", file=draft.table.file,
-            remedy="say it: --unit position=deg (or rad, mm, ...; one, or one an axis)",
-        )  # fmt: skip
-    clock, each = told
-    out: dict[str, list[_Told]] = {kind: [_Told("", 0.0, "")] * len(stated.linear) for kind in kinds}
-    for which, by, found in zip(groups.values(), weights, each, strict=True):
-        for kind in kinds:
-            for i in which:
-                out[kind][i] = _Told(found[kind].unit, found[kind].sure, by[kind][1])
-    return clock, out
-
-
-def _torques(rows: Clean, columns: dict[str, list[str]], stated: Stated) -> list[_Told]:
-    groups: dict[tuple[bool, str], list[int]] = {}
-    for i, linear in enumerate(stated.linear):
-        groups.setdefault((linear, stated.units["torque"][i]), []).append(i)
-    out = [_Told("", 0.0, "")] * len(stated.linear)
-    for which in groups.values():
-        weights, why = _weights("torque", rows, columns, stated, which)
-        best = max(weights, key=lambda u: weights[u])
-        for i in which:
-            out[i] = _Told(best, weights[best] / sum(weights.values()), why)
-    return out
-
-
-def _weights(
-    kind: str, rows: Clean, columns: dict[str, list[str]], stated: Stated, which: Sequence[int]
-) -> tuple[dict[str, float], str]:
-    """Weights of the units of some axes that are alike, and what they rest on."""
-    first = which[0]
-    if unit := stated.units[kind][first]:
-        return {unit: 1.0}, stated.because[kind][first]
-    signals = signals_of(kind, columns) if kind == "torque" else [kind]
-    values = np.column_stack([rows.columns[columns[s][i]] for s in signals for i in which])
-    by = {u: w for u, w in by_size(kind, values, stated.linear[first]).items() if w > 0}
-    if stated.linear[first] and stated.modelled[first]:
-        return by, "a slide in the model"
-    return by, f"numbers up to {np.nanmax(np.abs(values)):.3g}"
-
-
 def _settle(
-    draft: Draft, kind: str, told: list[_Told], linear: Sequence[bool], turn: int = 0
+    draft: Draft, kind: str, told: list[UnitTold], linear: Sequence[bool], turn: int = 0
 ) -> tuple[str, ...]:
     """Note a unit; where it is not sure, ask."""
     name, units = f"unit of {kind}", tuple(t.unit for t in told)
     if kind in draft.answers.units:
-        draft.assume(name, _shown(units), 1.0, "you said so")
+        draft.assume(name, _shown(units), 1.0, draft.answers.because(kind))
         return units
     if "counts" in units:
         draft.questions.append(_counts_question(turn))
@@ -193,7 +127,9 @@ def _settle(
         sure, because = _GUESSED, f"numbers run over {draft.answers.counts:.0f}, taken for counts of one turn"
     draft.assume(name, _shown(units), sure, because)
     unsure = [i for i, t in enumerate(told) if t.sure < ASK]
-    if unsure:
+    # once the position's is answered, its slope tells the velocity's
+    follows = kind == "velocity" and because.endswith(_TIE) and _asked(draft, "unit.position")
+    if unsure and not follows:
         options = _options(kind, units, unsure, linear)
         text = f"What is the unit of {kind}: {' or '.join(options)} ({because})?"
         best = units[0] if len(set(units)) == 1 else ",".join(units)
@@ -207,6 +143,10 @@ def _counts_question(turn: int) -> Question:
         text = f"Positions run over a turn of {turn} encoder counts, it seems. Do as many make a turn?"
     best = str(turn) if turn else ""
     return Question("counts", text, (), best, f"--counts {best or 'N'} (or --unit position=deg)")
+
+
+def _asked(draft: Draft, key: str) -> bool:
+    return any(question.key == key for question in draft.questions)
 
 
 def _options(
@@ -231,7 +171,7 @@ def _ask_rate(draft: Draft, period: float) -> None:
 
 
 def _and(first: str, second: str) -> str:
-    return second if first.startswith("numbers") or first == "rows a second" else f"{first}; {second}"
+    return second if first == "rows a second" else f"{first}; {second}"
 
 
 def _shown(units: Sequence[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .assignment import Signals, filled, moves
+from .gains import GAINS
 from .match import ALIKE, derivative, follows
 from .names import Role
 from .ranks import in_rank
@@ -40,8 +41,8 @@ def read_signals(table: Table, roles: dict[str, Role], time: str | None) -> Sign
 
 
 def _may_hold(role: Role) -> bool:
-    """Whether a column that never changes may be the reference of an axis that is held."""
-    return role.role == "reference" and role.kind in ("position", "")
+    """Whether a column that never changes may be a gain, or the reference of an axis that is held."""
+    return role.kind in GAINS or (role.role == "reference" and role.kind in ("position", ""))
 
 
 def _of_joints(out: Signals) -> None:
@@ -89,6 +90,8 @@ def _signal(role: Role) -> str:
             "measured": "torque_measured",
         }
         return named.get(role.role, "torque")
+    if role.kind in GAINS:
+        return role.kind
     if role.kind in ("current", "voltage", "temperature"):
         return "" if role.role == "reference" else role.kind
     return "command" if role.kind == "command" else ""

@@ -80,7 +80,7 @@ def _unit(
     draft: Draft, kind: str, i: int, said: list[str], headers: list[str], linear: Sequence[bool]
 ) -> tuple[str, str]:
     if said:
-        return said[i if len(said) > 1 else 0], "you said so"
+        return said[i if len(said) > 1 else 0], draft.answers.because(kind)
     if kind == "position" and draft.answers.counts and not linear[i]:
         return "turn", "you said so"
     if headers[i]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .assignment import Signals, filled, moves
+from .gains import settle_feedforward
 from .law import is_law
 from .match import held_share
 from .names import Role
@@ -19,6 +20,7 @@ def settle_torques(out: Signals, data: dict[str, np.ndarray]) -> None:
     # columns of one name are one signal, whatever a joint that hardly moves or has no drive looks like
     driven = {joint: c for joint, c in plain.items() if moves(data[c])}
     held = bool(driven) and float(np.median([held_share(filled(data[c])) for c in driven.values()])) > 0.4
+    settle_feedforward(out, law=is_law(*_loop(out, data, out.columns.get("torque_command", {}))))
     commanded = "torque_command" in out.columns
     law = not commanded and bool(driven) and is_law(*_loop(out, data, driven))
     for joint, column in plain.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from functools import lru_cache
 
 import numpy as np
@@ -10,6 +11,11 @@ from workbench.core.units import KINDS, to_si
 
 from .counts import turn_of
 
+#: Factors by which a decimal point slips.
+TENS = (0.1, 10.0, 0.01, 100.0, 0.001, 1000.0)
+_TENTH = 0.003  # how often one does, against a unit that is right
+_USUAL = 1.5  # rad, through which a joint moves while it is logged
+_VARIES = 1.1  # deviations of that by a factor of e
 #: Spellings that pint reads otherwise or not at all ("Nm" is a nanometre to it).
 _SPELLINGS: dict[str, tuple[str, ...]] = {
     "N*m": ("nm", "n m", "n.m", "n·m", "n*m", "n-m", "newtonmeter", "newton meter"),
@@ -49,10 +55,21 @@ _SPELLINGS: dict[str, tuple[str, ...]] = {
 @lru_cache(maxsize=1024)
 def pint_unit(text: str, kind: str) -> str:
     """The unit as pint writes it, ``""`` where `text` is no unit of this kind."""
+    number, star, plain = text.partition("*")
+    if star and _is_number(number):
+        unit = pint_unit(plain.strip(), kind)
+        return f"{float(number):g}*{unit}" if unit else ""
     if unit := _spelling(text, kind):
         return unit
     # a unit that pint knows as it stands: "mrad/s", "N*mm"
     return text if len(text) > 1 and _is_of(text, kind) else ""
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return 0.0 < float(text) < float("inf")
+    except ValueError:
+        return False
 
 
 def spelled(text: str, kind: str) -> bool:
@@ -96,13 +113,22 @@ def is_linear(unit: str, kind: str) -> bool:
     return to_si(unit, kind)[2] in ("m", "m/s", "N")
 
 
-def by_size(kind: str, values: np.ndarray, linear: bool) -> dict[str, float]:
+def equations(words: Collection[str]) -> bool:
+    """Whether a name is that of equations, which are written in radians; drives count turns too."""
+    return not {"q", "dq", "qd", "qdot", "dqdot", "qpos", "qvel", "theta", "omega", "phi"}.isdisjoint(words)
+
+
+def by_size(
+    kind: str, values: np.ndarray, linear: bool, *, symbols: bool = False, tied: bool = False
+) -> dict[str, float]:
     """Weights of the units that numbers of this size may have.
 
     Args:
         kind: ``position``, ``velocity`` or ``torque``.
         values: all columns of the kind, shape (N, n).
         linear: whether they are of axes that move along a line.
+        symbols: whether their names are those of equations.
+        tied: whether a velocity is known to be the derivative of a position of some unit.
     """
     top = float(np.nanmax(np.abs(values), initial=0.0))
     if linear:
@@ -118,7 +144,8 @@ def by_size(kind: str, values: np.ndarray, linear: bool) -> dict[str, float]:
         return {
             "rad": _falls(max(top / 1.5, spread), 7.0, 3.0),
             "deg": _rises(top, 15.0, 3.0) * _falls(top, 3000.0, 3.0),
-            "turn": 0.01,
+            # what has the same slope in both is told by its size alone, and hardly by that
+            "turn": (0.02 if symbols else 0.1) * _usual(2.0 * np.pi * spread) / _usual(spread),
             "counts": 30.0 if (whole and top > 500) or turn_of(values) else 0.0,
         }
     if kind == "velocity":
@@ -126,6 +153,8 @@ def by_size(kind: str, values: np.ndarray, linear: bool) -> dict[str, float]:
             "rad/s": _falls(top, 40.0, 2.0),
             "deg/s": _rises(top, 40.0, 2.0) * _falls(top, 5000.0, 2.0),
             "rpm": 0.05 if top > 20 else 0.005,
+            "turn/s": 0.5 if tied else 0.005,
+            **({f"{k:g}*{unit}": _TENTH for k in TENS for unit in ("rad/s", "deg/s")} if tied else {}),
         }
     return {
         "N*m": _falls(top, 600.0, 2.0),
@@ -149,6 +178,11 @@ def by_step(step: float, start: float, rows: int) -> dict[str, float]:
         long = rows * seconds
         out[unit] = float(usual) * (1.0 if 0.5 < long < 7200 else 0.05) + 1e-9
     return out
+
+
+def _usual(spread: float) -> float:
+    """How usual it is that the joint that moves most moves through so many radians."""
+    return float(max(np.exp(-0.5 * (np.log(max(spread, 1e-9) / _USUAL) / _VARIES) ** 2), 0.02))
 
 
 def _falls(x: float, edge: float, power: float) -> float:

@@ -43,6 +43,8 @@ def complete(proposal: Proposal, table: Table, answers: Answers) -> tuple[Propos
         try:
             recording = load_recording(toml)
             controller, assumed, at_rest = _control(recording, answers)
+            if proposal.description.get("controller") and not answers.kp:
+                controller, assumed = {}, []  # its gains were logged
             description = {**proposal.description}
             if controller:
                 description["controller"] = controller

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
-from pydantic_core import PydanticCustomError
 
 from workbench.core import AXIS_SIGNALS, InputError
 from workbench.core.formats import check_format
@@ -48,7 +47,7 @@ def _lines(value: Any) -> Any:
         return value
     # pydantic's own text for a choice of kinds takes a line for each
     message = "should be 'full', 'odd', 'odd_random', 'every_N' (as 'every_4') or a list of line numbers"
-    raise PydanticCustomError("lines", message)
+    raise ValueError(message)
 
 
 AnyColumn = Annotated[Column, BeforeValidator(_column)]
@@ -102,6 +101,7 @@ class Description(_Table):
     axes: Annotated[list[str], BeforeValidator(_listed)]
     columns: dict[str, Columns]
     units: dict[str, UnitNames] = {}
+    guessed_units: list[str] = []
     controller: ControllerTable | None = None
     excitation: ExcitationTable = ExcitationTable()
     timing: TimingTable = TimingTable()
@@ -199,6 +199,9 @@ def _check_names(d: Description, path: Path) -> None:
             column="columns.ground_force",
             remedy="give fx, fy, fz for every foot",
         )
+    for kind in d.guessed_units:
+        if kind not in KINDS:
+            raise _unknown_key("guessed_units", kind, tuple(KINDS), path)
     for kind, units in d.units.items():
         if kind not in KINDS:
             raise _unknown_key(f"units.{kind}", kind, tuple(KINDS), path)
@@ -227,7 +230,8 @@ def _explain(error: ValidationError, path: Path) -> InputError:
         )
     if first["type"] == "missing":
         return InputError("is missing", file=path, column=key, remedy="add it")
-    message = first["msg"][0].lower() + first["msg"][1:]
+    said = first["msg"].removeprefix("Value error, ")
+    message = said[0].lower() + said[1:]
     return InputError(
         f"{message}, found {first['input']!r}", file=path, column=key, remedy="correct the value"
     )

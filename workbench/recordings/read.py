@@ -14,12 +14,14 @@ from workbench.core import Controller, Excitation, InputError, Recording, Timing
 from .checks import check_alive, check_excitation, check_finite
 from .clock import Clock, read_clock
 from .convert import axis_signals, axis_units, extra_signals, seconds
+from .dead import dead_note, dead_rows
 from .description import ControllerTable, Description, read_description
 from .jitter import settle_jitter
 from .lattice import lattice_step
 from .resample import loop_keeps_time, measured_on_clock, onto_clock
 from .tables import read_table
 from .velocity import derive_velocity
+from .wrap import unwrap
 
 
 def load_recording(path: str | Path) -> Recording:
@@ -29,8 +31,9 @@ def load_recording(path: str | Path) -> Recording:
         path: its TOML file.
 
     Returns:
-        The recording: SI, uniform clock from 0, gaps filled and masked, velocity derived where it was
-        not measured; `Recording.notes` says what was done to the data.
+        The recording: SI, uniform clock from 0, gaps filled and masked, rows masked in which drives are off,
+        positions of encoders that wrap made whole, velocity derived where it was not measured;
+        `Recording.notes` says what was done to the data.
 
     Raises:
         InputError: anything wrong with either file; the text names file, column, row and remedy.
@@ -88,6 +91,11 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
     good = np.ones(len(data[column]), bool) if measured is None else measured
     signals, extra = axis_signals(d, data, path), extra_signals(d, data, path)
     check_finite(d, {**signals, **extra}, good, table)
+    turning, referred = (
+        [unit == "rad" for unit in units],
+        d.controller is None or controller.coordinates == d.coordinates,
+    )
+    signals, wrapped = unwrap(signals, good, d.axes, turning, referred=referred)
     loop_s = controller.period_s
     even = clock.row is None and loop_keeps_time(signals, good, clock, loop_s)
     if clock.row is None and not even:
@@ -103,12 +111,16 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
         check_alive(d, signals, table)
 
     valid = measured_on_clock(good, clock)
-    notes = _clock_notes(clock, valid)
+    notes = (*wrapped, *_clock_notes(clock, valid))
     derived: tuple[str, ...] = ()
     if "velocity" not in signals:
         signals["velocity"] = derive_velocity(signals["position"], float(clock.time[1]))
         derived = ("velocity",)
         notes += ("Velocity was not measured; it is derived from position by a zero-phase filter.",)
+    dead = dead_rows(signals, valid, float(clock.time[1]), controller, d.coordinates)
+    if dead.any():
+        valid = valid & ~dead.any(axis=1)
+        notes += (dead_note(dead, d.axes, float(clock.time[1])),)
     return Recording(
         name=d.name or path.stem,
         axes=tuple(d.axes),
@@ -128,6 +140,7 @@ def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = 
         steps=steps,
         late_s=0.0 if even else clock.late_s,
         guessed=guessed,
+        guessed_units=tuple(d.guessed_units),
     )
 
 

@@ -210,6 +210,7 @@ def _finding(f: Finding) -> dict[str, Any]:
         "probability": f.probability,
         "indistinguishable_from": key_dicts(f.indistinguishable_from),
         "evidence": list(f.evidence),
+        **({} if f.total is None else {"model_value": f.model_value, "total": f.total}),
     }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,8 @@ def clean(value: Any) -> Any:
         return {str(k): clean(v) for k, v in value.items()}
     if isinstance(value, Estimate):
         return clean({"value": value.value, "std": value.std, "unit": value.unit})
+    if is_dataclass(value) and not isinstance(value, type):
+        return {f.name: clean(getattr(value, f.name)) for f in fields(value)}
     if isinstance(value, np.ndarray):
         return clean(value.tolist())
     if isinstance(value, (list, tuple)):

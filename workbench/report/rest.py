@@ -2,9 +2,27 @@
 
 from __future__ import annotations
 
-from workbench.core import Improvement
+from collections.abc import Sequence
 
-from .wording import share_phrase
+from workbench.core import Finding, Improvement
+
+from .numbers import interval
+from .wording import any_of, capital, effect_phrase, parameter_name, share_phrase
+
+
+def near_sentence(near: Sequence[Finding]) -> str:
+    """What lowers the error and is not certain enough to be named; empty where there is nothing."""
+    if not near:
+        return ""
+    told = []
+    for f in near:
+        values = ", ".join(f"{parameter_name(n)} {interval(e)}" for n, e in f.parameters.items())
+        told.append(f"{effect_phrase(f.key)} ({values})")
+    verb = "lowers the error and is" if len(near) == 1 else "lower the error and are"
+    return (
+        f"{capital(any_of(told, 'and'))} {verb} not certain: a free function of another quantity explains as "
+        "much in its place."
+    )
 
 
 def rest_sentence(result: Improvement) -> str:

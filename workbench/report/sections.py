@@ -11,6 +11,7 @@ from . import wording as w
 from .json import Truth
 from .ladder import log_axis, rungs
 from .numbers import interval, number, percent, plain
+from .rest import near_sentence
 from .scores import scores
 from .shapes import shape_rows
 from .shares import bar_width, share_groups
@@ -101,6 +102,8 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
         out.append(w.holdout_sentence(best.holdout_error_before, result.findings[-1].holdout_error_after))
     if isinstance(result, Improvement) and result.steps:
         out.append(w.holdout_sentence(result.holdout_error_before, result.holdout_error_after))
+    diagnosis = result if isinstance(result, Diagnosis) else result.diagnosis
+    out.append(near_sentence(diagnosis.near if diagnosis else ()))
     if before is not None and before.where and result.verdict == "unexplained":
         out.append(f"Of the error above the noise, {w.share_phrase(before.where[0])}.")
     return [line for line in out if line]

@@ -19,7 +19,7 @@ from .layout import table as _table
 from .layout import text as _text
 from .layout import verdict as _verdict
 from .numbers import interval, number, percent, plain, quantity
-from .rest import rest_sentence
+from .rest import near_sentence, rest_sentence
 from .sections import sentence
 from .truth import truth_rows
 
@@ -90,6 +90,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
     ]
     for place, finding in enumerate(result.findings, start=1):
         parts += [Text(), *_finding(place, finding, result.holdout_noise_error)]
+    parts += [_text(line) for line in (near_sentence(result.near),) if line]
     if not good:
         parts += _shares("Where the unexplained rest sits: shares by each quantity", result.where)
         parts += [_text(f"  {line}") for line in result.evidence]
@@ -133,11 +134,12 @@ def improvement_table(result: Improvement) -> Group:
         _bar(result.noise_error, steps[0].error),
     )
     rest = result.diagnosis.evidence if result.diagnosis and not named else ()
+    near = result.diagnosis.near if result.diagnosis else ()
     return Group(
         _verdict(sentence(result), result.verdict == "consistent"),
         table,
         Text("± is half a 95 % interval."),
-        *(_text(line) for line in (rest_sentence(result),) if line),
+        *(_text(line) for line in (near_sentence(near), rest_sentence(result)) if line),
         *([Text("Of the model as given:")] if rest and result.nearest else []),
         *(_text(w.capital(line)) for line in rest),
         *(_text(f"Note: {note}") for note in result.notes),
@@ -165,6 +167,8 @@ def _finding(place: int, f: Finding, held_floor: float | None) -> list[Renderabl
     rows.add_column(overflow="fold")
     for name, e in f.parameters.items():
         rows.add_row(Text(w.parameter_name(name)), Text(f"{interval(e)}  (95 %)"))
+    if f.total is not None and f.model_value:
+        rows.add_row("in all", f"{interval(f.total)}, where the model has {number(f.model_value)}")
     rows.add_row("error with it", number(f.error_after))
     if f.holdout_error_before is not None and f.holdout_error_after is not None:
         fall = f"{number(f.holdout_error_before)} -> {number(f.holdout_error_after)}"

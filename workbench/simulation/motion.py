@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from workbench.core import Recording
-from workbench.effects import Line, Motion, Plant, axis_units, compile_plant
+from workbench.effects import Line, Motion, Plant, axis_units, compile_plant, rotor_inertia
 from workbench.inspection.torque import command_limits
 from workbench.models import Model, axis_tendon, rotors
 
@@ -90,12 +90,13 @@ def _required(model: Model, track: Track, step: float) -> np.ndarray:
 
 
 def rotor_of(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
-    """Inertia and damping (n,) of each drive, as its tendon has them, or its joint where it moves but one."""
-    m = plant.mujoco
-    tendons = [m.tendon(axis_tendon(i)).id for i in range(plant.model.size)]
-    coupled = plant.model.has("actuator_inertia_coupling")
-    own = (0.0, 0.0) if coupled else rotors(plant.model)
-    return m.tendon_armature[tendons] + own[0], m.tendon_damping[tendons] + own[1]
+    """Inertia and damping (n,) of each drive, what was found to be more or less of it included."""
+    m, model = plant.mujoco, plant.model
+    tendons = [m.tendon(axis_tendon(i)).id for i in range(model.size)]
+    own = 0.0 if model.has("actuator_inertia_coupling") else rotors(model)[1]
+    # less than the tendon has was taken from a joint, so that the tendon alone does not tell
+    inertia = np.array([rotor_inertia(model, i) for i in range(model.size)])
+    return inertia, m.tendon_damping[tendons] + own
 
 
 def mass_matrix(plant: Plant, track: Track) -> np.ndarray:

@@ -1,0 +1,198 @@
+"""Every command on shipped and foreign machines with every output it has: no traceback, all is read again."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+import tomli_w
+import typer
+
+from tests.can.make import motor, table
+from tests.cli.here import run
+from tests.cli.test_options import commands, options
+from workbench.cli.app import app, load_commands
+from workbench.effects import load_model
+from workbench.frf.design_file import load_design
+from workbench.recordings import load_recordings
+
+REPOSITORY = Path(__file__).parents[2]
+LEG = REPOSITORY / "examples/leg/clean"
+#: They run until they are interrupted, ask questions of a bus, or have a test of their own.
+ELSEWHERE = {"ui", "can bus", "can motors", "can virtual", "can log"}
+#: Policies are trained and played with minutes of computing; their tests hold what they write.
+REFUSED = {"train", "export", "evaluate", "deploy", "demo"}
+
+ARM = """<mujoco><compiler angle="radian"/><worldbody><body name="upper" pos="0 0 1">
+<joint name="lift" axis="0 1 0" armature="0.05" damping="0.8" frictionloss="0.6"/>
+<inertial pos="0 0 -0.15" mass="2" diaginertia="0.02 0.02 0.002"/><body name="fore" pos="0 0 -0.3">
+<joint name="bend" axis="0 1 0" armature="0.03" damping="0.4" frictionloss="0.3"/>
+<inertial pos="0 0 -0.1" mass="1" diaginertia="0.006 0.006 0.001"/><site name="tool" pos="0 0 -0.2"/></body>
+</body></worldbody></mujoco>"""
+_LINK = """<link name="{}"><inertial><origin xyz="0 0 {}"/><mass value="{}"/>
+<inertia ixx="{}" iyy="{}" izz="{}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+_JOINT = """<joint name="{}" type="continuous"><parent link="{}"/><child link="{}"/><origin xyz="0 0 {}"/>
+<axis xyz="0 1 0"/><dynamics damping="{}" friction="{}"/></joint>"""
+URDF = "".join(
+    [
+        '<robot name="arm"><link name="base"/>',
+        _LINK.format("upper", -0.15, 2, 0.02, 0.02, 0.002),
+        _LINK.format("fore", -0.1, 1, 0.006, 0.006, 0.001),
+        _JOINT.format("lift", "base", "upper", 1, 0.8, 0.6),
+        _JOINT.format("bend", "upper", "fore", -0.3, 0.4, 0.3),
+        "</robot>",
+    ]
+)
+FREE = ARM.replace('<body name="upper" pos="0 0 1">', '<body name="trunk" pos="0 0 1"><freejoint/>'
+    '<inertial pos="0 0 0" mass="5" diaginertia="0.1 0.1 0.1"/><body name="upper">').replace(
+    "</body></worldbody>", "</body></body></worldbody>")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Models and a recording of the arm, made by MuJoCo alone, and a CAN configuration."""
+    folder = tmp_path_factory.mktemp("matrix")
+    for name, text in (("arm.xml", ARM), ("arm.urdf", URDF), ("free.xml", FREE)):
+        (folder / name).write_text(text)
+    m = mujoco.MjModel.from_xml_string(
+        ARM.replace('frictionloss="', 'solreffriction="0.002 1" frictionloss="')
+    )
+    m.opt.timestep = 0.0005
+    d, rows, rng = mujoco.MjData(m), [], np.random.default_rng(0)
+    for k in range(1500):
+        t = 0.002 * k
+        reference = 0.4 * np.sin(2 * np.pi * np.array([0.7, 1.1]) * t) * min(t, 1.0)
+        q, w = d.qpos + 1e-4 * rng.standard_normal(2), d.qvel + 1e-3 * rng.standard_normal(2)
+        torque = 40.0 * (reference - q) - 1.5 * w
+        rows.append([t, *q, *w, *torque, *(torque + 0.02 * rng.standard_normal(2)), *reference])
+        for _ in range(4):
+            d.qfrc_applied[:] = torque
+            mujoco.mj_step(m, d)
+    names = ["t", *(f"{s}_{a}" for s in "qwcmr" for a in ("lift", "bend"))]
+    np.savetxt(folder / "arm.csv", rows, delimiter=",", header=",".join(names), comments="")
+    signals = {"q": "position", "w": "velocity", "c": "torque_command", "m": "torque_measured"}
+    signals["r"] = "position_reference"
+    described = {
+        "format": 1, "name": "arm", "table": "arm.csv", "rig": "arm",
+        "coordinates": "joint", "axes": ["lift", "bend"],
+        "columns": {"time": "t", **{s: [f"{c}_lift", f"{c}_bend"] for c, s in signals.items()}},
+        "units": {"time": "s", "position": "rad", "velocity": "rad/s", "torque": "N*m"},
+        "controller": {"kind": "pd", "coordinates": "joint", "kp": [40.0] * 2, "kd": [1.5] * 2,
+                       "period_s": 0.002},
+        "excitation": {"kind": "reference"},
+    }  # fmt: skip
+    (folder / "arm.toml").write_text(tomli_w.dumps(described))
+    (folder / "can.toml").write_text(tomli_w.dumps(table([motor("lift", 1), motor("bend", 2)])))
+    return {p.name: p for p in folder.iterdir()}
+
+
+SUM, DIFFERENCE = LEG / "multisine_sum.toml", LEG / "multisine_diff.toml"
+FOREIGN = ("arm.xml", "arm.urdf", "free.xml")
+MODELS = ("leg", "leg_kin_only", "actuator", "four_bar", "five_bar", "ankle", "emps", *FOREIGN)
+#: What each command is asked, by words; a word that is one of the made files stands for it.
+ASKED: dict[str, list[list[Any]]] = {
+    "add": [[m, "coulomb_friction@" + a, "torque=0.1"] for m, a in
+            (("leg", "knee"), ("actuator", "drive"), ("arm.xml", "lift"), ("arm.urdf", "bend"),
+             ("free.xml", "lift"))],
+    "approve": [["arm.xml", "arm.toml"]],
+    "check": [[m] for m in MODELS],
+    "compare": [["leg", SUM], *([m, "arm.toml"] for m in FOREIGN)],
+    "diagnose": [[m, "arm.toml"] for m in FOREIGN],
+    "improve": [["arm.xml", "arm.toml"]],
+    "inspect": [[SUM, DIFFERENCE], ["arm.toml"]],
+    "excite": [[m, "--amplitude", "0.5", "--period", "1", "--periods", "1", "--f-max", "20", "--rate", "500",
+                "--speed-limit", "40", *more]
+               for m, more in (("leg", []), *((f, ["--loop", "arm.toml"]) for f in FOREIGN))],
+    "fleet": [["arm.toml", "--model", "arm.xml", "--jobs", "1"]],
+    "frf": [["leg", SUM, DIFFERENCE], ["arm.xml", "arm.toml"]],
+    "identify actuator": [[SUM], ["arm.toml"]],
+    "identify leg": [[SUM, DIFFERENCE]],
+    "import": [["arm.csv", "--model", "arm.xml", "-y"], ["arm.urdf"]],
+    "normalize": [[m] for m in MODELS],
+    "record": [["leg", "slow"]],
+    "can load": [["can.toml"]],
+    "can dbc": [["can.toml"]],
+    "train": [["reach", "--device", "nonsense", "--unverified"]],
+    "export": [["arm.toml"]],
+    "evaluate": [["arm.toml"]],
+    "deploy": [["arm.toml", "can.toml", "--dry-run"]],
+    "demo": [["arm.toml"]],
+}  # fmt: skip
+#: What reads the file that a command writes.
+READ: dict[str, Callable[[Path], object]] = {
+    "add": lambda p: load_model(str(p)),
+    "improve": lambda p: load_model(str(p)),
+    "normalize": lambda p: load_model(str(p)),
+    "excite": load_design,
+    "record": lambda p: load_recordings(sorted(p.glob("*.toml"))),
+    "approve": lambda p: json.loads(p.read_text()),
+}
+SUFFIX = {"normalize": ".xml", "can dbc": ".dbc", "approve": ".json"}
+SUFFIX |= dict.fromkeys(("record", "fleet", "train", "evaluate"), "")
+
+
+def tree() -> dict[str, Any]:
+    load_commands()
+    return dict(commands(typer.main.get_command(app)))
+
+
+def test_every_command_is_in_the_matrix() -> None:
+    missing = set(tree()) - ELSEWHERE - set(ASKED)
+    assert not missing, f"say in ASKED what {', '.join(sorted(missing))} is asked"
+
+
+def strictly(text: str) -> Any:
+    def refuse(word: str) -> Any:
+        raise AssertionError(f"{word} is no JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def fine(ended: Any, words: list[object]) -> bool:
+    """Whether it gave an answer; otherwise it was refused in one line."""
+    said = ended.stdout + ended.stderr
+    assert "Traceback" not in said and "Warning:" not in said, (words, said[-2000:])
+    assert ended.returncode in (0, 1, 2), words
+    if ended.returncode == 2:
+        assert len(re.findall(r"^error: |^Usage|^╭", ended.stderr, re.M)) == 1, (words, ended.stderr)
+    return ended.returncode != 2
+
+
+CASES = [(name, k) for name, asked in ASKED.items() for k in range(len(asked))]
+
+
+@pytest.mark.parametrize(("name", "k"), CASES, ids=[f"{n} {k}" for n, k in CASES])
+def test_every_output_of_every_command(name: str, k: int, files: dict[str, Path], tmp_path: Path) -> None:
+    has = options(tree()[name])
+    words: list[object] = [*name.split(), *(files.get(str(w), w) for w in ASKED[name][k])]
+    output = tmp_path / f"written{SUFFIX.get(name, '.toml')}"
+    outputs = {"--json": tmp_path / "result.json", "--html": tmp_path / "page.html", "--output": output,
+               "--figure": tmp_path / "drawn.png"}  # fmt: skip
+    made = {option: path for option, path in outputs.items() if option in has}
+    asked = [*words, *(w for pair in made.items() for w in pair)]
+    ended = run(*asked, cwd=tmp_path)
+    if not fine(ended, words):
+        assert not any(p.exists() for p in made.values()), (words, "something was written all the same")
+        return
+    assert name not in REFUSED, "it works now: hold what it writes"
+    if "--json" in made:
+        assert strictly(made["--json"].read_text())["format"] == 1
+    if "--html" in made:
+        page = made["--html"].read_text()
+        assert page.lstrip().lower().startswith("<!doctype html") and page.rstrip().endswith("</html>")
+    if "--output" in made and output.exists() and name in READ:
+        READ[name](output)
+    before = {p: p.read_bytes() for p in made.values() if p.is_file()}
+    again = run(*asked, cwd=tmp_path)
+    assert again.returncode == 2 and "--force" in again.stderr, (words, again.stderr)
+    assert {p: p.read_bytes() for p in made.values() if p.is_file()} == before
+    if "--json" in made and k == 0:  # what stands on standard output does not depend on the machine
+        rest = [w for o, p in made.items() if o == "--output" for w in (o, p)]
+        forced = run(*words, *rest, "--json", "-", "--force", cwd=tmp_path)
+        assert fine(forced, words) and strictly(forced.stdout)["format"] == 1

@@ -1,0 +1,249 @@
+"""An MJCF whose loops are closed by ``<equality>`` as an SDF file with its loops cut open.
+
+Links, joints and inertias are MuJoCo's own, compiled, so that defaults, includes and angles count as they do
+there. An SDF joint is at zero where the MJCF's is: positions mean the same in both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from workbench.core import InputError
+from workbench.core.xml import parse_xml
+from workbench.mechanism.parse import GRAVITY
+from workbench.models import load_with_loops
+
+_KINDS = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}
+_NEXT_TO_NOTHING = 1e-9  # kg of a link between two joints of one body: SDF knows no link without mass
+_UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+_ARM = 0.1  # m between the points that hold what is welded
+
+
+@dataclass(frozen=True)
+class Converted:
+    """An MJCF as SDF.
+
+    Attributes:
+        sdf: the text.
+        loops: pairs of frames in it that coincide.
+        armature, damping, torque_limit: joint -> what the MJCF has there, inf without a limit.
+    """
+
+    sdf: str
+    loops: tuple[tuple[str, str], ...]
+    armature: dict[str, float]
+    damping: dict[str, float]
+    torque_limit: dict[str, float]
+
+
+def is_mjcf(file: Path) -> bool:
+    """Whether a file is an MJCF, by its root.
+
+    Raises:
+        InputError: it is no XML.
+    """
+    if not file.is_file():
+        return False  # said where it is opened
+    raw, remedy = file.read_bytes(), "give an SDF or URDF file, or an MJCF"
+    return parse_xml(raw, file, prefixes=False, problem="not an XML file", remedy=remedy).tag == "mujoco"
+
+
+@contextmanager
+def opened(file: Path) -> Iterator[tuple[Path, Converted | None]]:
+    """A file that the mechanism's parser reads: itself, or while this lasts an SDF file made of an MJCF.
+
+    Raises:
+        InputError: it cannot be read or converted; whatever is raised inside names the file itself.
+    """
+    if not is_mjcf(file):
+        yield file, None
+        return
+    converted = convert(file)
+    with TemporaryDirectory() as folder:
+        sdf = Path(folder) / f"{file.stem}.sdf"
+        sdf.write_text(converted.sdf)
+        try:
+            yield sdf, converted
+        except InputError as error:
+            if error.file is None or Path(error.file).resolve() != sdf.resolve():
+                raise
+            raise InputError(
+                error.problem, file=file, column=error.column, row=error.row, remedy=error.remedy
+            ) from error
+
+
+def convert(file: Path) -> Converted:
+    """Read an MJCF with its loops.
+
+    Raises:
+        InputError: MuJoCo cannot read it, or it has joints or equalities that no SDF of a mechanism has.
+    """
+    spec = load_with_loops(file)
+    try:
+        m = spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        problem = f"MuJoCo cannot compile it: {error}"
+        raise InputError(problem, file=file, remedy="correct what it names") from error
+    if not np.allclose(m.opt.gravity, [0.0, 0.0, -GRAVITY]):
+        problem = f"gravity is {m.opt.gravity.tolist()}"
+        raise InputError(problem, file=file, column="gravity", remedy=f"make it 0 0 -{GRAVITY}")
+    return _Writer(m, file).converted()
+
+
+class _Writer:
+    def __init__(self, m: mujoco.MjModel, file: Path) -> None:
+        self.m, self.file = m, file
+        self.zero = mujoco.MjData(m)
+        for j in range(m.njnt):
+            kind = m.jnt_type[j]
+            if kind == mujoco.mjtJoint.mjJNT_FREE:
+                continue
+            if int(kind) not in _KINDS or not m.joint(j).name:
+                problem = f"joint '{m.joint(j).name}' is a ball" if m.joint(j).name else "a joint has no name"
+                raise InputError(problem, file=file, remedy="give hinge and slide joints with names")
+            self.zero.qpos[m.jnt_qposadr[j]] = 0.0
+        mujoco.mj_kinematics(m, self.zero)
+        self.taken = {m.joint(j).name for j in range(m.njnt)}
+        sites = [m.site(s).name for s in range(m.nsite) if m.site(s).name]
+        self.frames = {name: self._name(name, "site") for name in sites}
+        self.links = [
+            "world",
+            *(self._name(m.body(b).name or f"body_{b}", "link") for b in range(1, m.nbody)),
+        ]
+        root = ElementTree.Element("sdf", version="1.9")
+        self.model = ElementTree.SubElement(root, "model", name=file.stem)
+        self.root = root
+
+    def converted(self) -> Converted:
+        m = self.m
+        for body in range(1, m.nbody):
+            self._body(body)
+        for s in range(m.nsite):
+            if m.site(s).name:
+                self._frame(self.frames[m.site(s).name], int(m.site_bodyid[s]), m.site_pos[s], m.site_quat[s])
+        loops = [pair for e in range(m.neq) if m.eq_active0[e] for pair in self._loop(e)]
+        ElementTree.indent(self.root)
+        joints = {m.joint(j).name: int(m.jnt_dofadr[j]) for j in range(m.njnt)}
+        return Converted(
+            ElementTree.tostring(self.root, encoding="unicode") + "\n",
+            tuple(loops),
+            {name: float(m.dof_armature[dof]) for name, dof in joints.items()},
+            {name: float(m.dof_damping[dof]) for name, dof in joints.items()},
+            {m.joint(j).name: self._limit(j) for j in range(m.njnt)},
+        )
+
+    def _name(self, wanted: str, kind: str) -> str:
+        """A name that nothing else in the SDF has: there links, joints and frames share theirs."""
+        more = (f"{wanted}_{kind}{k or ''}" for k in range(self.m.nbody + self.m.nsite + self.m.neq + 2))
+        name = next(name for name in (wanted, *more) if name not in self.taken)
+        self.taken.add(name)
+        return name
+
+    def _body(self, body: int) -> None:
+        m, parent = self.m, self.links[int(self.m.body_parentid[body])]
+        joints = range(int(m.body_jntadr[body]), int(m.body_jntadr[body]) + int(m.body_jntnum[body]))
+        moving = [j for j in joints if m.jnt_type[j] != mujoco.mjtJoint.mjJNT_FREE]
+        for j in moving[:-1]:
+            between = self._name(f"{self.links[body]}_{m.joint(j).name}", "link")
+            self._link(between, body, _NEXT_TO_NOTHING)
+            self._joint(j, parent, between)
+            parent = between
+        self._link(self.links[body], body, None)
+        if moving:
+            self._joint(moving[-1], parent, self.links[body])
+        elif not len(joints):
+            name = self._name(f"{self.links[body]}_fixed", "joint")
+            joint = ElementTree.SubElement(self.model, "joint", name=name, type="fixed")
+            ElementTree.SubElement(joint, "parent").text = parent
+            ElementTree.SubElement(joint, "child").text = self.links[body]
+
+    def _link(self, name: str, body: int, mass: float | None) -> None:
+        m, link = self.m, ElementTree.SubElement(self.model, "link", name=name)
+        turn = Rotation.from_quat(self.zero.xquat[body], scalar_first=True)
+        ElementTree.SubElement(link, "pose").text = _pose(self.zero.xpos[body], turn)
+        inertial = ElementTree.SubElement(link, "inertial")
+        about, centre = 1e-3 * _NEXT_TO_NOTHING * np.eye(3), np.zeros(3)
+        if mass is None and m.body_mass[body] > 0.0:
+            own = Rotation.from_quat(m.body_iquat[body], scalar_first=True).as_matrix()
+            about, centre = own @ np.diag(m.body_inertia[body]) @ own.T, m.body_ipos[body]
+            mass = float(m.body_mass[body])
+        ElementTree.SubElement(inertial, "pose").text = _pose(centre, Rotation.identity())
+        ElementTree.SubElement(inertial, "mass").text = repr(mass or _NEXT_TO_NOTHING)
+        inertia = ElementTree.SubElement(inertial, "inertia")
+        for key in ("xx", "yy", "zz", "xy", "xz", "yz"):
+            value = about["xyz".index(key[0]), "xyz".index(key[1])]
+            ElementTree.SubElement(inertia, f"i{key}").text = repr(float(value) + 0.0)
+
+    def _joint(self, j: int, parent: str, child: str) -> None:
+        m = self.m
+        joint = ElementTree.SubElement(
+            self.model, "joint", name=m.joint(j).name, type=_KINDS[int(m.jnt_type[j])]
+        )
+        ElementTree.SubElement(joint, "parent").text = parent
+        ElementTree.SubElement(joint, "child").text = child
+        ElementTree.SubElement(joint, "pose").text = _pose(m.jnt_pos[j], Rotation.identity())
+        axis = ElementTree.SubElement(joint, "axis")
+        ElementTree.SubElement(axis, "xyz").text = " ".join(repr(float(x) + 0.0) for x in m.jnt_axis[j])
+        if m.jnt_limited[j]:
+            limit = ElementTree.SubElement(axis, "limit")
+            for key, value in zip(("lower", "upper"), m.jnt_range[j], strict=True):
+                ElementTree.SubElement(limit, key).text = repr(float(value))
+
+    def _frame(self, name: str, body: int, at: np.ndarray, quat: np.ndarray | None = None) -> None:
+        frame = ElementTree.SubElement(self.model, "frame", name=name)
+        if body:
+            frame.set("attached_to", self.links[body])
+        turn = Rotation.identity() if quat is None else Rotation.from_quat(quat, scalar_first=True)
+        ElementTree.SubElement(frame, "pose").text = _pose(at, turn)
+
+    def _loop(self, e: int) -> Iterator[tuple[str, str]]:
+        """Frames on both bodies at each point that an equality holds together."""
+        m = self.m
+        first, second = int(m.eq_obj1id[e]), int(m.eq_obj2id[e])
+        weld = m.eq_type[e] == mujoco.mjtEq.mjEQ_WELD
+        name = m.eq(e).name or f"loop{e}"
+        if m.eq_objtype[e] == mujoco.mjtObj.mjOBJ_SITE:
+            ends = [(int(m.site_bodyid[s]), m.site_pos[s], m.site_quat[s]) for s in (first, second)]
+        else:
+            # compiled: the point on either body, of a weld the second's first, and how that one is turned
+            one, other = (m.eq_data[e, 3:6], m.eq_data[e, 0:3])[:: 1 if weld else -1]
+            ends = [(first, one, m.eq_data[e, 6:10] if weld else _UPRIGHT), (second, other, _UPRIGHT)]
+        corners = _ARM * np.vstack([np.zeros(3), np.eye(3)[:2]]) if weld else np.zeros((1, 3))
+        for k, corner in enumerate(corners):
+            pair = []
+            for side, (body, at, quat) in zip(("a", "b"), ends, strict=True):
+                turn = Rotation.from_quat(quat, scalar_first=True) if weld else Rotation.identity()
+                pair.append(self._name(f"{name}{k or ''}_{side}", "frame"))
+                self._frame(pair[-1], body, at + turn.apply(corner))
+            yield pair[0], pair[1]
+
+    def _limit(self, j: int) -> float:
+        """Torque limit of a joint's one motor; inf where none is stated, or another on either side."""
+        m = self.m
+        on_joint = m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
+        own = np.flatnonzero(on_joint & (m.actuator_trnid[:, 0] == j))
+        if len(own) != 1:
+            return float("inf")
+        a = own[0]
+        motor = m.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
+        gear = abs(float(m.actuator_gear[a, 0]))
+        if m.actuator_forcelimited[a]:
+            low, high = gear * m.actuator_forcerange[a]
+        elif motor and m.actuator_ctrllimited[a]:
+            low, high = gear * abs(float(m.actuator_gainprm[a, 0])) * m.actuator_ctrlrange[a]
+        else:
+            return float("inf")
+        return float(high) if high == -low else float("inf")
+
+
+def _pose(at: np.ndarray, turn: Rotation) -> str:
+    return " ".join(repr(float(x) + 0.0) for x in (*at, *turn.as_euler("xyz")))
