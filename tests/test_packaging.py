@@ -30,21 +30,35 @@ CLUSTER = PROJECT["optional-dependencies"]["ray"]
 OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES, *CLUSTER]
 
 
-def third_party(folder: str) -> set[str]:
+def third_party(folder: str, *, guarded: bool = True) -> set[str]:
+    """Distributions that a folder imports; without `guarded`, only those that it cannot do without."""
     own = {"workbench", "tests", *sys.stdlib_module_names}
     # scripts find what lies beside them
     own |= {entry.stem for scripts in ("benchmarks", "analyses") for entry in (ROOT / scripts).iterdir()}
     files = (ROOT / folder).rglob("*.py")
-    modules = {module.split(".")[0] for file in files for module in imported(file)} - own
+    modules = {module.split(".")[0] for file in files for module in imported(file, guarded)} - own
     return {DISTRIBUTIONS.get(module, module) for module in modules}
 
 
-def imported(file: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(file.read_text())):
+def imported(file: Path, guarded: bool) -> Iterator[str]:
+    tree = ast.parse(file.read_text())
+    caught = (
+        set() if guarded else {id(node) for attempt in ast.walk(tree) for node in _missing_is_caught(attempt)}
+    )
+    for node in ast.walk(tree):
+        if id(node) in caught:
+            continue
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
             yield node.module or ""
+
+
+def _missing_is_caught(attempt: ast.AST) -> list[ast.stmt]:
+    if not isinstance(attempt, ast.Try):
+        return []
+    handlers = [handler.type for handler in attempt.handlers]
+    return attempt.body if any(isinstance(h, ast.Name) and h.id == "ImportError" for h in handlers) else []
 
 
 def names(requirements: list[str]) -> set[str]:
@@ -56,7 +70,7 @@ def test_dependencies_are_what_the_package_imports() -> None:
     assert needed == third_party("workbench") - names(OPTIONAL)
     for folder in (ROOT / "workbench").iterdir():
         if folder.is_dir() and folder.name not in ("training", "bundle"):
-            assert not third_party(f"workbench/{folder.name}") & names(EXTRA), folder.name
+            assert not third_party(f"workbench/{folder.name}", guarded=False) & names(EXTRA), folder.name
         if folder.is_dir() and folder.name != "ui":
             assert not third_party(f"workbench/{folder.name}") & names(PAGES), folder.name
 
