@@ -34,6 +34,7 @@ from .soft_friction import softness_note
 from .standing import check_ground, on_ground
 from .swings import is_free
 from .touching import contact_notes, refuse_overlaps
+from .unlogged import with_the_unlogged
 from .where import locate
 
 
@@ -56,7 +57,8 @@ def simulate_with_noise(
 
 
 def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Recordings as they are compared with this model: with the axes of a base that floats.
+    """Recordings as they are compared with this model: with the axes of a base that floats, and with what
+    their logs leave open of the loop.
 
     Raises:
         InputError: none given, other axes, a base that floats on one side only, a transmission that
@@ -76,7 +78,7 @@ def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, .
         if on_ground(r):
             check_ground(model, r)
     refuse_overlaps(model, out)
-    return out
+    return with_the_unlogged(model, out)
 
 
 def compare(

@@ -42,7 +42,9 @@ class Controller:
     kp [1/s], kv [V s/m or V s/rad], gain [N/V or N m/V]. ``none``: open loop, `torque_command` is the
     input. ``unknown``: the loop cannot be simulated; only inverse dynamics can be compared.
 
-    All per-axis values have shape (n,). `period_s` is the sample-and-hold period [s].
+    All per-axis values have shape (n,). `period_s` is the sample-and-hold period [s]. `velocity`: whether the
+    loop's speed is that of a sensor or the difference of positions over a period; None: as the recordings
+    show it.
     """
 
     kind: Literal["none", "pd", "cascade_pv", "unknown"] = "unknown"
@@ -53,6 +55,7 @@ class Controller:
     gain: tuple[float, ...] = ()
     limit: tuple[float, ...] = ()
     period_s: float | None = None
+    velocity: Literal["sensor", "difference"] | None = None
 
 
 @dataclass(frozen=True)
@@ -76,12 +79,15 @@ class Timing:
     """What the log assumes about holds, start and delay (``[timing]``).
 
     `feedforward_held`: the feedforward is sampled with the controller and held (else it acts per row).
+    `reference_held`: at ticks of the loop between rows the reference is that of the row before (else it goes
+    on smoothly); None: as the recordings show it.
     `initial_at_rest`: the run starts at rest at the first reference (else the state is fitted).
     `delay`: where the loop's delay was applied: ``"motor"`` (the model's T_d applies) or ``"loop"``
     (`torque_command` already carries it).
     """
 
     feedforward_held: bool = True
+    reference_held: bool | None = None
     initial_at_rest: bool = True
     delay: Literal["motor", "loop"] = "motor"
 

@@ -166,7 +166,8 @@ def _searched(
 def _matched(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
 ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
-    fitted, judging = matched(model, training), matched(model, held_out) if held_out else ()
+    every = matched(model, (*training, *held_out))
+    fitted, judging = every[: len(training)], every[len(training) :]
     rows = sum(int(r.valid.sum()) for r in fitted)
     if rows < _FEWEST:
         raise InputError(

@@ -69,6 +69,7 @@ class ControllerTable(_Table):
     gain: Numbers | None = None
     limit: Numbers | None = None
     period_s: Number | None = None
+    velocity: Literal["sensor", "difference"] | None = None
 
 
 class ExcitationTable(_Table):
@@ -86,6 +87,7 @@ class TimingTable(_Table):
     """``[timing]``; see `workbench.core.Timing`."""
 
     feedforward_held: bool = True
+    reference_held: bool | None = None
     initial_at_rest: bool = True
     delay: Literal["motor", "loop"] = "motor"
 

@@ -198,7 +198,9 @@ def _controller(d: Description, path: Path) -> Controller:
     gains = {key: _per_axis(c, key, d, path) for key in ("kp", "kd", "kv", "gain", "limit")}
     if c.kind == "pd" and not gains["kd"]:
         gains["kd"] = (0.0,) * len(d.axes)
-    return Controller(kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, **gains)
+    return Controller(
+        kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, velocity=c.velocity, **gains
+    )
 
 
 def _per_axis(c: ControllerTable, key: str, d: Description, path: Path) -> tuple[float, ...]:

@@ -6,6 +6,7 @@ from .designs import as_recording, held_posture, holds, joint_limits, limits_of,
 from .experiment import GROUND_TORQUE, LONGEST_STEP, Experiment, check_axes, prepare, scored_torque
 from .holding import check_held, with_loop_of
 from .inverse import required_torque, rigid_torque
+from .law import law_torque
 from .linear import Loop, linearise, slopes
 from .march import Disturbance, propagate
 from .motion import motion_of
@@ -37,6 +38,7 @@ __all__ = [
     "interpolate",
     "joint_columns",
     "joint_limits",
+    "law_torque",
     "limits_of",
     "linearise",
     "motion_of",

@@ -134,6 +134,7 @@ def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> Contr
     period = e.controller.period_s or e.recording.period
     start = e.start @ plant.model.transmission.T
     constant = e.feedforward if e.replayed is None else e.replayed
+    held = e.recording.timing.reference_held
     per_row = e.replayed is not None or not e.recording.timing.feedforward_held
     return ControlLaw(
         is_tick=is_tick,
@@ -146,8 +147,8 @@ def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> Contr
         read=_plain(read),
         sense=_plain((back if c.coordinates == "joint" else eye) @ e.to_actuator),
         drive=_plain(back.T if c.coordinates == "joint" else eye),
-        reference=_plain(e.at_ticks(e.reference)),
-        rate=_plain(e.at_ticks(e.reference_rate)),
+        reference=_plain(e.at_ticks(e.reference, held)),
+        rate=_plain(e.at_ticks(e.reference_rate, held)),
         constant=_plain(constant if per_row else e.at_ticks(constant)),
         per_row=per_row,
         noise=disturbed,

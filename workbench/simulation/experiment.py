@@ -59,10 +59,14 @@ class Experiment:
         """Number of substeps K from the first row to the last."""
         return (len(self.recording) - 1) * self.stride
 
-    def at_ticks(self, rows: np.ndarray) -> np.ndarray:
-        """A signal (N, n) as read at the T ticks (T, n): smooth ones go on between rows, held ones stay."""
+    def at_ticks(self, rows: np.ndarray, held: bool | None = None) -> np.ndarray:
+        """A signal (N, n) as read at the T ticks (T, n): smooth ones go on between rows, held ones stay.
+
+        Where `held` does not say which it is, the signal does.
+        """
         whole, rest = np.divmod(self.ticks, self.stride)
-        if not rest.any() or looks_held(rows) or len(rows) < 4:
+        held = looks_held(rows) if held is None else held
+        if not rest.any() or held or len(rows) < 4:
             return rows[whole]
         return CubicSpline(np.arange(len(rows)), rows)(self.ticks / self.stride)
 

@@ -46,9 +46,12 @@ def rate_read(experiment: Experiment) -> tuple[np.ndarray, np.ndarray] | None:
 def differentiates(experiment: Experiment) -> bool:
     """Whether the loop takes its speed from the encoder, by the difference from tick to tick.
 
-    It does not where a speed was measured. Where none was, the command decides, and without one it does.
+    Where the controller does not say it: it does not where a speed was measured. Where none was, the command
+    decides, and without one it does.
     """
     r = experiment.recording
+    if experiment.controller.velocity is not None:
+        return experiment.controller.velocity == "difference"
     if r.get("velocity") is not None and "velocity" not in r.derived:
         return False
     told = rate_read(experiment)

@@ -1,0 +1,107 @@
+"""A three-axis arm as an MJCF with numbers to get wrong, and logs of it by MuJoCo alone in a loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from workbench.core import Controller, Recording
+
+NUMBERS = {
+    "yaw_armature": 0.12, "lift_armature": 0.0868, "bend_armature": 0.06,
+    "yaw_damping": 0.5, "lift_damping": 0.8, "bend_damping": 0.4,
+    "upper_mass": 2.4, "upper_centre": 0.17, "upper_inertia": 0.022,
+    "fore_mass": 1.3, "fore_centre": 0.14, "fore_across": 0.0, "fore_inertia": 0.032,
+}  # fmt: skip
+AXES = ("yaw", "lift", "bend")
+_XML = """<mujoco><compiler angle="radian"/><option timestep="0.001" integrator="implicitfast"/><worldbody>
+<body name="turret" pos="0 0 0.2">
+ <joint name="yaw" axis="0 0 1" damping="{yaw_damping}" armature="{yaw_armature}"/>
+ <inertial pos="0 0 0.05" mass="3" diaginertia="0.01 0.01 0.008"/>
+ <body name="upper" pos="0 0 0.1">
+  <joint name="lift" axis="0 1 0" damping="{lift_damping}" armature="{lift_armature}"/>
+  <inertial pos="{upper_centre} 0 0" mass="{upper_mass}" diaginertia="0.004 {upper_inertia} {upper_inertia}"/>
+  <body name="fore" pos="0.35 0 0">
+   <joint name="bend" axis="0 1 0" damping="{bend_damping}" armature="{bend_armature}"/>
+   <inertial pos="{fore_centre} 0 {fore_across}" mass="{fore_mass}"
+    diaginertia="0.004 {fore_inertia} {fore_inertia}"/>
+   <site name="tip" pos="0.3 0 0"/>
+  </body>
+ </body>
+</body></worldbody>
+<actuator><motor joint="yaw"/><motor joint="lift"/><motor joint="bend"/></actuator>
+</mujoco>"""
+KP, KD = np.array([120.0, 150.0, 80.0]), np.array([6.0, 8.0, 3.0])
+#: Tones of each axis in one log: (amplitude [rad], frequency [Hz], phase).
+SLOW = [(0.9, 0.11, 0.0), (0.2, 0.4, 1.0)], [(0.7, 0.13, 2.0), (0.15, 0.5, 0.0)], [(0.8, 0.17, 1.0)]
+FAST = (
+    [(0.3, 1.1, 0.0), (0.1, 2.3, 2.0)],
+    [(0.3, 0.9, 1.0), (0.08, 2.1, 0.0)],
+    [(0.3, 1.3, 2.0), (0.1, 2.6, 1.0)],
+)
+
+
+def bench_arm(folder: Path, name: str = "arm", **numbers: float) -> Path:
+    """The MJCF with some of its `NUMBERS` changed."""
+    file = folder / f"{name}.xml"
+    file.write_text(_XML.format(**{**NUMBERS, **numbers}))
+    return file
+
+
+def logged(
+    file: Path,
+    tones: tuple = FAST,
+    *,
+    seconds: float = 10.0,
+    log_s: float = 0.002,
+    loop_s: float = 0.002,
+    held: bool = True,
+    positions_alone: bool = False,
+    resisting: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
+    seed: int = 0,
+) -> Recording:
+    """What MuJoCo makes of an MJCF in a PD loop that has its speed from a sensor.
+
+    Args:
+        file: the machine.
+        tones: of each axis' reference.
+        log_s, loop_s: periods of log and loop; `held`: the reference moves with the log's rows only.
+        positions_alone: the log has positions and references.
+        resisting: torque (3,) of something else by position and speed.
+    """
+    m = mujoco.MjModel.from_xml_path(str(file))
+    m.opt.timestep, m.opt.integrator = 2.5e-4, mujoco.mjtIntegrator.mjINT_RK4
+    data, generator = mujoco.MjData(m), np.random.default_rng(seed)
+    ticks = round(log_s / loop_s)
+    count = int(seconds / log_s) * ticks
+
+    def wanted(t: float) -> np.ndarray:
+        whole = [sum(a * np.sin(2 * np.pi * f * t + p) - a * np.sin(p) for a, f, p in axis) for axis in tones]
+        return np.array(whole) * min(1.0, t)
+
+    rows = []
+    for k in range(count):
+        reference = wanted((k // ticks) * log_s if held else k * loop_s)
+        q, w = data.qpos.copy(), data.qvel.copy()
+        torque = KP * (reference - q) - KD * w
+        if k % ticks == 0:
+            noise = generator.normal(0.0, 1.0, (3, 3)) * [[5e-5], [2e-3], [0.02]]
+            rows.append((q + noise[0], w + noise[1], torque, torque + noise[2], reference))
+        for _ in range(round(loop_s / m.opt.timestep)):
+            extra = 0.0 if resisting is None else resisting(data.qpos, data.qvel)
+            data.qfrc_applied[:] = torque + extra
+            mujoco.mj_step(m, data)
+    names = "position", "velocity", "torque_command", "torque_measured", "position_reference"
+    signals = {name: np.stack([row[k] for row in rows]) for k, name in enumerate(names)}
+    loop = Controller("pd", "joint", kp=tuple(KP), kd=tuple(KD), period_s=loop_s)
+    derived: tuple[str, ...] = ()
+    if positions_alone:
+        for name in ("torque_command", "torque_measured"):
+            del signals[name]
+        signals["velocity"] = np.gradient(signals["position"], log_s, axis=0)
+        derived = ("velocity",)
+    t = log_s * np.arange(len(rows))
+    return Recording(f"log_{seed}", AXES, "joint", t, signals, ("rad",) * 3, loop, derived=derived)

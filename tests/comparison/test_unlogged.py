@@ -1,0 +1,64 @@
+"""What a log of positions alone leaves open of its loop is read off it, whatever is wrong with the model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.bench_arm import FAST, SLOW, bench_arm, logged
+from workbench.comparison import compare, matched
+from workbench.core import Recording
+from workbench.effects import load_model
+
+WRONG = {
+    "nothing": {},
+    "a rotor": {"lift_armature": 0.15},
+    "all damping": {"yaw_damping": 1.2, "lift_damping": 0.2, "bend_damping": 1.1},
+    "a centre of mass": {"fore_centre": 0.09},
+}
+
+
+def logs(machine: Path, *, held: bool) -> list[Recording]:
+    each = (SLOW, FAST)
+    return [
+        logged(machine, tones, log_s=0.01, loop_s=0.001, held=held, positions_alone=True) for tones in each
+    ]
+
+
+@pytest.mark.parametrize("held", [True, False], ids=["held", "smooth"])
+@pytest.mark.parametrize("wrong", WRONG)
+def test_the_reference_between_rows_is_told_beside_a_wrong_number(
+    tmp_path: Path, wrong: str, held: bool
+) -> None:
+    machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model", **WRONG[wrong]))
+    for told in matched(model, logs(machine, held=held)):
+        assert told.timing.reference_held is held
+        assert any("reference_held" in note for note in told.notes)
+        # a torque that other axes' positions change hides half a tick
+        assert told.controller.velocity == ("sensor" if wrong != "a centre of mass" else None)
+
+
+def test_a_right_model_explains_positions_alone(tmp_path: Path) -> None:
+    """Half a row of delay would be many times the noise."""
+    machine = bench_arm(tmp_path)
+    found = compare(load_model(machine), logs(machine, held=True))
+    assert found.consistent and found.error < 1.2 * found.noise_error
+
+
+def test_what_is_stated_is_not_asked(tmp_path: Path) -> None:
+    machine = bench_arm(tmp_path)
+    log = logs(machine, held=True)[1]
+    controller = replace(log.controller, velocity="difference")
+    stated = replace(log, timing=replace(log.timing, reference_held=False), controller=controller)
+    (told,) = matched(load_model(machine), [stated])
+    assert told.timing == stated.timing and told.controller == controller and told.notes == stated.notes
+
+
+def test_logged_torque_leaves_nothing_open(tmp_path: Path) -> None:
+    machine = bench_arm(tmp_path)
+    log = logged(machine, seconds=2.0)
+    (told,) = matched(load_model(machine), [log])
+    assert told.notes == log.notes and np.array_equal(told.position, log.position)

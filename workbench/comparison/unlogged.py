@@ -1,0 +1,180 @@
+"""What a log leaves open of its loop: its reference between rows, and how it came to know its speed.
+
+A loop may be faster than its log. A reference that the log's clock sets stands still until the next row, half
+a row late on the average, which looks like damping and inertia on all axes at once; a speed that is the
+difference over a tick is half a tick late, which looks like a rotor of kd times that. Neither is a fact about
+the machine, so both are asked before anything is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.effects import Plant, compile_plant
+from workbench.models import Model
+from workbench.recordings import NoiseLevels
+from workbench.recordings.resample import looks_held
+from workbench.simulation import law_torque, prepare, rate_read, required_torque, smooth_track
+
+from .band import corner_hz
+from .closed_loop import with_loops
+from .inverse import lowpass
+from .noise import NoiseModel
+
+_BLOCKS = 5
+_NEAR = 0.4  # of the way from one answer to the other: a vote for the one that is as near as that
+_EDGE_S = 0.3
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """Of one axis: torque by the law less what the model needs (M,), what each answer would change of it
+    (M, 2), and what numbers of the model that may be wrong would, (M, C) each."""
+
+    lacking: np.ndarray
+    answers: np.ndarray
+    inertia: np.ndarray
+    others: np.ndarray
+
+
+def with_the_unlogged(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Recordings with what their logs leave open of the loop filled in, each answer with a note.
+
+    Asked where neither ``[timing] reference_held`` nor ``[controller] velocity`` says it, no torque was
+    recorded, and a PD loop is known. The torque by the law along the measured motion less that which the
+    model needs is held against both answers; damping, dry friction and weights of each axis may be wrong.
+    """
+    out = list(recordings)
+    asked = [i for i, r in enumerate(recordings) if _is_open(model, r)]
+    if not asked:
+        return tuple(out)
+    known = with_loops(model, [recordings[i] for i in asked])
+    for i, r in zip(asked, known, strict=True):
+        out[i] = replace(recordings[i], controller=r.controller)
+    plant, levels = compile_plant(model), NoiseModel.of(known).levels
+    each = [_asked(r, plant, levels) for r in known]
+    axes = [_joined([of[k] for of in each]) for k in range(model.size)]
+    between = [prepare(r, model) for r in known]
+    if any(np.any(e.ticks % e.stride) for e in between):
+        share, std = _share([np.hstack([a.others, a.inertia]) for a in axes], axes, 0)
+        held = share > 0.5
+        sure = std < _NEAR and min(abs(share), abs(share - 1.0)) < _NEAR + 2.0 * std
+        for i in asked:
+            out[i] = _noted(_held(out[i], held), _between_rows(held, sure))
+        axes = [replace(a, lacking=a.lacking + held * a.answers[:, 0]) for a in axes]
+    votes = [_share([a.others], [a], 1) for a in axes]
+    clear = [round(share) for share, std in votes if std < _NEAR and abs(share - round(share)) < _NEAR]
+    for answer, how in enumerate(("sensor", "difference")):
+        if clear.count(answer) > 0.5 * len(votes):
+            for i in asked:
+                out[i] = _noted(_reading(out[i], how), _SPEED[how])
+    return tuple(out)
+
+
+_SPEED = {
+    "sensor": "no speed was logged; the loop's is taken as read without delay, which explains most axes: "
+    'state velocity = "sensor" in [controller] if you know it',
+    "difference": "no speed was logged; the loop's is taken as the difference of positions over its period, "
+    'which explains most axes: state velocity = "difference" in [controller] if you know it',
+}
+
+
+def _between_rows(held: bool, sure: bool) -> str:
+    how = "standing still from row to row" if held else "a smooth line through the rows"
+    why = "which explains the recordings" if sure else "though the recordings hardly tell"
+    return (
+        f"the loop is faster than its log; its reference between rows is taken as {how}, {why}: "
+        f"state reference_held = {str(held).lower()} in [timing] if you know it"
+    )
+
+
+def _is_open(model: Model, recording: Recording) -> bool:
+    """Whether the torque is known by a law alone, of which something is left open."""
+    controller = recording.controller if recording.controller.kind != "unknown" else model.controller
+    reference = recording.get("position_reference")
+    if controller.kind != "pd" or reference is None or "velocity" not in recording.derived:
+        return False
+    if {"torque_measured", "torque_command"} & set(recording.signals):
+        return False
+    e = prepare(replace(recording, controller=controller), model)
+    between = np.any(e.ticks % e.stride) and not looks_held(reference)
+    stated = recording.timing.reference_held is not None, controller.velocity is not None
+    return bool((between and not stated[0]) or not stated[1]) and rate_read(e) is None
+
+
+def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[_Asked]:
+    """What one recording says of each axis, on rows away from its ends."""
+    n = plant.model.size
+    to_actuator = np.eye(n) if recording.coordinates == "actuator" else plant.model.transmission
+    band = 0.2 / recording.period
+    track = smooth_track(recording, None, to_actuator, levels.position_std, levels.velocity_std, band)
+    first = law_torque(_reading(_held(recording, False), "sensor"), plant, track, 0.5)
+    changed = [
+        law_torque(_reading(_held(recording, True), "sensor"), plant, track, 0.5) - first,
+        law_torque(_reading(_held(recording, False), "difference"), plant, track, 0.5) - first,
+    ]
+    shown = recording.with_signals(torque_command=first @ to_actuator)
+    corner = min(corner_hz(shown, plant, levels), band)
+
+    def passed(values: np.ndarray) -> np.ndarray:
+        return lowpass(values, recording, corner)
+
+    def centred(values: np.ndarray) -> np.ndarray:
+        # a mean over a row is less than the middle by its curvature / 24
+        long = np.pad(values, ((1, 1), (0, 0)), mode="edge")
+        return passed(values - np.diff(long, 2, axis=0) / 24.0)
+
+    lacking = centred(first) - passed(required_torque(plant, track, recording.period))
+    answers = np.stack([centred(x) for x in changed], axis=-1)
+    edge = min(len(lacking) // 10, int(_EDGE_S / recording.period))
+    rows = np.flatnonzero(recording.valid)
+    rows = rows[(rows >= edge) & (rows < len(lacking) - edge)]
+    out = []
+    for k in range(n):
+        q, w = track.position[:, k], track.velocity[:, k]
+        size = float(np.sqrt(np.mean(w**2))) + 1e-12
+        others = np.stack([w, np.tanh(w / (0.01 * size)), np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
+        parts = passed(track.acceleration), passed(others)
+        out.append(_Asked(lacking[rows, k], answers[rows, k], *(p[rows] for p in parts)))
+    return out
+
+
+def _joined(parts: Sequence[_Asked]) -> _Asked:
+    return _Asked(*(np.concatenate([getattr(p, f) for p in parts]) for f in _Asked.__dataclass_fields__))
+
+
+def _share(beside: Sequence[np.ndarray], axes: Sequence[_Asked], answer: int) -> tuple[float, float]:
+    """How far the torque that is lacking lies on the way to an answer; its deviation by leaving out blocks.
+
+    `beside`: columns (M, C) of each axis that are fitted with it. What they take up says nothing.
+    """
+    sums = np.zeros((_BLOCKS, 2))
+    for columns, axis in zip(beside, axes, strict=True):
+        base, _ = np.linalg.qr(columns / np.maximum(np.abs(columns).max(axis=0), 1e-300))
+        way, lacking = (x - base @ (base.T @ x) for x in (axis.answers[:, answer], axis.lacking))
+        scale = max(float(lacking @ lacking), 1e-300)
+        for block, rows in enumerate(np.array_split(np.arange(len(way)), _BLOCKS)):
+            sums[block] += -way[rows] @ lacking[rows] / scale, way[rows] @ way[rows] / scale
+    top, bottom = sums.sum(axis=0)
+    if not (bottom - sums[:, 1] > 0.0).all():
+        return 0.0, np.inf
+    without = (top - sums[:, 0]) / (bottom - sums[:, 1])
+    jackknife = (_BLOCKS - 1) / _BLOCKS * np.sum((without - without.mean()) ** 2)
+    return float(top / bottom), float(np.sqrt(jackknife))
+
+
+def _held(recording: Recording, held: bool) -> Recording:
+    return replace(recording, timing=replace(recording.timing, reference_held=held))
+
+
+def _reading(recording: Recording, how: Literal["sensor", "difference"]) -> Recording:
+    return replace(recording, controller=replace(recording.controller, velocity=how))
+
+
+def _noted(recording: Recording, note: str) -> Recording:
+    return replace(recording, notes=(*recording.notes, note))
