@@ -14,7 +14,7 @@ NUMBERS = {
     "yaw_armature": 0.12, "lift_armature": 0.0868, "bend_armature": 0.06,
     "yaw_damping": 0.5, "lift_damping": 0.8, "bend_damping": 0.4,
     "upper_mass": 2.4, "upper_centre": 0.17, "upper_inertia": 0.022,
-    "fore_mass": 1.3, "fore_centre": 0.14, "fore_across": 0.0, "fore_inertia": 0.032,
+    "fore_mass": 1.3, "fore_centre": 0.14, "fore_across": 0.0, "fore_inertia": 0.032, "fore_roll": 0.014,
 }  # fmt: skip
 AXES = ("yaw", "lift", "bend")
 _XML = """<mujoco><compiler angle="radian"/><option timestep="0.001" integrator="implicitfast"/><worldbody>
@@ -27,7 +27,7 @@ _XML = """<mujoco><compiler angle="radian"/><option timestep="0.001" integrator=
   <body name="fore" pos="0.35 0 0">
    <joint name="bend" axis="0 1 0" damping="{bend_damping}" armature="{bend_armature}"/>
    <inertial pos="{fore_centre} 0 {fore_across}" mass="{fore_mass}"
-    diaginertia="0.004 {fore_inertia} {fore_inertia}"/>
+    diaginertia="{fore_roll} {fore_inertia} {fore_inertia}"/>
    <site name="tip" pos="0.3 0 0"/>
   </body>
  </body>

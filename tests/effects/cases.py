@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 
-from tests.simulation.make import having, leg_experiment, slide_experiment
+from tests.bench_arm import bench_arm
+from tests.simulation.make import arm_experiment, having, leg_experiment, slide_experiment
 from workbench.comparison import Replay, replay_of
 from workbench.core import EffectKey, Recording
 from workbench.effects import Effect, Motion, effect_named, load_model, places
@@ -53,6 +56,8 @@ VALUES: dict[str, dict[str, float]] = {
     "backlash": {"gap": 0.02, "stiffness": 200.0},
     "base_compliance": {"stiffness": 20000.0, "damping": 40.0, "mass": 10.0},
     "link_length_error": {"length": 0.02},
+    "first_moment_error": {"along": 0.08, "across": -0.05},
+    "link_inertia_error": {"inertia": 0.012},
     "contact_compliance": {"stiffness": 2e4, "damping": 100.0},
     "ground_friction": {"coefficient": 0.35},
 }
@@ -96,6 +101,8 @@ PARTS = {
 MODELS = ("leg_kin_only", "leg", "emps")
 #: For contacts alone; all else is as on the leg without a plate.
 ON_A_PLATE = "leg_on_plate"
+#: For links alone, which a parallelogram has as its linkage.
+ON_AN_ARM = str(bench_arm(Path(mkdtemp())))
 
 
 @dataclass(frozen=True)
@@ -122,7 +129,7 @@ class Case:
 
     def __str__(self) -> str:
         part = ",".join(f"{k}={v:g}" for k, v in self.values)
-        return f"{self.model}+{self.key}[{part}]"
+        return f"{Path(self.model).stem}+{self.key}[{part}]"
 
 
 def cases() -> list[Case]:
@@ -136,6 +143,8 @@ def cases() -> list[Case]:
             for given in (values[key.effect], *parts):
                 out.append(Case(name, key, tuple(given.items())))
     contacts = [key for key in places(load_model(ON_A_PLATE)) if effect_named(key.effect).of_ground]
+    arm = [EffectKey(name, "bend") for name in ("first_moment_error", "link_inertia_error")]
+    out += [Case(ON_AN_ARM, key, tuple(VALUES[key.effect].items())) for key in arm]
     return [*out, *(Case(ON_A_PLATE, key, tuple(VALUES[key.effect].items())) for key in contacts)]
 
 
@@ -148,6 +157,8 @@ def experiment(name: str) -> Recording:
         slide = next(e for e in plate_experiments(duration=0.8) if e.name == "slide")
         return VirtualLeg(plate=Plate(noise=0.0), sensors=PERFECT).run([slide])[0]
     model = load_model(name)
+    if name == ON_AN_ARM:
+        return arm_experiment(model, 0.9)
     return slide_experiment(model, 0.9) if name == "emps" else leg_experiment(0.9)
 
 

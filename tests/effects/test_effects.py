@@ -28,11 +28,13 @@ from workbench.simulation import Run, Track, motion_of, required_torque, simulat
 every_case = pytest.mark.parametrize("case", CASES, ids=str)
 every_place = pytest.mark.parametrize("case", [c for c in CASES if c.whole], ids=str)
 #: Effects whose torque depends on the motion of the drives alone, and linearly on their coefficients.
+#: Inertia goes with the square of a length: their columns are slopes (test_link_length, test_links).
+BY_THE_SQUARE = ("link_length_error", "first_moment_error")
 TORQUES = [
     c
     for c in CASES
     if c.effect.door < Door.SENSOR
-    and not (c.effect.splits or c.effect.of_ground or c.key.effect == "link_length_error")
+    and not (c.effect.splits or c.effect.of_ground or c.key.effect in BY_THE_SQUARE)
 ]
 every_torque = pytest.mark.parametrize("case", TORQUES, ids=str)
 #: Nothing in the motion tells these: without gravity, and with the same inertia everywhere, where zero is;

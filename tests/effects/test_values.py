@@ -12,7 +12,7 @@ import pytest
 import tomli_w
 
 from tests.cli.here import run
-from tests.effects.cases import ON_A_PLATE, VALUES
+from tests.effects.cases import ON_A_PLATE, ON_AN_ARM, VALUES
 from workbench.core import EffectKey, InputError
 from workbench.effects import EFFECTS, Effect, effect_named, load_model, places
 from workbench.models import Placement
@@ -23,7 +23,7 @@ _NONE = ("nan", "inf", "-inf", "much", "")
 
 def place_of(effect: Effect) -> tuple[str, EffectKey]:
     """A shipped model that an effect can be added to, and where."""
-    for name in ("leg", "leg_kin_only", ON_A_PLATE):
+    for name in ("leg", "leg_kin_only", ON_A_PLATE, ON_AN_ARM):
         found = [key for key in places(load_model(name)) if key.effect == effect.name]
         if found:
             return name, found[0]

@@ -75,6 +75,16 @@ def slide_experiment(model: Model, seconds: float = 1.5, seed: int = 0) -> Recor
     )
 
 
+def arm_experiment(model: Model, seconds: float = 1.5, seed: int = 0) -> Recording:
+    """All axes of a small arm on the move in a PD loop."""
+    t, n = np.arange(round(seconds * 1000) + 1) * 0.001, model.size
+    wanted = np.stack([tones(t, seed + k, 0.5, 0.5, 4.0) for k in range(n)], axis=1)
+    loop = Controller("pd", "actuator", kp=(120.0,) * n, kd=(4.0,) * n, period_s=0.001)
+    signals = {"position": np.broadcast_to(wanted[0], wanted.shape), "velocity": np.zeros_like(wanted)}
+    signals["position_reference"] = wanted
+    return Recording("arm", model.axes, "actuator", t, signals, axis_units(model), loop)
+
+
 def simulated(model: Model, recording: Recording) -> Recording:
     """One run without noise."""
     return simulate([Run(model, recording)])[0]

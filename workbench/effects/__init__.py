@@ -12,7 +12,7 @@ from .ground import feet_of, plate_columns, settle_contacts
 from .ground_friction import FEWEST_SLIPS, ratio_in_slip
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
-from .motion import Contact, Line, Motion, held, torque_bounds
+from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
 from .passage import Passage
 from .presliding_hysteresis import wound
 from .response import Response, smooth_sign
@@ -35,6 +35,7 @@ __all__ = [
     "HysteresisTerm",
     "Law",
     "Line",
+    "LinkMotion",
     "Motion",
     "Parameter",
     "Passage",

@@ -22,8 +22,10 @@ from .current_loop_lag import CurrentLoopLag
 from .encoder_eccentricity import EncoderEccentricity
 from .encoder_offset import EncoderOffset
 from .encoder_scale import EncoderScale
+from .first_moment_error import FirstMomentError
 from .ground_friction import GroundFriction
 from .joint_compliance import JointCompliance
+from .link_inertia_error import LinkInertiaError
 from .link_length_error import LinkLengthError
 from .linkage_coriolis import LinkageCoriolis
 from .linkage_gravity import LinkageGravity
@@ -53,6 +55,7 @@ EFFECTS: tuple[Effect, ...] = (
     CoulombFriction(),
     ReflectedInertia(),
     PayloadMass(),
+    FirstMomentError(),
     TorqueConstantError(),
     TorqueBias(),
     CommandDelay(),
@@ -76,6 +79,7 @@ EFFECTS: tuple[Effect, ...] = (
     JointCompliance(),
     Backlash(),
     BaseCompliance(),
+    LinkInertiaError(),
     LinkLengthError(),
     ContactCompliance(),
     GroundFriction(),

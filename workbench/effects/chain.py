@@ -144,13 +144,23 @@ class TorqueChain:
         return bool(self.torques or self.friction or self.hysteresis or self.flanks)
 
 
+@dataclass(frozen=True)
+class Inertial:
+    """Mass [kg], centre (3,) [m] and inertia about it (3, 3) [kg m^2] of a body, in its own frame."""
+
+    mass: float
+    centre: np.ndarray
+    tensor: np.ndarray
+
+
 @dataclass
 class Build:
     """A model on its way to MuJoCo: the spec that effects edit, and the chain in front of it.
 
     `rows`: the joints that each axis's tendon wraps, with their coefficients. `contacts`: pairs of the ground
     and each foot, none where the machine is off the ground; `contact_law`: their stiffness and damping
-    [N/m, N s/m], None for what MuJoCo takes from the geoms.
+    [N/m, N s/m], None for what MuJoCo takes from the geoms. `inertials`: of links that effects changed, by
+    body.
     """
 
     spec: mujoco.MjSpec
@@ -158,6 +168,7 @@ class Build:
     rows: dict[str, dict[str, float]]
     contacts: list[str] = field(default_factory=list)
     contact_law: tuple[float, float] | None = None
+    inertials: dict[str, Inertial] = field(default_factory=dict)
 
     @staticmethod
     def of(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -> Build:

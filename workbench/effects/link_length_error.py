@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import lru_cache
-from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from workbench.core import EffectKey, Estimate
-from workbench.models import AppliedEffect, Model, Placement, load_tree
+from workbench.models import AppliedEffect, Model, Placement
 
 from .base import Door, Effect, Parameter
 from .chain import Build
 from .flexible import rotor_name
+from .links import link_ends
 from .motion import Motion
 from .response import Response
 from .structure import crank_of, is_parallelogram
@@ -50,7 +49,7 @@ class LinkLengthError(Effect):
         """To links that have an end: a further joint, or the payload site away from their own joint."""
         if key.axis is None:
             return False
-        return _ends(model)[model.axes.index(key.axis)] is not None
+        return link_ends(model)[model.axes.index(key.axis)] is not None
 
     def response(
         self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
@@ -77,7 +76,7 @@ class LinkLengthError(Effect):
     ) -> None:
         """The end of the link, and every body that sits just there."""
         assert place is not None
-        link, end = build.spec.joint(model.joints[place.index]).parent, _ends(model)[place.index]
+        link, end = build.spec.joint(model.joints[place.index]).parent, link_ends(model)[place.index]
         ends: list[mujoco.MjsBody | mujoco.MjsSite | mujoco.MjsGeom]
         if end:
             ends = [build.spec.joint(end).parent]
@@ -116,34 +115,3 @@ def _hang_the_linkage(spec: mujoco.MjSpec, model: Model, length: float, more: fl
         if applied.key.effect == "linkage_gravity":
             beyond = mass * gravity - weight_at_the_end(applied.values["g2"])
             add_gravity(spec, model, beyond * more, 0.0)
-
-
-def _ends(model: Model) -> tuple[str | None, ...]:
-    """Where each axis's link ends: at a joint by name, at the payload site (empty), or nowhere (None)."""
-    return _ends_of(model.serial, model.joints, model.payload_site)
-
-
-@lru_cache(maxsize=64)
-def _ends_of(serial: Path, joints: tuple[str, ...], payload_site: str | None) -> tuple[str | None, ...]:
-    m = load_tree(serial).compile()
-    links = {name: int(m.joint(name).bodyid[0]) for name in joints}
-    last = {link: name for name, link in links.items()}  # of several joints of a body, the one next to it
-
-    def carrier(body: int) -> int:
-        """The link that a body belongs to; the world, if to none."""
-        while body and body not in last:
-            body = int(m.body_parentid[body])
-        return body
-
-    site = m.site(payload_site) if payload_site else None
-    out: list[str | None] = []
-    for name, link in links.items():
-        further = [b for b in last if carrier(int(m.body_parentid[b])) == link]
-        at_end = site is not None and carrier(int(site.bodyid[0])) == link and np.any(site.pos)
-        if last[link] != name or len(further) > 1:
-            out.append(None)
-        elif further:
-            out.append(last[further[0]] if np.any(m.body_pos[further[0]]) else None)
-        else:
-            out.append("" if at_end else None)
-    return tuple(out)

@@ -76,6 +76,23 @@ class Contact:
 
 
 @dataclass(frozen=True)
+class LinkMotion:
+    """The body of a joint along N rows, world frame.
+
+    Attributes:
+        move, turn: Jacobians of its origin and of its rotation by q_p, (N, 3, n) each.
+        rotation: its frame, (N, 3, 3).
+        rise: acceleration of its origin, (N, 3) [m/s^2]; `spin_up`: of its rotation, (N, 3) [rad/s^2].
+    """
+
+    move: np.ndarray
+    turn: np.ndarray
+    rotation: np.ndarray
+    rise: np.ndarray
+    spin_up: np.ndarray
+
+
+@dataclass(frozen=True)
 class Motion:
     """N rows of n axes in actuator coordinates, SI, uniform step `step` [s].
 
@@ -86,6 +103,7 @@ class Motion:
         gain: the chain's gain behind the tap, (N, n): that of the motor, less what heat takes.
         transmission: J with q_p = J q_s, (n, n).
         kinematics: site name -> Jacobian of the site's world position with respect to q_p, (N, 3, n).
+        link: number of a serial joint -> motion of its body.
         required: motor torque at the tap that a model needs for this motion, (N, n).
         inertia: mass matrix of links and rotors, (N, n, n); `rotor`: inertia and damping of each drive's own
             rotor, (n,) each.
@@ -106,6 +124,7 @@ class Motion:
     gain: np.ndarray
     transmission: np.ndarray
     kinematics: Callable[[str], np.ndarray]
+    link: Callable[[int], LinkMotion]
     required: Callable[[Model], np.ndarray]
     inertia: Callable[[], np.ndarray]
     rotor: tuple[np.ndarray, np.ndarray]

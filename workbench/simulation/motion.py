@@ -17,6 +17,7 @@ from workbench.models import Model, axis_tendon, rotors
 from .clamped import before_clamp
 from .experiment import prepare, scored_torque
 from .inverse import gain_along, required_torque
+from .link_motion import link_motions
 from .native import com_slopes, mass_matrices
 from .trajectory import Track, interpolate, joint_columns
 
@@ -56,6 +57,7 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
             known_models[id(other)] = other, _required(other, track, step)
         return known_models[id(other)][1]
 
+    links = cache(lambda: link_motions(plant, track, step))
     return Motion(
         step=step,
         position=track.position,
@@ -66,6 +68,7 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         gain=gain_along(chain, line.passed[1], step),
         transmission=model.transmission,
         kinematics=lambda site: site_jacobian(plant, track, site),
+        link=lambda joint: links()[joint],
         required=required,
         inertia=cache(lambda: mass_matrix(plant, track)),
         rotor=rotor_of(plant),

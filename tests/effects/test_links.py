@@ -1,0 +1,81 @@
+"""Errors of a link's own mass: what their columns say is what MuJoCo's inverse dynamics says, on any tree."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from tests.bench_arm import AXES, FAST, NUMBERS, bench_arm, logged
+from workbench.comparison import compare, replay_of
+from workbench.core import EffectKey, Estimate
+from workbench.effects import build, compile_plant, effect_named, load_model, places
+from workbench.models import AppliedEffect, Model, Placement
+
+
+def having(model: Model, effect: str, axis: str, **values: float) -> Model:
+    parameters = {name: Estimate(value, 0.0, "") for name, value in values.items()}
+    return model.with_effect(AppliedEffect(EffectKey(effect, axis), parameters))
+
+
+@pytest.mark.parametrize(
+    ("effect", "axis"),
+    [("first_moment_error", a) for a in AXES] + [("link_inertia_error", a) for a in AXES[1:]],
+)
+def test_columns_are_the_change_of_the_torque_that_is_needed(tmp_path: Path, effect: str, axis: str) -> None:
+    file = bench_arm(tmp_path, fore_across=0.03)
+    model, log = load_model(file), logged(file, FAST, seconds=3.0)
+    replay = replay_of(model, [log])
+    motion = replay.motion(compile_plant(model), 0, replay.run([model])[0][0])
+    key = EffectKey(effect, axis)
+    columns = effect_named(effect).response(motion, model, Placement.of(model, key), {}).columns
+    for column, name in zip(columns, [p.name for p in effect_named(effect).parameters], strict=True):
+        zeros = {p.name: 0.0 for p in effect_named(effect).parameters}
+        more, less = (having(model, effect, axis, **{**zeros, name: h}) for h in (1e-4, -1e-4))
+        slope = (motion.required(more) - motion.required(less)) / 2e-4
+        size = np.abs(slope).max()
+        np.testing.assert_allclose(-column[20:-20], slope[20:-20], atol=2e-3 * size + 1e-9)
+
+
+def test_a_shifted_centre_is_the_file_with_it(tmp_path: Path) -> None:
+    """Both write the same body: 1.3 kg with its centre 0.0695 m nearer and 0.02 m lower."""
+    model = load_model(bench_arm(tmp_path))
+    shifted = having(model, "first_moment_error", "bend", along=1.3 * (0.0705 - 0.14), across=1.3 * 0.02)
+    other = load_model(bench_arm(tmp_path, "other", fore_centre=0.0705, fore_across=-0.02))
+    one, two = (compile_plant(m).mujoco for m in (shifted, other))
+    np.testing.assert_allclose(one.body_ipos, two.body_ipos, atol=1e-12)
+    np.testing.assert_allclose(one.body_mass, two.body_mass)
+    again = having(shifted, "first_moment_error", "bend", along=0.01, across=0.0)
+    assert compile_plant(again).mujoco.body("fore").ipos[0] == pytest.approx(0.0705 + 0.01 / 1.3)
+
+
+@pytest.mark.parametrize("more", [0.05, -0.03])
+def test_inertia_stays_one_that_a_body_can_have(tmp_path: Path, more: float) -> None:
+    model = having(load_model(bench_arm(tmp_path)), "link_inertia_error", "bend", inertia=more)
+    m = compile_plant(model).mujoco
+    body = m.body("fore")
+    rotation = np.zeros(9)
+    mujoco.mju_quat2Mat(rotation, body.iquat)
+    tensor = rotation.reshape(3, 3) @ np.diag(body.inertia) @ rotation.reshape(3, 3).T
+    assert tensor[1, 1] == pytest.approx(NUMBERS["fore_inertia"] + more)
+    assert 2 * body.inertia.max() <= body.inertia.sum() + 1e-12
+
+
+def test_what_slides_or_is_a_parallelogram_has_neither(tmp_path: Path) -> None:
+    names = {"first_moment_error", "link_inertia_error"}
+    assert not names & {key.effect for key in places(load_model("leg"))}
+    file = tmp_path / "slide.xml"
+    file.write_text(bench_arm(tmp_path).read_text().replace('name="bend"', 'name="bend" type="slide"', 1))
+    on = {key.axis for key in places(load_model(file)) if key.effect in names}
+    assert on == {"yaw", "lift"}
+
+
+def test_the_wrong_centre_explains_the_log(tmp_path: Path) -> None:
+    log = logged(bench_arm(tmp_path, fore_centre=0.11), FAST, seconds=4.0)
+    model = load_model(bench_arm(tmp_path, "model"))
+    assert not compare(model, [log]).consistent
+    right = having(model, "first_moment_error", "bend", along=1.3 * (0.11 - 0.14), across=0.0)
+    assert compare(right, [log]).consistent
+    assert build(right).inertials.keys() == {"fore"}

@@ -1,0 +1,192 @@
+"""The bodies that joints carry: mass, centre, inertia, and what an error of these asks of the drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from workbench.models import Model, load_tree
+
+from .chain import Build, Inertial
+from .motion import Motion
+
+_NO_WAY = 1e-9  # m: two points that coincide
+
+
+@dataclass(frozen=True)
+class Link:
+    """The body of a hinge.
+
+    Attributes:
+        body: its name.
+        inertial: what its file says of it.
+        anchor: a point of the hinge, and `axis`, its direction, (3,) each, in the body's frame.
+        along: unit vector from the hinge to the next joint, the payload or the centre of mass, square to the
+            axis; `across`: a quarter turn about the axis from it.
+        size: how far its mass may reach from the hinge [m].
+        carried: whether another axis moves it too.
+    """
+
+    body: str
+    inertial: Inertial
+    anchor: np.ndarray
+    axis: np.ndarray
+    along: np.ndarray
+    across: np.ndarray
+    size: float
+    carried: bool
+
+
+def link_of(model: Model, axis: str | None) -> Link | None:
+    """The link of an axis; None where the axis slides, shares its body with a later one, or has no mass."""
+    if axis is None:
+        return None
+    links = _links(model.serial, model.joints, model.payload_site)
+    return links[model.axes.index(axis)]
+
+
+def link_ends(model: Model) -> tuple[str | None, ...]:
+    """Where each axis' link ends: at a joint by name, at the payload site (empty), or nowhere (None)."""
+    return _ends(model.serial, model.joints, model.payload_site)
+
+
+def reshape(build: Build, link: Link, change: Callable[[Inertial], Inertial]) -> None:
+    """Give a link another inertial; changes of one link follow each other."""
+    now = change(build.inertials.get(link.body, link.inertial))
+    build.inertials[link.body] = now
+    body = build.spec.body(link.body)
+    principal, axes = np.linalg.eigh(now.tensor)
+    axes *= np.sign(np.linalg.det(axes))
+    body.explicitinertial, body.mass, body.ipos = True, now.mass, now.centre
+    body.fullinertia = np.full(6, np.nan)
+    body.ialt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+    mujoco.mju_mat2Quat(quat := np.zeros(4), axes.ravel())
+    body.iquat, body.inertia = quat, _possible(principal, axes, link.axis)
+
+
+def with_moment(inertial: Inertial, moment: np.ndarray) -> Inertial:
+    """With a further first moment (3,) [kg m]: the same mass with its centre elsewhere."""
+    return replace(inertial, centre=inertial.centre + moment / inertial.mass)
+
+
+def _possible(principal: np.ndarray, axes: np.ndarray, about: np.ndarray) -> np.ndarray:
+    """Principal moments that a body can have: none is more than the others together.
+
+    The moment about the hinge stays; what turns another way gives in.
+    """
+    moments = np.maximum(principal, 1e-12)
+    excess = 2.0 * moments.max() - moments.sum()
+    if excess <= 0.0:
+        return moments
+    excess *= 1.0 + 1e-9  # on the safe side of rounding
+    top = int(moments.argmax())
+    if abs(axes[:, top] @ about) < np.sqrt(0.5):
+        moments[top] -= excess
+    else:
+        moments[np.arange(3) != top] += 0.5 * excess
+    return moments
+
+
+def turning(motion: Motion, axis: int, tensor: np.ndarray) -> np.ndarray:
+    """Torque (N, n) that a link would need for a further inertia (3, 3) about its centre, in its frame."""
+    link = motion.link(axis)
+    world = link.rotation @ tensor @ np.swapaxes(link.rotation, 1, 2)
+    w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
+    momentum = np.einsum("kij,kj->ki", world, w)
+    needed = np.einsum("kij,kj->ki", world, link.spin_up) + np.cross(w, momentum)
+    return np.einsum("kij,ki->kj", link.turn, needed)
+
+
+def shifting(motion: Motion, axis: int, way: np.ndarray, centre: np.ndarray) -> np.ndarray:
+    """Torque (N, n) that a link would need for a further first moment of 1 kg m along `way`, in its frame.
+
+    By a mass of which the centre moves, so that the inertia about the hinge goes with it.
+    """
+    link = motion.link(axis)
+    w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
+    out = link.rotation @ way
+    pushed = np.cross(link.spin_up, out) + np.cross(w, np.cross(w, out))
+    turned = np.cross(out, link.rise - motion.gravity)
+    need = np.einsum("kij,ki->kj", link.move, pushed) + np.einsum("kij,ki->kj", link.turn, turned)
+    outer = np.outer(centre, way)
+    return need + turning(motion, axis, 2.0 * (centre @ way) * np.eye(3) - outer - outer.T)
+
+
+@lru_cache(maxsize=64)
+def _links(serial: Path, joints: tuple[str, ...], payload_site: str | None) -> tuple[Link | None, ...]:
+    m = load_tree(serial).compile()
+    data = mujoco.MjData(m)
+    mujoco.mj_kinematics(m, data)
+    bodies = {name: int(m.joint(name).bodyid[0]) for name in joints}
+    nearest = {body: name for name, body in bodies.items()}
+    ends = _ends(serial, joints, payload_site)
+    return tuple(
+        _link(m, data, name, joints, end, payload_site)
+        if m.joint(name).type[0] == mujoco.mjtJoint.mjJNT_HINGE
+        and nearest[bodies[name]] == name
+        and m.body_mass[bodies[name]] > 0.0
+        else None
+        for name, end in zip(joints, ends, strict=True)
+    )
+
+
+def _link(
+    m: mujoco.MjModel,
+    data: mujoco.MjData,
+    joint: str,
+    joints: tuple[str, ...],
+    end: str | None,
+    payload_site: str | None,
+) -> Link:
+    j, body = m.joint(joint), int(m.joint(joint).bodyid[0])
+    principal = np.zeros(9)
+    mujoco.mju_quat2Mat(principal, m.body_iquat[body])
+    axes = principal.reshape(3, 3)
+    tensor = axes @ np.diag(m.body_inertia[body]) @ axes.T
+    inertial = Inertial(float(m.body_mass[body]), m.body_ipos[body].copy(), tensor)
+    axis, anchor = np.array(j.axis, float), np.array(j.pos, float)
+    rotation = data.xmat[body].reshape(3, 3)
+    ways = [inertial.centre - anchor, np.eye(3)[int(np.abs(axis).argmin())]]
+    if end is not None:
+        far = data.site(payload_site).xpos if end == "" else data.xanchor[m.joint(end).id]
+        ways.insert(0, rotation.T @ (far - data.xanchor[j.id]))
+    square = [way - (way @ axis) * axis for way in ways]
+    along = next(way for way in square if np.linalg.norm(way) > _NO_WAY)
+    along = along / np.linalg.norm(along)
+    gyration = float(np.sqrt(np.trace(tensor) / inertial.mass))
+    size = 2.0 * max(*(float(np.linalg.norm(way)) for way in square[:-1]), gyration)
+    parents, above = {int(m.joint(name).bodyid[0]) for name in joints}, int(m.body_parentid[body])
+    while above and above not in parents:
+        above = int(m.body_parentid[above])
+    return Link(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size, above > 0)
+
+
+@lru_cache(maxsize=64)
+def _ends(serial: Path, joints: tuple[str, ...], payload_site: str | None) -> tuple[str | None, ...]:
+    m = load_tree(serial).compile()
+    links = {name: int(m.joint(name).bodyid[0]) for name in joints}
+    last = {link: name for name, link in links.items()}  # of several joints of a body, the one next to it
+
+    def carrier(body: int) -> int:
+        """The link that a body belongs to; the world, if to none."""
+        while body and body not in last:
+            body = int(m.body_parentid[body])
+        return body
+
+    site = m.site(payload_site) if payload_site else None
+    out: list[str | None] = []
+    for name, link in links.items():
+        further = [b for b in last if carrier(int(m.body_parentid[b])) == link]
+        at_end = site is not None and carrier(int(site.bodyid[0])) == link and np.any(site.pos)
+        if last[link] != name or len(further) > 1:
+            out.append(None)
+        elif further:
+            out.append(last[further[0]] if np.any(m.body_pos[further[0]]) else None)
+        else:
+            out.append("" if at_end else None)
+    return tuple(out)
