@@ -12,7 +12,6 @@ from workbench.diagnosis import search
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis, applied_effect
-from workbench.diagnosis.sensitivity import Scene
 from workbench.diagnosis.stage import Search, Stage
 from workbench.diagnosis.ways import Quest, Way, starting_fit, with_stages
 from workbench.models import AppliedEffect, Model
@@ -39,10 +38,9 @@ SPRING_AND_DELAY = (
 
 
 def asked(model: Model, training: Sequence[Recording], held_out: Sequence[Recording] = ()) -> Quest:
-    """What a search is asked of these recordings, with nothing screened."""
+    """What a search is asked of these recordings."""
     data, runs = gather(model, training, held_out, seed=0)
-    scene = Scene.of(model, data, runs.clean, len(data.recordings))
-    return Quest(starting_fit(model, data, runs.clean), data, scene, (), 6, 0, lambda text: None)
+    return Quest(starting_fit(model, data, runs.clean), data, 6, 0, lambda text: None)
 
 
 def applied(model: Model, key: EffectKey, **values: float) -> AppliedEffect:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import pytest
 
@@ -35,8 +34,7 @@ def test_a_spring_at_the_drive_is_found_where_one_in_the_pin_was_taken_before_th
     def tried(text: str) -> None:
         raise AssertionError(text)
 
-    no_scene: Any = None
-    quest = Quest(found.start, found.start_data, no_scene, (), 6, 0, tried)
+    quest = Quest(found.start, found.start_data, 6, 0, tried)
     far = tuple(replace(stage, behind=((PIN, 2.6),)) for stage in found.stages)
     way = Way(found.final, last.data, far)
     assert others_instead(way, quest) is way, "what was far behind is not tried"

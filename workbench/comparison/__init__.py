@@ -1,5 +1,6 @@
 """How far a model is from measurements, and where."""
 
+from .by_law import with_torque_by_law
 from .closed_loop import ClosedLoop
 from .compare import cannot_run, compare, evaluate, matched, noise_rules, simulate_with_noise, told
 from .following import MeasuredMotion, followed
@@ -42,4 +43,5 @@ __all__ = [
     "told",
     "torque_left",
     "turned_axes",
+    "with_torque_by_law",
 ]

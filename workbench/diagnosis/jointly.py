@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.comparison import ClosedLoop, MeasuredMotion, followed
+from workbench.comparison import ClosedLoop, MeasuredMotion, followed, with_torque_by_law
 from workbench.core import EffectKey, SimulationError
 from workbench.models import AppliedEffect
-from workbench.simulation import scored_torque
 
 from .adequacy import Adequacy, adequacies
 from .data import Data, gather
@@ -75,10 +74,13 @@ def _along(quest: Quest) -> tuple[Data, Fit] | None:
     data = quest.data
     if isinstance(data.replay, MeasuredMotion):
         return data, quest.start
-    driven = isinstance(data.replay, ClosedLoop)
-    if not driven or any(scored_torque(r) is None for r in data.recordings):
+    if not isinstance(data.replay, ClosedLoop):
         return None
-    along, model = followed(data.recordings), quest.start.hypothesis.model
+    model = quest.start.hypothesis.model
+    driven = with_torque_by_law(model, data.recordings)
+    if driven is None:
+        return None
+    along = followed(driven)
     try:
         fresh, runs = gather(model, along[: data.training], along[data.training :], quest.seed)
     except SimulationError:

@@ -13,10 +13,11 @@ from .data import gather
 from .honing import honed
 from .instead import others_instead
 from .jointly import Joint, jointly
-from .judging import explained, mostly_explained, stands_out
+from .judging import EXPLAINED, explained, floor_of_judging, mostly_explained, stands_out
 from .mirrored import refuse_mirrored
 from .one_for_two import one_for_two
 from .other_ways import fewer, otherwise, what_the_torque_shows, what_was_passed_over
+from .removed import removed_share
 from .simpler import simpler, without
 from .stage import Search
 from .trying import Progress
@@ -70,12 +71,7 @@ def search(
     if not before:
         if not data.replay.on_ground:
             refuse_mirrored(model, training, first.score(start.mean_squares), first.score(first.floor))
-        joint = _of_many(quest, limit)
-        if joint is None:
-            way = _one_by_one(way, quest)
-            if not holds(way, quest) and limit > 1:
-                joint = jointly(quest)
-        way = way if joint is None else joint.way
+        way, joint = _explained(quest)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
     done = way.done or (len(way.stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
@@ -85,7 +81,7 @@ def search(
         first,
         simulated,
         way.stages,
-        quest.screened,
+        () if joint and joint.size > limit else quest.screened,
         before,
         done,
         explained(first, start, current, data),
@@ -95,12 +91,33 @@ def search(
     )
 
 
-def _of_many(quest: Quest, limit: int) -> Joint | None:
-    """The joint solution where no loop is known and more is missing than is added one by one."""
-    if not isinstance(quest.data.replay, MeasuredMotion):
-        return None
-    joint = jointly(quest)
-    return joint if joint and joint.size > limit > 1 else None
+def _explained(quest: Quest) -> tuple[Way, Joint | None]:
+    """What is missing, and the joint solution where that is the answer.
+
+    All axes and effects are solved together along the measured motion where no single effect explains the
+    recordings. That is the answer where it leads to the noise, where more is missing than can be added one
+    by one, and where the search one by one does not end in an explanation.
+    """
+    start, several = Way(quest.start, quest.data), quest.limit > 1
+    joint = jointly(quest) if several and (_is_long(quest) or not _one_may_do(quest)) else None
+    if joint and (joint.size > quest.limit or (joint.way.done and len(joint.way.stages) > 1)):
+        return joint.way, joint
+    way = _one_by_one(start, quest)
+    if holds(way, quest) or not several:
+        return way, None
+    joint = joint or jointly(quest)
+    return (way, None) if joint is None else (joint.way, joint)
+
+
+def _is_long(quest: Quest) -> bool:
+    """Whether single effects are too dear or too few to begin with: no loop, or more axes than effects."""
+    return isinstance(quest.data.replay, MeasuredMotion) or quest.start.hypothesis.model.size > quest.limit
+
+
+def _one_may_do(quest: Quest) -> bool:
+    """Whether a single effect, as screened, explains the recordings."""
+    least = min((c.judged for c in quest.screened), default=quest.start.judged)
+    return removed_share(quest.start.judged, least, floor_of_judging(quest.data)) >= EXPLAINED
 
 
 def _one_by_one(way: Way, quest: Quest) -> Way:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -47,8 +47,6 @@ class Quest:
     Attributes:
         start: the model as it is.
         data: the recordings with its noise.
-        scene: its linearised loops.
-        screened: every effect in every place, as a first one.
         limit: most effects to add one by one.
         seed: of the noise simulations.
         progress: told what is being done.
@@ -57,12 +55,22 @@ class Quest:
 
     start: Fit
     data: Data
-    scene: Scene
-    screened: tuple[Candidate, ...]
     limit: int
     seed: int
     progress: Progress
     scenes: deque[Scene] = field(default_factory=lambda: deque(maxlen=_SCENES), repr=False)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The loops of the model as it is, linearised."""
+        model = self.start.hypothesis.model
+        return Scene.of(model, self.data, self.start.simulated, len(self.data.recordings))
+
+    @cached_property
+    def screened(self) -> tuple[Candidate, ...]:
+        """Every effect in every place, as a first one."""
+        self.progress("screening effects")
+        return tuple(candidates(self.scene, self.start, self.data, self.seed))
 
 
 @dataclass(frozen=True)
@@ -89,7 +97,7 @@ def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data
 def quest_of(
     model: Model, data: Data, simulated: Sequence[Recording], limit: int, seed: int, progress: Progress
 ) -> Quest:
-    """What is searched for in a model, every effect in every place screened as a first one.
+    """What is searched for in a model.
 
     Args:
         model: the model as it is.
@@ -98,9 +106,7 @@ def quest_of(
         limit, seed, progress: as `Quest` has them.
     """
     data = data.heard(data.mean_squares(simulated))
-    start = starting_fit(model, data, simulated)
-    scene = Scene.of(model, data, start.simulated, len(data.recordings))
-    return Quest(start, data, scene, tuple(candidates(scene, start, data, seed)), limit, seed, progress)
+    return Quest(starting_fit(model, data, simulated), data, limit, seed, progress)
 
 
 def onwards(
