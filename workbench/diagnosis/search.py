@@ -26,6 +26,9 @@ from .ways import Quest, Way, after, holds, is_consistent, onwards, quest_of, wa
 LIMIT = 6  # effects in a row; data that need more need a better model first
 
 
+_MOSTLY = 0.5  # share of the excess that is known for certain: no other beginning leads to more
+
+
 class UnstableLoop(SimulationError):
     """The model as given cannot run in the loops of its recordings."""
 
@@ -95,13 +98,22 @@ def _explained(quest: Quest) -> tuple[Way, Joint | None]:
     """What is missing, and the joint solution where that is the answer.
 
     All axes and effects are solved together along the measured motion where no single effect explains the
-    recordings. That is the answer where it leads to the noise, where more is missing than can be added one
-    by one, and where the search one by one does not end in an explanation.
+    recordings. That is the answer where it leads to the noise, alone or with what is added to it, where more
+    is missing than can be added one by one, and where the search one by one does not end in an explanation.
     """
     start, several = Way(quest.start, quest.data), quest.limit > 1
     joint = jointly(quest) if several and (_is_long(quest) or not _one_may_do(quest)) else None
-    if joint and (joint.size > quest.limit or (joint.way.done and len(joint.way.stages) > 1)):
+    if joint and joint.size > quest.limit:
         return joint.way, joint
+    if joint and len(joint.way.stages) > 1:
+        if joint.way.done:
+            return joint.way, joint
+        # what is no torque along the motion may be missing beside them
+        way = onwards(joint.way, quest)
+        if holds(way, quest):
+            return _plain(_simplified(way, quest.seed, quest.progress), quest), None
+        if explained(quest.data, quest.start, joint.way.current, joint.way.data) > _MOSTLY:
+            return joint.way, joint
     way = _one_by_one(start, quest)
     if holds(way, quest) or not several:
         return way, None
