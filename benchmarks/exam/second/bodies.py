@@ -1,8 +1,11 @@
 """The parallelogram's inertia and gravity from its bodies: masses, lengths, central inertias.
 
-Every body's centre lies at a e(q1) + c e(q2), with e(q) the direction of a link at the angle q, and turns with
-the thigh or with the shank. So the kinetic energy is M11 w1^2 / 2 + M22 w2^2 / 2 + M12 cos(q2 - q1) w1 w2 with
-M11 = sum m a^2 + I of what turns with the thigh, M22 = sum m c^2 + I of what turns with the shank and
+Every body's centre lies at a e(q1) + c e(q2), with e(q) the direction of a link at the angle q, and turns
+with the thigh or with the shank. So the kinetic energy is
+
+    M11 w1^2 / 2 + M22 w2^2 / 2 + M12 cos(q2 - q1) w1 w2
+
+with M11 = sum m a^2 + I of what turns with the thigh, M22 = sum m c^2 + I of what turns with the shank and
 M12 = sum m a c; the potential energy is -g1 cos q1 - g2 cos q2 with g1 = g sum m a, g2 = g sum m c.
 """
 
@@ -15,7 +18,7 @@ THIGH, SHANK, CRANK = 0.175, 0.24, 0.06  # lengths [m]
 
 
 class Body(NamedTuple):
-    """One rigid body: mass [kg], centre (a along the thigh, c along the shank [m]), central inertia [kg m^2]."""
+    """One rigid body: mass [kg], centre a along the thigh and c along the shank [m], inertia [kg m^2]."""
 
     mass: float
     a: float

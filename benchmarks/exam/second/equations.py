@@ -1,10 +1,11 @@
-"""Hamilton's equations of the leg, and one step of them: Runge and Kutta for what is smooth, impulses for stiction.
+"""Hamilton's equations of the leg, and dry friction as impulses.
 
-The state is angles q and momenta p of thigh, shank, motor 1, motor 2, then the Dahl states, the currents and the
-filtered speeds. With the energies of `bodies`, p' = -dH/dq + torque; a motor without a spring behind it is its
-link. Dry friction is a set-valued law of the speed at the end of the step, solved for the impulse of the step as
-in J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics, 1988: a pin that can be held is
-held exactly, without a band of speed and without locating when it stops.
+The state is angles q and momenta p of thigh, shank, motor 1, motor 2, then the Dahl states, the currents
+and the filtered speeds. With the energies of `bodies`, p' = -dH/dq + torque; a motor without a spring
+behind it is its link. Dry friction is a set-valued law of the speed at the end of the step, solved for
+the impulse of the step (J. J. Moreau, Unilateral contact and dry friction in finite freedom dynamics,
+1988): a pin that can be held is held exactly, without a band of speed and without locating when it
+stops.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ COULOMB, STRIBECK, UNEVEN, LOADED, PATCHY = range(5)  # dry ones
 _SWEEPS, _TIGHT = 60, 1e-13
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def speeds(x, links, drives, v):
     """Speeds (4,) of a state, into `v`: p = M(q) v."""
     soft1, soft2 = drives[STIFFNESS, 0] > 0.0, drives[STIFFNESS, 1] > 0.0
@@ -39,7 +40,7 @@ def speeds(x, links, drives, v):
     v[3] = x[7] / drives[ROTOR, 1] if soft2 else v[1]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def at_place(place, values):
     """Angle or speed at a place, of those of thigh, shank and motors (4,)."""
     if place == PIN:
@@ -47,7 +48,7 @@ def at_place(place, values):
     return values[2 + place]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def push(place, torque, drives, force):
     """Adds a torque at a place to the forces (4,) on thigh, shank and motors."""
     if place == PIN:
@@ -59,7 +60,7 @@ def push(place, torque, drives, force):
         force[place] += torque
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def allowed(command, speed, drives, i):
     """What of a command [N m] a drive's limits let through."""
     torque = min(max(command, -drives[LIMIT, i]), drives[LIMIT, i])
@@ -71,7 +72,7 @@ def allowed(command, speed, drives, i):
     return torque
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def smooth_torque(row, q, v):
     """Torque of one smooth effect: kind, place, parameters; of angles and speeds (4,)."""
     kind, place = int(row[0]), int(row[1])
@@ -94,7 +95,7 @@ def smooth_torque(row, q, v):
     return -row[2] * v[3 - place]  # CROSS: by the other motor's speed
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def rates(x, dx, command, outside, dry, smooth, dahl, links, drives, v, force):
     """x' of a state; `dry` are the torques (n,) of `frictions` kept over the step, as forces (4,)."""
     speeds(x, links, drives, v)
@@ -130,9 +131,9 @@ def rates(x, dx, command, outside, dry, smooth, dahl, links, drives, v, force):
         dx[4 + i] = force[i]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def level(row, slip, at, load):
-    """Friction [N m] of one dry effect at a slip speed; the sign of a slip of zero is that of its direction."""
+    """Friction [N m] of one dry effect at a slip speed; of a speed of +-0 the sign is the direction."""
     kind = int(row[0])
     if kind == COULOMB:
         return row[2]
@@ -145,7 +146,7 @@ def level(row, slip, at, load):
     return row[2] * (1.0 + sin(row[3] * at + row[4]))  # PATCHY
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def settle(x, h, kept, command, frictions, links, drives, v, work):
     """Changes the step's friction from `kept` (n,) to what the speed at its end asks for.
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,22 +11,13 @@ from workbench.core import Controller, Recording, SimulationError
 
 from . import equations as eq
 from .bodies import Structure, structure
+from .hidden import Hidden
 from .march import run
 from .motions import Motion
 
 AXES = ("hip", "knee")
 KP, KD = 50.0, 1.5  # N m/rad, N m s/rad
 ROTOR, DAMPING, DELAY, LIMIT = 0.0162, 0.0972, 3e-3, 24.0  # of either drive, SI
-
-
-@dataclass(frozen=True)
-class Hidden:
-    """What the second leg hides; attributes as of `workbench.rigs.HiddenEffect`."""
-
-    effect: str
-    axis: str | None = None
-    location: str = "actuator"
-    parameters: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

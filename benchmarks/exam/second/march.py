@@ -16,7 +16,7 @@ _KEPT = 1024  # steps that are remembered
 _SAME = 1e-9  # s; times closer than this are one
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def run(
     period, ticks, delay, late, reference, feedforward, noise, encoder, outside, gains, sensors,
     frictions, smooth, dahl, links, drives,
@@ -91,7 +91,7 @@ def run(
     return shown
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def look(past, count, time, sensors):
     """What both encoders show of the motion at a time: cubic in the angle, straight in the speed."""
     k = count - 1
@@ -112,7 +112,7 @@ def look(past, count, time, sensors):
     return out[0], out[1], out[2], out[3]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def step(x, h, command, outside, kept, frictions, smooth, dahl, links, drives, v, work, spare):
     """Runge and Kutta's fourth order with the friction of the step before, then the friction of this one."""
     k1, k2, k3, k4, y = spare[0], spare[1], spare[2], spare[3], spare[4]

@@ -50,7 +50,9 @@ def _sweep(posture: np.ndarray, draw: np.random.Generator, duration: float = 7.0
         turns = np.cumsum(f) * PERIOD
         waves.append(0.22 / np.sqrt(1 + f / 3) * np.sin(2 * np.pi * (turns - turns[0])) * _fade(t, duration))
     reference = posture + np.column_stack(waves)
-    return Motion("sweep", reference, np.zeros_like(reference), Excitation("chirp", f_min_hz=low, f_max_hz=high))
+    return Motion(
+        "sweep", reference, np.zeros_like(reference), Excitation("chirp", f_min_hz=low, f_max_hz=high)
+    )
 
 
 def _torques(
@@ -82,9 +84,7 @@ def _ramps(posture: np.ndarray, draw: np.random.Generator, duration: float = 9.0
     return Motion("ramps", reference, np.zeros_like(reference), Excitation("reference"))
 
 
-def _wander(
-    name: str, posture: np.ndarray, draw: np.random.Generator, duration: float, top: float
-) -> Motion:
+def _wander(name: str, posture: np.ndarray, draw: np.random.Generator, duration: float, top: float) -> Motion:
     """Both joints follow smooth random curves of frequencies up to `top` [Hz]."""
     t = _clock(duration)
     columns = []
