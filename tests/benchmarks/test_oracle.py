@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from exam.against import changes, report
+from exam.answers import key_of
 from exam.cases import KINDS
 from exam.compact import compact, machine_line, read, write
 from exam.oracle import EACH, QUICK, oracle_cases
 from exam.second.cases import ALIKE, second_cases
 from exam.second.leg import SecondLeg
+from hidden_effects import conclude
 
 CASES = oracle_cases()
 FILE = Path(__file__).parents[2] / "benchmarks" / "oracle.jsonl"
@@ -48,7 +50,7 @@ def test_what_is_committed_is_of_these_cases() -> None:
     cases = {case.name: case for case in CASES}
     for line in read(FILE):
         if not line["case"].startswith("machine-") and "failed" not in line:
-            assert len(line["hidden"]) == len(cases[line["case"]].hidden)
+            assert line["hidden"] == [str(key_of(h)) for h in cases[line["case"]].hidden]
 
 
 def finding(key: str = "coulomb_friction@knee", how: str = "right", value: float = 0.3) -> dict:
@@ -135,3 +137,13 @@ def test_lines_that_are_given_anew_take_the_place_of_the_old(tmp_path: Path) -> 
     assert [line["case"] for line in lines] == ["a", "b", "c"]
     assert [len(line["named"]) for line in lines] == [0, 1, 1]
     assert np.all([len(text) < 400 for text in file.read_text().splitlines()])
+
+
+def test_a_run_that_is_worse_ends_with_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "short.jsonl"
+    conclude([RIGHT], None, file, None)
+    for given, code in ((RIGHT, 0), (marks(good=False, outcome="consistent"), 1)):
+        with pytest.raises(SystemExit) as end:
+            conclude([given], None, None, file)
+        assert int(end.value.code or 0) == code
+    assert "## Worse: 1" in capsys.readouterr().out
