@@ -11,6 +11,8 @@ from workbench.core.results import Diagnosis
 from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect
 
+from .second.hidden import Hidden
+
 
 @dataclass(frozen=True)
 class Named:
@@ -56,12 +58,12 @@ def answer_of(diagnosis: Diagnosis) -> Answer:
     return Answer(diagnosis.verdict, named, after)
 
 
-def key_of(hidden: HiddenEffect) -> EffectKey:
+def key_of(hidden: HiddenEffect | Hidden) -> EffectKey:
     """The catalogue's name of what is hidden."""
     return EffectKey(hidden.effect, hidden.axis, hidden.location)
 
 
-def with_truth(model: Model, hidden: Sequence[HiddenEffect]) -> Model:
+def with_truth(model: Model, hidden: Sequence[HiddenEffect | Hidden]) -> Model:
     """The model that has what is hidden, with the true parameters."""
     for each in hidden:
         parameters = dict(each.parameters)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from workbench.rigs.draw import magnitude_range
 from workbench.rigs.magnitudes import SMALLEST, Seat
 
 from .outsiders import OUTSIDE, draw_outsider
+from .second.hidden import Hidden
 
 KINDS = ("single", "pair", "triple", "clean", "outsider")
 #: Magnitudes as a share of the way, in logarithms, from the smallest that is drawn to the largest. The
@@ -49,14 +51,16 @@ class Case:
         hidden: what the rig hides.
         size: of `SIZES`, or ``"drawn"``.
         recorded: ``"usual"`` or one of `ODD`.
+        rig: which simulator records it, the virtual leg or the second one.
     """
 
     name: str
     kind: str
     seed: int
-    hidden: tuple[HiddenEffect, ...]
+    hidden: tuple[HiddenEffect | Hidden, ...]
     size: str = "drawn"
     recorded: str = "usual"
+    rig: Literal["virtual", "second"] = "virtual"
 
 
 def all_cases(seed: int = 0) -> list[Case]:

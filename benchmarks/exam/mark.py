@@ -75,6 +75,7 @@ def mark(
         return {**line, "failed": f"diagnosis: {type(error).__name__}: {error}"}
     line["wall_s"] = round(time.perf_counter() - wall, 2)
     line["cpu_s"] = round(time.process_time() - cpu, 2)
+    line["work"] = float(diagnosis.work)
     before = compare(model, data.training, draws=4)
     judging = data.held_out or data.training
     known = case.kind != "outsider"

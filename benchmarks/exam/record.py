@@ -13,6 +13,7 @@ from workbench.core import Recording
 from workbench.recordings import load_recordings, save_recording
 from workbench.rigs import (
     Experiment,
+    HiddenEffect,
     Sensors,
     VirtualLeg,
     degrade,
@@ -22,6 +23,9 @@ from workbench.rigs import (
 )
 
 from .cases import Case
+from .second.hidden import Hidden
+from .second.leg import Noise, SecondLeg
+from .second.motions import motions
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,9 @@ def record(case: Case) -> Recorded:
     Raises:
         SimulationError: the leg runs away.
     """
+    if case.rig == "second":
+        read = _written_and_read(_second(case))
+        return Recorded(read[:-1], read[-1:])
     sensors, period = Sensors(), 3e-3
     *training, judge = experiments_for([h.effect for h in case.hidden], case.seed)
     match case.recorded:
@@ -57,11 +64,20 @@ def record(case: Case) -> Recorded:
             sensors = Sensors(velocity_noise=0.06, torque_noise=0.1)
         case "fast_loop":
             period = 2e-3
-    leg = VirtualLeg(case.hidden, case.seed, sensors, control_period=period)
+    hidden = [HiddenEffect(h.effect, h.axis, h.location, h.parameters) for h in case.hidden]
+    leg = VirtualLeg(hidden, case.seed, sensors, control_period=period)
     recordings = [_degraded(r, case.recorded) for r in leg.run([*training, judge])]
     held_out = case.recorded not in ("no_holdout", "one_chirp")
     read = _written_and_read(recordings if held_out else recordings[:-1])
     return Recorded(read[:-1], read[-1:]) if held_out else Recorded(read, ())
+
+
+def _second(case: Case) -> list[Recording]:
+    """The second leg's motions, the one that judges last."""
+    noise = Noise(encoder=2 * np.pi / 2**12) if case.recorded == "coarse" else Noise()
+    tick = 2e-3 if case.recorded == "fast_loop" else 3e-3
+    hidden = [Hidden(h.effect, h.axis, h.location, h.parameters) for h in case.hidden]
+    return SecondLeg(hidden, case.seed, noise, tick).run(motions(case.seed))
 
 
 def _first(experiment: Experiment, duration: float) -> Experiment:

@@ -198,6 +198,7 @@ class Diagnosis(Shown):
         notes: what stands for them, one line each.
         near: effects that lower the error and are not certain enough to be named.
         stopped: why the search ended.
+        work: what the search simulated, in steps of one coordinate; the same on any machine.
     """
 
     model: str
@@ -221,6 +222,7 @@ class Diagnosis(Shown):
     holdout_noise_error: float | None = None
     near: tuple[Finding, ...] = ()
     stopped: Stopped = "nothing_helps"
+    work: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -218,6 +218,7 @@ def _diagnosis(found: Search) -> Diagnosis:
         holdout_noise_error=_held_out_floor(found.final_data if named else found.start_data),
         near=near_findings(found),
         stopped=found.stopped,
+        work=found.start_data.effort.done,
         notes=(
             *before.notes,
             *_softness(found),
