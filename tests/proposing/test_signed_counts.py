@@ -34,6 +34,7 @@ def test_the_sign_comes_back_and_it_is_said(bits: int) -> None:
     "values",
     [
         (4000.0 * np.arange(400)) % 65536,  # an encoder that turns on
+        (1000.0 * np.arange(400) + 2.0**32 - 3e5) % 2**32,  # a counter that begins anew
         np.where(np.arange(400) % 50 == 0, 65535.0, np.abs(LOAD)),  # a mark of what was not measured
         LOAD,
         LOAD % 65536 + 0.5,

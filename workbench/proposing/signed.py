@@ -16,7 +16,7 @@ def signed_counts(table: Table) -> Table:
     """The table with its whole numbers of 16 or 32 bits signed, where they jump over nearly all of that.
 
     Numbers either side of zero leave the middle of the unsigned range empty, which no encoder that turns on
-    and no counter does.
+    does, and go both ways, which no counter does.
     """
     columns, notes = dict(table.columns), list(table.notes)
     for name, values in columns.items():
@@ -42,7 +42,9 @@ def _bits_of(values: np.ndarray) -> int:
         above, below = known[known >= half], known[known < half]
         if not len(above) or not len(below) or above.max() >= whole:
             continue
-        jumps = np.abs(np.diff(known)) > half
-        if above.min() - below.max() > half and jumps.any() and len(np.unique(above)) >= _FEWEST:
+        steps = np.diff(known)
+        jumps = np.abs(steps) > half
+        turns = np.any(steps[~jumps] > 0) and np.any(steps[~jumps] < 0)  # a counter only rises
+        if above.min() - below.max() > half and jumps.any() and turns and len(np.unique(above)) >= _FEWEST:
             return bits
     return 0
