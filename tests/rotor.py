@@ -18,24 +18,26 @@ def pushed(
     folder: Path, reference: np.ndarray, gains: tuple[float, float], *, limit: float = 1e9,
     stall: float = 1e9, fastest: float = 1e9, gain: float = 1.0, bias: float = 0.0,
     friction: Callable[[float], float] = lambda w: 0.0, noise: float = 0.01, counts: int = 0,
-    wobble: float = 0.0, seed: int = 0, name: str = "r",
+    wobble: float = 0.0, late: int = 0, damped: float = 1.0, seed: int = 0, name: str = "r",
 ) -> Recording:  # fmt: skip
     """The rotor in `folder` / rotor.xml along a reference (N,) at 500 Hz.
 
     Limit and line clip the torque, of which the motor gives `gain`, and `bias` on top. `counts` a revolution
-    and `wobble` [rad/s] are the sensors'. Steps of 0.1 ms are simple: the position is half of one ahead.
+    and `wobble` [rad/s] are the sensors'. The torque acts `late` rows behind its command, of whose damping
+    only the share `damped` is there. Steps of 0.1 ms are simple: the position is half of one ahead.
     """
     (folder / "rotor.xml").write_text(ROTOR)
     generator = np.random.default_rng(seed)
     kp, kd = gains
     q = w = 0.0
-    rows = []
+    rows, way = [], [0.0] * late
     for r in reference:
         at = 2 * np.pi / counts * np.round(q * counts / (2 * np.pi)) if counts else q
         speed = w + wobble * generator.standard_normal()
-        asked = kp * (r - at) - kd * speed
+        asked = kp * (r - at) - damped * kd * speed
         ceiling = np.clip(stall * (1.0 - np.sign(asked) * w / fastest), 0.0, stall)
-        given = float(np.clip(asked, -min(limit, ceiling), min(limit, ceiling)))
+        way.append(asked)
+        given = float(np.clip(way.pop(0), -min(limit, ceiling), min(limit, ceiling)))
         rows.append((at, speed, asked, given + noise * generator.standard_normal(), r))
         for _ in range(20):
             h = _STEP / 20

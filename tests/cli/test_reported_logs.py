@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,8 @@ def test_signs(tmp_path: Path, pair: str, named: str) -> None:
     first, second = (tmp_path / f"{name}.toml" for name in pair.split())
     told = run("diagnose", logs / "leg.xml", first, "--holdout", second, cwd=tmp_path)
     assert told.returncode == 2 and named in told.stderr
+    beside = run("compare", logs / "leg.xml", first, "--json", "-", cwd=tmp_path)
+    assert beside.returncode == 0 and any(named in note for note in json.loads(beside.stdout)["notes"])
 
 
 def test_units_that_no_number_tells(tmp_path: Path) -> None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import find, given
 from hypothesis import strategies as st
 
 from workbench.core import Controller, Excitation, InputError, Recording, Timing
 from workbench.recordings import load_recording, save_recording
+from workbench.recordings.description import _SECTIONS, Description
 
 
 def made(rows: int = 60, period: float = 0.002, **changes: object) -> Recording:
@@ -61,6 +64,61 @@ def test_round_trip(
     for name, values in before.signals.items():
         np.testing.assert_array_equal(after.signals[name], values)
     np.testing.assert_array_equal(after.extra["ground_force"], before.extra["ground_force"])
+
+
+_GAIN = st.floats(1e-3, 1e3)
+_GAINS = st.tuples(_GAIN, _GAIN)
+_KINDS = st.lists(st.sampled_from(["position", "velocity", "torque"]), unique=True)
+_PERIOD = st.none() | st.floats(1e-4, 0.1)
+_WHERE = st.sampled_from(["joint", "actuator"])
+#: What the TOML may say; with every key of it, so that a new one cannot be forgotten here.
+_TOLD = st.fixed_dictionaries(
+    {
+        "name": st.text("abc-_ äß\"'.", min_size=1).filter(str.strip),
+        "rig": st.text("rig 1\\", max_size=5),
+        "axes": st.sampled_from([("hip", "slide"), ("a.b", "ä")]),
+        "coordinates": _WHERE,
+        "units": st.tuples(*2 * [st.sampled_from(["rad", "m"])]),
+        "guessed_units": _KINDS.map(tuple),
+        "controller": st.one_of(
+            st.builds(Controller, st.sampled_from(["none", "unknown"]), _WHERE, period_s=_PERIOD),
+            st.builds(
+                Controller, st.just("pd"), _WHERE, kp=_GAINS, kd=_GAINS, limit=_GAINS, period_s=_PERIOD
+            ),
+            st.builds(
+                Controller, st.just("cascade_pv"), _WHERE, kp=_GAINS, kv=_GAINS, gain=_GAINS, period_s=_PERIOD
+            ),
+        ),
+        "excitation": st.builds(
+            Excitation,
+            st.sampled_from(["chirp", "multisine", "reference", "policy", "hold", "random"]),
+            st.sampled_from([None, "sum", "difference", "single"]),
+            period_s=st.none() | st.just(0.05),
+            f_min_hz=st.none() | st.floats(0.1, 5.0),
+            f_max_hz=st.none() | st.floats(6.0, 200.0),
+            lines=st.sampled_from([None, "odd", "every_4", (1, 5, 9)]),
+        ),
+        "timing": st.builds(
+            Timing, st.booleans(), st.booleans(), st.sampled_from(["motor", "loop"])
+        ),
+    }
+)  # fmt: skip
+
+
+@given(told=_TOLD)
+def test_all_that_is_told_comes_back(tmp_path_factory: pytest.TempPathFactory, told: dict[str, Any]) -> None:
+    path = tmp_path_factory.mktemp("trip") / "r.toml"
+    save_recording(made(**told), path, compress=False)
+    after = load_recording(path)
+    assert {name: getattr(after, name) for name in told} == told
+
+
+def test_no_key_of_the_file_is_forgotten_here() -> None:
+    example: dict[str, Any] = find(_TOLD, lambda told: True)
+    assert {*example, "format", "table", "columns"} == set(Description.model_fields)
+    for part in ("controller", "excitation", "timing"):
+        section = _SECTIONS[part].model_fields
+        assert set(section) == {f.name for f in fields(example[part])}
 
 
 def test_cascade_without_limit(tmp_path: Path) -> None:

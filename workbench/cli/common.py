@@ -15,6 +15,7 @@ from workbench.core.files import check_free
 from workbench.core.text import plain
 
 from . import complete
+from .heartbeat import begin
 
 if TYPE_CHECKING:
     from workbench.models import Model
@@ -48,7 +49,9 @@ WholeOption = Annotated[
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite outputs that exist.")]
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the noise simulations.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+QuietOption = Annotated[
+    bool, typer.Option("--quiet", "-q", callback=begin, is_eager=True, help="Print nothing but errors.")
+]
 
 
 def echo(text: str, *, err: bool = False) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 import typer
+
+from workbench.core import SimulationError
 
 from .app import app
 from .common import (
@@ -17,6 +20,7 @@ from .common import (
     SeedOption,
     check_outputs,
     deliver,
+    echo,
     files_of,
     open_sources,
 )
@@ -42,13 +46,21 @@ def compare(
     Example: workbench compare leg recordings/chirp_hip.toml --html report.html
     """
     from workbench.comparison import compare_logs
+    from workbench.diagnosis import doubts
     from workbench.effects import load_model
 
     check_outputs(json, html, force=force)
     loaded, data = load_model(model), open_sources(recordings)
     with progress(quiet) as tell:
         tell("simulating the recordings, with and without noise")
-        result = compare_logs(loaded, data, seed=seed, progress=tell)
+        try:
+            result = compare_logs(loaded, data, seed=seed, progress=tell)
+        except SimulationError:
+            for line in () if quiet else doubts(loaded, data):
+                echo(f"note: {line}", err=True)
+            raise
+        if not result.consistent:
+            result = replace(result, notes=(*doubts(loaded, data), *result.notes))
     deliver(
         result,
         json=json,

@@ -13,6 +13,7 @@ from workbench.core import InputError
 
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
+from .heartbeat import waiting
 
 
 @app.command()
@@ -49,7 +50,8 @@ def deploy(
     robot = load_config(config)
     policy = None if bundle == "tracker" else read_bundle(bundle)
     if not (dry_run or yes):
-        typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True, err=True)
+        with waiting():
+            typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True, err=True)
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):
         raise InputError("a velocity is no number", remedy="give three: --velocity 0.8 0 0.8")

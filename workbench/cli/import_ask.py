@@ -11,6 +11,7 @@ import typer
 from workbench.core import InputError
 
 from .common import echo
+from .heartbeat import waiting
 
 if TYPE_CHECKING:
     from workbench.proposing import Answers, Proposal, Question, Table
@@ -73,7 +74,8 @@ def _asked(question: Question, answers: Answers, table: Table) -> Answers:
         echo(possible, err=True)
     default = "y" if is_it_so else question.best or None
     for tried in range(1, _TRIES + 1):
-        text = str(typer.prompt("Answer", default=default, err=True)).strip()
+        with waiting():
+            text = str(typer.prompt("Answer", default=default, err=True)).strip()
         if text.lower() in _NO and text not in question.choices:
             echo(f"Then what is it? {possible}" if is_it_so else possible, err=True)
             continue

@@ -7,27 +7,27 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import typer
-
-_SILENCE_S = 30.0
+from .heartbeat import current, duration, waiting
 
 
 @contextmanager
 def progress(quiet: bool) -> Iterator[Any]:
     """A line that says what is being done, for how long, and how long yet.
 
-    In a log or a pipe it is a line of standard error every half minute, and none of what is done sooner. What
-    it gives is told a text, and perhaps which part of the whole is done (0 to 1).
+    In a log or a pipe it is a line of standard error now and then (`heartbeat`), and none of what is done
+    sooner. What it gives is told a text, and perhaps which part of the whole is done (0 to 1).
     """
     from rich.console import Console
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     console = Console(stderr=True)
-    if quiet or not console.is_terminal:
-        yield (lambda text, done=None: None) if quiet else _now_and_then()
+    if quiet or not console.is_terminal or console.is_dumb_terminal:
+        heart = None if quiet else current()
+        yield (lambda text, done=None: None) if heart is None else heart.tell
         return
     columns = SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn()
-    with Progress(*columns, TextColumn("{task.fields[left]}"), console=console, transient=True) as shown:
+    left = TextColumn("{task.fields[left]}")
+    with waiting(), Progress(*columns, left, console=console, transient=True) as shown:
         task = shown.add_task("starting", total=None, left="")
         started = time.monotonic()
 
@@ -37,21 +37,6 @@ def progress(quiet: bool) -> Iterator[Any]:
             shown.update(task, description=text, left=f"about {left} left" if left else "")
 
         yield tell
-
-
-def _now_and_then() -> Any:
-    """Tells what is being done if nothing was told for a while."""
-    started = last = time.monotonic()
-
-    def tell(text: str, done: float | None = None) -> None:
-        nonlocal last
-        del done
-        now = time.monotonic()
-        if now - last >= _SILENCE_S:
-            typer.echo(f"after {duration(now - started)}: {text}", err=True)
-            last = now
-
-    return tell
 
 
 #: Which part of a diagnosis is done when it begins with this, where one effect is found (by CPU time, on
@@ -76,9 +61,3 @@ def staged(tell: Any) -> Any:
         tell(text, reached)
 
     return told
-
-
-def duration(seconds: float) -> str:
-    """A time in words."""
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes} min {rest:02d} s" if minutes else f"{rest} s"

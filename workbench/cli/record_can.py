@@ -11,6 +11,8 @@ import typer
 from workbench.core import InputError
 from workbench.core.files import check_free
 
+from .heartbeat import waiting
+
 if TYPE_CHECKING:
     from workbench.frf import Design
     from workbench.rigs import HiddenEffect
@@ -49,7 +51,8 @@ def record_over_can(
             else:
                 if not yes:
                     moves = f"'{trial.name}' moves {', '.join(config.axes)}. Is everybody clear?"
-                    typer.confirm(moves, abort=True, err=True)
+                    with waiting():
+                        typer.confirm(moves, abort=True, err=True)
                 result = record_live(config, design, k, log)
             files.append(keep(result, folder, log, force))
     return files

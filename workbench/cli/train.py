@@ -13,7 +13,8 @@ from workbench.core import InputError
 from . import complete
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, files_of, write_result
-from .progress import duration, progress
+from .heartbeat import duration
+from .progress import progress
 
 if TYPE_CHECKING:
     from workbench.training.learn import Progress

@@ -1,7 +1,8 @@
 """Which physical effect is missing from a model, and how sure one can be."""
 
 from .diagnose import diagnose, improve
+from .doubts import doubts
 from .judging import EXPLAINED
 from .one_effect import fit_effect
 
-__all__ = ["EXPLAINED", "diagnose", "fit_effect", "improve"]
+__all__ = ["EXPLAINED", "diagnose", "doubts", "fit_effect", "improve"]

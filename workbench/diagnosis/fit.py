@@ -10,6 +10,7 @@ import numpy as np
 from workbench.core import Recording
 
 from .data import Data
+from .delays import as_late_as_the_best
 from .hypothesis import Fit, Hypothesis, moved, room
 from .marching import respond
 from .normal import Normal, normal, total
@@ -17,6 +18,7 @@ from .removed import removed_share
 from .sensitivity import Scene
 from .solve import solve
 from .uncertainty import covariance_of, with_deviations
+from .whole_rows import has_edges, over_the_edge
 
 _ITERATIONS = 6
 ENOUGH = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
@@ -25,6 +27,8 @@ _TELLING = 0.6  # share of the error in the recordings of a race's first heats
 _HEATS = 3  # simulations of each hypothesis in them
 _BEHIND = 2.5  # what leaves this many times the best one's excess falls out
 _AT_ONCE = 10_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
+_EDGES = 4  # simulations from which a fit is one that ends where it is best, and of those beyond a row's edge
+_LEFT = 1.1  # times the noise, from which a delay's other rows are tried
 _RUNAWAY = 1e100  # noise levels of response to one unit; the square of much more is no number
 PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
@@ -66,6 +70,8 @@ def fit(
         One fit a hypothesis; None where it never ran (unstable, or a body that cannot be).
     """
     works = _pursued(hypotheses, data, iterations, enough)
+    if iterations >= _EDGES:
+        works = [_over_the_edge(w, data, enough) for w in works]
     _linearise([w for w in works if w.pieces is None and np.isfinite(w.value)], data)
     return [_finish(w, data) for w in works]
 
@@ -94,6 +100,18 @@ def _pursued(
     return works
 
 
+def _over_the_edge(work: _Work, data: Data, enough: float) -> _Work:
+    """Where noise does not explain a fit, a better one beyond the next row of a delay, if there is one."""
+    floor = data.objective(data.least())
+    if not has_edges(work.best) or not _LEFT * floor < work.value < np.inf:
+        return work
+    _linearise([work] if work.pieces is None else [], data)
+    if work.pieces is None:
+        return work
+    starts = over_the_edge(work.best, total(work.pieces), data.recordings[0].period)
+    return min([work, *_pursued(starts, data, _EDGES, enough)], key=lambda w: w.value)
+
+
 def race(
     hypotheses: Sequence[Hypothesis], current: Fit, data: Data
 ) -> tuple[list[Fit | None], list[float | None]]:
@@ -113,13 +131,28 @@ def race(
     floor = some.objective(some.pool(some.floor))
     before = some.objective(some.pool(current.mean_squares[list(telling)]))
     first = _pursued(hypotheses, some, _HEATS)
-    left = np.array([w.value - floor for w in first])
+    first = _second_tries(first, _in_the_running(first, before, floor), some, 0.5 * (before + floor))
+    near = _in_the_running(first, before, floor)
     shares = [removed_share(before, w.value, floor) if np.isfinite(w.value) else None for w in first]
-    limit = _BEHIND * max(left.min(initial=np.inf), 0.0) + 0.2 * floor + 0.02 * max(before - floor, 0.0)
-    near = np.isfinite(left) & (left <= limit)
     running = {k: w.best for k, w in enumerate(first) if near[k]}
     final = dict(zip(running, fit(list(running.values()), data), strict=True))
     return [final.get(k) for k in range(len(first))], shares
+
+
+def _in_the_running(works: Sequence[_Work], before: float, floor: float) -> np.ndarray:
+    """Which of them (W,) have not fallen behind the best."""
+    left = np.array([w.value - floor for w in works])
+    limit = _BEHIND * max(left.min(initial=np.inf), 0.0) + 0.2 * floor + 0.02 * max(before - floor, 0.0)
+    return np.isfinite(left) & (left <= limit)
+
+
+def _second_tries(works: list[_Work], near: np.ndarray, data: Data, most: float) -> list[_Work]:
+    """Delays that fell behind, from where the best one has come; over a row's edge if they left no more."""
+    led = as_late_as_the_best([w.best for w in works], [w.value for w in works], near)
+    out = list(works)
+    for k, other in zip(led, _pursued(list(led.values()), data, _HEATS), strict=True):
+        out[k] = min(out[k], other, key=lambda w: w.value)
+    return [w if near[k] or w.value > most else _over_the_edge(w, data, ENOUGH) for k, w in enumerate(out)]
 
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:

@@ -1,4 +1,4 @@
-"""One effect with few parameters in place of two that have many together."""
+"""One effect in place of two that have many parameters together, or of two delays."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import AppliedEffect
 
+from .delays import is_late, one_for_both
 from .fit import fit
 from .giving import pins_of
 from .hypothesis import Fit, Hypothesis
 from .judging import TIE, floor_of_judging, rejudged, witnessed
 from .refining import polished, with_candidate
 from .removed import removed_share
-from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
 from .sticking import candidates
@@ -32,14 +32,20 @@ def one_for_two(way: Way, quest: Quest) -> Way:
     """One cause with at most half the parameters that explains as much as two; `way` where there is none.
 
     A load at the foot is inertia and weight of the linkage at once, and passes for both as long as a third
-    cause is missing. Five parameters that are what one would make them are no chance.
+    cause is missing. Five parameters that are what one would make them are no chance. Of two delays, which
+    have one each, one is tried that is as late as both.
     """
     if wanders(way.current) or not holds(way, quest):
         return way  # what explains less has no name
     for pair in combinations(way.current.hypothesis.free, 2):
-        if way.data.effort.spent or sum(len(a.parameters) for a in pair) < _MANY:
+        if way.data.effort.spent:
+            break
+        if all(is_late(a.key) for a in pair):
+            found = _as_late_as_both(pair, way, quest)
+        elif sum(len(a.parameters) for a in pair) >= _MANY:
+            found = _in_place_of(pair, way, quest)
+        else:
             continue
-        found = _in_place_of(pair, way, quest)
         if found is not None:
             return with_stages(
                 Way(quest.start, quest.data), _stages(found, pair, way, quest.start), quest.seed
@@ -49,7 +55,7 @@ def one_for_two(way: Way, quest: Quest) -> Way:
 
 def _in_place_of(
     pair: tuple[AppliedEffect, AppliedEffect], way: Way, quest: Quest
-) -> tuple[Candidate, Fit] | None:
+) -> tuple[EffectKey, Fit] | None:
     """The effect that does, with its fit beside all others."""
     current, data = way.current, way.data
     one, other = pair
@@ -65,26 +71,44 @@ def _in_place_of(
         if c.key not in {one.key, other.key}
     )
     chosen = list(islice(((c, h) for c, h in tried if 0 < h.size - rest.hypothesis.size <= few), _TRIED))
-    fits = fit([h for _, h in chosen], data)
-    most = 1.0 + TIE
+    return _as_good([(c.key, h) for c, h in chosen], scene, way)
+
+
+def _as_late_as_both(
+    pair: tuple[AppliedEffect, AppliedEffect], way: Way, quest: Quest
+) -> tuple[EffectKey, Fit] | None:
+    """One delay in place of two that does, with its fit beside all others."""
+    current, data = way.current, way.data
+    one, other = pair
+    quest.progress(f"asking whether one delay will do for {one.key} and {other.key}")
+    tried = [(h.free[-1].key, h) for h in one_for_both(current.hypothesis, one, other)]
+    scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+    return _as_good(tried, scene, way)
+
+
+def _as_good(
+    tried: Sequence[tuple[EffectKey, Hypothesis]], scene: Scene, way: Way
+) -> tuple[EffectKey, Fit] | None:
+    """The best of those that explain as much as what was found."""
+    current, most = way.current, 1.0 + TIE
     good = [
-        (c, f)
-        for (c, _), f in zip(chosen, fits, strict=True)
+        (key, f)
+        for (key, _), f in zip(tried, fit([h for _, h in tried], way.data), strict=True)
         if f is not None
         and f.judged <= most * current.judged
         and f.trained <= most * current.trained
         and witnessed(scene, f)
     ]
-    return min(good, key=lambda cf: cf[1].judged, default=None)
+    return min(good, key=lambda kf: kf[1].judged, default=None)
 
 
 def _stages(
-    found: tuple[Candidate, Fit], pair: tuple[AppliedEffect, AppliedEffect], way: Way, start: Fit
+    found: tuple[EffectKey, Fit], pair: tuple[AppliedEffect, AppliedEffect], way: Way, start: Fit
 ) -> tuple[Stage, ...]:
     """The way as it would have been with that cause where the first of the two was found."""
-    (candidate, fitted), data = found, way.data
+    (one, fitted), data = found, way.data
     last, gone = polished(fitted, data), {a.key for a in pair}
-    instead = [candidate.key if stage.added in gone else stage.added for stage in way.stages]
+    instead = [one if stage.added in gone else stage.added for stage in way.stages]
     order = [key for key in dict.fromkeys(instead) if key in {a.key for a in last.hypothesis.added}]
     fits = fit([_first(last.hypothesis, order[: k + 1]) for k in range(len(order) - 1)], data)
     stages: list[Stage] = []

@@ -24,6 +24,7 @@ from .rows import on_rows_of_axes
 from .scaling import settle_scales
 from .settle import settle_units
 from .signals import read_signals
+from .signed import signed_counts
 from .stamps import whole_clocks
 from .stated import EXAMPLES
 from .table import Table
@@ -52,7 +53,7 @@ def propose(table: Table, answers: Answers | None = None) -> Proposal:
     """
     answers = answers or Answers()
     _check_answers(table, answers)
-    table = on_rows_of(table, answers)
+    table = signed_counts(on_rows_of(table, answers))
     if "time" not in answers.columns:
         table = whole_clocks(table)
     roles = _roles(table)

@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 import tomli_w
 
-from workbench.core import AXIS_SIGNALS, InputError, Recording
+from workbench.core import AXIS_SIGNALS, Controller, InputError, Recording
 from workbench.core.files import check_free, write_all
 
 #: Column prefix of each signal.
@@ -103,9 +103,10 @@ def _description(recording: Recording, table: str, columns: dict[str, Any]) -> d
         "rig": recording.rig,
         "coordinates": recording.coordinates,
         "axes": list(recording.axes),
+        "guessed_units": list(recording.guessed_units),
         "columns": columns,
         "units": {"time": "s", **{k: u[0] if len(set(u)) == 1 else u for k, u in units.items()}},
-        **({} if c.kind == "unknown" else {"controller": _present(controller)}),
+        **({} if c == Controller() else {"controller": _present(controller)}),
         "excitation": _present(vars(recording.excitation)),
         "timing": _present(vars(recording.timing)),
     }

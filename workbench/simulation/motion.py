@@ -27,28 +27,27 @@ _EVERY_S = 0.004  # inverse dynamics is smooth within this time
 def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.ndarray) -> Motion:
     """What the model `plant` and the recording say of a track."""
     model, chain, step = plant.model, plant.chain, recording.period
-    command = recording.get("torque_command")
-    measured = recording.get("torque_measured")
-    known, back = command if command is not None else measured, np.linalg.inv(to_actuator)
-    rows = np.zeros_like(track.position) if known is None else known @ back
-    limits = command_limits(recording)
-    if command is not None and limits:
-        law = law_along(recording, plant, track)
-        rows = rows if law is None else before_clamp(command, law @ to_actuator, limits) @ back
+    measured, back = recording.get("torque_measured"), np.linalg.inv(to_actuator)
+    rows, at_tap = _commanded(recording, plant, track, to_actuator)
+    logged = recording.get("torque_command") is not None
+    law_only = not (logged or at_tap)
+    delayed = not at_tap and not (logged and recording.timing.delay == "loop")
     line = Line(
         step=step,
         command=rows,
         speed=track.velocity,
-        delay=chain.delay_s if command is not None and recording.timing.delay == "motor" else 0.0,
+        delay=chain.delay_s if delayed else 0.0,
         limit=chain.limit,
         stall=chain.stall,
         no_load=chain.no_load,
         full_braking=chain.full_braking,
-        lag=chain.lag if command is not None else np.zeros_like(chain.lag),
+        lag=np.zeros_like(chain.lag) if at_tap else chain.lag,
+        # the law along a track may be wrong: it is no end of a channel whose other end was measured
         measured=measured @ back
-        if scored_torque(recording) == "torque_measured" and measured is not None
+        if scored_torque(recording) == "torque_measured" and measured is not None and not law_only
         else None,
     )
+    torque = line.passed[1] if logged or measured is None else measured @ back
 
     known_models: dict[int, tuple[Model, np.ndarray]] = {}
 
@@ -63,9 +62,9 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         position=track.position,
         velocity=track.velocity,
         acceleration=track.acceleration,
-        torque=line.passed[1],
+        torque=torque,
         line=line,
-        gain=gain_along(chain, line.passed[1], step),
+        gain=gain_along(chain, torque, step),
         transmission=model.transmission,
         kinematics=lambda site: site_jacobian(plant, track, site),
         link=lambda joint: links()[joint],
@@ -77,6 +76,25 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         gravity=np.array(plant.mujoco.opt.gravity),
         axis_units=axis_units(model),
     )
+
+
+def _commanded(
+    recording: Recording, plant: Plant, track: Track, to_actuator: np.ndarray
+) -> tuple[np.ndarray, bool]:
+    """Torque command (N, n) at each row, actuator coordinates, and whether it is one at the tap already.
+
+    Where no command was logged it is what the stated loop asks for along the track: a delay moves that, and
+    not the measured torque, whose noise has steps from row to row that no command had. Where no loop is
+    stated either, the measured torque is all that is known.
+    """
+    command, back = recording.get("torque_command"), np.linalg.inv(to_actuator)
+    limits = command_limits(recording) if command is not None else ()
+    law = law_along(recording, plant, track) if command is None or limits else None
+    if command is None:
+        measured = recording.get("torque_measured")
+        known = np.zeros_like(track.position) if measured is None else measured @ back
+        return (known, True) if law is None else (law, False)
+    return (command if law is None else before_clamp(command, law @ to_actuator, limits)) @ back, False
 
 
 def _required(model: Model, track: Track, step: float) -> np.ndarray:
