@@ -115,7 +115,7 @@ def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | N
             return None
         beside = replace(whole, hypothesis=replace(whole.hypothesis, free=own))
         kept = widened(alone, [beside])
-    free = []
+    free: list[AppliedEffect] = []
     for applied in kept.hypothesis.free:
         spread = 0.5 * sure[applied.key].spread
         parameters = {
@@ -123,7 +123,11 @@ def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | N
             for name, e in applied.parameters.items()
         }
         free.append(AppliedEffect(applied.key, parameters))
-    return replace(kept, hypothesis=replace(kept.hypothesis, free=tuple(free)))
+    if clear := tuple(filter(stands_out, free)):
+        if len(clear) < len(free):  # what the others leave open may be none
+            return _only(whole, {a.key: sure[a.key] for a in clear}, data)
+        return replace(kept, hypothesis=replace(kept.hypothesis, free=clear))
+    return None
 
 
 def _stages(problem: Regression, chosen: Selection, end: Fit, before: Fit, data: Data) -> list[Stage]:
