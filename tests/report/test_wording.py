@@ -75,6 +75,37 @@ def test_verdicts(comparison, diagnosis, improvement):
     assert "to the noise as a whole (the " in sentence(off) and "times its own noise): " in sentence(off)
 
 
+def test_a_wrong_number_is_told_with_what_it_is_instead(diagnosis):
+    """What the model has too much or too little of is not missing."""
+    finding = diagnosis.findings[0]
+    damping = replace(
+        finding,
+        key=EffectKey("viscous_damping", "thigh"),
+        parameters={"damping": Estimate(-0.32, 0.01, "N*m*s/rad")},
+        model_value=0.6,
+        total=Estimate(0.28, 0.01, "N*m*s/rad"),
+    )
+    one = sentence(replace(diagnosis, findings=(damping,)))
+    assert one == (
+        "A number of the model is wrong: the damping on the thigh drive is 0.280 ± 0.020 N m s/rad, not 0.600."
+    )
+    both = sentence(replace(diagnosis, findings=(damping, finding)))
+    assert both.startswith(one) and "Something is missing too: Coulomb friction on the knee drive" in both
+    moment = replace(
+        finding,
+        key=EffectKey("first_moment_error", "bend"),
+        parameters={"along": Estimate(0.09, 0.002, "kg*m"), "across": Estimate(0.0, 0.001, "kg*m")},
+    )
+    told = sentence(replace(diagnosis, findings=(moment,)))
+    assert told.startswith(
+        "A number of the model is wrong: the first moment of the bend link differs by 0.09"
+    )
+    many = sentence(replace(diagnosis, findings=(damping,) * 4))
+    assert many.startswith(
+        "Four numbers of the model are wrong: damping on the thigh, thigh, thigh and thigh"
+    )
+
+
 def test_shares_say_where():
     share = Share("knee", "torque_measured", "speed", (-1.0, 1.0), "rad/s", 0.64)
     assert share_phrase(share) == "64 % is in the knee torque, at speeds of −1 to 1 rad/s"

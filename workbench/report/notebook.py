@@ -16,6 +16,7 @@ from workbench.core.picture import Picture
 from workbench.core.units import torque_unit
 
 from . import wording as w
+from .answer import diagnosis_sentence
 from .figures import house_style, ladder_figure, overlay_figure
 from .numbers import interval, number, percent, plain, quantity
 from .pack import worst_view
@@ -71,7 +72,7 @@ def _(value: Diagnosis) -> str:
     if value.next_experiment:
         numbers += f". Measure next: {value.next_experiment}"
     head = ("effect", "parameters (95 %)", "probable", "error with it", "looks the same")
-    return _block(w.diagnosis_sentence(value), numbers, head, rows)
+    return _block(diagnosis_sentence(value), numbers, head, rows)
 
 
 @as_html.register

@@ -8,6 +8,7 @@ from typing import Any
 from workbench.core import Comparison, Diagnosis, EffectKey, Estimate, Finding, Improvement, Share, Step
 
 from . import wording as w
+from .answer import diagnosis_sentence, improvement_sentence
 from .json import Truth
 from .ladder import log_axis, rungs
 from .numbers import interval, number, percent, plain
@@ -77,8 +78,8 @@ def sentence(result: Result) -> str:
     if isinstance(result, Comparison):
         return w.comparison_sentence(result)
     if isinstance(result, Diagnosis):
-        return w.diagnosis_sentence(result)
-    return w.improvement_sentence(result)
+        return diagnosis_sentence(result)
+    return improvement_sentence(result)
 
 
 def _tone(result: Result) -> str:

@@ -10,11 +10,8 @@ import numpy as np
 from workbench.core import (
     HOPELESS,
     Comparison,
-    Diagnosis,
     EffectKey,
     Estimate,
-    Finding,
-    Improvement,
     Share,
     Step,
 )
@@ -22,6 +19,8 @@ from workbench.core import (
 from .numbers import interval, number, percent, plain, short
 
 _NAMES = {"coulomb": "Coulomb", "stribeck": "Stribeck", "lugre": "LuGre", "dahl": "Dahl", "lpf": "low-pass"}
+#: Effects of a link, which turns with its joint, and not of the drive.
+_OF_LINKS = ("first_moment_error", "link_inertia_error", "link_length_error")
 _SIGNALS = {"position": "position", "torque": "torque", "torque_measured": "torque"}
 
 
@@ -37,6 +36,8 @@ def effect_name(effect: str) -> str:
 
 def place(key: EffectKey) -> str:
     """Where an effect acts: ``"on the knee drive"``, ``"at the knee joint"``, ``"on all axes"``."""
+    if key.effect in _OF_LINKS:
+        return f"of the {plain(key.axis or '')} link"
     if key.axis is None:
         return "on all axes" if key.location == "actuator" else "at all joints"
     axis = plain(key.axis)
@@ -53,19 +54,23 @@ def any_of(phrases: Sequence[str], word: str = "or") -> str:
     return phrases[0] if len(phrases) == 1 else f"{', '.join(phrases[:-1])} {word} {phrases[-1]}"
 
 
-def effect_phrases(keys: Iterable[EffectKey]) -> list[str]:
-    """One phrase an effect, all its places in it: ``"torque saturation on the hip and knee drives"``."""
+def effect_phrases(keys: Iterable[EffectKey], names: Mapping[str, str] | None = None) -> list[str]:
+    """One phrase an effect, all its places in it: ``"torque saturation on the hip and knee drives"``.
+
+    `names` stand in for those of the effects.
+    """
     groups: dict[tuple[str, str, bool], list[EffectKey]] = {}
     for key in keys:
         groups.setdefault((key.effect, key.location, key.axis is None), []).append(key)
     phrases = []
     for (effect, location, _), same in groups.items():
         if len(same) == 1:
-            phrases.append(effect_phrase(same[0]))
+            phrases.append(f"{(names or {}).get(effect) or effect_name(effect)} {place(same[0])}")
             continue
         axes = any_of([plain(k.axis or "") for k in same], "and")
         where = f"on the {axes} drives" if location == "actuator" else f"at the {axes} joints"
-        phrases.append(f"{effect_name(effect)} {where}")
+        where = f"of the {axes} links" if effect in _OF_LINKS else where
+        phrases.append(f"{(names or {}).get(effect) or effect_name(effect)} {where}")
     return phrases
 
 
@@ -124,7 +129,7 @@ def comparison_sentence(result: Comparison) -> str:
             "Check the order of the axes, units, signs and gains."
         )
     if result.error <= 1.06 * result.noise_error:
-        worst = _worst_signal(result)
+        worst = worst_signal(result)
         return f"The model does not explain the data: {worst}, though the error as a whole is at the floor."
     return f"The model does not explain the data: its error is {number(result.error)}{tail}."
 
@@ -167,7 +172,7 @@ def inverse_sentence(before: Comparison | None, after: Comparison | None) -> str
     return text
 
 
-def _worst_signal(result: Comparison) -> str:
+def worst_signal(result: Comparison) -> str:
     """The signal that stands furthest above its own noise: ``"the knee position misses by 1.4 times …"``."""
     ratios = [
         (float(ratio), plain(axis), kind)
@@ -181,55 +186,6 @@ def _worst_signal(result: Comparison) -> str:
     ]
     ratio, axis, kind = max(ratios)
     return f"the {axis} {kind} misses by {short(ratio)} times its own noise"
-
-
-def diagnosis_sentence(result: Diagnosis) -> str:
-    """What a diagnosis says, in one sentence."""
-    if result.verdict == "consistent":
-        return "The model explains the data to the noise."
-    if result.verdict == "unexplained" or not result.findings:
-        rest = percent(result.unexplained_fraction)
-        return f"Something is missing: {_nothing(result)}; {rest} of the error above the noise stays."
-    if len(result.findings) == 1:
-        told = f"Something is missing: {_named(result.findings[0])}."
-    else:
-        names = any_of([effect_phrase(f.key) for f in result.findings], "and")
-        told = f"{capital(_count(len(result.findings)))} effects are missing: {names}."
-    return told + (partly_sentence(result) if result.verdict == "partly_explained" else "")
-
-
-def _nothing(result: Diagnosis | None) -> str:
-    """That nothing can be named: a limit of the search is no fact about the machine."""
-    if result is not None and result.stopped == "budget":
-        return "the search ended before it had tried everything, and nothing so far explains what is missing"
-    return "no effect that was tried explains what is missing"
-
-
-def partly_sentence(result: Diagnosis) -> str:
-    """How much stays unknown beside effects that are certain, with a space before it."""
-    rest = percent(result.unexplained_fraction)
-    return f" That is certain, and not all: {rest} of the error above the noise has another cause."
-
-
-def improvement_sentence(result: Improvement) -> str:
-    """What an improvement came to, in one sentence."""
-    fall = f"the error falls from {number(result.error_before)} to {number(result.error_after)}"
-    if not result.steps:
-        if result.verdict == "consistent":
-            return "The model explains the data to the noise as it is; nothing was added."
-        return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds what comes near)."
-    added = any_of([effect_phrase(s.key) for s in result.steps], "and") if len(result.steps) < 4 else ""
-    added = added or f"{_count(len(result.steps))} effects"
-    if result.verdict == "consistent":
-        after = result.after
-        but = f" as a whole ({_worst_signal(after)})" if after is not None and not after.consistent else ""
-        return f"With {added}, the model explains the data to the noise{but}: {fall}."
-    times = times_noise(result.error_after, result.noise_error)
-    rest = f", still {times} the noise floor" if times else ""
-    if result.nearest:
-        return f"{capital(_nothing(result.diagnosis))}. With what comes nearest, {added}, {fall}{rest}."
-    partly = result.diagnosis if result.verdict == "partly_explained" else None
-    return f"With {added}, {fall}{rest}.{partly_sentence(partly) if partly else ''}"
 
 
 def lookalike_sentence(keys: Sequence[EffectKey]) -> str:
@@ -254,12 +210,3 @@ def removed_sentence(step: Step) -> str:
     if not step.removed:
         return ""
     return f"This made {any_of([effect_phrase(k) for k in step.removed], 'and')} needless."
-
-
-def _named(finding: Finding) -> str:
-    return f"{effect_phrase(finding.key)}{single_value(finding.parameters)}"
-
-
-def _count(n: int) -> str:
-    words = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
-    return words[n] if n < len(words) else str(n)

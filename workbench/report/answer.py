@@ -1,0 +1,126 @@
+"""The sentence that answers: which numbers of a model are wrong, what is missing, what was improved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from workbench.core import Diagnosis, EffectKey, Finding, Improvement
+
+from .numbers import interval, number, percent, plain
+from .wording import (
+    any_of,
+    capital,
+    effect_phrase,
+    effect_phrases,
+    place,
+    single_value,
+    times_noise,
+    worst_signal,
+)
+
+#: What of a model an effect corrects, where it is no effect that is missing.
+_NUMBERS = {
+    "viscous_damping": "damping",
+    "coulomb_friction": "dry friction",
+    "reflected_inertia": "rotor inertia",
+    "link_inertia_error": "inertia",
+    "first_moment_error": "first moment",
+}
+_FEW = 3  # numbers or names that are told one by one
+
+
+def diagnosis_sentence(result: Diagnosis) -> str:
+    """What a diagnosis says, in one sentence."""
+    if result.verdict == "consistent":
+        return "The model explains the data to the noise."
+    if result.verdict == "unexplained" or not result.findings:
+        rest = percent(result.unexplained_fraction)
+        return f"Something is missing: {_nothing(result)}; {rest} of the error above the noise stays."
+    wrong = [f for f in result.findings if corrects(f)]
+    missing = [f for f in result.findings if not corrects(f)]
+    told = " ".join(filter(None, [_wrong(wrong), _missing(missing, bool(wrong))]))
+    return told + (partly_sentence(result) if result.verdict == "partly_explained" else "")
+
+
+def _nothing(result: Diagnosis | None) -> str:
+    """That nothing can be named: a limit of the search is no fact about the machine."""
+    if result is not None and result.stopped == "budget":
+        return "the search ended before it had tried everything, and nothing so far explains what is missing"
+    return "no effect that was tried explains what is missing"
+
+
+def partly_sentence(result: Diagnosis) -> str:
+    """How much stays unknown beside effects that are certain, with a space before it."""
+    rest = percent(result.unexplained_fraction)
+    return f" That is certain, and not all: {rest} of the error above the noise has another cause."
+
+
+def improvement_sentence(result: Improvement) -> str:
+    """What an improvement came to, in one sentence."""
+    fall = f"the error falls from {number(result.error_before)} to {number(result.error_after)}"
+    if not result.steps:
+        if result.verdict == "consistent":
+            return "The model explains the data to the noise as it is; nothing was added."
+        return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds what comes near)."
+    added = any_of([effect_phrase(s.key) for s in result.steps], "and") if len(result.steps) < 4 else ""
+    added = added or f"{_count(len(result.steps))} effects"
+    if result.verdict == "consistent":
+        after = result.after
+        but = f" as a whole ({worst_signal(after)})" if after is not None and not after.consistent else ""
+        return f"With {added}, the model explains the data to the noise{but}: {fall}."
+    times = times_noise(result.error_after, result.noise_error)
+    rest = f", still {times} the noise floor" if times else ""
+    if result.nearest:
+        return f"{capital(_nothing(result.diagnosis))}. With what comes nearest, {added}, {fall}{rest}."
+    partly = result.diagnosis if result.verdict == "partly_explained" else None
+    return f"With {added}, {fall}{rest}.{partly_sentence(partly) if partly else ''}"
+
+
+def corrects(finding: Finding) -> bool:
+    """Whether it says that a number of the model is wrong, rather than that an effect is missing."""
+    return finding.key.effect == "first_moment_error" or bool(finding.model_value)
+
+
+def _wrong(findings: Sequence[Finding]) -> str:
+    """Which numbers of the model are wrong, and what they are instead."""
+    if not findings:
+        return ""
+    if len(findings) > _FEW:
+        names = any_of(effect_phrases([f.key for f in findings], _NUMBERS), "and")
+        return f"{capital(_count(len(findings)))} numbers of the model are wrong: {names}."
+    told = any_of([_corrected(f) for f in findings], "and")
+    return f"{'A number' if len(findings) == 1 else 'Numbers'} of the model {_be(findings)} wrong: {told}."
+
+
+def _corrected(finding: Finding) -> str:
+    """``"the damping on the knee drive is 0.28 ± 0.02 N m s/rad, not 0.6"``."""
+    what = f"the {_NUMBERS.get(finding.key.effect, plain(finding.key.effect))} {place(finding.key)}"
+    if finding.total is not None and finding.model_value is not None:
+        return f"{what} is {interval(finding.total)}, not {number(finding.model_value)}"
+    more = any_of([f"{interval(e)} {plain(name)}" for name, e in finding.parameters.items()], "and")
+    return f"{what} differs by {more}"
+
+
+def _missing(findings: Sequence[Finding], beside: bool) -> str:
+    too = " too" if beside else ""
+    if not findings:
+        return ""
+    if len(findings) == 1:
+        one = findings[0]
+        return f"Something is missing{too}: {effect_phrase(one.key)}{single_value(one.parameters)}."
+    names = any_of(_phrases([f.key for f in findings]), "and")
+    return f"{capital(_count(len(findings)))} effects are missing{too}: {names}."
+
+
+def _phrases(keys: Sequence[EffectKey]) -> list[str]:
+    """One phrase each; of many, one an effect with all its places."""
+    return [effect_phrase(k) for k in keys] if len(keys) <= _FEW else effect_phrases(keys)
+
+
+def _be(findings: Sequence[Finding]) -> str:
+    return "is" if len(findings) == 1 else "are"
+
+
+def _count(n: int) -> str:
+    words = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
+    return words[n] if n < len(words) else str(n)
