@@ -87,7 +87,8 @@ def test_a_wrong_number_is_told_with_what_it_is_instead(diagnosis):
     )
     one = sentence(replace(diagnosis, findings=(damping,)))
     assert one == (
-        "A number of the model is wrong: the damping on the thigh drive is 0.280 ± 0.020 N m s/rad, not 0.600."
+        "A number of the model is wrong: the damping on the thigh drive is "
+        "0.280 ± 0.020 N m s/rad, not 0.600."
     )
     both = sentence(replace(diagnosis, findings=(damping, finding)))
     assert both.startswith(one) and "Something is missing too: Coulomb friction on the knee drive" in both

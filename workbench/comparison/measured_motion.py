@@ -190,7 +190,9 @@ class Follower:
         for column, part in disturbance.readings.items():
             torque[column] += self._shifted(part[0])
         needed = -np.moveaxis(torque / np.maximum(self.motion.gain, LEAST_GAIN), 0, -1)
-        passed = lowpass(needed, self.reading.recording, self.reading.corner_hz)
+        # most columns act on one axis alone
+        passed, acts = np.zeros_like(needed), np.any(needed, axis=0)
+        passed[:, acts] = lowpass(needed[:, acts], self.reading.recording, self.reading.corner_hz)
         passed = self._free.without(np.einsum("kjc,ji->kic", passed, self.reading.to_actuator))
         return np.zeros_like(passed), self._timed(passed)
 

@@ -8,7 +8,7 @@ no simulation is needed to screen them, however many are missing together.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,6 +29,9 @@ _BLOCK = 64  # columns that are filtered together
 _PER_CYCLE = 4.0  # rows kept per cycle of the filter's corner frequency: behind it nothing is faster
 #: What acts on the motion; what shifts commands or readings is no torque.
 _DOORS = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
+
+
+Chosen = tuple[Entry, ...]
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,7 @@ class Regression:
         folds: per fold and axis.
         held_out: per axis; None where held-out recordings do not judge.
         floor, judging_floor: mean squares that noise leaves, per axis (n,).
+        limits: physical bounds of each entry's coefficients.
     """
 
     scene: Scene
@@ -66,21 +70,24 @@ class Regression:
     held_out: tuple[Normal, ...] | None
     floor: np.ndarray
     judging_floor: np.ndarray
-
-    @cached_property
-    def _wholes(self) -> tuple[Normal, ...]:
-        return tuple(total(fold) for fold in self.folds)
+    limits: Mapping[Entry, tuple[np.ndarray, np.ndarray]]
+    _parts: dict[Chosen, Solution] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def _axes(self) -> tuple[Normal, ...]:
         return tuple(total(own) for own in zip(*self.folds, strict=True))
 
+    @cached_property
+    def _acts(self) -> dict[Entry, frozenset[int]]:
+        there = [np.diag(axis.gram) > 0.0 for axis in self._axes]
+        return {e: frozenset(k for k, t in enumerate(there) if t[e.linear].any()) for e in self.entries}
+
     def axes_of(self, entry: Entry) -> frozenset[int]:
         """The axes on which an effect acts."""
-        return frozenset(k for k, own in enumerate(self._axes) if np.any(np.diag(own.gram)[entry.linear]))
+        return self._acts[entry]
 
     def _limits(self, chosen: Sequence[Entry]) -> tuple[np.ndarray, np.ndarray]:
-        limits = [(np.zeros(0), np.zeros(0)), *(limits_of(self.scene, e) for e in chosen)]
+        limits = [(np.zeros(0), np.zeros(0)), *(self.limits[e] for e in chosen)]
         return np.concatenate([low for low, _ in limits]), np.concatenate([high for _, high in limits])
 
     def left(self, chosen: Sequence[Entry]) -> np.ndarray:
@@ -94,22 +101,59 @@ class Regression:
     def solved(self, chosen: Sequence[Entry], without: Sequence[EffectKey] = ()) -> Solution:
         """The fit of a set of effects, within their physical bounds, judged on what it was not fitted to.
 
-        `without`: effects that the model states and that are taken out of it.
+        `without`: effects that the model states and that are taken out of it. Effects that share no axis, not
+        through others either, are solved apart.
         """
+        if without:
+            return self._solved(tuple(chosen), range(len(self.floor)), without)
+        bare = self._part((), range(len(self.floor)))
+        left, judged = bare.validated.copy(), bare.judged.copy()
+        found: dict[Entry, np.ndarray] = {}
+        for axes, own in self._apart(chosen):
+            part = self._part(own, axes)
+            left[axes], judged[axes] = part.validated, part.judged
+            ends = np.cumsum([len(e.linear) for e in own])[:-1]
+            found |= dict(zip(own, np.split(part.coefficients, ends), strict=True))
+        return Solution(np.concatenate([np.zeros(0), *(found[e] for e in chosen)]), left, judged)
+
+    def _apart(self, chosen: Sequence[Entry]) -> list[tuple[list[int], Chosen]]:
+        """Groups of effects that act on no axis in common, with their axes."""
+        groups: list[tuple[set[int], set[Entry]]] = []
+        for entry in chosen:
+            axes, own = set(self.axes_of(entry)), {entry}
+            for group in [g for g in groups if g[0] & axes]:
+                groups.remove(group)
+                axes, own = axes | group[0], own | group[1]
+            groups.append((axes, own))
+        return [(sorted(axes), tuple(e for e in chosen if e in own)) for axes, own in groups]
+
+    def _part(self, chosen: Chosen, axes: Sequence[int]) -> Solution:
+        """The fit of effects on all of their axes, remembered."""
+        if chosen not in self._parts:
+            self._parts[chosen] = self._solved(chosen, axes, ())
+        return self._parts[chosen]
+
+    def _solved(self, chosen: Chosen, axes: Sequence[int], without: Sequence[EffectKey]) -> Solution:
+        """The fit on some axes, all that the effects act on; `validated` and `judged` of these."""
         index = [k for e in chosen for k in e.linear]
         low, high = self._limits(chosen)
         out = [self.own[key] for key in without]
-        wholes = [_taken_out(own, out).pick(index) for own in self._wholes]
+
+        def of(pieces: Sequence[Normal]) -> list[Normal]:
+            return [_taken_out(pieces[k], out).pick(index) for k in axes]
+
+        folds = [of(fold) for fold in self.folds]
+        wholes = [total(fold) for fold in folds]
         whole = total(wholes)
         coefficients = solve(whole, low, high)
-        left = np.zeros(len(self.floor))
-        for fold, own in zip(self.folds, wholes, strict=True):
+        left = np.zeros(len(axes))
+        for fold, own in zip(folds, wholes, strict=True):
             rest = solve(whole - own, low, high)
-            left += [_taken_out(axis, out).pick(index).after(rest) for axis in fold]
-        left *= len(left) / whole.samples
+            left += [axis.after(rest) for axis in fold]
+        left *= len(axes) / whole.samples
         if self.held_out is None:
             return Solution(coefficients, left, left)
-        judged = [_taken_out(a, out).pick(index).after(coefficients) / a.samples for a in self.held_out]
+        judged = [axis.after(coefficients) / axis.samples for axis in of(self.held_out)]
         return Solution(coefficients, left, np.array(judged))
 
 
@@ -175,6 +219,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
         tuple(total(own) for own in zip(*held, strict=True)) if held else None,
         data.least()[1] * data.weight[1] ** 2,
         data.least(data.held_out_judges)[1] * data.weight[1] ** 2,
+        {entry: limits_of(scene, entry) for entry in entries},
     )
 
 

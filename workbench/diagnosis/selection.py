@@ -13,10 +13,8 @@ from workbench.effects import contains, effect_named
 from .choosing import BASIC
 from .judging import AT_FLOOR, EXPLAINED, HELPS, LATER_SHARE
 from .pairs import may_stand_together
-from .regression import Regression, Solution
+from .regression import Chosen, Regression, Solution
 from .screen import Candidate, Entry
-
-Chosen = tuple[Entry, ...]
 
 
 @dataclass(frozen=True)
