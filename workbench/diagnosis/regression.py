@@ -108,8 +108,8 @@ class Regression:
             return self._solved(tuple(chosen), range(len(self.floor)), without)
         bare = self._part((), range(len(self.floor)))
         left, judged = bare.validated.copy(), bare.judged.copy()
-        found: dict[Entry, np.ndarray] = {}
-        for axes, own in self._apart(chosen):
+        found = {e: np.zeros(len(e.linear)) for e in chosen}  # what acts on no axis stays nothing
+        for axes, own in self._apart([e for e in chosen if self.axes_of(e)]):
             part = self._part(own, axes)
             left[axes], judged[axes] = part.validated, part.judged
             ends = np.cumsum([len(e.linear) for e in own])[:-1]

@@ -41,9 +41,20 @@ def selected(problem: Regression) -> Selection:
     the damping that is missing beside it. Of what explains nearly as much as the best, the fewest parameters
     come first.
     """
+    now, met = Selection((), problem.solved(())), set[frozenset[Entry]]()
+    while frozenset(now.chosen) not in met:
+        met.add(frozenset(now.chosen))
+        grown = _grown(now, problem)
+        now = _without_needless(grown, problem)
+        if len(now.chosen) == len(grown.chosen):
+            break
+    return now
+
+
+def _grown(now: Selection, problem: Regression) -> Selection:
+    """With all that helps, one after the other."""
     proposals = [*((e,) for e in problem.entries), *_sets_of_basics(problem.entries)]
     acts = {p: frozenset().union(*map(problem.axes_of, p)) for p in proposals}
-    now = Selection((), problem.solved(()))
     gains: dict[Chosen, np.ndarray] = {}
     while True:
         for new in proposals:
@@ -56,7 +67,7 @@ def selected(problem: Regression) -> Selection:
             del helpful[new], gains[new]
             new = _next(helpful)
         if new is None:
-            return _without_needless(now, problem)
+            return now
         chosen = _with(now.chosen, new)
         now = Selection(chosen, problem.solved(chosen))
         # what acts on none of its axes gains as before

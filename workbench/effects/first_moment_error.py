@@ -30,7 +30,6 @@ class FirstMomentError(Effect):
     )
     door = Door.MECHANISM
     on_links = True
-    basic = True
     trace = Trace.EVEN
     needs = "a hinge whose link has a mass; of a parallelogram the linkage's increments say it"
     source = (
