@@ -19,39 +19,16 @@ from workbench.core import EffectKey
 from workbench.effects import effect_named
 from workbench.models import AppliedEffect, Placement
 
+from .adequate_masses import adequacy_of_mass, several
 from .data import Data
+from .free_functions import Adequacy, held
 from .hypothesis import Fit
-from .judging import CLEARLY, EXPLAINED
 from .marching import respond
 from .regression import kept_rows, needing
 from .sensitivity import Scene
 from .shape import splines
 
-_BLOCKS = 10  # of all rows, each left out in turn
-_PENALTIES = np.logspace(-4, 4, 9)  # of a free function, times the mean of its normal equations' diagonal
 _QUANTITIES = ("position", "speed", "acceleration", "load")
-
-
-@dataclass(frozen=True)
-class Adequacy:
-    """How an effect stands against free functions.
-
-    Attributes:
-        share: of what a free function of the law's own quantities, or the law with a size that varies freely,
-            explains on blocks left out, what it does.
-        size: the least over free functions of other quantities beside it of its size, less `CLEARLY` standard
-            deviations of that; 1 is the size that was fitted.
-        spread: the largest change of its size beside them.
-    """
-
-    share: float
-    size: float
-    spread: float
-
-    @property
-    def holds(self) -> bool:
-        """Whether the effect is there, whatever else is missing."""
-        return self.share >= EXPLAINED and self.size > 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +43,7 @@ class _Axis:
 
 
 def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
-    """Of each effect that is a law of its axis.
+    """Of each effect: as a law of its axis, or of a mass that several axes move.
 
     Args:
         found: with all effects that were selected, along the measured motion.
@@ -84,6 +61,9 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
         here = [k for k, a in enumerate(applied) if (a.key.axis, a.key.location) == (name, location)]
         axis = _axis(scene, found, data, [part[:, 1] for part in acts], here, place)
         out |= _of_axis(axis, [applied[k] for k in here])
+    for k, a in enumerate(applied):
+        if not effect_named(a.key.effect).depends_on:
+            out[a.key] = adequacy_of_mass(several(scene, found, data, [part[:, 1] for part in acts], k))
     return out
 
 
@@ -137,61 +117,6 @@ def _of_axis(axis: _Axis, applied: Sequence[AppliedEffect]) -> dict[EffectKey, A
         for basis, penalty in (splines([x], [x]) for x in beside.values()):
             free.append(((law[:, None] * basis, penalty), law))
         laws = np.column_stack([law, axis.laws[:, ~alike]])
-        sizes = [_size(laws, axis.rest, x) for x in beside.values()]
-        each = [axis.recording == i for i in np.unique(axis.recording)]
-        adequacy = Adequacy(
-            min(_share(f, part, axis.rest) for f, part in free),
-            min(
-                *(size - CLEARLY * std for size, std in sizes),
-                *(_size(laws[rows], axis.rest[rows])[0] for rows in each),
-            ),
-            max((abs(size - 1.0) for size, _ in sizes), default=0.0),
-        )
+        adequacy = held(laws, axis.rest, free, [splines([x], [x]) for x in beside.values()], axis.recording)
         out |= {a.key: adequacy for a, same in zip(applied, alike, strict=True) if same}
     return out
-
-
-def _share(free: tuple[np.ndarray, np.ndarray], law: np.ndarray, rest: np.ndarray) -> float:
-    """What laws explain of a torque over what a free function explains on blocks that were left out."""
-    lacking = law + rest
-    whole = float(lacking @ lacking)
-    most = 1.0 - _left_out(free[0], lacking, free[1], 0)[1] / whole
-    return float(np.clip((1.0 - float(rest @ rest) / whole) / max(most, 1e-12), 0.0, 1.0))
-
-
-def _size(laws: np.ndarray, rest: np.ndarray, beside: np.ndarray | None = None) -> tuple[float, float]:
-    """Size of the first law in units of what was fitted, and its deviation, with a free function beside."""
-    count, free, penalty = laws.shape[1], np.zeros((len(rest), 0)), np.zeros((0, 0))
-    if beside is not None:
-        free, penalty = splines([beside], [beside])
-        free = free - free.mean(axis=0)
-    whole = np.zeros((count + free.shape[1],) * 2)
-    whole[count:, count:] = penalty
-    each, _ = _left_out(np.hstack([laws, free]), rest + laws.sum(axis=1), whole, count)
-    sizes = each[:, 0]
-    deviation = np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((sizes - sizes.mean()) ** 2))
-    return float(sizes.mean()), float(deviation)
-
-
-def _left_out(
-    basis: np.ndarray, torque: np.ndarray, penalty: np.ndarray, first: int
-) -> tuple[np.ndarray, float]:
-    """Coefficients with each block left out (B, C), and the squares left there, by the best penalty."""
-    block = np.arange(len(torque)) * _BLOCKS // len(torque)
-    parts = [basis[block == b] for b in range(_BLOCKS)]
-    torques = [torque[block == b] for b in range(_BLOCKS)]
-    grams, rights = [p.T @ p for p in parts], [p.T @ t for p, t in zip(parts, torques, strict=True)]
-    gram, right = np.sum(grams, axis=0), np.sum(rights, axis=0)
-    scale = float(np.mean(np.diag(gram)[first:])) if len(gram) > first else 0.0
-    ridge = 1e-9 * np.diag(np.diag(gram) + 1e-300)
-    best: tuple[np.ndarray, float] | None = None
-    for weight in _PENALTIES * scale if scale > 0.0 else (0.0,):
-        left_out = [
-            np.linalg.solve(gram - g + weight * penalty + ridge, right - r)
-            for g, r in zip(grams, rights, strict=True)
-        ]
-        left = sum(float(np.sum((t - p @ c) ** 2)) for t, p, c in zip(torques, parts, left_out, strict=True))
-        if best is None or left < best[1]:
-            best = np.array(left_out), left
-    assert best is not None
-    return best

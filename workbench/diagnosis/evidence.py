@@ -149,7 +149,7 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
     """Why an effect is certain although something else is missing; none where that was not asked."""
     if key not in adequacy:
         return []
-    own, found = " and ".join(effect_named(key.effect).depends_on), adequacy[key]
+    own, found = " and ".join(effect_named(key.effect).depends_on or ("position",)), adequacy[key]
     share, spread = 100.0 * found.share, 100.0 * found.spread
     return [
         f"a free smooth function of {own} explains hardly more: this law reaches {share:.0f} % of it",

@@ -15,7 +15,7 @@ from .adequacy import Adequacy, adequacies
 from .data import Data, gather
 from .fit import fit
 from .hypothesis import Fit
-from .judging import floor_of_judging, lowers_error, rejudged, stands_out
+from .judging import INTERVAL, floor_of_judging, lowers_error, rejudged, stands_out
 from .refining import with_candidates
 from .regression import Regression, regression_of
 from .removed import removed_share
@@ -123,11 +123,10 @@ def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | N
             for name, e in applied.parameters.items()
         }
         free.append(AppliedEffect(applied.key, parameters))
-    if clear := tuple(filter(stands_out, free)):
-        if len(clear) < len(free):  # what the others leave open may be none
-            return _only(whole, {a.key: sure[a.key] for a in clear}, data)
-        return replace(kept, hypothesis=replace(kept.hypothesis, free=clear))
-    return None
+    clear = {a.key: sure[a.key] for a in free if stands_out(a, INTERVAL)}
+    if len(clear) < len(free):  # part of a law that is certain as a whole, and may be none itself
+        return _only(whole, clear, data)
+    return replace(kept, hypothesis=replace(kept.hypothesis, free=tuple(free)))
 
 
 def _stages(problem: Regression, chosen: Selection, end: Fit, before: Fit, data: Data) -> list[Stage]:

@@ -38,6 +38,7 @@ _SHOWN = 0.02  # share of its excess by which a recording's squared error change
 AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
 _CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
 CLEARLY = 3.0  #: deviations by which a parameter differs from none
+INTERVAL = 1.96  #: deviations of the 95 % interval that is reported
 NEAR_FLOOR = 2.0  # squared error over the noise's, below which hardly more than noise is left
 
 
@@ -272,14 +273,14 @@ def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
     return bool(np.isclose(coefficients, limits, rtol=1e-6, atol=0.0).any())
 
 
-def stands_out(applied: AppliedEffect) -> bool:
+def stands_out(applied: AppliedEffect, deviations: float = CLEARLY) -> bool:
     """Whether an estimate is clearly another than what has no effect.
 
     One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
     may change at which instant a signal is read.
     """
     return any(
-        abs(applied.parameters[p.name].value - p.neutral) > CLEARLY * applied.parameters[p.name].std
+        abs(applied.parameters[p.name].value - p.neutral) > deviations * applied.parameters[p.name].std
         for p in sizes_of(applied)
     )
 
