@@ -17,7 +17,7 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import effect_named
-from workbench.models import AppliedEffect, Placement
+from workbench.models import Placement, alike_axes
 
 from .adequate_masses import adequacy_of_mass, several
 from .data import Data
@@ -56,11 +56,15 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
     acts = respond([scene], [columns], data)[0]
     out: dict[EffectKey, Adequacy] = {}
     places = {(a.key.axis, a.key.location): Placement.of(scene.model, a.key) for a in applied if a.key.axis}
+    axes: dict[tuple[str | None, str], tuple[_Axis, list[EffectKey]]] = {}
     for (name, location), place in places.items():
         assert place is not None
         here = [k for k, a in enumerate(applied) if (a.key.axis, a.key.location) == (name, location)]
         axis = _axis(scene, found, data, [part[:, 1] for part in acts], here, place)
-        out |= _of_axis(axis, [applied[k] for k in here])
+        axes[name, location] = axis, [applied[k].key for k in here]
+        out |= _of_axis(*axes[name, location])
+    for group in alike_axes(scene.model):
+        out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], out)
     for k, a in enumerate(applied):
         if not effect_named(a.key.effect).depends_on:
             out[a.key] = adequacy_of_mass(several(scene, found, data, [part[:, 1] for part in acts], k))
@@ -102,21 +106,53 @@ def _axis(
     )
 
 
-def _of_axis(axis: _Axis, applied: Sequence[AppliedEffect]) -> dict[EffectKey, Adequacy]:
-    """Of all effects at one coordinate; those of the same quantities are parts of one law."""
+def _together(
+    axes: Sequence[tuple[_Axis, list[EffectKey]]], alone: Mapping[EffectKey, Adequacy]
+) -> dict[EffectKey, Adequacy]:
+    """Of laws of joints that were built alike, held against free functions on all of them at once.
+
+    What is strange about one of them takes nothing from a law that holds on all; each keeps its own size.
+    """
+    laws = [{effect_named(k.effect).depends_on for k in keys} - {()} for _, keys in axes]
     out: dict[EffectKey, Adequacy] = {}
-    depends = [effect_named(a.key.effect).depends_on for a in applied]
-    for own in dict.fromkeys(d for d in depends if d):
-        alike = np.array([d == own for d in depends])
-        related = np.array([bool(set(d) & set(own)) for d in depends])
-        law = axis.laws[:, alike].sum(axis=1)
-        beside = {**{q: x for q, x in axis.own.items() if q not in own}, **axis.others}
-        beside = {q: x for q, x in beside.items() if np.ptp(x) > 0.0}
-        quantities = [axis.own[q] for q in own]
-        free = [(splines(quantities, quantities), axis.laws[:, related].sum(axis=1))]
-        for basis, penalty in (splines([x], [x]) for x in beside.values()):
-            free.append(((law[:, None] * basis, penalty), law))
-        laws = np.column_stack([law, axis.laws[:, ~alike]])
-        adequacy = held(laws, axis.rest, free, [splines([x], [x]) for x in beside.values()], axis.recording)
-        out |= {a.key: adequacy for a, same in zip(applied, alike, strict=True) if same}
+    for own in set().union(*laws):
+        there = [axes[i] for i, found in enumerate(laws) if own in found]
+        keys = [k for _, keys in there for k in keys if effect_named(k.effect).depends_on == own]
+        doubted = [k for k in keys if not alone[k].holds]
+        if len(there) < 2 or not doubted or any(alone[k].size <= 0.0 for k in doubted):
+            continue
+        parts = [np.array([effect_named(k.effect).depends_on == own for k in keys]) for _, keys in there]
+        law = np.concatenate([a.laws[:, p].sum(axis=1) for (a, _), p in zip(there, parts, strict=True)])
+        rest = np.concatenate([a.laws[:, ~p].sum(axis=1) for (a, _), p in zip(there, parts, strict=True)])
+        known = {q: np.concatenate([a.own[q] for a, _ in there]) for q in _QUANTITIES}
+        joined = _Axis(
+            np.column_stack([law, rest]),
+            np.concatenate([a.rest for a, _ in there]),
+            known,
+            {},
+            np.concatenate([np.full(len(a.rest), i) for i, (a, _) in enumerate(there)]),
+        )
+        found = _of_law(joined, [own, ()], own)
+        out |= {k: found for k in doubted if found.holds}
     return out
+
+
+def _of_axis(axis: _Axis, keys: Sequence[EffectKey]) -> dict[EffectKey, Adequacy]:
+    """Of all effects at one coordinate; those of the same quantities are parts of one law."""
+    depends = [effect_named(k.effect).depends_on for k in keys]
+    found = {own: _of_law(axis, depends, own) for own in dict.fromkeys(d for d in depends if d)}
+    return {k: found[own] for k, own in zip(keys, depends, strict=True) if own}
+
+
+def _of_law(axis: _Axis, depends: Sequence[tuple[str, ...]], own: tuple[str, ...]) -> Adequacy:
+    """Of the law of some quantities, whose parts are columns of the laws of what each `depends` on."""
+    alike = np.array([d == own for d in depends])
+    related = np.array([bool(set(d) & set(own)) for d in depends])
+    law = axis.laws[:, alike].sum(axis=1)
+    beside = {**{q: x for q, x in axis.own.items() if q not in own}, **axis.others}
+    others = [splines([x], [x]) for x in beside.values() if np.ptp(x) > 0.0]
+    quantities = [axis.own[q] for q in own]
+    free = [(splines(quantities, quantities), axis.laws[:, related].sum(axis=1))]
+    free += [((law[:, None] * basis, penalty), law) for basis, penalty in others]
+    laws = np.column_stack([law, axis.laws[:, ~alike]])
+    return held(laws, axis.rest, free, others, axis.recording)

@@ -22,7 +22,6 @@ from .removed import removed_share
 from .rivals import rivals_of
 from .selection import Selection, selected
 from .stage import Stage
-from .uncertainty import widened
 from .ways import Quest, Way, evaluated, is_consistent, starting_fit, with_last
 
 
@@ -104,29 +103,26 @@ def _fitted(problem: Regression, chosen: Selection, current: Fit, data: Data) ->
 
 
 def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | None:
-    """The fit with some of its effects; deviations cover what the others change, and free functions."""
-    own = tuple(a for a in whole.hypothesis.free if a.key in sure)
-    if not own:
-        return None
-    kept = whole
-    if len(own) < len(whole.hypothesis.free):
-        alone = fit([replace(whole.hypothesis, free=own)], data)[0]
-        if alone is None:
-            return None
-        beside = replace(whole, hypothesis=replace(whole.hypothesis, free=own))
-        kept = widened(alone, [beside])
+    """The effects that are certain, as they are beside all others; deviations cover free functions too.
+
+    Without the others they would stand for a part of these.
+    """
     free: list[AppliedEffect] = []
-    for applied in kept.hypothesis.free:
+    for applied in whole.hypothesis.free:
+        if applied.key not in sure:
+            continue
         spread = 0.5 * sure[applied.key].spread
         parameters = {
             name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))
             for name, e in applied.parameters.items()
         }
         free.append(AppliedEffect(applied.key, parameters))
-    clear = {a.key: sure[a.key] for a in free if stands_out(a, INTERVAL)}
-    if len(clear) < len(free):  # part of a law that is certain as a whole, and may be none itself
-        return _only(whole, clear, data)
-    return replace(kept, hypothesis=replace(kept.hypothesis, free=tuple(free)))
+    # a part of a law that is certain as a whole may itself be none
+    clear = tuple(a for a in free if stands_out(a, INTERVAL))
+    if not clear:
+        return None
+    hypothesis = replace(whole.hypothesis, free=clear)
+    return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
 
 
 def _stages(problem: Regression, chosen: Selection, end: Fit, before: Fit, data: Data) -> list[Stage]:

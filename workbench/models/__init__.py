@@ -1,5 +1,6 @@
 """Models: what we believe about a machine, read from TOML or MJCF and built for each engine."""
 
+from .alike import alike_axes
 from .contacts import base_contacts, machine_bodies
 from .engine import silence
 from .floating import BASE_AXES
@@ -25,6 +26,7 @@ __all__ = [
     "Linkage",
     "Model",
     "Placement",
+    "alike_axes",
     "axis_tendon",
     "base_contacts",
     "base_spec",
