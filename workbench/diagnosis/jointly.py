@@ -15,7 +15,7 @@ from .adequacy import Adequacy, adequacies
 from .data import Data, gather
 from .fit import fit
 from .hypothesis import Fit
-from .judging import INTERVAL, floor_of_judging, lowers_error, rejudged, stands_out
+from .judging import INTERVAL, clearness, floor_of_judging, lowers_error, rejudged, stands_out
 from .refining import with_candidates
 from .regression import Regression, regression_of
 from .removed import removed_share
@@ -89,15 +89,23 @@ def _along(quest: Quest) -> tuple[Data, Fit] | None:
 
 
 def _fitted(problem: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
-    """All that was selected and is clearly another than nothing."""
+    """All that was selected and is clearly another than nothing.
+
+    Of two that trade with each other neither is, until one is out: of each axis the least clear goes first.
+    """
     if not chosen.chosen:
         return None
     candidates = chosen.candidates()
     found = fit([with_candidates(problem.scene, candidates, current)], data)[0]
     while found is not None:
-        clear = tuple(filter(stands_out, found.hypothesis.free))
-        if len(clear) == len(found.hypothesis.free):
+        doubted: dict[str | None, AppliedEffect] = {}
+        for applied in (a for a in found.hypothesis.free if not stands_out(a)):
+            weakest = doubted.setdefault(applied.key.axis, applied)
+            if clearness(applied) < clearness(weakest):
+                doubted[applied.key.axis] = applied
+        if not doubted:
             break
+        clear = tuple(a for a in found.hypothesis.free if doubted.get(a.key.axis) is not a)
         found = fit([replace(found.hypothesis, free=clear)], data)[0] if clear else None
     return found
 

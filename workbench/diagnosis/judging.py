@@ -279,10 +279,13 @@ def stands_out(applied: AppliedEffect, deviations: float = CLEARLY) -> bool:
     One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
     may change at which instant a signal is read.
     """
-    return any(
-        abs(applied.parameters[p.name].value - p.neutral) > deviations * applied.parameters[p.name].std
-        for p in sizes_of(applied)
-    )
+    return clearness(applied) > deviations
+
+
+def clearness(applied: AppliedEffect) -> float:
+    """How many deviations the clearest of its sizes is from what has no effect."""
+    estimates = [(applied.parameters[p.name], p.neutral) for p in sizes_of(applied)]
+    return max((abs(e.value - none) / max(e.std, 1e-300) for e, none in estimates), default=0.0)
 
 
 def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
