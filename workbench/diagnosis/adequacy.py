@@ -28,6 +28,7 @@ from .regression import kept_rows, needing
 from .sensitivity import Scene
 from .shape import splines
 
+_FEWEST = 50  # rows on which something moves: on fewer nothing is certain
 _QUANTITIES = ("position", "speed", "acceleration", "load")
 
 
@@ -43,7 +44,7 @@ class _Axis:
 
 
 def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
-    """Of each effect: as a law of its axis, or of a mass that several axes move.
+    """Of each effect of which enough is seen: as a law of its axis, or of a mass that several axes move.
 
     Args:
         found: with all effects that were selected, along the measured motion.
@@ -61,12 +62,14 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
         assert place is not None
         here = [k for k, a in enumerate(applied) if (a.key.axis, a.key.location) == (name, location)]
         axis = _axis(scene, found, data, [part[:, 1] for part in acts], here, place)
-        axes[name, location] = axis, [applied[k].key for k in here]
-        out |= _of_axis(*axes[name, location])
+        if len(axis.rest) >= _FEWEST:
+            axes[name, location] = axis, [applied[k].key for k in here]
+            out |= _of_axis(*axes[name, location])
     for group in alike_axes(scene.model):
         out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], out)
     for k, a in enumerate(applied):
-        if not effect_named(a.key.effect).depends_on:
+        # a body that was added is certain only where nothing else is wrong: masses of links do the same
+        if a.key.axis and not effect_named(a.key.effect).depends_on:
             out[a.key] = adequacy_of_mass(several(scene, found, data, [part[:, 1] for part in acts], k))
     return out
 
