@@ -37,7 +37,7 @@ def test_the_reference_between_rows_is_told_beside_a_wrong_number(
     for told in matched(model, logs(machine, held=held)):
         assert told.timing.reference_held is held
         assert any("reference_held" in note for note in told.notes)
-        # a torque that other axes' positions change hides half a tick
+        # inertia of all axes that is wrong hides half a tick
         assert told.controller.velocity == ("sensor" if wrong != "a centre of mass" else None)
 
 

@@ -15,11 +15,11 @@ from typing import Literal
 import numpy as np
 
 from workbench.core import Recording
-from workbench.effects import Plant, compile_plant
-from workbench.models import Model
+from workbench.effects import LinkMotion, Motion, Plant, compile_plant, effect_named, places
+from workbench.models import Model, Placement
 from workbench.recordings import NoiseLevels
 from workbench.recordings.resample import looks_held
-from workbench.simulation import law_torque, prepare, rate_read, required_torque, smooth_track
+from workbench.simulation import law_torque, motion_of, prepare, rate_read, required_torque, smooth_track
 
 from .band import corner_hz
 from .closed_loop import with_loops
@@ -70,7 +70,7 @@ def with_the_unlogged(model: Model, recordings: Sequence[Recording]) -> tuple[Re
     votes = [_share([a.others], [a], 1) for a in axes]
     clear = [round(share) for share, std in votes if std < _NEAR and abs(share - round(share)) < _NEAR]
     for answer, how in enumerate(("sensor", "difference")):
-        if clear.count(answer) > 0.5 * len(votes):
+        if clear.count(answer) > 0.5 * len(votes):  # inertia that is wrong hides it on its axes
             for i in asked:
                 out[i] = _noted(_reading(out[i], how), _SPEED[how])
     return tuple(out)
@@ -129,6 +129,7 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[_Ask
         long = np.pad(values, ((1, 1), (0, 0)), mode="edge")
         return passed(values - np.diff(long, 2, axis=0) / 24.0)
 
+    weights = passed(_weights(motion_of(track, shown, plant, to_actuator), plant.model))
     lacking = centred(first) - passed(required_torque(plant, track, recording.period))
     answers = np.stack([centred(x) for x in changed], axis=-1)
     edge = min(len(lacking) // 10, int(_EDGE_S / recording.period))
@@ -138,10 +139,27 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[_Ask
     for k in range(n):
         q, w = track.position[:, k], track.velocity[:, k]
         size = float(np.sqrt(np.mean(w**2))) + 1e-12
-        others = np.stack([w, np.tanh(w / (0.01 * size)), np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
-        parts = passed(track.acceleration), passed(others)
+        friction = np.stack([w, np.tanh(w / (0.01 * size)), np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
+        others = np.hstack([passed(friction), weights[:, k, np.any(weights[:, k], axis=0)]])
+        parts = passed(track.acceleration), others
         out.append(_Asked(lacking[rows, k], answers[rows, k], *(p[rows] for p in parts)))
     return out
+
+
+def _weights(motion: Motion, model: Model) -> np.ndarray:
+    """Torque (N, n, C) of the weight of a first moment of each link, which may not be as the model has it."""
+
+    moving = motion.link
+
+    def still(joint: int) -> LinkMotion:
+        link = moving(joint)
+        return replace(link, rise=np.zeros_like(link.rise), spin_up=np.zeros_like(link.spin_up))
+
+    motion = replace(motion, velocity=np.zeros_like(motion.velocity), link=still)
+    effect = effect_named("first_moment_error")
+    keys = [key for key in places(model) if key.effect == effect.name]
+    found = [effect.response(motion, model, Placement.of(model, key), {}).columns for key in keys]
+    return np.moveaxis(np.concatenate([np.zeros((0, *motion.position.shape)), *found]), 0, -1)
 
 
 def _joined(parts: Sequence[_Asked]) -> _Asked:

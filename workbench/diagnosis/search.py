@@ -115,10 +115,17 @@ def _explained(quest: Quest) -> tuple[Way, Joint | None]:
         if explained(quest.data, quest.start, joint.way.current, joint.way.data) > _MOSTLY:
             return joint.way, joint
     way = _one_by_one(start, quest)
-    if holds(way, quest) or not several:
+    if not several or (holds(way, quest) and len(way.stages) < 2):
         return way, None
     joint = joint or jointly(quest)
-    return (way, None) if joint is None else (joint.way, joint)
+    if joint is None or (holds(way, quest) and not _is_simpler(joint.way, way)):
+        return way, None
+    return joint.way, joint
+
+
+def _is_simpler(one: Way, other: Way) -> bool:
+    """Whether a way that leads to the noise takes fewer parameters than another."""
+    return one.done and one.current.hypothesis.size < other.current.hypothesis.size
 
 
 def _is_long(quest: Quest) -> bool:

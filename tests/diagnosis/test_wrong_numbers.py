@@ -1,0 +1,53 @@
+"""Numbers of an arm's file that are wrong are told with what they are, from positions alone too."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.bench_arm import FAST, SLOW, bench_arm, logged
+from workbench.core import Diagnosis
+from workbench.diagnosis import diagnose
+from workbench.effects import load_model
+
+
+def told(folder: Path, positions_alone: bool = False, resisting=None, **wrong: float) -> Diagnosis:
+    """A diagnosis of a model with these numbers, of logs of the arm as it is."""
+    machine, model = bench_arm(folder), load_model(bench_arm(folder, "model", **wrong))
+    slow = {"log_s": 0.01, "loop_s": 0.001, "positions_alone": True} if positions_alone else {}
+    logs = [
+        logged(machine, tones, seconds=8.0, resisting=resisting, seed=seed, **slow)
+        for seed, tones in enumerate((SLOW, FAST))
+    ]
+    return diagnose(model, logs)
+
+
+def test_a_rotor_from_positions_alone(tmp_path: Path) -> None:
+    """How the loop got its reference and its speed is not taken for damping or inertia of the others."""
+    (finding,) = told(tmp_path, positions_alone=True, lift_armature=0.15).findings
+    assert (finding.key.effect, finding.key.axis) == ("reflected_inertia", "lift")
+    assert finding.total is not None and finding.total.value == pytest.approx(0.0868, rel=0.03)
+    assert finding.model_value == pytest.approx(0.15)
+
+
+def test_a_centre_of_mass(tmp_path: Path) -> None:
+    (finding,) = told(tmp_path, fore_centre=0.07).findings
+    assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "bend")
+    assert finding.parameters["along"].value == pytest.approx(1.3 * (0.14 - 0.07), rel=0.03)
+    assert abs(finding.parameters["across"].value) < 0.003
+
+
+def test_a_centre_of_mass_beside_something_unknown(tmp_path: Path) -> None:
+    """A rough patch at one angle of the yaw takes nothing from what is certain of the fore-arm."""
+
+    def patch(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        return np.array([-3.0 * np.exp(-(((position[0] - 0.3) / 0.08) ** 2)) * np.sign(speed[0]), 0.0, 0.0])
+
+    found = told(tmp_path, resisting=patch, fore_centre=0.07)
+    assert found.verdict == "partly_explained"
+    named = {(f.key.effect, f.key.axis): f for f in found.findings}
+    moment = named["first_moment_error", "bend"].parameters["along"]
+    assert moment.value == pytest.approx(1.3 * 0.07, rel=0.05)
+    assert not any(f.key.axis == "yaw" and f.probability > 0.5 for f in found.findings)
