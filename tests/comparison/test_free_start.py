@@ -40,6 +40,18 @@ def soft(model: Model, stiffness: float = STIFFNESS) -> Model:
     return model.with_effect(AppliedEffect(EffectKey("joint_compliance", "motor"), values))
 
 
+def test_a_gap_alone_has_no_beginning_to_fit(shaft: Model) -> None:
+    """Along a measured motion, where springs have one."""
+    t = np.arange(2000) / RATE
+    position = 0.5 * np.sin(2 * np.pi * 3.0 * t)[:, None]
+    signals = {"position": position, "velocity": np.gradient(position, t, axis=0)}
+    signals["torque_measured"] = (MOTOR + LOAD) * np.gradient(signals["velocity"], t, axis=0)
+    log = Recording("log", ("motor",), "actuator", t, signals, ("rad",), Controller("unknown"))
+    values = {"gap": Estimate(0.01, 0.0, "rad"), "stiffness": Estimate(STIFFNESS, 0.0, "N*m/rad")}
+    gap = shaft.with_effect(AppliedEffect(EffectKey("backlash", "motor"), values))
+    assert np.isfinite(compare(gap, [log]).error)
+
+
 def run(first_s: float, amplitude: float = 0.5) -> Recording:
     """A second of two masses on a spring, shaken from rest, logged from `first_s` on; by an ODE solver."""
     lines = np.arange(13.0, 200.0, 4.0)

@@ -55,11 +55,12 @@ class FreeStart:
             effect.free_responses(motion, model, place, shape) for effect, place, shape in giving_way(model)
         ]
         freely = np.concatenate([none, *found], axis=2)
+        if not freely.shape[2]:  # a gap knows where it begins, and has no column
+            return FreeStart(none, np.zeros((0, counts.size)))
         columns = passed(freely / np.maximum(motion.gain, LEAST_GAIN)[:, :, None])
         weight = counts / np.maximum(size, 1e-300)
         weighted = (columns * weight[:, :, None]).reshape(-1, columns.shape[2])
         scale = np.maximum(np.linalg.norm(weighted, axis=0), 1e-300)
-        # a gap knows where it begins, and has no column
         solve = np.linalg.pinv(weighted / scale, rcond=_NOTHING) / scale[:, None] * weight.ravel()
         return FreeStart(columns, solve)
 
