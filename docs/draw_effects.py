@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib
@@ -69,6 +70,8 @@ VALUES: dict[str, dict[str, float]] = {
     "backlash": {"gap": 0.03, "stiffness": 200.0},
     "base_compliance": {"stiffness": 4000.0, "damping": 20.0, "mass": 10.0},
     "link_length_error": {"length": 0.03},
+    "first_moment_error": {"along": 0.03, "across": 0.0},
+    "link_inertia_error": {"inertia": 0.004},
     "contact_compliance": {"stiffness": 3e4, "damping": 100.0},
     "ground_friction": {"coefficient": 0.35},
 }
@@ -89,6 +92,8 @@ MOTION = (
 DRIVE = ("command_delay", "torque_saturation", "speed_torque_limit", "current_loop_lag")
 #: Drawn as the ground's force, less that of the nominal ground from the same states.
 ON_A_PLATE = ("contact_compliance", "ground_friction")
+#: What a parallelogram has as its linkage: drawn on the leg as a bare tree.
+ON_A_TREE = ("first_moment_error", "link_inertia_error")
 #: A longer link without a load at its end changes nothing on a fixed base: it is drawn with one, in kg.
 LOADED = {"link_length_error": 1.0}
 
@@ -104,6 +109,8 @@ def main() -> None:
 def draw(name: str, on_axis: bool) -> None:
     """One effect's picture."""
     nominal = load_model(WITHOUT.get(name, "leg"))
+    if name in ON_A_TREE:
+        nominal = replace(load_model("leg_kin_only"), linkage=None)
     if name in LOADED:
         nominal = with_effect(nominal, "payload_mass", None, {"mass": LOADED[name]})
     if name in ON_A_PLATE:
