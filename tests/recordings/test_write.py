@@ -83,7 +83,14 @@ _TOLD = st.fixed_dictionaries(
         "controller": st.one_of(
             st.builds(Controller, st.sampled_from(["none", "unknown"]), _WHERE, period_s=_PERIOD),
             st.builds(
-                Controller, st.just("pd"), _WHERE, kp=_GAINS, kd=_GAINS, limit=_GAINS, period_s=_PERIOD
+                Controller,
+                st.just("pd"),
+                _WHERE,
+                kp=_GAINS,
+                kd=_GAINS,
+                limit=_GAINS,
+                period_s=_PERIOD,
+                velocity=st.none() | st.sampled_from(["sensor", "difference"]),
             ),
             st.builds(
                 Controller, st.just("cascade_pv"), _WHERE, kp=_GAINS, kv=_GAINS, gain=_GAINS, period_s=_PERIOD
@@ -99,7 +106,11 @@ _TOLD = st.fixed_dictionaries(
             lines=st.sampled_from([None, "odd", "every_4", (1, 5, 9)]),
         ),
         "timing": st.builds(
-            Timing, st.booleans(), st.booleans(), st.sampled_from(["motor", "loop"])
+            Timing,
+            st.booleans(),
+            st.booleans(),
+            st.sampled_from(["motor", "loop"]),
+            st.none() | st.booleans(),
         ),
     }
 )  # fmt: skip

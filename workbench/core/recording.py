@@ -87,9 +87,9 @@ class Timing:
     """
 
     feedforward_held: bool = True
-    reference_held: bool | None = None
     initial_at_rest: bool = True
     delay: Literal["motor", "loop"] = "motor"
+    reference_held: bool | None = None
 
 
 @dataclass(frozen=True)

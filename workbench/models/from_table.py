@@ -255,4 +255,6 @@ def _controller(table: ModelTable, n: int, file: Path) -> Controller:
                 f"controller of kind '{c.kind}' has no {key}", file=file, column=f"controller.{key}",
                 remedy=f"give {', '.join(needed)}, one value an axis",
             )  # fmt: skip
-    return Controller(kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, **per_axis)
+    return Controller(
+        kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, velocity=c.velocity, **per_axis
+    )

@@ -60,6 +60,7 @@ class ControllerTable(_Table):
     gain: list[_Number] | _Number = []
     limit: list[_Limit] | _Limit = []
     period_s: _Positive | None = None
+    velocity: Literal["sensor", "difference"] | None = None
 
 
 class CrankTable(_Table):

@@ -78,6 +78,8 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
         table["controller"] = {"kind": c.kind, "coordinates": c.coordinates, **entries}
         if c.period_s:
             table["controller"]["period_s"] = c.period_s
+        if c.velocity:
+            table["controller"]["velocity"] = c.velocity
     if model.linkage:
         table["linkage"] = linkage_table(model.linkage)
     if model.payload_site:

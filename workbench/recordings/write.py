@@ -92,7 +92,8 @@ def _description(recording: Recording, table: str, columns: dict[str, Any]) -> d
     c = recording.controller
     keys = ("kp", "kd", "kv", "gain", "limit")
     gains = {key: [x for x in getattr(c, key) if math.isfinite(x)] for key in keys}
-    controller = {"kind": c.kind, "coordinates": c.coordinates, **gains, "period_s": c.period_s}
+    controller = {"kind": c.kind, "coordinates": c.coordinates, **gains}
+    controller |= {"period_s": c.period_s, "velocity": c.velocity}
     units = {
         kind: [(_LINEAR if unit == "m" else _ROTARY)[kind] for unit in recording.units] for kind in _LINEAR
     }
