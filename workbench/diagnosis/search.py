@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from workbench.comparison import MeasuredMotion, cannot_run, noise_rules
 from workbench.core import Recording, SimulationError
+from workbench.effects import effect_named
 from workbench.models import Model
 
 from .data import gather
@@ -26,6 +27,7 @@ from .ways import Quest, Way, after, holds, is_consistent, onwards, quest_of, wa
 LIMIT = 6  # effects in a row; data that need more need a better model first
 
 
+_SEVERAL = 3  # effects that are certain, each by itself
 _MOSTLY = 0.5  # share of the excess that is known for certain: no other beginning leads to more
 
 
@@ -98,16 +100,15 @@ def _explained(quest: Quest) -> tuple[Way, Joint | None]:
     """What is missing, and the joint solution where that is the answer.
 
     All axes and effects are solved together along the measured motion where no single effect explains the
-    recordings. That is the answer where it leads to the noise, alone or with what is added to it, where more
-    is missing than can be added one by one, and where the search one by one does not end in an explanation.
+    recordings. That is the answer where more is missing than can be added one by one; where plain causes lead
+    to the noise; where several are certain that explain most; and where the search one by one does not end in
+    an explanation, or in one that takes more parameters.
     """
     start, several = Way(quest.start, quest.data), quest.limit > 1
     joint = jointly(quest) if several and (_is_long(quest) or not _one_may_do(quest)) else None
-    if joint and joint.size > quest.limit:
+    if joint and (joint.size > quest.limit or (_is_plain(joint) and not _one_may_do(quest))):
         return joint.way, joint
-    if joint and len(joint.way.stages) > 1:
-        if joint.way.done:
-            return joint.way, joint
+    if joint and _are_several(joint):
         # what is no torque along the motion may be missing beside them
         way = onwards(joint.way, quest)
         if holds(way, quest):
@@ -121,6 +122,23 @@ def _explained(quest: Quest) -> tuple[Way, Joint | None]:
     if joint is None or (holds(way, quest) and not _is_simpler(joint.way, way)):
         return way, None
     return joint.way, joint
+
+
+def _are_several(joint: Joint) -> bool:
+    """Whether so much is certain, on more than one axis, that it does not stand for one other cause."""
+    keys = [stage.added for stage in joint.way.stages]
+    return not joint.way.done and len(keys) >= _SEVERAL and len({k.axis for k in keys}) > 1
+
+
+def _is_plain(joint: Joint) -> bool:
+    """Whether numbers of drives and links alone lead to the noise, which nothing else stands behind."""
+    keys = [stage.added for stage in joint.way.stages]
+    return joint.way.done and len(keys) > 1 and all(k.axis and _is_number(k.effect) for k in keys)
+
+
+def _is_number(effect: str) -> bool:
+    """Whether an effect corrects a number that every drive or link has."""
+    return effect_named(effect).basic or effect in ("first_moment_error", "link_inertia_error")
 
 
 def _is_simpler(one: Way, other: Way) -> bool:
