@@ -26,7 +26,7 @@ def corner_hz(recording: Recording, plant: Plant, levels: NoiseLevels) -> float:
     name = scored_torque(recording)
     assert name is not None
     n = plant.model.size
-    to_actuator = np.eye(n) if recording.coordinates == "actuator" else plant.model.transmission
+    to_actuator = recording.to_actuator(plant.model.transmission)
     torque = np.sqrt(np.mean((recording.signals[name] @ np.linalg.inv(to_actuator)) ** 2, axis=0))
     f = np.linspace(0.0, widest, _LINES + 1)[1:]
     omega = 2.0 * np.pi * f[:, None]

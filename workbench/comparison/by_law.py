@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.core import Recording
 from workbench.effects import compile_plant
 from workbench.models import Model
@@ -33,7 +31,7 @@ def with_torque_by_law(model: Model, recordings: Sequence[Recording]) -> tuple[R
         if scored_torque(r) is not None:
             out.append(r)
             continue
-        to_actuator = np.eye(model.size) if r.coordinates == "actuator" else model.transmission
+        to_actuator = r.to_actuator(model.transmission)
         band = 1.5 * cutoff_hz(r)
         track = smooth_track(r, None, to_actuator, levels.position_std, levels.velocity_std, band)
         torque = law_torque(r, plant, track) @ to_actuator

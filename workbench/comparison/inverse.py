@@ -62,8 +62,7 @@ def torque_pair(
     just after it, since the drive holds it from tick to tick.
     """
     model = plant.model
-    n = model.size
-    to_actuator = np.eye(n) if recording.coordinates == "actuator" else model.transmission
+    to_actuator = recording.to_actuator(model.transmission)
     track = smooth_track(recording, simulated, to_actuator, levels.position_std, levels.velocity_std)
     tap = torque_at_tap(plant, recording, track, to_actuator)
     needed = required_torque(plant, track, recording.period)

@@ -163,7 +163,7 @@ def read_motion(
 
     Acceleration is kept whole inside the filter's band: what looks like noise there moved the machine too.
     """
-    to_actuator = np.eye(len(transmission)) if recording.coordinates == "actuator" else transmission
+    to_actuator = recording.to_actuator(transmission)
     track = smooth_track(
         recording, None, to_actuator, levels.position_std, levels.velocity_std, 1.5 * corner_hz
     )

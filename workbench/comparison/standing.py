@@ -120,8 +120,7 @@ def stand(
     Raises:
         InputError: it is too short.
     """
-    n = plant.model.size
-    to_actuator = np.eye(n) if recording.coordinates == "actuator" else plant.model.transmission
+    to_actuator = recording.to_actuator(plant.model.transmission)
     force = recording.extra.get(FORCE)
     starts = choose_starts(recording, force)
     if len(starts) == 0:

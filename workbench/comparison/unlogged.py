@@ -110,7 +110,7 @@ def _is_open(model: Model, recording: Recording) -> bool:
 def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[_Asked]:
     """What one recording says of each axis, on rows away from its ends."""
     n = plant.model.size
-    to_actuator = np.eye(n) if recording.coordinates == "actuator" else plant.model.transmission
+    to_actuator = recording.to_actuator(plant.model.transmission)
     band = 0.2 / recording.period
     track = smooth_track(recording, None, to_actuator, levels.position_std, levels.velocity_std, band)
     first = law_torque(_reading(_held(recording, False), "sensor"), plant, track, 0.5)
@@ -119,7 +119,7 @@ def _asked(recording: Recording, plant: Plant, levels: NoiseLevels) -> list[_Ask
         law_torque(_reading(_held(recording, False), "difference"), plant, track, 0.5) - first,
     ]
     shown = recording.with_signals(torque_command=first @ to_actuator)
-    corner = min(corner_hz(shown, plant, levels), band)
+    corner = corner_hz(shown, plant, levels)
 
     def passed(values: np.ndarray) -> np.ndarray:
         return lowpass(values, recording, corner)

@@ -178,6 +178,10 @@ class Recording(Shown):
         """Velocity (N, n) [rad/s or m/s]; measured, unless ``"velocity"`` is in `derived`."""
         return self.signals["velocity"]
 
+    def to_actuator(self, transmission: FloatArray) -> FloatArray:
+        """What takes positions of its coordinates to those of the drives, (n, n); `transmission`: J."""
+        return np.eye(len(transmission)) if self.coordinates == "actuator" else transmission
+
     def get(self, signal: str) -> FloatArray | None:
         """The signal (N, n), or None where the recording has not got it."""
         return self.signals.get(signal)

@@ -111,7 +111,7 @@ def missing_torque(
     for recording, run in zip(measured, simulated, strict=True):
         if scored_torque(recording) is None or len(recording) < 100:
             continue
-        to_actuator = np.eye(model.size) if recording.coordinates == "actuator" else model.transmission
+        to_actuator = recording.to_actuator(model.transmission)
         # what nothing drives begins anew at each swing, and all its torque is load and inertia
         free = is_free(recording)
         about = None if free else run

@@ -95,7 +95,7 @@ def prepare(recording: Recording, model: Model) -> Experiment:
     stride = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))
     step = recording.period / stride
     j, identity = model.transmission, np.eye(n)
-    to_actuator = identity if recording.coordinates == "actuator" else j
+    to_actuator = recording.to_actuator(j)
     torque_to_actuator = identity if recording.coordinates == "actuator" else np.linalg.inv(j).T
     zero = np.zeros((rows, n))
 
