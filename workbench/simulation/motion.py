@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 
-import mujoco
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from workbench.core import Recording
 from workbench.effects import Line, Motion, Plant, axis_units, compile_plant, rotor_inertia
@@ -17,9 +15,9 @@ from workbench.models import Model, axis_tendon, rotors
 from .clamped import before_clamp
 from .experiment import prepare, scored_torque
 from .inverse import gain_along, required_torque
-from .link_motion import link_motions
 from .native import com_slopes, mass_matrices
-from .trajectory import Track, interpolate, joint_columns
+from .postures import link_motions, site_jacobian
+from .trajectory import Track, interpolate
 
 _EVERY_S = 0.004  # inverse dynamics is smooth within this time
 
@@ -182,25 +180,3 @@ def gain_shares(recording: Recording, plant: Plant, track: Track, axis: int) -> 
         shares = np.stack([whole * c.kp[axis] * away, whole * (c.kp[axis] * away + rate)])
     last = np.searchsorted(ticks, np.arange(rows), side="right") - 1
     return shares[:, last, None] * drive
-
-
-def site_jacobian(plant: Plant, track: Track, site: str, stride: int = 4) -> np.ndarray:
-    """Jacobian of a site's world position with respect to q_p along a track, shape (N, 3, n).
-
-    Evaluated at every `stride`-th row and interpolated by cubic splines, whose slope is right as well.
-    """
-    m, model = plant.mujoco, plant.model
-    data = mujoco.MjData(m)
-    joints = track.position @ np.linalg.inv(model.transmission).T
-    qpos, dofs = joint_columns(m, model.joints)
-    rows = np.unique(np.append(np.arange(0, len(joints), stride), len(joints) - 1))
-    some, full = np.empty((len(rows), 3, model.size)), np.zeros((3, m.nv))
-    ident = m.site(site).id
-    for k, row in enumerate(rows):
-        data.qpos[qpos] = joints[row]
-        mujoco.mj_kinematics(m, data)
-        mujoco.mj_comPos(m, data)
-        mujoco.mj_jacSite(m, data, full, None, ident)
-        some[k] = full[:, dofs]
-    dense = CubicSpline(rows, some)(np.arange(len(joints)))
-    return dense @ np.linalg.inv(model.transmission)
