@@ -11,7 +11,7 @@ from workbench.models import Model, Placement
 
 from .base import INF, Door, Effect, Parameter, Trace
 from .chain import Build
-from .links import Link, link_of, reshape, shifting, with_moment
+from .links import Link, link_at, link_of, reshape, shifting, with_moment
 from .motion import Motion
 from .response import Response
 from .structure import is_parallelogram
@@ -30,6 +30,7 @@ class FirstMomentError(Effect):
     )
     door = Door.MECHANISM
     on_links = True
+    adds_up = True
     trace = Trace.EVEN
     needs = "a hinge whose link has a mass; of a parallelogram the linkage's increments say it"
     source = (
@@ -65,19 +66,13 @@ class FirstMomentError(Effect):
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
     ) -> None:
         """The body's centre of mass."""
-        assert place is not None
-        link = self._link(model, place)
+        link = link_at(model, place)
         moment = values["along"] * link.along + values["across"] * link.across
         reshape(build, link, lambda now: with_moment(now, moment))
 
-    def _link(self, model: Model, place: Placement) -> Link:
-        link = link_of(model, model.axes[place.index])
-        assert link is not None
-        return link
-
     def _now(self, model: Model, place: Placement) -> tuple[Link, np.ndarray]:
         """The link, and its centre with what the model has of this effect."""
-        link = self._link(model, place)
+        link = link_at(model, place)
         own = [e.values for e in model.effects if self.sits(e.key, model, place)]
         moment = sum((v["along"] * link.along + v["across"] * link.across for v in own), np.zeros(3))
         return link, link.inertial.centre + moment / link.inertial.mass

@@ -12,7 +12,7 @@ from workbench.models import Model, Placement
 
 from .base import INF, Door, Effect, Parameter
 from .chain import Build
-from .links import Link, link_of, reshape, turning
+from .links import link_at, link_of, reshape, turning
 from .motion import Motion
 from .response import Response
 from .structure import is_parallelogram
@@ -27,6 +27,7 @@ class LinkInertiaError(Effect):
     parameters = (Parameter("inertia", "kg*m^2", lower=-INF, about="added to what the model has"),)
     door = Door.MECHANISM
     on_links = True
+    adds_up = True
     tier = 1
     needs = (
         "a hinge whose link has a mass and hangs on another axis, else it is reflected_inertia; of a "
@@ -47,7 +48,7 @@ class LinkInertiaError(Effect):
     ) -> Response:
         """One column: minus what the inertia needs, per kg m^2."""
         assert place is not None
-        axis = self._link(model, place).axis
+        axis = link_at(model, place).axis
         return Response(-turning(motion, place.index, np.outer(axis, axis))[None])
 
     def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
@@ -57,7 +58,7 @@ class LinkInertiaError(Effect):
     def model_value(self, model: Model, place: Placement | None) -> float:
         """What the file states, and what was added."""
         assert place is not None
-        link = self._link(model, place)
+        link = link_at(model, place)
         own = float(link.axis @ link.inertial.tensor @ link.axis)
         return own + sum(e.values["inertia"] for e in model.effects if self.sits(e.key, model, place))
 
@@ -65,12 +66,6 @@ class LinkInertiaError(Effect):
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
     ) -> None:
         """The body's inertia; about other axes it follows only as far as a body's has to."""
-        assert place is not None
-        link, more = self._link(model, place), values["inertia"]
+        link, more = link_at(model, place), values["inertia"]
         about = more * np.outer(link.axis, link.axis)
         reshape(build, link, lambda now: replace(now, tensor=now.tensor + about))
-
-    def _link(self, model: Model, place: Placement) -> Link:
-        link = link_of(model, model.axes[place.index])
-        assert link is not None
-        return link

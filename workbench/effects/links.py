@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -10,7 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from workbench.models import Model, load_tree
+from workbench.models import Model, Placement, load_tree
 
 from .chain import Build, Inertial
 from .motion import Motion
@@ -48,6 +48,14 @@ def link_of(model: Model, axis: str | None) -> Link | None:
         return None
     links = _links(model.serial, model.joints, model.payload_site)
     return links[model.axes.index(axis)]
+
+
+def link_at(model: Model, place: Placement | None) -> Link:
+    """The link of a place where an effect of links applies."""
+    assert place is not None
+    link = link_of(model, model.axes[place.index])
+    assert link is not None
+    return link
 
 
 def link_ends(model: Model) -> tuple[str | None, ...]:
@@ -160,10 +168,15 @@ def _link(
     along = along / np.linalg.norm(along)
     gyration = float(np.sqrt(np.trace(tensor) / inertial.mass))
     size = 2.0 * max(*(float(np.linalg.norm(way)) for way in square[:-1]), gyration)
-    parents, above = {int(m.joint(name).bodyid[0]) for name in joints}, int(m.body_parentid[body])
-    while above and above not in parents:
-        above = int(m.body_parentid[above])
-    return Link(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size, above > 0)
+    carried = _carrier(m, int(m.body_parentid[body]), {int(m.joint(name).bodyid[0]) for name in joints}) > 0
+    return Link(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size, carried)
+
+
+def _carrier(m: mujoco.MjModel, body: int, links: Container[int]) -> int:
+    """The link that a body belongs to; the world, if to none."""
+    while body and body not in links:
+        body = int(m.body_parentid[body])
+    return body
 
 
 @lru_cache(maxsize=64)
@@ -171,18 +184,11 @@ def _ends(serial: Path, joints: tuple[str, ...], payload_site: str | None) -> tu
     m = load_tree(serial).compile()
     links = {name: int(m.joint(name).bodyid[0]) for name in joints}
     last = {link: name for name, link in links.items()}  # of several joints of a body, the one next to it
-
-    def carrier(body: int) -> int:
-        """The link that a body belongs to; the world, if to none."""
-        while body and body not in last:
-            body = int(m.body_parentid[body])
-        return body
-
     site = m.site(payload_site) if payload_site else None
     out: list[str | None] = []
     for name, link in links.items():
-        further = [b for b in last if carrier(int(m.body_parentid[b])) == link]
-        at_end = site is not None and carrier(int(site.bodyid[0])) == link and np.any(site.pos)
+        further = [b for b in last if _carrier(m, int(m.body_parentid[b]), last) == link]
+        at_end = site is not None and _carrier(m, int(site.bodyid[0]), last) == link and np.any(site.pos)
         if last[link] != name or len(further) > 1:
             out.append(None)
         elif further:
