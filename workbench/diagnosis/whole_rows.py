@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.effects import Door, Trace, effect_named
+from workbench.effects import Door, effect_named
 from workbench.models import AppliedEffect
 
+from .delays import is_late
 from .hypothesis import Hypothesis, blocks, moved, room
 from .normal import Normal
 from .solve import solve
@@ -16,12 +17,12 @@ _OVER = 1e-6  # of a row, beyond its edge
 
 def has_edges(hypothesis: Hypothesis) -> bool:
     """Whether one of its effects is a delay between command and torque."""
-    return any(_is_late(applied) for applied in hypothesis.free)
+    return any(_is_a_command_s(applied) for applied in hypothesis.free)
 
 
-def _is_late(applied: AppliedEffect) -> bool:
+def _is_a_command_s(applied: AppliedEffect) -> bool:
     effect = effect_named(applied.key.effect)
-    return effect.trace is Trace.DELAY and effect.door is Door.COMMAND and "time" in effect.nonlinear
+    return is_late(applied.key) and effect.door is Door.COMMAND and "time" in effect.nonlinear
 
 
 def over_the_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> list[Hypothesis]:
@@ -42,7 +43,7 @@ def over_the_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> lis
     low, high = room(hypothesis)
     out = []
     for applied, block in blocks(hypothesis):
-        if not _is_late(applied):
+        if not _is_a_command_s(applied):
             continue
         effect = effect_named(applied.key.effect)
         index = block.stop - len(effect.nonlinear) + effect.nonlinear.index("time")
