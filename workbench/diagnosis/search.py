@@ -25,8 +25,6 @@ from .trying import Progress
 from .ways import Quest, Way, after, holds, is_consistent, onwards, quest_of, wanders, with_last, with_stages
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
-
-
 _SEVERAL = 3  # effects that are certain, each by itself
 _MOSTLY = 0.5  # share of the excess that is known for certain: no other beginning leads to more
 
@@ -86,7 +84,7 @@ def search(
         first,
         simulated,
         way.stages,
-        () if joint and joint.size > limit else quest.screened,
+        () if joint and _is_dear(quest) else quest.screened,
         before,
         done,
         explained(first, start, current, data),
@@ -138,7 +136,7 @@ def _is_plain(joint: Joint) -> bool:
 
 def _is_number(effect: str) -> bool:
     """Whether an effect corrects a number that every drive or link has."""
-    return effect_named(effect).basic or effect in ("first_moment_error", "link_inertia_error")
+    return effect_named(effect).basic or effect_named(effect).adds_up
 
 
 def _is_simpler(one: Way, other: Way) -> bool:
@@ -148,7 +146,12 @@ def _is_simpler(one: Way, other: Way) -> bool:
 
 def _is_long(quest: Quest) -> bool:
     """Whether single effects are too dear or too few to begin with: no loop, or more axes than effects."""
-    return isinstance(quest.data.replay, MeasuredMotion) or quest.start.hypothesis.model.size > quest.limit
+    return isinstance(quest.data.replay, MeasuredMotion) or _is_dear(quest)
+
+
+def _is_dear(quest: Quest) -> bool:
+    """Whether loops of so many axes would have to be linearised for screening."""
+    return quest.data.replay.simulates and quest.start.hypothesis.model.size > quest.limit
 
 
 def _one_may_do(quest: Quest) -> bool:
