@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -102,7 +102,8 @@ MODELS = ("leg_kin_only", "leg", "emps")
 #: For contacts alone; all else is as on the leg without a plate.
 ON_A_PLATE = "leg_on_plate"
 #: For links alone, which a parallelogram has as its linkage.
-ON_AN_ARM = str(bench_arm(Path(mkdtemp())))
+_FOLDER = TemporaryDirectory()
+ON_AN_ARM = str(bench_arm(Path(_FOLDER.name)))
 
 
 @dataclass(frozen=True)
