@@ -15,14 +15,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.core import EffectKey
+from workbench.core import EffectKey, Estimate
 from workbench.effects import effect_named
-from workbench.models import Placement, alike_axes
+from workbench.models import AppliedEffect, Placement, alike_axes
 
 from .adequate_masses import adequacy_of_mass, several
 from .data import Data
 from .free_functions import Adequacy, held
 from .hypothesis import Fit
+from .judging import INTERVAL
 from .marching import respond
 from .regression import kept_rows, needing
 from .sensitivity import Scene
@@ -66,7 +67,7 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
             axes[name, location] = axis, [applied[k].key for k in here]
             out |= _of_axis(*axes[name, location])
     for group in alike_axes(scene.model):
-        out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], out)
+        out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], applied, out)
     for k, a in enumerate(applied):
         # a body that was added is certain only where nothing else is wrong: masses of links do the same
         if a.key.axis and not effect_named(a.key.effect).depends_on:
@@ -110,12 +111,15 @@ def _axis(
 
 
 def _together(
-    axes: Sequence[tuple[_Axis, list[EffectKey]]], alone: Mapping[EffectKey, Adequacy]
+    axes: Sequence[tuple[_Axis, list[EffectKey]]],
+    applied: Sequence[AppliedEffect],
+    alone: Mapping[EffectKey, Adequacy],
 ) -> dict[EffectKey, Adequacy]:
     """Of laws of joints that were built alike, held against free functions on all of them at once.
 
-    What is strange about one of them takes nothing from a law that holds on all; each keeps its own size.
+    What is strange about one of them takes nothing from a law that holds on all, with one size on all.
     """
+    values = {a.key: a.parameters for a in applied}
     laws = [{effect_named(k.effect).depends_on for k in keys} - {()} for _, keys in axes]
     out: dict[EffectKey, Adequacy] = {}
     for own in set().union(*laws):
@@ -136,8 +140,26 @@ def _together(
             np.concatenate([np.full(len(a.rest), i) for i, (a, _) in enumerate(there)]),
         )
         found = _of_law(joined, [own, ()], own)
-        out |= {k: found for k in doubted if found.holds}
+        out |= {k: found for k in doubted if found.holds and _agrees(k, keys, values, alone)}
     return out
+
+
+def _agrees(
+    key: EffectKey,
+    alike: Sequence[EffectKey],
+    values: Mapping[EffectKey, Mapping[str, Estimate]],
+    alone: Mapping[EffectKey, Adequacy],
+) -> bool:
+    """Whether an effect has the size that it has on the joints alike: what is strange may hide in its size."""
+    others = [values[k] for k in alike if k.effect == key.effect and k != key]
+    for name, own in values[key].items():
+        there = [o[name] for o in others]
+        if not there:
+            return False
+        deviation = np.hypot(own.std, np.median([o.std for o in there])) + alone[key].spread * abs(own.value)
+        if abs(own.value - np.median([o.value for o in there])) > INTERVAL * deviation:
+            return False
+    return True
 
 
 def _of_axis(axis: _Axis, keys: Sequence[EffectKey]) -> dict[EffectKey, Adequacy]:

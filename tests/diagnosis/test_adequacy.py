@@ -1,0 +1,59 @@
+"""Certain although something else is unknown: laws on joints that were built alike, beside a stranger on one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.bench_arm import AXES, FAST, SLOW, logged
+from workbench.core import Diagnosis
+from workbench.diagnosis import diagnose
+from workbench.effects import load_model
+
+_LINK = """<body name="{name}_link" pos="0 {place} 0">
+ <joint name="{name}" axis="0 1 0" armature="0.08" damping="{damping}"/>
+ <inertial pos="0.1 0 0" mass="1" diaginertia="0.002 0.01 0.01"/></body>"""
+
+
+def pendulums(folder: Path, name: str, damping: float) -> Path:
+    """Three that are alike, side by side."""
+    links = "".join(_LINK.format(name=a, place=k, damping=damping) for k, a in enumerate(AXES))
+    motors = "".join(f'<motor joint="{a}"/>' for a in AXES)
+    file = folder / f"{name}.xml"
+    file.write_text(
+        f'<mujoco><compiler angle="radian"/><worldbody>{links}</worldbody><actuator>{motors}</actuator></mujoco>'
+    )
+    return file
+
+
+def told(folder: Path, stranger: Callable[[float, float], float]) -> Diagnosis:
+    """Damping is 0.5 on all and 1.2 in the model; what resists the first one besides is in no catalogue."""
+    machine = pendulums(folder, "machine", 0.5)
+
+    def resisting(q: np.ndarray, w: np.ndarray) -> np.ndarray:
+        return np.array([stranger(q[0], w[0]), 0.0, 0.0])
+
+    logs = [
+        logged(machine, tones, seconds=8.0, seed=k, resisting=resisting)
+        for k, tones in enumerate((SLOW, FAST))
+    ]
+    return diagnose(load_model(pendulums(folder, "model", 1.2)), logs)
+
+
+def test_what_is_strange_on_one_of_three_alike_does_not_hide_what_all_have(tmp_path: Path) -> None:
+    found = told(tmp_path, lambda q, w: -0.15 * w**2)
+    assert {str(f.key) for f in found.findings} == {f"viscous_damping@{a}" for a in AXES}
+    for finding in found.findings:
+        change = finding.parameters["damping"]
+        assert change.value == pytest.approx(-0.7, abs=1.96 * change.std + 0.01)
+
+
+def test_a_stranger_that_changes_the_size_of_a_law_leaves_it_without_a_name_there(tmp_path: Path) -> None:
+    found = told(tmp_path, lambda q, w: -0.3 * np.sin(9.0 * q) * w * abs(w))
+    assert found.verdict == "partly_explained"
+    assert {str(f.key) for f in found.findings} == {"viscous_damping@lift", "viscous_damping@bend"}
+    for finding in found.findings:
+        assert finding.parameters["damping"].value == pytest.approx(-0.7, rel=0.02)
