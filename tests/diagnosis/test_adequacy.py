@@ -1,4 +1,4 @@
-"""Certain although something else is unknown: laws on joints that were built alike, beside a stranger on one."""
+"""What is certain beside something unknown: laws on joints that were built alike, a stranger on one of them."""
 
 from __future__ import annotations
 
@@ -23,9 +23,8 @@ def pendulums(folder: Path, name: str, damping: float) -> Path:
     links = "".join(_LINK.format(name=a, place=k, damping=damping) for k, a in enumerate(AXES))
     motors = "".join(f'<motor joint="{a}"/>' for a in AXES)
     file = folder / f"{name}.xml"
-    file.write_text(
-        f'<mujoco><compiler angle="radian"/><worldbody>{links}</worldbody><actuator>{motors}</actuator></mujoco>'
-    )
+    world = f"<worldbody>{links}</worldbody><actuator>{motors}</actuator>"
+    file.write_text(f'<mujoco><compiler angle="radian"/>{world}</mujoco>')
     return file
 
 

@@ -150,7 +150,7 @@ def _agrees(
     values: Mapping[EffectKey, Mapping[str, Estimate]],
     alone: Mapping[EffectKey, Adequacy],
 ) -> bool:
-    """Whether an effect has the size that it has on the joints alike: what is strange may hide in its size."""
+    """Whether an effect has the size that it has on joints alike: what is strange may hide in its size."""
     others = [values[k] for k in alike if k.effect == key.effect and k != key]
     for name, own in values[key].items():
         there = [o[name] for o in others]
