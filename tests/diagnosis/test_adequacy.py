@@ -1,4 +1,4 @@
-"""What is certain beside something unknown: laws on joints that were built alike, a stranger on one of them."""
+"""What is certain beside something unknown: laws on joints built alike, with a stranger on one of them."""
 
 from __future__ import annotations
 
