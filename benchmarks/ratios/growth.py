@@ -15,7 +15,7 @@ from workbench.comparison import replay_of
 from workbench.diagnosis import sensitivity
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.screen import entries_of, screen
-from workbench.diagnosis.ways import starting_fit
+from workbench.diagnosis.quest import starting_fit
 from workbench.effects import load_model
 from workbench.rigs import VirtualLeg, chirp
 

@@ -12,8 +12,9 @@ from workbench.diagnosis import search
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis, applied_effect
+from workbench.diagnosis.quest import Quest, starting_fit
 from workbench.diagnosis.stage import Search, Stage
-from workbench.diagnosis.ways import Quest, Way, starting_fit, with_stages
+from workbench.diagnosis.ways import Way, with_stages
 from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep, validation
 

@@ -11,7 +11,8 @@ import pytest
 import workbench.diagnosis.other_ways as other_ways
 from workbench.core import Controller, EffectKey, Recording
 from workbench.diagnosis.along_motion import along_the_motion
-from workbench.diagnosis.ways import Quest, Way
+from workbench.diagnosis.quest import Quest
+from workbench.diagnosis.ways import Way
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 

@@ -17,10 +17,10 @@ from workbench.diagnosis.channel import astray
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.fit import fit
 from workbench.diagnosis.hypothesis import Fit, applied_effect
+from workbench.diagnosis.quest import starting_fit
 from workbench.diagnosis.refining import with_candidate
 from workbench.diagnosis.screen import Candidate, screen
 from workbench.diagnosis.sensitivity import Scene
-from workbench.diagnosis.ways import starting_fit
 
 _LINE, _LIMIT = EffectKey("speed_torque_limit", "m"), EffectKey("torque_saturation", "m")
 

@@ -14,8 +14,9 @@ from workbench.diagnosis.giving import what_gives_way
 from workbench.diagnosis.hypothesis import Hypothesis
 from workbench.diagnosis.judging import floor_of_judging, nearly_at_floor
 from workbench.diagnosis.other_ways import what_the_torque_shows
+from workbench.diagnosis.quest import Quest
 from workbench.diagnosis.stage import Stage
-from workbench.diagnosis.ways import Quest, Way, with_stages
+from workbench.diagnosis.ways import Way, with_stages
 from workbench.effects import load_model
 from workbench.models import Model
 from workbench.rigs import HiddenEffect

@@ -22,7 +22,7 @@ def taken(plain: float, refined: float, basics_first: bool) -> EffectKey:
     squares = np.ones((1, 2, 1))
     data = Data(recordings, 1, None, squares, 0.0 * squares, (), np.full((2, 1), 0.5**0.5))  # type: ignore[arg-type]
     helpful = [
-        (Candidate(key, np.zeros(0), {}, left, 1.0), SimpleNamespace(judged=left, trained=left))
+        (Candidate(key, np.zeros(0), {}, left), SimpleNamespace(judged=left, trained=left))
         for key, left in ((_PLAIN, plain), (_REFINED, refined))
     ]
     return choose(helpful, (), 100.0, data, load_model("leg"), basics_first)[0].key  # type: ignore[arg-type]

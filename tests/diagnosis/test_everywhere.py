@@ -14,10 +14,10 @@ from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.everywhere import needed, on_every_axis
 from workbench.diagnosis.fit import fit
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
+from workbench.diagnosis.quest import starting_fit
 from workbench.diagnosis.screen import screen
 from workbench.diagnosis.sensitivity import Scene
 from workbench.diagnosis.stage import Stage
-from workbench.diagnosis.ways import starting_fit
 from workbench.effects import load_model
 from workbench.models import AppliedEffect, Model
 

@@ -8,7 +8,8 @@ import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis.instead import others_instead
-from workbench.diagnosis.ways import Quest, Way
+from workbench.diagnosis.quest import Quest
+from workbench.diagnosis.ways import Way
 from workbench.effects import load_model
 
 from .rig import SPRING_AND_DELAY, applied, searched_from

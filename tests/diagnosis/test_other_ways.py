@@ -9,7 +9,8 @@ import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis import other_ways, search
-from workbench.diagnosis.ways import Quest, Way
+from workbench.diagnosis.quest import Quest
+from workbench.diagnosis.ways import Way
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 

@@ -11,9 +11,9 @@ from workbench.core import EffectKey
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.normal import normal
 from workbench.diagnosis.pairs import left_by, two_at_once
+from workbench.diagnosis.quest import starting_fit
 from workbench.diagnosis.screen import Entry
 from workbench.diagnosis.sensitivity import Scene
-from workbench.diagnosis.ways import starting_fit
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 

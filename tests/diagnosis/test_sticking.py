@@ -13,10 +13,10 @@ from workbench.comparison import followed
 from workbench.core import Controller, EffectKey, Recording
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.giving import what_gives_way
+from workbench.diagnosis.quest import starting_fit
 from workbench.diagnosis.screen import screen
 from workbench.diagnosis.sensitivity import Scene
 from workbench.diagnosis.sticking import candidates, stands_long
-from workbench.diagnosis.ways import starting_fit
 from workbench.models import Model
 
 _TICK, _FINE = 0.004, 20  # s; steps of the simulation in one

@@ -199,6 +199,8 @@ class Diagnosis(Shown):
         near: effects that lower the error and are not certain enough to be named.
         stopped: why the search ended.
         work: what the search simulated, in steps of one coordinate; the same on any machine.
+        identifiability: what the recordings can tell apart; None where nothing linear can be asked.
+        disagreeing: recordings that an effect explains with a size of its own each.
     """
 
     model: str
@@ -223,6 +225,34 @@ class Diagnosis(Shown):
     near: tuple[Finding, ...] = ()
     stopped: Stopped = "nothing_helps"
     work: float = 0.0
+    identifiability: Identifiability | None = None
+    disagreeing: tuple[Disagreement, ...] = ()
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """What recordings can tell apart of small effects, before anything is searched.
+
+    Attributes:
+        separable: effects that each differ from any other.
+        groups: effects that stand for one another.
+        not_excited: effects that do not show.
+        expected: of those that do, fitted alone: a small value of each parameter with its deviation.
+    """
+
+    separable: tuple[EffectKey, ...]
+    groups: tuple[tuple[EffectKey, ...], ...]
+    not_excited: tuple[EffectKey, ...]
+    expected: tuple[tuple[EffectKey, Mapping[str, Estimate]], ...]
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """Recordings that an effect explains one by one but not all with one size of it."""
+
+    recordings: tuple[str, ...]
+    key: EffectKey
+    values: tuple[float, ...]
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
 """Which physical effect is missing from a model, and how sure one can be."""
 
-from .diagnose import diagnose, improve
+from .diagnose import diagnose
 from .doubts import doubts
+from .improve import improve as improve
 from .judging import EXPLAINED
 from .one_effect import fit_effect
 

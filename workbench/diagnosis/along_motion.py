@@ -9,9 +9,10 @@ from workbench.core import Recording, SimulationError
 
 from .data import gather
 from .fit import fit
+from .quest import Quest, quest_of
 from .refining import polished
 from .stage import Stage
-from .ways import Quest, Way, onwards, quest_of
+from .ways import Way, onwards
 
 
 def along_the_motion(quest: Quest) -> tuple[Stage, ...]:

@@ -224,7 +224,6 @@ def _candidates(chosen: Sequence[_Option], coefficients: np.ndarray, gap: Candid
             np.array([0.0 if t is None else next(values) for t in o.torques]),
             o.entry.shape,
             gap.judged,
-            np.inf,
         )
         for o in chosen
     ]

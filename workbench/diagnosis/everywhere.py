@@ -151,7 +151,7 @@ def _promising(
         fixed = [e.fixed for e in own if e.fixed is not None]
         judged, solution = judge(pieces, held_out, index, fixed, (bounds[0], bounds[1]))
         parts = np.split(solution, np.cumsum([len(e.linear) for e in own])[:-1])
-        chosen = [Candidate(e.key, x, e.shape, judged, 0.0) for e, x in zip(own, parts, strict=True)]
+        chosen = [Candidate(e.key, x, e.shape, judged) for e, x in zip(own, parts, strict=True)]
         if judged < most:
             found.append((judged, option, chosen))
     return [(option, chosen) for _, option, chosen in sorted(found, key=lambda f: f[0])]

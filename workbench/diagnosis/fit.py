@@ -199,12 +199,12 @@ def _linearise_together(works: list[_Work], data: Data) -> None:
             for folds in (data.folds, data.unlike if any(data.repeats) else ())
         )
         work.noise = sum(
-            (_scatter([draw[i] for draw in data.draws], own[i], data) for i in range(data.training)),
+            (scatter([draw[i] for draw in data.draws], own[i], data) for i in range(data.training)),
             np.zeros((own[0].shape[-1],) * 2),
         )
 
 
-def _scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.ndarray:
+def scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.ndarray:
     """Covariance (C, C) of the right side that noise causes in one recording, from its draws."""
     flat = response.reshape(draws[0].size, response.shape[-1])
     hits = np.stack([flat.T @ (d * data.weight).reshape(-1) for d in draws])

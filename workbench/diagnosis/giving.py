@@ -51,7 +51,7 @@ def _shares(scene: Scene, training: int, springs: Sequence[AppliedEffect]) -> li
             return _beside(springs, key, scene, training)
         guesses = effect_named(key.effect).guesses(motions, scene.model, Placement.of(scene.model, key))
         some = [(shape, left) for shape, left in guesses if left < _LEFT]
-        return [Candidate(key, np.zeros(0), shape, left, np.inf) for shape, left in some]
+        return [Candidate(key, np.zeros(0), shape, left) for shape, left in some]
 
     asked_of = [
         key
@@ -86,7 +86,7 @@ def _beside(springs: Sequence[AppliedEffect], key: EffectKey, scene: Scene, trai
     if left > _NO_MORE:
         return []
     beside = {a.key: shape for a, shape in zip(springs, others, strict=True)}
-    return [Candidate(key, np.zeros(0), own, left, np.inf, beside)]
+    return [Candidate(key, np.zeros(0), own, left, beside)]
 
 
 def _eased(motion: Motion, model: Model) -> Motion:

@@ -20,12 +20,13 @@ from .judging import (
     nearly_at_floor,
     witnessed,
 )
+from .quest import Quest
 from .refining import polished, with_candidate
 from .removed import removed_share, removed_shares
 from .sensitivity import Scene
 from .stage import Stage, has_cause
 from .sticking import candidates
-from .ways import Quest, Way, onwards, wanders, with_stages
+from .ways import Way, onwards, wanders, with_stages
 
 _CLOSE = 2.5  # times what the cause left that was taken: others that left no more may be what it stood for
 _MOST = 3  # others that are tried in place of each

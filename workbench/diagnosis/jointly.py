@@ -7,22 +7,23 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.comparison import ClosedLoop, MeasuredMotion, followed, with_torque_by_law
-from workbench.core import EffectKey, SimulationError
+from workbench.comparison import MeasuredMotion
+from workbench.core import EffectKey
 from workbench.models import AppliedEffect
 
 from .adequacy import Adequacy, adequacies
-from .data import Data, gather
+from .data import Data
 from .fit import fit
 from .hypothesis import Fit
 from .judging import INTERVAL, clearness, floor_of_judging, lowers_error, rejudged, stands_out
+from .quest import Quest, evaluated
 from .refining import with_candidates
-from .regression import Regression, regression_of
+from .regression import Regression
 from .removed import removed_share
 from .rivals import rivals_of
 from .selection import Selection, selected
 from .stage import Stage
-from .ways import Quest, Way, evaluated, is_consistent, starting_fit, with_last
+from .ways import Way, is_consistent, with_last
 
 
 @dataclass(frozen=True)
@@ -44,12 +45,10 @@ class Joint:
 
 def jointly(quest: Quest) -> Joint | None:
     """The joint solution; None where no torque was recorded, or nothing helps that is certain."""
-    asked = _along(quest)
-    if asked is None:
-        return None
     quest.progress("solving for all axes and effects at once, along the measured motion")
-    data, start = asked
-    problem = regression_of(start, data)
+    if quest.along is None:
+        return None
+    data, start, problem = quest.along
     chosen = selected(problem)
     whole = _fitted(problem, chosen, start, data)
     if whole is None:
@@ -66,26 +65,6 @@ def jointly(quest: Quest) -> Joint | None:
     way = _in_the_loop(_stages(problem, kept, named, start, data), quest)
     near = tuple(a for a in whole.hypothesis.free if a.key not in sure)
     return None if way is None else Joint(way, known, near, len(chosen.chosen))
-
-
-def _along(quest: Quest) -> tuple[Data, Fit] | None:
-    """The recordings along their measured motion and the model there; None where nothing drives it there."""
-    data = quest.data
-    if isinstance(data.replay, MeasuredMotion):
-        return data, quest.start
-    if not isinstance(data.replay, ClosedLoop):
-        return None
-    model = quest.start.hypothesis.model
-    driven = with_torque_by_law(model, data.recordings)
-    if driven is None:
-        return None
-    along = followed(driven)
-    try:
-        fresh, runs = gather(model, along[: data.training], along[data.training :], quest.seed)
-    except SimulationError:
-        return None
-    fresh = fresh.heard(fresh.mean_squares(runs.clean))
-    return fresh, starting_fit(model, fresh, runs.clean)
 
 
 def _fitted(problem: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:

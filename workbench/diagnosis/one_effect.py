@@ -13,11 +13,11 @@ from .data import gather
 from .fit import fit
 from .giving import what_gives_way
 from .honing import honed
+from .quest import starting_fit
 from .refining import polished, with_candidate
 from .search import Progress
 from .sensitivity import Scene
 from .sticking import candidates
-from .ways import starting_fit
 
 
 def fit_effect(

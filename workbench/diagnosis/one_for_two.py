@@ -16,12 +16,13 @@ from .fit import fit
 from .giving import pins_of
 from .hypothesis import Fit, Hypothesis
 from .judging import TIE, floor_of_judging, rejudged, witnessed
+from .quest import Quest
 from .refining import polished, with_candidate
 from .removed import removed_share
 from .sensitivity import Scene
 from .stage import Stage
 from .sticking import candidates
-from .ways import Quest, Way, holds, wanders, with_stages
+from .ways import Way, holds, wanders, with_stages
 
 _MANY = 4  # parameters of two effects from which it is asked
 _LESS = 0.5  # of them: what one in their place may have

@@ -17,25 +17,14 @@ from .giving import other_causes
 from .hypothesis import Fit
 from .judging import NEARLY_ALL, explained, mends, nearly_at_floor, overshadowed, reached, rejudged
 from .pairs import two_at_once
+from .quest import Quest
 from .refining import polished
 from .screen import screen
 from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
 from .trying import Progress
-from .ways import (
-    Keys,
-    Quest,
-    Way,
-    after,
-    holds,
-    keys_of,
-    onwards,
-    scene_at,
-    screened_at,
-    with_last,
-    with_stages,
-)
+from .ways import Keys, Way, after, holds, keys_of, onwards, scene_at, screened_at, with_last, with_stages
 
 # Of the torque that is lacking: a spring or gap that leaves no more goes before all other ways to begin.
 _NEXT_TO_NOTHING = 0.03

@@ -161,7 +161,7 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
             continue
         parts = np.split(solution, [len(one.linear)])
         first, second = (
-            Candidate(e.key, x, e.shape, judged, 0.0) for e, x in zip((one, other), parts, strict=True)
+            Candidate(e.key, x, e.shape, judged) for e, x in zip((one, other), parts, strict=True)
         )
         best[one.key, other.key] = judged, (first, second)
     floor = floor_of_judging(data)

@@ -21,7 +21,7 @@ from .data import Data
 from .hypothesis import Fit
 from .marching import respond
 from .normal import Normal, total
-from .screen import Entry, limits_of
+from .screen import Entry, limits_of, sizes_of, strength_of
 from .sensitivity import Column, Scene
 from .solve import solve
 
@@ -175,7 +175,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
     model = start.hypothesis.model
     scene = Scene.of(model, data, start.simulated, len(data.recordings))
     columns: list[Column] = []
-    entries, motions = [], needing(scene)
+    entries, motions, sizes = [], needing(scene), sizes_of(scene)
     for key in places(model):
         effect, place = effect_named(key.effect), Placement.of(model, key)
         acts = effect.door in _DOORS and not effect.splits and not effect.of_ground
@@ -186,7 +186,8 @@ def regression_of(start: Fit, data: Data) -> Regression:
         for shape in effect.shapes(scene.motions, model, place):
             linear, fixed = scene.columns(key, shape, motions)
             if fixed is None and linear:
-                entries.append(Entry(key, shape, [len(columns) + k for k in range(len(linear))], None, 1.0))
+                numbers = list(range(len(columns), len(columns) + len(linear)))
+                entries.append(Entry(key, shape, numbers, None, strength_of(linear, sizes)))
                 columns += linear
     own: dict[EffectKey, int] = {}
     for applied in model.effects:

@@ -34,8 +34,6 @@ class Candidate:
         coefficients: linear coefficients, (k,).
         shape: nonlinear parameters.
         judged: weighted mean square that it would leave on data it was not fitted on.
-        detectable: how many standard deviations of noise an effect of 2 % of the torque would show,
-            beyond what simpler effects in the same place can imitate.
         beside: nonlinear parameters of effects of the model, as they are with this one beside them.
     """
 
@@ -43,7 +41,6 @@ class Candidate:
     coefficients: np.ndarray
     shape: Mapping[str, float]
     judged: float
-    detectable: float
     beside: Mapping[EffectKey, Mapping[str, float]] = field(default_factory=dict)
 
 
@@ -65,6 +62,7 @@ def screen(
     free: Sequence[AppliedEffect],
     *,
     left_out: Container[EffectKey] = (),
+    whole: Equations | None = None,
 ) -> tuple[list[Candidate], float]:
     """Judge all effects that could be added to the scene's model.
 
@@ -74,6 +72,7 @@ def screen(
         simulated: the model's runs.
         free: effects in the model whose parameters may follow.
         left_out: effects that are not asked for.
+        whole: the equations of all effects where they are known; only without `free` and `left_out`.
 
     Returns:
         Candidates, best first, and the judged error without any of them (parameters of `free` refitted).
@@ -85,8 +84,14 @@ def screen(
     size = int(np.clip(_HELD // sum(m.position.size for m in scene.motions), 1, _BLOCK))
     taken = {applied.key for applied in free}
     asked = [key for key in places(scene.model) if key not in taken and key not in left_out]
-    for columns, entries in _blocks(scene, len(following), asked, size):
-        pieces, held_out = equations(scene, known, columns, data, simulated)
+    for entries, pieces, held_out in (
+        [(whole.entries, whole.pieces, whole.held_out)]
+        if whole is not None
+        else (
+            (entries, *equations(scene, known, columns, data, simulated))
+            for columns, entries in _blocks(scene, len(following), asked, size)
+        )
+    ):
         if without is None:
             anywhere = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
             without = judge(pieces, held_out, kept, (), anywhere)[0]
@@ -95,24 +100,22 @@ def screen(
             before = best.get(entry.key)
             if before is None or candidate.judged < before.judged:
                 best[entry.key] = candidate
-    apart = (*on_the_ground(scene, data), *_not_shown(scene))
-    found = [*by_channel(scene, best.values(), without or 0.0), *(c for c in apart if c.key not in taken)]
+    apart = [c for c in on_the_ground(scene, data) if c.key not in taken]
+    found = [*by_channel(scene, best.values(), without or 0.0), *apart]
     return sorted(found, key=lambda c: c.judged), without or 0.0
 
 
 def on_the_ground(scene: Scene, data: Data) -> list[Candidate]:
     """Contacts with the ground, by simulating what the measured forces say of them, and where feet are.
 
-    They are no torque along a motion. Where the forces say nothing, the data could not show the contact.
+    They are no torque along a motion. Where the forces say nothing, nothing can be simulated (`silent`).
     """
     tried: list[tuple[EffectKey, np.ndarray, Mapping[str, float]]] = []
-    silent: list[Candidate] = []
     for key in places(scene.model) if data.replay.on_ground else ():
         effect = effect_named(key.effect)
         if effect.of_ground:
             own = effect.guesses(scene.motions[: data.training], scene.model, None)
             tried += [(key, np.zeros(0), shape) for shape, _ in own]
-            silent += [] if own else [Candidate(key, np.zeros(0), {}, np.inf, 0.0)]
         elif effect.moves_feet:
             tried += [(key, np.array([value]), {}) for value in _MOVED]
     models = []
@@ -124,17 +127,21 @@ def on_the_ground(scene: Scene, data: Data) -> list[Candidate]:
     judged = [data.objective(data.pool(s, part)) if np.isfinite(s).all() else np.inf for s in squares]
     best: dict[EffectKey, Candidate] = {}
     for (key, coefficients, shape), left in sorted(zip(tried, judged, strict=True), key=lambda x: -x[1]):
-        best[key] = Candidate(key, coefficients, shape, left, np.inf)
-    return [*best.values(), *silent]
+        best[key] = Candidate(key, coefficients, shape, left)
+    return list(best.values())
 
 
-def _not_shown(scene: Scene) -> list[Candidate]:
-    """Effects of which this kind of replay can tell nothing."""
-    return [
-        Candidate(k, np.zeros(0), {}, np.inf, 0.0)
-        for k in places(scene.model)
-        if not scene.data.replay.shows(k.effect)
-    ]
+def silent(scene: Scene, data: Data) -> list[EffectKey]:
+    """Effects of which this kind of replay, or the forces on the ground, can tell nothing."""
+    out = []
+    for key in places(scene.model):
+        effect = effect_named(key.effect)
+        of_ground = data.replay.on_ground and effect.of_ground
+        if not data.replay.shows(key.effect) or (
+            of_ground and not effect.guesses(scene.motions[: data.training], scene.model, None)
+        ):
+            out.append(key)
+    return out
 
 
 def _blocks(
@@ -143,7 +150,7 @@ def _blocks(
     """Effects in their places, in all shapes, in blocks of `size` columns that are numbered from `first`."""
     columns: list[Column] = []
     entries: list[Entry] = []
-    sizes = _sizes(scene)
+    sizes = sizes_of(scene)
     for key in asked:
         effect, place = effect_named(key.effect), Placement.of(scene.model, key)
         replay = scene.data.replay
@@ -161,7 +168,7 @@ def _blocks(
             columns += own
             where = start + len(linear) if fixed is not None else None
             numbers = list(range(start, start + len(linear)))
-            entries.append(Entry(key, shape, numbers, where, _strength(own, sizes)))
+            entries.append(Entry(key, shape, numbers, where, strength_of(own, sizes)))
     yield columns, entries
 
 
@@ -173,7 +180,7 @@ def _candidate(
     bounds = np.concatenate([open_low, lower]), np.concatenate([open_high, upper])
     fixed = () if entry.fixed is None else (entry.fixed,)
     judged, solution = judge(pieces, held_out, [*kept, *entry.linear], fixed, bounds)
-    return Candidate(entry.key, solution[len(kept) :], entry.shape, judged, _detectable(pieces, entry, kept))
+    return Candidate(entry.key, solution[len(kept) :], entry.shape, judged)
 
 
 def limits_of(scene: Scene, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
@@ -191,6 +198,15 @@ def entries_of(scene: Scene) -> tuple[list[Column], list[Entry]]:
     return columns, entries
 
 
+@dataclass(frozen=True)
+class Equations:
+    """Of all effects in all places and shapes: normal equations of training folds and of held-out data."""
+
+    entries: tuple[Entry, ...]
+    pieces: list[Normal]
+    held_out: Normal | None
+
+
 def equations(
     scene: Scene,
     known: list[np.ndarray],
@@ -202,14 +218,25 @@ def equations(
 
     `known`: responses of the unknowns that stand before `columns`, per recording.
     """
+    return equations_of(responses(scene, known, columns, data), data, simulated)
+
+
+def responses(scene: Scene, known: list[np.ndarray], columns: list[Column], data: Data) -> list[np.ndarray]:
+    """Weighted changes of the signals by each unknown, (N, 2, n, C) per recording."""
     parts = [respond([scene], [columns[k : k + _BLOCK]], data)[0] for k in range(0, len(columns), _BLOCK)]
     each = zip(*([known] if known else []), *parts, strict=True)
-    responses = [own[0] if len(own) == 1 else np.concatenate(own, axis=-1) for own in each]
+    return [own[0] if len(own) == 1 else np.concatenate(own, axis=-1) for own in each]
+
+
+def equations_of(
+    changes: Sequence[np.ndarray], data: Data, simulated: Sequence[Recording]
+) -> tuple[list[Normal], Normal | None]:
+    """Normal equations of each training fold, and of held-out recordings that judge, from `responses`."""
     residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
-    pieces = [normal(responses[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
+    pieces = [normal(changes[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
     held_out: Normal | None = None
     for i in range(data.training, len(simulated) if data.held_out_judges else data.training):
-        own = normal(responses[i], residuals[i])
+        own = normal(changes[i], residuals[i])
         held_out = own if held_out is None else held_out + own
     return pieces, held_out
 
@@ -256,7 +283,7 @@ def _size(parts: Sequence[np.ndarray | None]) -> float:
     return float(np.sqrt(np.mean(there))) if there else 0.0
 
 
-def _sizes(scene: Scene) -> tuple[float, float, float]:
+def sizes_of(scene: Scene) -> tuple[float, float, float]:
     """Of the motors' torque, of the motion and of its rate."""
     motor = _size([m.torque for m in scene.motions])
     if all(map(is_free, scene.data.recordings)):  # then what accelerates the mechanism stands for the motor's
@@ -265,7 +292,7 @@ def _sizes(scene: Scene) -> tuple[float, float, float]:
     return motor, moved, _size([m.velocity for m in scene.motions])
 
 
-def _strength(columns: list[Column], sizes: tuple[float, float, float]) -> float:
+def strength_of(columns: list[Column], sizes: tuple[float, float, float]) -> float:
     """What one unit of the largest column does: torque over the motor's, or a reading over the motion's."""
     motor, moved, rate = (max(x, 1e-300) for x in sizes)
     shares = [
@@ -278,20 +305,3 @@ def _strength(columns: list[Column], sizes: tuple[float, float, float]) -> float
         for c in columns
     ]
     return max(shares, default=0.0)
-
-
-def _detectable(pieces: list[Normal], entry: Entry, kept: list[int]) -> float:
-    """Size in noise deviations of a share of 2 % of the torque, beside parameters that follow."""
-    own = entry.linear or ([entry.fixed] if entry.fixed is not None else [])
-    if not own or entry.strength == 0.0:
-        return 0.0
-    gram = total(pieces).gram
-    k = own[-1]
-    seen = gram[k, k]
-    others = [j for j in (*kept, *own[:-1]) if gram[j, j] > 0.0]
-    if others:
-        block = gram[np.ix_(others, others)] + 1e-12 * np.trace(gram[np.ix_(others, others)]) * np.eye(
-            len(others)
-        )
-        seen -= gram[k, others] @ np.linalg.solve(block, gram[others, k])
-    return float(np.sqrt(max(seen, 0.0)) * 0.02 / entry.strength)

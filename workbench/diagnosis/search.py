@@ -6,23 +6,26 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.comparison import MeasuredMotion, cannot_run, noise_rules
-from workbench.core import Recording, SimulationError
+from workbench.core import Disagreement, Identifiability, Recording, SimulationError
 from workbench.effects import effect_named
 from workbench.models import Model
 
 from .data import gather
 from .honing import honed
+from .identifiability import disagreements, identifiability_of
 from .instead import others_instead
 from .jointly import Joint, jointly
 from .judging import EXPLAINED, explained, floor_of_judging, mostly_explained, stands_out
 from .mirrored import refuse_mirrored
 from .one_for_two import one_for_two
 from .other_ways import fewer, otherwise, what_the_torque_shows, what_was_passed_over
+from .quest import Quest, quest_of
 from .removed import removed_share
+from .screen import silent
 from .simpler import simpler, without
 from .stage import Search
 from .trying import Progress
-from .ways import Quest, Way, after, holds, is_consistent, onwards, quest_of, wanders, with_last, with_stages
+from .ways import Way, after, holds, is_consistent, onwards, wanders, with_last, with_stages
 
 LIMIT = 6  # effects in a row; data that need more need a better model first
 _SEVERAL = 3  # effects that are certain, each by itself
@@ -37,10 +40,11 @@ def search(
     model: Model,
     training: Sequence[Recording],
     held_out: Sequence[Recording] = (),
-    *,
     seed: int = 0,
     limit: int = LIMIT,
     progress: Progress = lambda text: None,
+    *,
+    only_jointly: bool = False,
 ) -> Search:
     """Add effects one at a time until noise explains the rest or nothing helps.
 
@@ -56,6 +60,7 @@ def search(
         seed: of the noise simulations.
         limit: most effects to add one by one.
         progress: told what is being done.
+        only_jointly: ask nothing but the joint solution.
 
     Raises:
         UnstableLoop: the model cannot run the recordings.
@@ -74,7 +79,7 @@ def search(
     if not before:
         if not data.replay.on_ground:
             refuse_mirrored(model, training, first.score(start.mean_squares), first.score(first.floor))
-        way, joint = _explained(quest)
+        way, joint = _only_jointly(way, quest) if only_jointly else _explained(quest)
     current, data = way.current, way.data
     # a signal that is a little off after all that could be found is no sign of one more effect
     done = way.done or (len(way.stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
@@ -84,14 +89,30 @@ def search(
         first,
         simulated,
         way.stages,
-        () if joint and _is_dear(quest) else quest.screened,
+        () if before or only_jointly or (joint and quest.is_dear) else quest.screened,
         before,
         done,
         explained(first, start, current, data),
         mostly_explained(first, start, current, data) if wanders(current) else 0.0,
         joint.adequacy if joint else {},
         joint.near if joint else (),
+        *((None, ()) if only_jointly else _told(quest)),
+        joint is not None,
     )
+
+
+def _told(quest: Quest) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
+    """What the recordings can tell apart, and which of them disagree; nothing where that cannot be asked."""
+    if quest.linear is None:
+        return None, ()
+    linear, data, names = quest.linear, quest.data, [r.name for r in quest.data.recordings]
+    model = quest.start.hypothesis.model
+    return identifiability_of(linear, model, data, silent(quest.scene, data)), disagreements(linear, names)
+
+
+def _only_jointly(start: Way, quest: Quest) -> tuple[Way, Joint | None]:
+    joint = jointly(quest)
+    return (start, None) if joint is None else (joint.way, joint)
 
 
 def _explained(quest: Quest) -> tuple[Way, Joint | None]:
@@ -146,12 +167,7 @@ def _is_simpler(one: Way, other: Way) -> bool:
 
 def _is_long(quest: Quest) -> bool:
     """Whether single effects are too dear or too few to begin with: no loop, or more axes than effects."""
-    return isinstance(quest.data.replay, MeasuredMotion) or _is_dear(quest)
-
-
-def _is_dear(quest: Quest) -> bool:
-    """Whether loops of so many axes would have to be linearised for screening."""
-    return quest.data.replay.simulates and quest.start.hypothesis.model.size > quest.limit
+    return isinstance(quest.data.replay, MeasuredMotion) or quest.is_dear
 
 
 def _one_may_do(quest: Quest) -> bool:

@@ -29,7 +29,7 @@ class Selection:
         out, first = [], 0
         for entry in self.chosen:
             own = self.solution.coefficients[first : first + len(entry.linear)]
-            out.append(Candidate(entry.key, own, entry.shape, float(self.solution.judged.sum()), np.inf))
+            out.append(Candidate(entry.key, own, entry.shape, float(self.solution.judged.sum())))
             first += len(entry.linear)
         return out
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from workbench.comparison import Simulated
-from workbench.core import EffectKey, Stopped
+from workbench.core import Disagreement, EffectKey, Identifiability, Stopped
 from workbench.models import AppliedEffect, Model
 
 from .adequacy import Adequacy
@@ -65,7 +65,9 @@ class Search:
 
     `explained` is the share of the excess that is gone; `mostly` the same of the recording in the middle,
     where the final model's runs part by themselves (else 0). `adequacy`: of effects that are certain although
-    something else is missing. `near`: what helps beside them and is not certain.
+    something else is missing. `near`: what helps beside them and is not certain. `identifiability` and
+    `disagreeing`: what the recordings can tell apart and where they contradict each other, before any search.
+    `jointly`: whether all axes were solved together.
     """
 
     model: Model
@@ -80,6 +82,9 @@ class Search:
     mostly: float = 0.0
     adequacy: Mapping[EffectKey, Adequacy] = field(default_factory=dict)
     near: tuple[AppliedEffect, ...] = ()
+    identifiability: Identifiability | None = None
+    disagreeing: tuple[Disagreement, ...] = ()
+    jointly: bool = False
 
     @property
     def stopped(self) -> Stopped:

@@ -18,7 +18,7 @@ from workbench.effects import effect_named, places
 from .data import Data, gather
 from .hypothesis import Fit
 from .judging import floor_of_judging, rejudged
-from .screen import Candidate, screen
+from .screen import Candidate, Equations, screen
 from .sensitivity import Scene
 
 _STILL = 0.02  # of the rms change from row to row: less is no motion
@@ -33,7 +33,9 @@ def stands_long(recordings: Sequence[Recording]) -> bool:
     return bool((np.mean(still, axis=0) > _LONG).any())
 
 
-def candidates(scene: Scene, current: Fit, data: Data, seed: int) -> tuple[Candidate, ...]:
+def candidates(
+    scene: Scene, current: Fit, data: Data, seed: int, whole: Equations | None = None
+) -> tuple[Candidate, ...]:
     """Every effect screened in the loop, dry friction along the measured motion where that says more.
 
     The loop is asked alone where machines do not stand for long, where torque was not recorded, and where it
@@ -44,11 +46,12 @@ def candidates(scene: Scene, current: Fit, data: Data, seed: int) -> tuple[Candi
         current: the model that lacks something.
         data: its recordings.
         seed: of the noise simulations.
+        whole: the equations of all effects, where they are known.
 
     Returns:
         Best first.
     """
-    in_loop = screen(scene, data, current.simulated, current.hypothesis.free)[0]
+    in_loop = screen(scene, data, current.simulated, current.hypothesis.free, whole=whole)[0]
     known = all({"torque_measured", "torque_command"} & set(r.signals) for r in data.recordings)
     floor = floor_of_judging(data)
     left = min((c.judged - floor for c in in_loop), default=0.0)

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.consistent import consistent
-from workbench.core import EffectKey, Recording, SimulationError
+from workbench.core import EffectKey, SimulationError
 from workbench.effects import effect_named
-from workbench.models import Model
 
 from .data import Data
-from .hypothesis import Fit, Hypothesis
+from .hypothesis import Fit
 from .judging import (
     EXPLAINED,
     as_good_as_done,
@@ -28,49 +26,14 @@ from .judging import (
     unseen_on_held_out,
 )
 from .parting import parting
+from .quest import Quest
 from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
 from .step import next_stage
 from .sticking import candidates
-from .trying import Progress
 
 Keys = frozenset[EffectKey]
-
-_SCENES = 4  # that are kept: a way seldom has more places, and they hold every row
-
-
-@dataclass(frozen=True)
-class Quest:
-    """What is searched for and with what.
-
-    Attributes:
-        start: the model as it is.
-        data: the recordings with its noise.
-        limit: most effects to add one by one.
-        seed: of the noise simulations.
-        progress: told what is being done.
-        scenes: linearised loops of the last places where the search stood, newest first.
-    """
-
-    start: Fit
-    data: Data
-    limit: int
-    seed: int
-    progress: Progress
-    scenes: deque[Scene] = field(default_factory=lambda: deque(maxlen=_SCENES), repr=False)
-
-    @cached_property
-    def scene(self) -> Scene:
-        """The loops of the model as it is, linearised."""
-        model = self.start.hypothesis.model
-        return Scene.of(model, self.data, self.start.simulated, len(self.data.recordings))
-
-    @cached_property
-    def screened(self) -> tuple[Candidate, ...]:
-        """Every effect in every place, as a first one."""
-        self.progress("screening effects")
-        return tuple(candidates(self.scene, self.start, self.data, self.seed))
 
 
 @dataclass(frozen=True)
@@ -81,32 +44,6 @@ class Way:
     data: Data
     stages: tuple[Stage, ...] = ()
     done: bool = False
-
-
-def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
-    """The model as it is, as a fit of nothing."""
-    return evaluated(Hypothesis(model, ()), simulated, data)
-
-
-def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data) -> Fit:
-    """A hypothesis as it is, with its runs of all recordings."""
-    unjudged = Fit(hypothesis, tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0))
-    return rejudged(unjudged, data)
-
-
-def quest_of(
-    model: Model, data: Data, simulated: Sequence[Recording], limit: int, seed: int, progress: Progress
-) -> Quest:
-    """What is searched for in a model.
-
-    Args:
-        model: the model as it is.
-        data: its recordings, with its noise.
-        simulated: its runs without noise.
-        limit, seed, progress: as `Quest` has them.
-    """
-    data = data.heard(data.mean_squares(simulated))
-    return Quest(starting_fit(model, data, simulated), data, limit, seed, progress)
 
 
 def onwards(

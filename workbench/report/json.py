@@ -22,6 +22,7 @@ from workbench.core import (
 from workbench.core.files import write_whole
 
 from .json_parts import clean, effect_dict, key_dict, key_dicts, share_dicts
+from .told_apart import disagreement_dicts, identifiability_dict
 
 Truth = Sequence[Mapping[str, Any]]
 
@@ -76,6 +77,8 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "notes": list(result.notes),
             "near": [_finding(f) for f in result.near],
             "stopped": result.stopped,
+            "identifiability": identifiability_dict(result.identifiability),
+            "disagreeing": disagreement_dicts(result.disagreeing),
         }
     )
 

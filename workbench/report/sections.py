@@ -16,6 +16,7 @@ from .rest import near_sentence
 from .scores import scores
 from .shapes import shape_rows
 from .shares import bar_width, share_groups
+from .told_apart import disagreement_lines, expected_rows, told_apart
 from .truth import truth_rows
 
 Result = Comparison | Diagnosis | Improvement
@@ -44,6 +45,8 @@ def sections(
         if diagnosis and diagnosis.next_experiment
         else "",
         "not_excited": [w.capital(p) for p in w.effect_phrases(diagnosis.not_excited)] if diagnosis else [],
+        "told_apart": _told_apart(diagnosis),
+        "expected": expected_rows(diagnosis.identifiability) if diagnosis else [],
         "where": share_groups(before.where if before else ()),
         "where_after": share_groups(_left(result, after)),
         "shapes": shape_rows(diagnosis.shapes) if diagnosis else [],
@@ -56,6 +59,13 @@ def sections(
         if truth is not None and not isinstance(result, Comparison)
         else None,
     }
+
+
+def _told_apart(diagnosis: Diagnosis | None) -> list[str]:
+    if diagnosis is None:
+        return []
+    lines = [*disagreement_lines(diagnosis.disagreeing), *told_apart(diagnosis.identifiability)]
+    return [plain(line) for line in lines]
 
 
 def _held_scores(result: Result, after: Comparison | None) -> dict[str, Any]:

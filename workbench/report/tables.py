@@ -21,6 +21,7 @@ from .layout import verdict as _verdict
 from .numbers import interval, number, percent, plain, quantity
 from .rest import near_sentence, rest_sentence
 from .sections import sentence
+from .told_apart import disagreement_lines, told_apart
 from .truth import truth_rows
 
 _SHARES = 5
@@ -87,6 +88,9 @@ def diagnosis_table(result: Diagnosis) -> Group:
             f"error {number(result.error)}   noise floor {number(result.noise_error)}"
             + ("" if good else f"   unexplained {left}")
         ),
+    ]
+    parts += [
+        _text(line) for line in (*disagreement_lines(result.disagreeing), *told_apart(result.identifiability))
     ]
     for place, finding in enumerate(result.findings, start=1):
         parts += [Text(), *_finding(place, finding, result.holdout_noise_error)]

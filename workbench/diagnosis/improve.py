@@ -1,0 +1,83 @@
+"""Diagnose and add: the error falling step by step to a model that explains the data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.core import Improvement, Recording, Step, Verdict
+from workbench.models import Model
+
+from .diagnose import diagnosis_of
+from .findings import step_of
+from .rounds import Rounds, comparisons, rounds
+from .search import LIMIT
+from .trying import Progress
+from .verdict import NAMED, refuted
+
+
+def improve(
+    model: Model,
+    training: Sequence[Recording],
+    held_out: Sequence[Recording] = (),
+    *,
+    seed: int = 0,
+    limit: int = LIMIT,
+    nearest: bool = False,
+    progress: Progress = lambda text: None,
+) -> tuple[Improvement, Model]:
+    """Diagnose and add until the data are explained.
+
+    Args:
+        model: what we believe.
+        training: recordings to fit.
+        held_out: recordings that judge.
+        seed: of the noise simulations.
+        progress: told what is being done.
+        limit: most effects to add one by one.
+        nearest: where no cause can be named, add what lowers the error on data that were not fitted all the
+            same. The verdict stays ``unexplained``.
+
+    Returns:
+        The steps with their errors, and the improved model; the model as given where nothing is added.
+
+    Raises:
+        InputError, SimulationError: as `diagnose`.
+    """
+    found = rounds(model, training, held_out, seed, progress, limit)
+    first, last = found[0], found[-1]
+    diagnosis = diagnosis_of(found)
+    named = diagnosis.verdict in NAMED
+    added = bool(first.stages) and (named or (nearest and not refuted(first)))
+    after, held = diagnosis.after, diagnosis.held_out
+    if added and not named and first.stages[-1].runs is not None:
+        after, *judging = comparisons(first.final.hypothesis.model, first.stages[-1].runs, first)
+        held = (held[0], judging[0]) if held else None
+    before, end = first.start, last.final if added else first.start
+    judges = first.start_data.held_out
+    done = last.consistent_after if named else diagnosis.verdict == "consistent"
+    verdict: Verdict = "consistent" if done else "unexplained"
+    verdict = "partly_explained" if diagnosis.verdict == "partly_explained" else verdict
+    improvement = Improvement(
+        model=model.name,
+        steps=_steps(found, {f.key: f.evidence for f in diagnosis.findings}) if added else (),
+        error_before=first.start_data.score(before.mean_squares),
+        error_after=last.start_data.score(end.mean_squares),
+        holdout_error_before=first.start_data.score(before.mean_squares, held_out=True) if judges else None,
+        holdout_error_after=last.start_data.score(end.mean_squares, held_out=True) if judges else None,
+        noise_error=after.noise_error if after else diagnosis.noise_error,
+        verdict=verdict,
+        before=diagnosis.before,
+        after=after,
+        held_out=held,
+        diagnosis=diagnosis,
+        holdout_noise_error=diagnosis.holdout_noise_error,
+        notes=diagnosis.notes,
+        nearest=added and not named,
+    )
+    ending = "improved" if named else "nearest"
+    return improvement, replace(end.hypothesis.model, name=f"{model.name}_{ending}") if added else model
+
+
+def _steps(found: Rounds, evidence: dict) -> tuple[Step, ...]:
+    return tuple(step_of(s, f, f.start_data.held_out, evidence) for f in found for s in f.stages)

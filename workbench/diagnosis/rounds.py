@@ -1,0 +1,120 @@
+"""Searches one after the other, each in the model that the last one led to, until one names nothing more."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from workbench.comparison import Simulated, evaluate, followed, matched
+from workbench.core import Comparison, InputError, Recording, SimulationError
+from workbench.models import Model
+from workbench.simulation import scored_torque
+
+from .findings import NEAR
+from .loops import refuse_coordinates
+from .mirrored import refuse_turned
+from .search import LIMIT, Progress, UnstableLoop, search
+from .stage import Search
+from .units import refuse_unit
+from .verdict import NAMED, verdict_of
+
+_FEWEST = 60  # rows to fit; a log of 5 Hz has them in twelve seconds
+_UNSTABLE = "The model is unstable in the loop"
+
+Rounds = tuple[Search, ...]
+
+
+def rounds(
+    model: Model,
+    training: Sequence[Recording],
+    held_out: Sequence[Recording],
+    seed: int,
+    progress: Progress,
+    limit: int = LIMIT,
+) -> Rounds:
+    """What is missing, and what is certain besides once that is in the model.
+
+    What is certain of all axes together depends on what else is known: so it is asked again of the model that
+    has the answer, until nothing is added. Who asks the improved model again is told nothing new.
+
+    Raises:
+        InputError: recordings that do not fit the model, or that show neither loop nor torque.
+        SimulationError: the model is unstable in a recording's loop.
+    """
+    training, held_out = _matched(model, training, held_out)
+    found = _searched(model, training, held_out, seed, limit, progress)
+    out = [found]
+    while found.jointly and not found.consistent_after and len(out) < limit and _names(found):
+        progress("asking again, with what was found in the model")
+        better = found.final.hypothesis.model
+        try:
+            found = _searched(better, training, held_out, seed, limit, progress, only_jointly=True)
+        except SimulationError:
+            break
+        if not (found.stages and _names(found)):
+            break
+        out.append(found)
+    return tuple(out)
+
+
+def _names(found: Search) -> bool:
+    return verdict_of(found)[0] in NAMED
+
+
+def _searched(
+    model: Model,
+    training: Sequence[Recording],
+    held_out: Sequence[Recording],
+    seed: int,
+    limit: int,
+    progress: Progress,
+    *,
+    only_jointly: bool = False,
+) -> Search:
+    """What was found in the loops; where the model cannot run in them, along the measured motion.
+
+    The friction and the rotors that a model lacks may be what keeps the machine's loop stable. The torque
+    shows them, and only then is their lack an answer: else the loop that cannot be run remains the news.
+    """
+    try:
+        return search(model, training, held_out, seed, limit, progress, only_jointly=only_jointly)
+    except UnstableLoop:
+        every = (*training, *held_out)
+        if any(scored_torque(r) is None for r in every):
+            raise
+        along, judging = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
+        found = search(model, along, judging, seed, limit, progress, only_jointly=only_jointly)
+        if not found.consistent_before and max(found.explained, found.mostly) < NEAR:
+            raise
+        return found
+
+
+def _matched(
+    model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
+) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+    every = matched(model, (*training, *held_out))
+    fitted, judging = every[: len(training)], every[len(training) :]
+    rows = sum(int(r.valid.sum()) for r in fitted)
+    if rows < _FEWEST:
+        raise InputError(
+            f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
+            remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
+        )  # fmt: skip
+    refuse_coordinates(model, (*fitted, *judging))
+    refuse_unit(model, fitted)
+    refuse_turned(model, fitted)
+    return fitted, judging
+
+
+def comparisons(model: Model, runs: Simulated, found: Search) -> list[Comparison]:
+    """Of the recordings that were fitted, and of held-out ones where there are some."""
+    data = found.start_data
+    fitted, judging = slice(0, data.training), slice(data.training, None)
+    return [
+        evaluate(model, part_of(runs, rows)) for rows in ([fitted, judging] if data.held_out else [fitted])
+    ]
+
+
+def part_of(runs: Simulated, of: slice) -> Simulated:
+    """The runs of some of the recordings."""
+    noisy = tuple(draw[of] for draw in runs.noisy)
+    return Simulated(runs.recordings[of], runs.clean[of], noisy, runs.noise, runs.shifted[of])

@@ -1,0 +1,72 @@
+"""What recordings can tell apart, in words: effects that are one for another, and what disagrees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from workbench.core import Disagreement, Identifiability
+
+from . import wording as w
+from .json_parts import key_dict, key_dicts
+from .numbers import interval, short
+
+
+def told_apart(known: Identifiability | None) -> list[str]:
+    """Sentences: how many effects differ in these recordings, and which stand for one another."""
+    if known is None:
+        return []
+    count = len(known.separable)
+    whole = count + len(known.not_excited) + sum(map(len, known.groups))
+    lines = [f"These recordings can tell {count} of {whole} effects from all others, where they are small."]
+    lines += [
+        f"They cannot tell apart: {w.any_of([w.effect_phrase(k) for k in group], 'and')}."
+        for group in known.groups
+    ]
+    return lines
+
+
+def disagreement_lines(found: Iterable[Disagreement]) -> list[str]:
+    """One sentence a disagreement: what explains each recording, with which value."""
+    lines = []
+    for d in found:
+        pairs = [f"{short(v)} in {name}" for name, v in zip(d.recordings, d.values, strict=True)]
+        lines.append(
+            f"The recordings disagree: {w.effect_phrase(d.key)} explains each of them, but is "
+            f"{w.any_of(pairs, 'and')}. Look for what was another in them: a load, a gain, a unit, the day."
+        )
+    return lines
+
+
+def expected_rows(known: Identifiability | None) -> list[dict[str, str]]:
+    """Of each effect that shows: its parameters at a small size with the intervals to expect."""
+    if known is None:
+        return []
+    return [
+        {
+            "effect": w.capital(w.effect_phrase(key)),
+            "values": "; ".join(f"{w.parameter_name(n)} {interval(e)}" for n, e in parameters.items()),
+        }
+        for key, parameters in known.expected
+    ]
+
+
+def identifiability_dict(known: Identifiability | None) -> dict[str, Any] | None:
+    """Its JSON; None where it was not asked for."""
+    if known is None:
+        return None
+    return {
+        "separable": key_dicts(known.separable),
+        "groups": [key_dicts(group) for group in known.groups],
+        "not_excited": key_dicts(known.not_excited),
+        "expected_std": {
+            str(key): {name: e.std for name, e in parameters.items()} for key, parameters in known.expected
+        },
+    }
+
+
+def disagreement_dicts(found: Iterable[Disagreement]) -> list[dict[str, Any]]:
+    """Their JSON."""
+    return [
+        {"recordings": list(d.recordings), "effect": key_dict(d.key), "values": list(d.values)} for d in found
+    ]
