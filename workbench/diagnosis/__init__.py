@@ -2,7 +2,6 @@
 
 from .diagnose import diagnose, improve
 from .doubts import doubts
-from .judging import EXPLAINED
 from .one_effect import fit_effect
 
-__all__ = ["EXPLAINED", "diagnose", "doubts", "fit_effect", "improve"]
+__all__ = ["diagnose", "doubts", "fit_effect", "improve"]

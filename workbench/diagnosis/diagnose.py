@@ -20,7 +20,6 @@ from workbench.simulation import scored_torque
 from .data import Data
 from .evidence import Clues
 from .findings import (
-    NEAR,
     cut_short_line,
     findings_of,
     near_findings,
@@ -32,13 +31,12 @@ from .findings import (
 from .loops import refuse_coordinates
 from .mirrored import refuse_turned
 from .next_experiment import next_experiment
-from .search import LIMIT, Progress, UnstableLoop, search
+from .policy import POLICY
+from .search import Progress, UnstableLoop, search
 from .stage import Search
 from .units import doubted, refuse_unit
 from .verdict import NAMED, refuted, verdict_of
 
-_FEWEST = 60  # rows to fit; a log of 5 Hz has them in twelve seconds
-_SHOWN = 3.0  # deviations at which an effect of 2 % of the torque counts as excited
 _UNSTABLE = "The model is unstable in the loop"
 _NO_PAYLOAD = (
     "a payload was not looked for: the model names no place for one; add a site where the machine ends, or "
@@ -68,7 +66,7 @@ def diagnose(
         SimulationError: the model is unstable in a recording's loop.
     """
     training, held_out = _matched(model, training, held_out)
-    return _diagnosis(_searched(model, training, held_out, seed, LIMIT, progress))
+    return _diagnosis(_searched(model, training, held_out, seed, None, progress))
 
 
 def improve(
@@ -77,7 +75,7 @@ def improve(
     held_out: Sequence[Recording] = (),
     *,
     seed: int = 0,
-    limit: int = LIMIT,
+    limit: int | None = None,
     nearest: bool = False,
     progress: Progress = lambda text: None,
 ) -> tuple[Improvement, Model]:
@@ -89,7 +87,7 @@ def improve(
         held_out: recordings that judge.
         seed: of the noise simulations.
         progress: told what is being done.
-        limit: most effects to add one by one.
+        limit: most effects to add one by one; None: as many as a diagnosis.
         nearest: where no cause can be named, add what lowers the error on data that were not fitted all the
             same. The verdict stays ``unexplained``.
 
@@ -142,7 +140,7 @@ def _searched(
     training: Sequence[Recording],
     held_out: Sequence[Recording],
     seed: int,
-    limit: int,
+    limit: int | None,
     progress: Progress,
 ) -> Search:
     """What was found in the loops; where the model cannot run in them, along the measured motion.
@@ -158,7 +156,7 @@ def _searched(
             raise
         along, judging = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
         found = search(model, along, judging, seed=seed, limit=limit, progress=progress)
-        if not found.consistent_before and max(found.explained, found.mostly) < NEAR:
+        if not found.consistent_before and max(found.explained, found.mostly) < POLICY.near_named:
             raise
         return found
 
@@ -169,10 +167,10 @@ def _matched(
     every = matched(model, (*training, *held_out))
     fitted, judging = every[: len(training)], every[len(training) :]
     rows = sum(int(r.valid.sum()) for r in fitted)
-    if rows < _FEWEST:
+    if rows < POLICY.fewest_rows:
         raise InputError(
             f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
-            remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
+            remedy=f"record for longer, {POLICY.fewest_rows} rows at least and seconds of motion",
         )  # fmt: skip
     refuse_coordinates(model, (*fitted, *judging))
     refuse_unit(model, fitted)
@@ -201,7 +199,7 @@ def _diagnosis(found: Search) -> Diagnosis:
         unexplained_fraction=float(rest),
         where=after.where,
         next_experiment=next_experiment(verdict, findings, found, after),
-        not_excited=tuple(c.key for c in found.screened if c.detectable < _SHOWN),
+        not_excited=tuple(c.key for c in found.screened if c.detectable < POLICY.significant),
         ranking=ranking_of(found),
         evidence=(
             *refuting_line(verdict, found),

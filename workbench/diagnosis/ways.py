@@ -18,7 +18,6 @@ from workbench.models import Model
 from .data import Data
 from .hypothesis import Fit, Hypothesis
 from .judging import (
-    EXPLAINED,
     as_good_as_done,
     explained,
     helps_later,
@@ -28,6 +27,7 @@ from .judging import (
     unseen_on_held_out,
 )
 from .parting import parting
+from .policy import POLICY
 from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
@@ -194,7 +194,7 @@ def holds(way: Way, quest: Quest) -> bool:
         return way.done
     ends = quest.data, quest.start, way.current, way.data
     shares = [explained(*ends), mostly_explained(*ends) if wanders(way.current) else 0.0]
-    return max(shares) >= EXPLAINED
+    return max(shares) >= POLICY.explained
 
 
 def with_stages(way: Way, found: Sequence[Stage], seed: int, *, wide: bool = True) -> Way:
