@@ -43,7 +43,7 @@ def constant(module: str, name: str) -> float:
     return getattr(import_module(near, "workbench.diagnosis"), name)
 
 
-# policy and its field, or a module from workbench.diagnosis and its constant; how the page writes it; around it
+# field of the policy, or module (from workbench.diagnosis) and constant; how the page writes it; words around
 NUMBERS = [
     ("policy", "explained", percent, "explain at least {} of the squared error above the noise"),
     ("policy", "explained", percent, "Where {} are explained and yet more than noise stays"),

@@ -147,6 +147,7 @@ class Policy:
     relation_beside: float = 0.5  # share of a relation that is told beside a finding; told less often
     relation_first: float = 0.15  # share of one that is told of a rest; told less often
     relation_second: float = 0.3  # share of what the first leaves, of a second one; told less often
+    relation_new: float = 0.3  # length of what a quantity adds to those told, to be asked; fewer relations
     relation_chance: float = 0.01  # probability that shuffled rows show as much; told more often
     order_turn: float = 0.6  # of its period, that a motion covers to show a position's order; fewer orders
     shape_share: float = 0.3  # share of a free function, drawn, and doubting a name; fewer shapes

@@ -278,7 +278,7 @@ def _orthonormal(values: np.ndarray) -> np.ndarray | None:
 def _without(basis: np.ndarray, other: np.ndarray) -> np.ndarray:
     """What of a basis is new, orthonormal; zeros where nothing is."""
     rest = basis - other @ (other.T @ basis)
-    keep = np.linalg.norm(rest, axis=0) > 0.3
+    keep = np.linalg.norm(rest, axis=0) > POLICY.relation_new
     out = np.zeros_like(basis)
     if keep.any():
         out[:, keep] = np.linalg.qr(rest[:, keep])[0]
