@@ -10,7 +10,6 @@ from policy_sweep import Change, answer, table, values
 
 from workbench.diagnosis.policy import POLICY, Policy
 
-
 AS_IT_IS = Change()
 
 
