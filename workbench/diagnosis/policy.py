@@ -46,7 +46,7 @@ class Policy:
     most_of_excess: float = 0.75  # share that is "most": of bold steps, pairs, sets; fewer of them
     exchange_left: float = 0.5  # share that another cause may leave, to take the place of one; more exchanges
     cancelling: float = 5.0  # torques of effects one by one, over their sum; they may undo each other
-    significant: float = 3.0  # standard deviations by which a size is another than nothing; fewer names
+    significant: float = 3.0  # deviations by which sizes or responses differ for certain; fewer names
     drop_ties: float = 0.3  # of a tie, that dropping a needless effect may lose; more are dropped
     drop_in_noise: float = 1.05  # test error / noise up to which dropping may lose more; more are dropped
     simpler_loss: float = 0.1  # relative loss that leaving out what may be nothing may make; simpler models
@@ -128,6 +128,7 @@ class Policy:
     too_much_least: float = 0.01  # share that it removes at least; fewer parts
     too_much_share: float = 0.85  # share that all of them remove; told less often
     too_much_times: float = 2.0  # rest without them over the rest with them; told less often
+    too_much_fewer: int = 2  # parameters that they save beside effects at the noise; told less often
     sure: float = 4.0  # deviations by which data show another value without any fit; less is told
 
     # Intervals

@@ -47,11 +47,11 @@ class TooMuch:
     def plainer_than(self, found: Search) -> bool:
         """Whether it says hardly less than effects with more parameters.
 
-        Effects that leave nothing but noise have to have two more, and this must leave no more either.
+        Effects that leave nothing but noise have to have some more, and this must leave no more either.
         """
         more = found.final.hypothesis.size - len(self.parts)
         if found.consistent_after:
-            return self.at_noise and more >= 2
+            return self.at_noise and more >= POLICY.too_much_fewer
         same = isinstance(found.start_data.replay, MeasuredMotion)
         return same and more >= 1 and 1.0 - self.share < POLICY.too_much_times * (1.0 - found.explained)
 
