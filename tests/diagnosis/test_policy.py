@@ -100,7 +100,9 @@ def _outside_functions(node: ast.AST) -> Iterator[ast.AST]:
 def _constants(module: ast.Module) -> Iterator[tuple[str, object]]:
     """Names and values of constants of a module, those of several on one line too."""
     for node in module.body:
-        for target in node.targets if isinstance(node, ast.Assign) else ():
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        for target in node.targets if isinstance(node, ast.Assign) else [node.target]:
             several = isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple)
             pairs = zip(target.elts, node.value.elts, strict=True) if several else [(target, node.value)]
             for name, value in pairs:
