@@ -22,7 +22,7 @@ from .uncertainty import covariance_of, with_deviations
 from .whole_rows import has_edges, over_the_edge
 
 _ITERATIONS = 6
-COMPARE_TOLERANCE = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
+TOLERANCE = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
 _HEATS = 3  # simulations of each hypothesis in a race's first heats
 _AT_ONCE = 10_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
 _EDGES = 4  # simulations from which a fit is one that ends where it is best, and of those beyond a row's edge
@@ -53,10 +53,7 @@ class _Work:
 
 
 def fit(
-    hypotheses: Sequence[Hypothesis],
-    data: Data,
-    iterations: int = _ITERATIONS,
-    enough: float = COMPARE_TOLERANCE,
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS, enough: float = TOLERANCE
 ) -> list[Fit | None]:
     """Fit all hypotheses to the training recordings, simulating them side by side.
 
@@ -77,7 +74,7 @@ def fit(
 
 
 def _pursued(
-    hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = COMPARE_TOLERANCE
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = TOLERANCE
 ) -> list[_Work]:
     """Hypotheses as near to their best as so many simulations lead; not linearised where they end."""
     works = [_Work(h, h) for h in hypotheses]
@@ -143,11 +140,8 @@ def race(
 def _in_the_running(works: Sequence[_Work], before: float, floor: float) -> np.ndarray:
     """Which of them (W,) have not fallen behind the best."""
     left = np.array([w.value - floor for w in works])
-    limit = (
-        POLICY.race_behind * max(left.min(initial=np.inf), 0.0)
-        + POLICY.race_noise * floor
-        + POLICY.race_excess * max(before - floor, 0.0)
-    )
+    limit = POLICY.race_behind * max(left.min(initial=np.inf), 0.0) + POLICY.race_noise * floor
+    limit += POLICY.race_excess * max(before - floor, 0.0)
     return np.isfinite(left) & (left <= limit)
 
 
@@ -158,7 +152,7 @@ def _second_tries(works: list[_Work], near: np.ndarray, data: Data, most: float)
     for k, other in zip(led, _pursued(list(led.values()), data, _HEATS), strict=True):
         out[k] = min(out[k], other, key=lambda w: w.value)
     done = [near[k] or w.value > most for k, w in enumerate(out)]
-    return [w if d else _over_the_edge(w, data, COMPARE_TOLERANCE) for d, w in zip(done, out, strict=True)]
+    return [w if d else _over_the_edge(w, data, TOLERANCE) for d, w in zip(done, out, strict=True)]
 
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
