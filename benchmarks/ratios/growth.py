@@ -14,8 +14,8 @@ from side_by_side import Ratio, spread
 from workbench.comparison import replay_of
 from workbench.diagnosis import sensitivity
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.screen import entries_of, screen
 from workbench.diagnosis.quest import starting_fit
+from workbench.diagnosis.screen import entries_of, screen
 from workbench.effects import load_model
 from workbench.rigs import VirtualLeg, chirp
 

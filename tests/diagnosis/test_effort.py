@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import workbench.diagnosis.effort as effort
 from workbench.diagnosis import diagnose
 from workbench.diagnosis.effort import Effort
+from workbench.diagnosis.policy import trial
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -40,13 +40,12 @@ def test_more_data_may_take_more_work() -> None:
     assert Effort.for_search(training).most < Effort.for_search(training * 50).most
 
 
-def test_a_search_that_ends_early_says_so_and_is_the_same_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_search_that_ends_early_says_so_and_is_the_same_again() -> None:
     tone = {"torque": 0.4, "frequency": 3.7, "phase": 0.3}
     training, held_out = recordings(HiddenEffect("periodic_disturbance", "knee", parameters=tone))
     model = load_model("leg")
-    monkeypatch.setattr(effort, "_STEPS", 1e5)
-    monkeypatch.setattr(effort, "_RUNS", 1)
-    first, again = (diagnose(model, training, held_out) for _ in range(2))
+    with trial(budget_steps=1e5, budget_runs=1):
+        first, again = (diagnose(model, training, held_out) for _ in range(2))
     assert first.stopped == "budget"
     assert first.work == again.work > 1e5
     assert any("before it had tried everything" in line for line in first.evidence)

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from workbench.diagnosis.policy import POLICY
+
 PAGE = " ".join((Path(__file__).parents[2] / "docs" / "diagnosis.md").read_text(encoding="utf-8").split())
 _WORDS = {3: "three", 4: "four", 6: "six", 200: "200"}
 _PARTS = {0.75: "three quarters", 0.25: "a quarter", 0.1: "a tenth", 0.5: "half"}
@@ -35,68 +37,70 @@ def word(value: float, said: str) -> Callable[[float], str]:
 
 
 def constant(module: str, name: str) -> float:
+    if module == "policy":
+        return getattr(POLICY, name)
     near = module if module.startswith(".") else f".{module}"
     return getattr(import_module(near, "workbench.diagnosis"), name)
 
 
-# module, from workbench.diagnosis, constant, how the page writes it, and the words around it
+# field of the policy, or module (from workbench.diagnosis) and constant; how the page writes it; words around
 NUMBERS = [
-    ("judging", "EXPLAINED", percent, "explain at least {} of the squared error above the noise"),
-    ("judging", "EXPLAINED", percent, "Where {} are explained and yet more than noise stays"),
-    ("judging", "EXPLAINED", percent, "the same effects on every axis may explain {}"),
-    ("judging", "NEARLY_ALL", percent, "or to explain more than {} of the squared error above it"),
-    ("judging", "NEARLY_ALL", percent, "or explains more than {} of the squared error above it."),
+    ("policy", "explained", percent, "explain at least {} of the squared error above the noise"),
+    ("policy", "explained", percent, "Where {} are explained and yet more than noise stays"),
+    ("policy", "explained", percent, "the same effects on every axis may explain {}"),
+    ("policy", "explained_elsewhere", percent, "or to explain more than {} of the squared error above it"),
+    ("policy", "explained_elsewhere", percent, "or explains more than {} of the squared error above it."),
     (
-        "judging",
-        "HELPS",
+        "policy",
+        "effect_gain",
         percent,
         "removes more than {} of the squared error above the noise on data",
     ),
-    ("judging", "TIE", percent, "explanations that judge within {}, the one"),
-    ("judging", "CLEARLY", count, "within {} deviations of none"),
+    ("policy", "tie", percent, "explanations that judge within {}, the one"),
+    ("policy", "significant", count, "within {} deviations of none"),
     (
-        "judging",
-        "_MOST",
+        "policy",
+        "most_of_excess",
         part,
         "removes more than {} of the squared error above the noise that the",
     ),
-    ("judging", "_MOST", part, "more than {} of it on held-out recordings"),
-    ("judging", "_LATER", part, "lower the whole error by {} too"),
+    ("policy", "most_of_excess", part, "more than {} of it on held-out recordings"),
+    ("policy", "later_fall", part, "lower the whole error by {} too"),
     (
-        "judging",
-        "LATER_SHARE",
+        "policy",
+        "later_gain",
         part,
         "more than {} of the squared error that is left above the noise",
     ),
-    ("judging", "_PLAIN", times, "squared error is more than {} the noise's, leave"),
-    ("judging", "_LITTLE", percent, "leave no more than {} above the noise"),
-    ("judging", "_OVERSHADOWED", times, "is more than {} the held-out one's"),
-    ("search", "LIMIT", word(6, "six"), "more is missing than {} effects"),
-    ("judging", "HELPS", percent, "removes at least {} (inertia, damping, Coulomb friction)"),
-    ("judging", "LATER_SHARE", percent, "or {} (all others)"),
-    ("judging", "EXPLAINED", percent, "explains nearly as much ({})"),
-    ("choosing", "BASIC", percent, "explains less than {} of what it does"),
-    ("judging", "CLEARLY", word(3.0, "three"), "not {} standard deviations from nothing"),
-    ("judging", "CLEARLY", word(3.0, "three"), "stays {} standard deviations above nothing"),
-    ("judging", "EXPLAINED", percent, "the law reaches {} of it"),
-    ("findings", "NEAR", percent, "What removes {} or more, and still too little"),
-    ("findings", "_SOME", percent, "of {} or more, only that there is something"),
-    ("search", "LIMIT", count, "at most {} effects one after the other"),
-    ("instead", "_CLOSE", times, "that had left less than {} as much"),
-    ("instead", "_MOST", count, "up to {} others that had left"),
-    ("one_for_two", "_MANY", count, "Two causes that have {} parameters or more together"),
-    ("one_for_two", "_LESS", part, "for one with at most {} as many"),
-    ("giving", "_LEFT", percent, "leaves more than {} of the squared torque that is lacking"),
-    ("by_torque", "LITTLE", part, "leaves at most {} of the squared torque that is lacking"),
+    ("policy", "near_noise", times, "squared error is more than {} the noise's, leave"),
+    ("policy", "plain_rest_left", percent, "leave no more than {} above the noise"),
+    ("policy", "holdout_insensitive", times, "is more than {} the held-out one's"),
+    ("policy", "most_effects", word(6, "six"), "more is missing than {} effects"),
+    ("policy", "effect_gain", percent, "removes at least {} (inertia, damping, Coulomb friction)"),
+    ("policy", "later_gain", percent, "or {} (all others)"),
+    ("policy", "explained", percent, "explains nearly as much ({})"),
+    ("policy", "basic_share", percent, "explains less than {} of what it does"),
+    ("policy", "significant", word(3.0, "three"), "not {} standard deviations from nothing"),
+    ("policy", "significant", word(3.0, "three"), "stays {} standard deviations above nothing"),
+    ("policy", "explained", percent, "the law reaches {} of it"),
+    ("policy", "near_named", percent, "What removes {} or more, and still too little"),
+    ("policy", "something", percent, "of {} or more, only that there is something"),
+    ("policy", "most_effects", count, "at most {} effects one after the other"),
+    ("policy", "replacement_close", times, "that had left less than {} as much"),
+    ("policy", "replacements", count, "up to {} others that had left"),
+    ("policy", "merge_from", count, "Two causes that have {} parameters or more together"),
+    ("policy", "merge_size", part, "for one with at most {} as many"),
+    ("policy", "compliance_left", percent, "leaves more than {} of the squared torque that is lacking"),
+    ("policy", "torque_plain", part, "leaves at most {} of the squared torque that is lacking"),
     (
-        "other_ways",
-        "_NEXT_TO_NOTHING",
+        "policy",
+        "torque_first",
         percent,
         "Where it leaves no more than {}, that comes first",
     ),
-    ("effort", "_RUNS", count, "each recording {} times at least"),
-    ("evidence", "_RULES", part, "where it explains at least {} of the residual's power"),
-    ("evidence", "_SHAPED", percent, "still follows positions ({} of its power)"),
+    ("policy", "budget_runs", count, "each recording {} times at least"),
+    ("policy", "relation_beside", part, "where it explains at least {} of the residual's power"),
+    ("policy", "shape_share", percent, "still follows positions ({} of its power)"),
     ("..comparison.drift", "_PART", word(0.01, "a hundredth"), "{} of its torque moves it further"),
     (
         "..comparison.simulated",
@@ -106,12 +110,12 @@ NUMBERS = [
     ),
     ("..comparison.closed_loop", "_SHIFT", word(0.05, "a twentieth"), "torque {} of a tick late"),
     (
-        "effort",
-        "_STEPS",
+        "policy",
+        "budget_steps",
         word(1e8, "a hundred million"),
         "simulated {} steps of a coordinate",
     ),
-    ("beside_gap", "_LESS", word(0.8, "a fifth less"), "leaves {} of the squared torque"),
+    ("policy", "gap_effect_left", word(0.8, "a fifth less"), "leaves {} of the squared torque"),
     ("relations", "_BLOCK_S", word(1.0, "a second"), "shuffled in blocks of {}"),
 ]
 

@@ -3,7 +3,6 @@
 from .diagnose import diagnose
 from .doubts import doubts
 from .improve import improve as improve
-from .judging import EXPLAINED
 from .one_effect import fit_effect
 
-__all__ = ["EXPLAINED", "diagnose", "doubts", "fit_effect", "improve"]
+__all__ = ["diagnose", "doubts", "fit_effect", "improve"]

@@ -25,11 +25,11 @@ from .free_functions import Adequacy, held
 from .hypothesis import Fit
 from .judging import INTERVAL
 from .marching import respond
+from .policy import POLICY
 from .regression import kept_rows, needing
 from .sensitivity import Scene
 from .shape import splines
 
-_FEWEST = 50  # rows on which something moves: on fewer nothing is certain
 _QUANTITIES = ("position", "speed", "acceleration", "load")
 
 
@@ -63,7 +63,7 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
         assert place is not None
         here = [k for k, a in enumerate(applied) if (a.key.axis, a.key.location) == (name, location)]
         axis = _axis(scene, found, data, [part[:, 1] for part in acts], here, place)
-        if len(axis.rest) >= _FEWEST:
+        if len(axis.rest) >= POLICY.fewest_moving_rows:
             axes[name, location] = axis, [applied[k].key for k in here]
             out |= _of_axis(*axes[name, location])
     for group in alike_axes(scene.model):

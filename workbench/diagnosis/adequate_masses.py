@@ -10,11 +10,10 @@ import numpy as np
 from .data import Data
 from .free_functions import Adequacy, Free, held
 from .hypothesis import Fit
+from .policy import POLICY
 from .regression import kept_rows
 from .sensitivity import Scene
 from .shape import splines
-
-_ACTS = 0.01  # share of the power of what a law does, from which it acts on a coordinate
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +33,7 @@ def several(scene: Scene, found: Fit, data: Data, acts: Sequence[np.ndarray], wh
     rows = [kept_rows(scene, i) for i in range(len(scene.runs))]
     columns = np.concatenate([part[own] for part, own in zip(acts, rows, strict=True)])
     power = np.sum(columns[:, :, which] ** 2, axis=0)
-    axes = np.flatnonzero(power > _ACTS * power.sum())
+    axes = np.flatnonzero(power > POLICY.mass_acts * power.sum())
     order = [which, *(k for k in range(columns.shape[2]) if k != which and columns[:, axes, k].any())]
     rest = [
         (data.residual(i, run)[own, 1] * data.weight[1])[:, axes]

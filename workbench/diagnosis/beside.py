@@ -15,12 +15,11 @@ from .data import Data
 from .fit import race
 from .giving import pins_of
 from .hypothesis import Fit
-from .judging import TIE, floor_of_judging
+from .judging import floor_of_judging
+from .policy import POLICY
 from .refining import with_candidate
 from .screen import Candidate
 from .sensitivity import Scene
-
-_MORE = 2.0  # times the error or the noise, which one parameter more may have gained by chance
 
 
 def named_beside(
@@ -39,8 +38,8 @@ def named_beside(
         (c, f)
         for c, f in zip(wider, fits, strict=True)
         if f is not None
-        and f.judged <= found.judged * (1.0 + TIE)
-        and f.trained <= found.trained * (1.0 + TIE)
+        and f.judged <= found.judged * (1.0 + POLICY.tie)
+        and f.trained <= found.trained * (1.0 + POLICY.tie)
         and _differs(scene, f)
     ]
 
@@ -50,7 +49,7 @@ def special_case(
 ) -> Explanation:
     """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
     if _can_say(chosen) and not _differs(scene, found):
-        enough = _MORE * max(found.judged, floor_of_judging(data))
+        enough = POLICY.chance_gain * max(found.judged, floor_of_judging(data))
         special = [(c, f) for c, f in helpful if contains(chosen.key, c.key) and f.judged < enough]
         return special[0] if special else (chosen, found)
     return chosen, found

@@ -20,17 +20,15 @@ from workbench.models import Model, Placement
 
 from .hypothesis import Fit
 from .pairs import may_stand_together
+from .policy import POLICY
 from .refining import with_candidates
 from .screen import Candidate, Entry, entries_of, limits_of
 from .sensitivity import Column, Scene
 
-_MOST = 4  # effects beside a gap
-_LESS = 0.8  # of the squared torque that was left: what leaves more is not worth an effect
-_SIMPLER = 1.15  # times what the best leaves: simpler effects go before it
-_PROBE = 0.005  # of the load: the size of a torque in a difference
-_STEP = 0.01  # of a gap and its stiffness
+_PROBE_STEP = 0.005  # of the load: the size of a torque in a difference
+_GAP_STEP = 0.01  # of a gap and its stiffness
 _TRIES = 12
-_BLOWN_UP = 1e9  # N m or N: for what cannot be followed at all
+_OVERFLOW = 1e9  # N m or N: for what cannot be followed at all
 
 
 @dataclass(frozen=True)
@@ -91,12 +89,12 @@ class _Gap:
             for torque, value in zip(torques, values[2:], strict=True):
                 piece = piece.with_torque(value * torque.rows[k], torque.at_motor)
             parts.append(piece.unforeseen_means(self._inertia, gap, stiffness, self._retardation))
-        left = np.nan_to_num(np.concatenate(parts), nan=_BLOWN_UP, posinf=_BLOWN_UP)
-        return np.clip(left, -_BLOWN_UP, _BLOWN_UP)
+        left = np.nan_to_num(np.concatenate(parts), nan=_OVERFLOW, posinf=_OVERFLOW)
+        return np.clip(left, -_OVERFLOW, _OVERFLOW)
 
     def sizes(self, torques: Sequence[_Torque]) -> np.ndarray:
         """Changes (2 + k,) of unknowns that change about as much each."""
-        return np.array([_STEP, _STEP, *(_PROBE * self.load / t.size for t in torques)])
+        return np.array([_GAP_STEP, _GAP_STEP, *(_PROBE_STEP * self.load / t.size for t in torques)])
 
     def slopes(
         self, torques: Sequence[_Torque], values: np.ndarray, now: np.ndarray, first: int = 0
@@ -137,7 +135,7 @@ def beside_gap(scene: Scene, gap: Candidate, current: Fit, training: int) -> lis
     chosen: list[_Option] = []
     values = np.log([gap.shape["gap"], gap.shape["stiffness"]])
     left = _square(seen.left((), values))
-    while len(chosen) < _MOST:
+    while len(chosen) < POLICY.gap_effects:
         fitting = [o for o in options if all(may_stand_together(o.entry.key, c.entry.key) for c in chosen)]
         new = _best(seen, fitting, _torques(chosen), values)
         if new is None:
@@ -146,7 +144,7 @@ def beside_gap(scene: Scene, gap: Candidate, current: Fit, training: int) -> lis
         more = [*chosen, option]
         better = seen.fitted(_torques(more), start)
         now = _square(seen.left(_torques(more), better))
-        if now > _LESS * left:
+        if now > POLICY.gap_effect_left * left:
             break
         if _can_be(with_candidates(scene, _candidates(more, better[2:], gap), current).model):
             chosen, values, left = more, better, now
@@ -207,7 +205,7 @@ def _best(
             judged.append((_square(now + slopes @ change), option, moved))
     if not judged:
         return None
-    enough = _SIMPLER * min(left for left, _, _ in judged)
+    enough = POLICY.gap_simpler * min(left for left, _, _ in judged)
     _, option, moved = min((j for j in judged if j[0] <= enough), key=lambda j: (j[1].rank, j[0]))
     return option, moved
 

@@ -16,14 +16,13 @@ from .fit import fit
 from .giving import pins_of, what_gives_way
 from .hypothesis import Fit, Hypothesis, applied_effect
 from .judging import floor_of_judging, witnessed
+from .policy import POLICY
 from .refining import with_candidates
 from .removed import removed_share
 from .screen import Candidate
 from .sensitivity import Scene
 from .stage import Stage
 
-#: Of the torque that is lacking: what a spring or gap may leave to stand whatever the loop says.
-LITTLE = 0.25
 _ROUNDS = 12  # of a fit of a gap with others: the slopes of runs that part are rough
 _FEW = 3  # of a fit on the way there
 
@@ -34,7 +33,7 @@ def plain_by_torque(
     start: Fit,
     progress: Callable[[str], None],
     least: float = 0.0,
-    most: float = LITTLE,
+    most: float | None = None,
 ) -> tuple[Stage, ...]:
     """The spring or gap that leaves little of the torque that is lacking, as the torque has it.
 
@@ -47,12 +46,14 @@ def plain_by_torque(
         data: its recordings.
         start: the model as it is, with what was found of it.
         progress: told what is being done.
-        least, most: share of the torque that is lacking, between which it must leave of it.
+        least, most: share of the torque that is lacking, between which it must leave of it; `most` is what is
+            plain by the policy, unless it is given.
 
     Returns:
         A stage each, whose data and runs are not its own yet; none where nothing is plain.
     """
     known = what_gives_way(scene, data.training, 1.0, start.hypothesis.free)
+    most = POLICY.torque_plain if most is None else most
     if not known or not least <= known[0].judged <= most:
         return ()
     plain, *others = known

@@ -13,14 +13,12 @@ from workbench.effects import Door, contains, effect_named
 from workbench.models import Placement
 
 from .hypothesis import Fit
+from .policy import POLICY
 from .sensitivity import Scene
 
 if TYPE_CHECKING:
     from .screen import Candidate
 
-_LEFT = 0.5  # of what the channel's torque is off: an effect that leaves more is not what is seen there
-_ASTRAY = 4.0  # deviations from the channel's own values
-_REFUTED = 4.0  # times what another limit leaves, squared, of the rows in which either of them limits
 
 #: What a drive's measured torque is off its command, and what a limit takes away of it, row by row.
 _Passed = tuple[np.ndarray, np.ndarray] | None
@@ -53,7 +51,9 @@ def _told(candidate: Candidate, passed: _Passed, without: float) -> Candidate:
     off, taken = passed
     before, after = float(np.sum(off**2)), float(np.sum((off - taken) ** 2))
     left = after / before if before > 0.0 else 1.0
-    return replace(candidate, judged=min(candidate.judged, left * without)) if left < _LEFT else candidate
+    if left >= POLICY.limit_left:
+        return candidate
+    return replace(candidate, judged=min(candidate.judged, left * without))
 
 
 def astray(scene: Scene, candidate: Candidate, found: Fit) -> bool:
@@ -67,7 +67,7 @@ def astray(scene: Scene, candidate: Candidate, found: Fit) -> bool:
     if read is None or fitted is None:
         return False
     own, now = (float(np.sum((off - taken) ** 2)) for off, taken in (read, fitted))
-    return now - own > _ASTRAY**2 * own / len(read[0])
+    return now - own > POLICY.sure**2 * own / len(read[0])
 
 
 def _far_worse(one: _Passed, other: _Passed) -> bool:
@@ -75,7 +75,7 @@ def _far_worse(one: _Passed, other: _Passed) -> bool:
         return False
     limited = (one[1] != 0.0) | (other[1] != 0.0)
     left, best = (float(np.sum((off - taken)[limited] ** 2)) for off, taken in (one, other))
-    return left > _REFUTED * best
+    return left > POLICY.far_worse * best
 
 
 def _passed(scene: Scene, key: EffectKey, shape: Mapping[str, float]) -> _Passed:

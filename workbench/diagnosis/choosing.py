@@ -11,20 +11,14 @@ from workbench.models import Model
 
 from .data import Data
 from .hypothesis import Fit
-from .judging import NEAR_FLOOR, TIE, floor_of_fitting, floor_of_judging, reached
+from .judging import floor_of_fitting, floor_of_judging, reached
+from .policy import POLICY
 from .screen import Candidate
 
 #: An effect in a place that was simulated, with its fit.
 Explanation = tuple[Candidate, Fit]
 #: An effect with what is left where it explains the data.
 Judged = tuple[EffectKey, float]
-
-# An explanation near the floor is not passed over for a basic one that leaves this many times as much.
-_FAR_WORSE = 4.0
-_BLIND = 1.25  # times the judged error, within which judging sees no difference
-_MUCH = 1.25  # times what is left, from which less is much less
-#: Share of the best candidate's gain with which inertia, damping and Coulomb friction go first.
-BASIC = 0.75
 
 
 def choose(
@@ -60,13 +54,13 @@ def choose(
         if basics_first
         and effect_named(c.key.effect).basic
         and cost(c) <= cost(top)
-        and before - f.judged > BASIC * (before - most)
-        and not (most < NEAR_FLOOR * floor and f.judged > _FAR_WORSE * most)
-        and not (only_form(c) and f.judged - floor > _FAR_WORSE * max(most - floor, 0.0))
+        and before - f.judged > POLICY.basic_share * (before - most)
+        and not (most < POLICY.near_noise * floor and f.judged > POLICY.far_worse * most)
+        and not (only_form(c) and f.judged - floor > POLICY.far_worse * max(most - floor, 0.0))
     ]
     pool = known or done or basic or helpful
     best = min(f.judged for _, f in pool)
-    ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + TIE)]
+    ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + POLICY.tie)]
     ties.sort(key=lambda cf: (cost(cf[0]), cf[1].judged))
     candidate, found = ties[0]
     # whatever does as well is a rival, wherever it came from, unless it merely contains the choice
@@ -74,7 +68,7 @@ def choose(
         c.key
         for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
         if c is not candidate
-        and f.judged <= found.judged * (1.0 + TIE)
+        and f.judged <= found.judged * (1.0 + POLICY.tie)
         and not contains(c.key, candidate.key)
         and c not in stated
     )
@@ -84,11 +78,11 @@ def choose(
 def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
     """Whether a refinement explains what this one plainly leaves of the training, unseen by judging."""
     floor, (special, found) = floor_of_fitting(data), one
-    return found.trained > NEAR_FLOOR * floor and any(
+    return found.trained > POLICY.near_noise * floor and any(
         contains(c.key, special.key)
-        and f.judged < _BLIND * found.judged
-        and f.trained < NEAR_FLOOR * floor
-        and found.trained - floor > _FAR_WORSE * (f.trained - floor)
+        and f.judged < POLICY.test_blind * found.judged
+        and f.trained < POLICY.near_noise * floor
+        and found.trained - floor > POLICY.far_worse * (f.trained - floor)
         for c, f in all_
     )
 
@@ -100,7 +94,7 @@ def passed_over(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) ->
         return None
     most, best = max(others, key=lambda sk: sk[0])
     left = 1.0 - dict(ranking).get(added, 1.0)
-    return best if left > _MUCH * max(1.0 - most, 0.0) else None
+    return best if left > POLICY.much_less * max(1.0 - most, 0.0) else None
 
 
 class Fitted(Protocol):
@@ -122,7 +116,7 @@ def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[
     """
     floor = floor_of_judging(data)
     least = min((f.fit.judged for f in found), default=0.0)
-    enough = max((1.0 + TIE) * least, floor + (least - floor) / (1.0 - worth))
+    enough = max((1.0 + POLICY.tie) * least, floor + (least - floor) / (1.0 - worth))
 
     def rank(one: _F) -> tuple[bool, int, float]:
         behind = one.fit.judged > enough and not reached(one.fit, data)

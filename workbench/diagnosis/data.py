@@ -20,14 +20,11 @@ from workbench.core import Recording
 from workbench.models import Model
 
 from .effort import Effort
+from .policy import POLICY
 from .repeating import repeat_of
 
 _BLOCKS = 5  # contiguous folds of a lone recording; a recording of half of all rows has half as many
-# Where a model cannot reach the noise, a signal with little noise would rule alone; this share of its
-# present error counts as noise when signals are weighed against each other.
-_TOLERANCE = 0.03
 _NOISY = 6  # runs of each recording that a noise floor takes
-HEARD = 1.1  # squared error over the noise from which held-out recordings have something to say
 
 
 @dataclass(frozen=True)
@@ -82,7 +79,8 @@ class Data:
         if not self.held_out:
             return self
         error = self.objective(self.pool(mean_squares, held_out=True))
-        return replace(self, silent=error < HEARD * self.objective(self.pool(self.floor, held_out=True)))
+        floor = self.objective(self.pool(self.floor, held_out=True))
+        return replace(self, silent=error < POLICY.holdout_informative * floor)
 
     def unheard(self) -> Data:
         """The same data, judged by folds of the training recordings whatever the held-out ones say."""
@@ -190,8 +188,12 @@ class Data:
         scale = Scale.of(part)
         return normalised(self.pool(mean_squares, held_out), scale)
 
-    def reweighed(self, mean_squares: np.ndarray, tolerance: float = _TOLERANCE) -> Data:
-        """The same data with weights for an error of this size, `tolerance` of which counts as noise."""
+    def reweighed(self, mean_squares: np.ndarray, tolerance: float | None = None) -> Data:
+        """The same data with weights for an error of this size, `tolerance` of which counts as noise.
+
+        Where a model cannot reach the noise, a signal with little noise would rule alone.
+        """
+        tolerance = POLICY.weighing_tolerance if tolerance is None else tolerance
         floor, error = self.pool(self.floor), self.pool(mean_squares)
         present = (floor > 0) & np.isfinite(Scale.of(self.recordings[: self.training]).stack())
         deviation = np.sqrt(floor + tolerance**2 * np.maximum(error - floor, 0.0))

@@ -14,8 +14,8 @@ from workbench.models import Model
 from .data import Data
 from .evidence import Clues
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
-from .judging import EXPLAINED
 from .next_experiment import next_experiment
+from .policy import POLICY
 from .rounds import Rounds, comparisons, part_of, rounds
 from .stage import Search
 from .trying import Progress
@@ -59,7 +59,8 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
     named = verdict in NAMED
     rest = _rest(verdict, found)
     if len(found) > 1:
-        verdict = "missing_effect" if last.consistent_after or rest <= 1.0 - EXPLAINED else "partly_explained"
+        whole = last.consistent_after or rest <= 1.0 - POLICY.explained
+        verdict = "missing_effect" if whole else "partly_explained"
     before, *judging = comparisons(first.model, first.start_runs, first)
     after, *judged = before, *judging
     if named and last.stages[-1].runs is not None:

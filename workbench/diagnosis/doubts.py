@@ -12,9 +12,8 @@ from workbench.recordings import Log
 
 from .loops import refuse_coordinates
 from .mirrored import refuse_turned
+from .policy import POLICY
 from .units import refuse_unit
-
-_SECONDS = 20.0  # of a log too long to be held: a sign and a unit are the same in all of it
 
 
 def doubts(model: Model, sources: Sequence[Recording | Log]) -> tuple[str, ...]:
@@ -44,4 +43,4 @@ def doubts(model: Model, sources: Sequence[Recording | Log]) -> tuple[str, ...]:
 def _held(source: Recording | Log) -> list[Recording]:
     if isinstance(source, Recording):
         return [source]
-    return [piece.recording for piece in islice(source.stretches(_SECONDS, 0.0), 1)]
+    return [piece.recording for piece in islice(source.stretches(POLICY.check_seconds, 0.0), 1)]

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 from workbench.core import Recording
 
-# Steps of one coordinate after which nothing new is begun: twenty times what one missing effect takes in a
-# minute of two axes at 1 kHz, some minutes on two cores. Longer recordings are run so often at least.
-_STEPS, _RUNS = 1e8, 200
-_COLUMN = 0.1  # of a run: what a column takes that travels along a linearised loop
-_TICK = 1e-3  # s; simulation takes no longer steps, however seldom was recorded
+from .policy import POLICY
+
+_TICK_S = 1e-3  # simulation takes no longer steps, however seldom was recorded
 
 
 @dataclass
@@ -29,7 +27,7 @@ class Effort:
     @staticmethod
     def for_search(recordings: Sequence[Recording], simulates: bool = True) -> Effort:
         """What a search on these recordings may take; no end where nothing is simulated."""
-        return Effort(max(_STEPS, _RUNS * _steps(recordings)) if simulates else float("inf"))
+        return Effort(_most(recordings) if simulates else float("inf"))
 
     @property
     def spent(self) -> bool:
@@ -38,8 +36,12 @@ class Effort:
 
     def add(self, recordings: Sequence[Recording], runs: int = 0, columns: int = 0) -> None:
         """Counts so many runs of these recordings, and columns that travel along them."""
-        self.done += (runs + _COLUMN * columns) * _steps(recordings)
+        self.done += (runs + POLICY.column_cost * columns) * _steps(recordings)
+
+
+def _most(recordings: Sequence[Recording]) -> float:
+    return max(POLICY.budget_steps, POLICY.budget_runs * _steps(recordings))
 
 
 def _steps(recordings: Sequence[Recording]) -> float:
-    return sum(len(r) * len(r.axes) * max(1.0, r.period / _TICK) for r in recordings)
+    return sum(len(r) * len(r.axes) * max(1.0, r.period / _TICK_S) for r in recordings)

@@ -15,7 +15,6 @@ from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
 from .judging import (
-    LATER_SHARE,
     cancels,
     explains_most,
     floor_of_judging,
@@ -26,6 +25,7 @@ from .judging import (
     spoils,
     witnessed,
 )
+from .policy import POLICY
 from .refining import polished, settle, with_candidates
 from .removed import removed_share, removed_shares
 from .screen import Candidate, Entry, equations, judge, limits_of
@@ -35,10 +35,6 @@ from .stage import Stage
 # What a plain model of drives leaves out together: sets that are tried beside each effect by itself.
 _FRICTION = ("coulomb_friction", "viscous_damping")
 _DRIVES = (*_FRICTION, "reflected_inertia")
-_PROMISING = 0.4  # share of the excess that a set may leave by the linearised loop, to be simulated
-_SHOWN = 0.3  # share of an axis's excess that one of them removes by itself where a set has it
-_SIMULATED = 4
-_MANY = 3  # axes that say more together than a stranger on one of them could
 
 
 @dataclass(frozen=True)
@@ -74,7 +70,7 @@ def on_every_axis(
     if overshadowed(start, data):  # held-out motion that shows little cannot judge
         data = data.unheard()
         start = rejudged(start, data)
-    sets = _promising(screened, scene, data, start)[:_SIMULATED]
+    sets = _promising(screened, scene, data, start)[: POLICY.sets_simulated]
     if not sets:
         return ()
     progress(f"fitting {'; '.join(' and '.join(names) for names, _ in sets)} on every axis")
@@ -82,7 +78,7 @@ def on_every_axis(
     raced = zip(sets, race(tried, start, data)[0], strict=True)
     fits = [_Fitted(names, f) for (names, _), f in raced if f is not None]
     floor = floor_of_judging(data)
-    for found in simplest_first(fits, data, LATER_SHARE):
+    for found in simplest_first(fits, data, POLICY.later_gain):
         best = replace(found, fit=polished(needed(settle(found.fit, data, floor), data), data))
         if len(best.fit.hypothesis.free) < 2 or not explains_most(best.fit, start, data):
             continue
@@ -137,15 +133,16 @@ def _promising(
     tries = [(option, everywhere) for option in options]
     for option in options:
         gains = {a: start.judged - _least(at_drives, option, a) for a in everywhere}
-        shown = {a for a in everywhere if gains[a] > _SHOWN * excess[a]}
-        if _MANY <= len(shown) < len(everywhere):
+        shown = {a for a in everywhere if gains[a] > POLICY.axis_share * excess[a]}
+        if POLICY.axes_alike <= len(shown) < len(everywhere):
             tries.append((option, shown))
     found: list[tuple[float, tuple[str, ...], list[Candidate]]] = []
     for option, axes in tries:
         own = [e for name in option for e in entries if e.key.effect == name and e.key.axis in axes]
         if len(own) < 2:
             continue
-        most = floor + max(start.judged - floor, 0.0) - (1.0 - _PROMISING) * sum(excess[a] for a in axes)
+        gone = (1.0 - POLICY.promising) * sum(excess[a] for a in axes)
+        most = floor + max(start.judged - floor, 0.0) - gone
         bounds = [np.concatenate(b) for b in zip(*(limits_of(scene, e) for e in own), strict=True)]
         index = [k for e in own for k in e.linear]
         fixed = [e.fixed for e in own if e.fixed is not None]

@@ -13,15 +13,13 @@ from workbench.models import AppliedEffect, Model, rotors
 from .adequacy import Adequacy
 from .data import Data
 from .hypothesis import Fit
+from .policy import POLICY
 from .relations import Missing, missing_torque, relation_lines, relations
 from .responses import Responses, distortion_lines, resonance_lines, response_lines, responses
 from .shape import shapes
 from .shifted_rows import shifted_lines
 from .stage import Stage
 
-_RULES = 0.5  # share of the residual torque that a relation has to explain to stand beside a finding
-_SAME = 0.01  # difference of such shares that is none
-_SHAPED = 0.3  # the same of a smooth function, on blocks that it was not fitted to
 #: Doors whose effects are torques on the mechanism; others shift what is commanded or read.
 _TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
 
@@ -68,8 +66,8 @@ class Clues:
             return ()
         best = []
         for axis in self.missing.axes:
-            found = [s for s in shapes(self.missing, axis) if s.share >= _SHAPED]
-            close = [s for s in found if s.share > found[0].share - _SAME]
+            found = [s for s in shapes(self.missing, axis) if s.share >= POLICY.shape_share]
+            close = [s for s in found if s.share > found[0].share - POLICY.shape_same]
             best += sorted(close, key=lambda s: (len(s.quantities), -s.share))[:1]
         return tuple(sorted(best, key=lambda s: -s.share))
 
@@ -88,7 +86,7 @@ class Clues:
             if key.location == "joint":
                 missing = missing.in_joints(self.model.transmission)
             found = relations(missing, key.axis or _worst(missing))
-            if found and found[0].share >= _RULES:
+            if found and found[0].share >= POLICY.relation_beside:
                 lines += relation_lines(key.axis or _worst(missing), found)
         return lines
 

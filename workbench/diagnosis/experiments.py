@@ -14,6 +14,8 @@ from workbench.models import Model, find_model
 from workbench.recordings.velocity import derive_velocity
 from workbench.simulation import held_posture, holds, joint_limits, limits_of, predictor, whole_period
 
+from .policy import POLICY
+
 _LENGTH_S = 6.0  # of each experiment
 
 
@@ -43,7 +45,7 @@ def designed(model: Model, option: Option, recordings: Sequence[Recording]) -> t
     size = [float(f"{s:.2g}") for s in np.maximum(size, 1e-6)]
     band = {
         "f_min_hz": option.f_min,
-        "f_max_hz": min(option.f_max, 0.2 * rate),
+        "f_max_hz": min(option.f_max, POLICY.resolved * rate),
         "rate_hz": rate,
         "hold": hold,
     }

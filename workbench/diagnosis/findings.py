@@ -16,12 +16,9 @@ from .evidence import Clues, adequacy_lines, finding_lines
 from .giving import other_causes
 from .hypothesis import Fit
 from .judging import floor_of_judging, stands_out
+from .policy import POLICY
 from .removed import removed_share
 from .stage import Search, Stage, has_cause
-
-NEAR = 0.8  # share of the excess from which a cause is worth telling that may not be named
-_SOME = 0.2  # the same from which it is said that there is something
-_SUREST = 0.98
 
 
 def findings_of(found: Search) -> tuple[Finding, ...]:
@@ -97,10 +94,11 @@ def _probability(stage: Stage, found: Search) -> float:
     rivals = other_causes(found.model, stage.added, stage.rivals_of(found.final))
     others = (left for key, left in stage.behind if key not in rivals and not has_cause(found.final, key))
     next_best = min(others, default=np.inf)
-    alone = 1.0 - 0.5 * float(np.exp(-8.0 * max(next_best - 1.0, 0.0)))
+    close = float(np.exp(-POLICY.next_best_decay * max(next_best - 1.0, 0.0)))
+    alone = 1.0 - POLICY.next_best_doubt * close
     sure = found.adequacy.get(stage.added)
     whole = 1.0 if found.consistent_after else sure.share if sure else found.explained
-    return float(min(alone, _SUREST) * whole / (1.0 + 0.25 * len(rivals) ** 2))
+    return float(min(alone, POLICY.surest) * whole / (1.0 + POLICY.rival_doubt * len(rivals) ** 2))
 
 
 def ranking_of(found: Search) -> tuple[tuple[EffectKey, float], ...]:
@@ -144,9 +142,9 @@ def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
     What takes off less has no name, but that there is something is told.
     """
     added = found.final.hypothesis.added
-    if verdict != "unexplained" or found.explained < _SOME or not all(map(stands_out, added)):
+    if verdict != "unexplained" or found.explained < POLICY.something or not all(map(stands_out, added)):
         return ()
-    if found.explained < NEAR:
+    if found.explained < POLICY.near_named:
         return (
             f"known effects take off {100 * found.explained:.0f} % of the squared error above the noise, on "
             "data left out of the fit too: too little to be named; improve --nearest adds them",

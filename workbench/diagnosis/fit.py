@@ -14,6 +14,7 @@ from .delays import as_late_as_the_best
 from .hypothesis import Fit, Hypothesis, moved, room
 from .marching import respond
 from .normal import Normal, normal, total
+from .policy import POLICY
 from .removed import removed_share
 from .sensitivity import Scene
 from .solve import solve
@@ -21,16 +22,12 @@ from .uncertainty import covariance_of, with_deviations
 from .whole_rows import has_edges, over_the_edge
 
 _ITERATIONS = 6
-ENOUGH = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
-_FAR_BEHIND = 8.0
-_TELLING = 0.6  # share of the error in the recordings of a race's first heats
-_HEATS = 3  # simulations of each hypothesis in them
-_BEHIND = 2.5  # what leaves this many times the best one's excess falls out
+TOLERANCE = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
+_HEATS = 3  # simulations of each hypothesis in a race's first heats
 _AT_ONCE = 10_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
 _EDGES = 4  # simulations from which a fit is one that ends where it is best, and of those beyond a row's edge
-_LEFT = 1.1  # times the noise, from which a delay's other rows are tried
-_RUNAWAY = 1e100  # noise levels of response to one unit; the square of much more is no number
-PRECISE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
+_OVERFLOW = 1e100  # noise levels of response to one unit; the square of much more is no number
+FINE_TOLERANCE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
 
 def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
@@ -56,7 +53,7 @@ class _Work:
 
 
 def fit(
-    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS, enough: float = ENOUGH
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS, enough: float = TOLERANCE
 ) -> list[Fit | None]:
     """Fit all hypotheses to the training recordings, simulating them side by side.
 
@@ -77,7 +74,7 @@ def fit(
 
 
 def _pursued(
-    hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = ENOUGH
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = TOLERANCE
 ) -> list[_Work]:
     """Hypotheses as near to their best as so many simulations lead; not linearised where they end."""
     works = [_Work(h, h) for h in hypotheses]
@@ -85,7 +82,7 @@ def _pursued(
         best = min((w.value for w in works), default=np.inf)
         for work in works:
             # what is far behind after two tries needs no better estimate to lose
-            work.done |= turn > 1 and work.value > _FAR_BEHIND * best
+            work.done |= turn > 1 and work.value > POLICY.fit_behind * best
         active = [w for w in works if not w.done]
         if not active:
             break
@@ -103,7 +100,7 @@ def _pursued(
 def _over_the_edge(work: _Work, data: Data, enough: float) -> _Work:
     """Where noise does not explain a fit, a better one beyond the next row of a delay, if there is one."""
     floor = data.objective(data.least())
-    if not has_edges(work.best) or not _LEFT * floor < work.value < np.inf:
+    if not has_edges(work.best) or not POLICY.delay_above * floor < work.value < np.inf:
         return work
     _linearise([work] if work.pieces is None else [], data)
     if work.pieces is None:
@@ -126,12 +123,13 @@ def race(
         Per hypothesis its fit to all recordings, None where it never ran or fell behind; and the share of the
         squared error above the noise that it removed on the first recordings, None where it never ran.
     """
-    telling = data.telling(current.mean_squares, _TELLING)
+    telling = data.telling(current.mean_squares, POLICY.informative_share)
     some = data.part(telling)
     floor = some.objective(some.pool(some.floor))
     before = some.objective(some.pool(current.mean_squares[list(telling)]))
     first = _pursued(hypotheses, some, _HEATS)
-    first = _second_tries(first, _in_the_running(first, before, floor), some, 0.5 * (before + floor))
+    most = POLICY.delay_left * before + (1.0 - POLICY.delay_left) * floor
+    first = _second_tries(first, _in_the_running(first, before, floor), some, most)
     near = _in_the_running(first, before, floor)
     shares = [removed_share(before, w.value, floor) if np.isfinite(w.value) else None for w in first]
     running = {k: w.best for k, w in enumerate(first) if near[k]}
@@ -142,7 +140,8 @@ def race(
 def _in_the_running(works: Sequence[_Work], before: float, floor: float) -> np.ndarray:
     """Which of them (W,) have not fallen behind the best."""
     left = np.array([w.value - floor for w in works])
-    limit = _BEHIND * max(left.min(initial=np.inf), 0.0) + 0.2 * floor + 0.02 * max(before - floor, 0.0)
+    limit = POLICY.race_behind * max(left.min(initial=np.inf), 0.0) + POLICY.race_noise * floor
+    limit += POLICY.race_excess * max(before - floor, 0.0)
     return np.isfinite(left) & (left <= limit)
 
 
@@ -152,7 +151,8 @@ def _second_tries(works: list[_Work], near: np.ndarray, data: Data, most: float)
     out = list(works)
     for k, other in zip(led, _pursued(list(led.values()), data, _HEATS), strict=True):
         out[k] = min(out[k], other, key=lambda w: w.value)
-    return [w if near[k] or w.value > most else _over_the_edge(w, data, ENOUGH) for k, w in enumerate(out)]
+    done = [near[k] or w.value > most for k, w in enumerate(out)]
+    return [w if d else _over_the_edge(w, data, TOLERANCE) for d, w in zip(done, out, strict=True)]
 
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
@@ -190,7 +190,7 @@ def _linearise_together(works: list[_Work], data: Data) -> None:
     columns = [[c for a in w.best.free for c in s.derivatives(a)] for w, s in zip(works, scenes, strict=True)]
     responses = respond(scenes, columns, data)
     for work, own in zip(works, responses, strict=True):
-        if not all(np.abs(r).max(initial=0.0) < _RUNAWAY for r in own):  # nor NaN
+        if not all(np.abs(r).max(initial=0.0) < _OVERFLOW for r in own):  # nor NaN
             work.value, work.done = np.inf, True  # the loop about this motion runs away: nothing to follow
             continue
         residuals = [data.residual(i, work.runs[i]) * data.weight for i in range(data.training)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .judging import CLEARLY, EXPLAINED
+from .policy import POLICY
 
 _BLOCKS = 10  # of all rows, each left out in turn
 _PENALTIES = np.logspace(-4, 4, 9)  # of a free function, times the mean of its normal equations' diagonal
@@ -22,8 +22,8 @@ class Adequacy:
     Attributes:
         share: of what a free function of the law's own quantities, or the law with a size that varies freely,
             explains on blocks left out, what it does.
-        size: the least over free functions of other quantities beside it of its size, less `CLEARLY` standard
-            deviations of that; 1 is the size that was fitted.
+        size: the least over free functions of other quantities beside it of its size, less as many standard
+            deviations of that as are significant; 1 is the size that was fitted.
         spread: the largest change of its size beside them.
     """
 
@@ -34,7 +34,7 @@ class Adequacy:
     @property
     def holds(self) -> bool:
         """Whether the effect is there, whatever else is missing."""
-        return self.share >= EXPLAINED and self.size > 0.0
+        return self.share >= POLICY.explained and self.size > 0.0
 
 
 def held(
@@ -46,7 +46,7 @@ def held(
     return Adequacy(
         min(_share(f, part, rest) for f, part in free),
         min(
-            *(size - CLEARLY * std for size, std in sizes),
+            *(size - POLICY.significant * std for size, std in sizes),
             *(_size(laws[rows], rest[rows])[0] for rows in each),
         ),
         max((abs(size - 1.0) for size, _ in sizes), default=0.0),

@@ -12,14 +12,10 @@ from workbench.effects import Motion, Springs, crank_of, effect_named, giving_wa
 from workbench.models import AppliedEffect, Crank, Model, Placement
 from workbench.simulation import on_all_cores
 
+from .policy import POLICY
 from .screen import Candidate
 from .sensitivity import Scene
 
-_LEFT = 0.7  # of the lacking torque: what leaves more is no explanation
-_BESIDE = 5.0  # times what the best leaves: what closed loops may still tell apart
-_NO_MORE = 0.95  # the same of one more spring, since the noise of what two leave is as large as of one
-_LITTLE = 0.1  # of the lacking torque: a spring that leaves no more is asked beside any gap
-_MOST = 4
 _SPRING = "joint_compliance"
 
 
@@ -50,7 +46,7 @@ def _shares(scene: Scene, training: int, springs: Sequence[AppliedEffect]) -> li
         if key.effect == _SPRING and springs and all(a.key.axis != key.axis for a in springs):
             return _beside(springs, key, scene, training)
         guesses = effect_named(key.effect).guesses(motions, scene.model, Placement.of(scene.model, key))
-        some = [(shape, left) for shape, left in guesses if left < _LEFT]
+        some = [(shape, left) for shape, left in guesses if left < POLICY.compliance_left]
         return [Candidate(key, np.zeros(0), shape, left) for shape, left in some]
 
     asked_of = [
@@ -66,9 +62,9 @@ def _shares(scene: Scene, training: int, springs: Sequence[AppliedEffect]) -> li
     return [
         c
         for c in found
-        if c.judged <= _BESIDE * found[0].judged
-        or (c.judged <= _LITTLE and not effect_named(c.key.effect).wanders)
-    ][:_MOST]
+        if c.judged <= POLICY.compliance_times * found[0].judged
+        or (c.judged <= POLICY.compliance_beside_gap and not effect_named(c.key.effect).wanders)
+    ][: POLICY.compliance_candidates]
 
 
 def _beside(springs: Sequence[AppliedEffect], key: EffectKey, scene: Scene, training: int) -> list[Candidate]:
@@ -83,7 +79,7 @@ def _beside(springs: Sequence[AppliedEffect], key: EffectKey, scene: Scene, trai
         return []
     *others, own = together.guess(now)
     left = together.share([*others, own]) / max(alone.share(now), 1e-12)
-    if left > _NO_MORE:
+    if left > POLICY.compliance_more:
         return []
     beside = {a.key: shape for a, shape in zip(springs, others, strict=True)}
     return [Candidate(key, np.zeros(0), own, left, beside)]

@@ -14,11 +14,10 @@ from workbench.models import AppliedEffect, Placement
 from .data import Data
 from .fit import fit, values_of
 from .hypothesis import Fit, Hypothesis, applied_effect
-from .judging import TIE
+from .policy import POLICY
 
 _STEPS = (0.1, 0.04, 0.015)  # of each parameter, one after the other
 _ROUNDS = 3  # at each step, as long as something at its rim is better
-_TELLING = 0.6  # share of the rest in the recordings that are simulated
 
 
 def honed(found: Fit, data: Data) -> Fit:
@@ -32,7 +31,7 @@ def honed(found: Fit, data: Data) -> Fit:
         data: recordings and weights.
     """
     loose = [a for a in found.hypothesis.free if effect_named(a.key.effect).wanders]
-    some = data.part(data.telling(found.mean_squares, _TELLING))
+    some = data.part(data.telling(found.mean_squares, POLICY.informative_share))
     hypothesis = found.hypothesis
     for applied in loose:
         for step in _STEPS:
@@ -40,7 +39,7 @@ def honed(found: Fit, data: Data) -> Fit:
     if hypothesis is found.hypothesis:
         return found
     better = fit([hypothesis], data, 1)[0]
-    less = 1.0 - TIE
+    less = 1.0 - POLICY.tie
     if better is None or better.judged > less * found.judged or better.trained > less * found.trained:
         return found
     return better

@@ -19,13 +19,11 @@ from workbench.models import AppliedEffect, Model
 from .data import Data
 from .hypothesis import Hypothesis, applied_effect
 from .linear import Linear, columns_of
+from .policy import POLICY
 from .screen import Entry
 from .uncertainty import with_deviations
 
-SHOWN = 3.0  # deviations at which a small effect counts as excited, or as told from another
 _RELATED = 0.5  # correlation of columns below which two effects are never taken for each other
-_MOST = 0.75  # share of each recording's excess that an effect explains of whose size they may disagree ...
-_DIFFERENT = 0.25  # ... and share of all excess that one size for all of them leaves more
 
 
 def identifiability_of(
@@ -35,13 +33,13 @@ def identifiability_of(
 
     `silent`: effects of which they can tell nothing at all.
     """
-    excited = [e for e in linear.entries if linear.shown(e) >= SHOWN]
+    excited = [e for e in linear.entries if linear.shown(e) >= POLICY.significant]
     groups = _groups(linear, excited)
     alike = {key for group in groups for key in group}
     return Identifiability(
         separable=tuple(e.key for e in excited if e.key not in alike),
         groups=groups,
-        not_excited=(*silent, *(e.key for e in linear.entries if linear.shown(e) < SHOWN)),
+        not_excited=(*silent, *(e.key for e in linear.entries if linear.shown(e) < POLICY.significant)),
         expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, model, data))),
     )
 
@@ -51,7 +49,9 @@ def _groups(linear: Linear, excited: Sequence[Entry]) -> tuple[tuple[EffectKey, 
     sets: dict[EffectKey, set[EffectKey]] = {e.key: {e.key} for e in excited}
     for one, other in combinations(excited, 2):
         related = linear.correlation(columns_of(one), columns_of(other)) >= _RELATED
-        if related and all(linear.differs(a, b) < SHOWN for a, b in ((one, other), (other, one))):
+        if related and all(
+            linear.differs(a, b) < POLICY.significant for a, b in ((one, other), (other, one))
+        ):
             joined = sets[one.key] | sets[other.key]
             for key in joined:
                 sets[key] = joined
@@ -93,9 +93,9 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
         [_Apart.of(linear, e, told) for e in linear.entries if len(e.linear) == 1] if len(told) > 1 else []
     )
     best = min((t for t in tried if t is not None), key=lambda t: t.left.sum(), default=None)
-    if best is None or (best.left > (1.0 - _MOST) * linear.excess[told]).any():
+    if best is None or (best.left > (1.0 - POLICY.most_of_excess) * linear.excess[told]).any():
         return ()
-    if best.common - best.left.sum() < _DIFFERENT * linear.excess[told].sum():
+    if best.common - best.left.sum() < POLICY.disagreement * linear.excess[told].sum():
         return ()
     effect = effect_named(best.entry.key.effect)
     (name,) = (p.name for p in effect.parameters if p.name not in effect.nonlinear)

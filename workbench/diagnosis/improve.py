@@ -11,7 +11,6 @@ from workbench.models import Model
 from .diagnose import diagnosis_of
 from .findings import step_of
 from .rounds import Rounds, comparisons, rounds
-from .search import LIMIT
 from .trying import Progress
 from .verdict import NAMED, refuted
 
@@ -22,7 +21,7 @@ def improve(
     held_out: Sequence[Recording] = (),
     *,
     seed: int = 0,
-    limit: int = LIMIT,
+    limit: int | None = None,
     nearest: bool = False,
     progress: Progress = lambda text: None,
 ) -> tuple[Improvement, Model]:
@@ -34,7 +33,7 @@ def improve(
         held_out: recordings that judge.
         seed: of the noise simulations.
         progress: told what is being done.
-        limit: most effects to add one by one.
+        limit: most effects to add one by one; None: as many as a diagnosis.
         nearest: where no cause can be named, add what lowers the error on data that were not fitted all the
             same. The verdict stays ``unexplained``.
 

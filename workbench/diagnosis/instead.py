@@ -12,14 +12,13 @@ from .fit import fit
 from .giving import pins_of, what_gives_way
 from .hypothesis import Fit
 from .judging import (
-    EXPLAINED,
-    TIE,
     explained,
     floor_of_judging,
     mends,
     nearly_at_floor,
     witnessed,
 )
+from .policy import POLICY
 from .quest import Quest
 from .refining import polished, with_candidate
 from .removed import removed_share, removed_shares
@@ -27,9 +26,6 @@ from .sensitivity import Scene
 from .stage import Stage, has_cause
 from .sticking import candidates
 from .ways import Way, onwards, wanders, with_stages
-
-_CLOSE = 2.5  # times what the cause left that was taken: others that left no more may be what it stood for
-_MOST = 3  # others that are tried in place of each
 
 
 def others_instead(way: Way, quest: Quest) -> Way:
@@ -40,7 +36,7 @@ def others_instead(way: Way, quest: Quest) -> Way:
     where nearly all is explained and yet more than noise is left: what explains less has no wrong name.
     """
     share = explained(quest.data, quest.start, way.current, way.data)
-    if not way.stages or share < EXPLAINED or wanders(way.current):
+    if not way.stages or share < POLICY.explained or wanders(way.current):
         return way
     for stage in reversed(way.stages):
         if way.done or way.data.effort.spent:
@@ -61,7 +57,9 @@ def others_instead(way: Way, quest: Quest) -> Way:
 def _in_its_place(stage: Stage, way: Way, quest: Quest) -> tuple[Stage, ...]:
     """Stages with another cause each in place of one, all others kept, best first."""
     current, data = way.current, way.data
-    keys = [key for key, left in stage.behind if left < _CLOSE and not has_cause(current, key)]
+    keys = [
+        key for key, left in stage.behind if left < POLICY.replacement_close and not has_cause(current, key)
+    ]
     if not keys or all(a.key != stage.added for a in current.hypothesis.free):
         return ()
     quest.progress(f"trying others in place of {stage.added}")
@@ -73,7 +71,7 @@ def _in_its_place(stage: Stage, way: Way, quest: Quest) -> tuple[Stage, ...]:
         *candidates(scene, rest, data, quest.seed),
         *what_gives_way(scene, data.training, rest.judged, rest.hypothesis.free),
     )
-    chosen = [c for key in keys for c in known if c.key == key][:_MOST]
+    chosen = [c for key in keys for c in known if c.key == key][: POLICY.replacements]
     fits = fit([with_candidate(scene, c, rest) for c in chosen], data)
     tried = [(c, f) for c, f in zip(chosen, fits, strict=True) if f is not None and witnessed(scene, f)]
     tried.sort(key=lambda cf: cf[1].judged)
@@ -86,7 +84,7 @@ def _stage(explanation: Explanation, left: Sequence[Judged], stage: Stage, rest:
     (candidate, found), data = explanation, way.data
     found = polished(found, data)
     floor = floor_of_judging(data)
-    alike = [key for key, judged in left if judged <= found.judged * (1.0 + TIE)]
+    alike = [key for key, judged in left if judged <= found.judged * (1.0 + POLICY.tie)]
     pins = pins_of(way.current.hypothesis.base, candidate.key)
     return Stage(
         added=candidate.key,

@@ -16,6 +16,7 @@ from .data import Data
 from .fit import fit
 from .hypothesis import Fit
 from .judging import INTERVAL, clearness, floor_of_judging, lowers_error, rejudged, stands_out
+from .policy import POLICY
 from .quest import Quest, evaluated
 from .refining import with_candidates
 from .regression import Regression
@@ -98,7 +99,7 @@ def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | N
     for applied in whole.hypothesis.free:
         if applied.key not in sure:
             continue
-        spread = 0.5 * sure[applied.key].spread
+        spread = POLICY.rival_deviation * sure[applied.key].spread
         parameters = {
             name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))
             for name, e in applied.parameters.items()

@@ -10,36 +10,13 @@ import numpy as np
 from workbench.effects import Parameter, effect_named
 from workbench.models import AppliedEffect, Model, Placement
 
-from .data import HEARD, Data
+from .data import Data
 from .hypothesis import Fit
+from .policy import POLICY
 from .removed import removed_share
 from .sensitivity import Column, Scene, combine
 
-HELPS = 0.05  # share of the excess that an effect must remove on data it was not fitted on
-# A later effect must also lower the whole error by this much, fitted and judged, where a fiftieth of the
-# error at the start counts as nothing: what a first effect leaves is its own shape as often as a second one.
-_LATER = 0.10
-_LATER_TOLERANCE = 0.02
-# Of what is left it must remove this share: a cause that is there explains most of what the next one leaves,
-# while in a model that lacks something else many effects of one kind take a little of it each.
-LATER_SHARE = 0.25
-#: Share of the squared error above the noise that findings must explain before they are named. True causes
-#: explain nearly all of it; the nearest wrong one seldom half.
-EXPLAINED = 0.95
-NEARLY_ALL = 0.98  # the same where a search went another way than step by step
-_MOST = 0.75  # share of the excess, fitted, that a bold step must remove
-_PLAIN = 2.0  # squared error over the noise's from which a rest is plain to see, however small in the whole
-_CONTRADICTS = 3.0  # squared error over the noise's from which held-out motion says that a model is wrong
-_LITTLE = 0.15  # share of such a rest that an effect may leave which explains it
-TIE = 0.03  # relative difference of judged error below which two explanations are one
-_UNSEEN = 0.02  # relative change of the held-out error
-_OVERSHADOWED = 1.5  # squared error over the noise's in training, over the same on held-out recordings
-_SHOWN = 0.02  # share of its excess by which a recording's squared error changes if it shows an effect at all
-AT_FLOOR = 1.25  # judged error over the noise's, below which the noise explains the rest
-_CANCELLING = 5.0  # torques of all effects, each by itself, over that of their sum
-CLEARLY = 3.0  #: deviations by which a parameter differs from none
 INTERVAL = 1.96  #: deviations of the 95 % interval that is reported
-NEAR_FLOOR = 2.0  # squared error over the noise's, below which hardly more than noise is left
 
 
 def floor_of_judging(data: Data) -> float:
@@ -77,7 +54,7 @@ def overshadowed(current: Fit, data: Data) -> bool:
         data.objective(data.pool(current.mean_squares, part)) / data.objective(data.pool(data.floor, part))
         for part in (False, True)
     )
-    return trained > _OVERSHADOWED * held_out
+    return trained > POLICY.holdout_insensitive * held_out
 
 
 def unseen_on_held_out(found: Fit, current: Fit, data: Data) -> bool:
@@ -85,7 +62,8 @@ def unseen_on_held_out(found: Fit, current: Fit, data: Data) -> bool:
     before, after = (data.score(f.mean_squares, True) for f in (current, found))
     floor = data.objective(data.pool(data.floor))
     removed = current.trained - found.trained
-    return abs(after - before) < _UNSEEN * before and removed > LATER_SHARE * (current.trained - floor)
+    unseen = abs(after - before) < POLICY.holdout_unchanged * before
+    return unseen and removed > POLICY.later_gain * (current.trained - floor)
 
 
 def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
@@ -99,7 +77,7 @@ def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
         first, last = data.pool(start.mean_squares, held_out), data.pool(end.mean_squares, held_out)
         before = data.objective(np.maximum(first - floor, 0.0))
         rest = np.maximum(floor, at_end.pool(at_end.floor, held_out))
-        after = data.objective(np.maximum(last - 1.03 * rest, 0.0))
+        after = data.objective(np.maximum(last - POLICY.noise_slack * rest, 0.0))
         shares.append(float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0)
     return min(shares)
 
@@ -114,7 +92,8 @@ def mostly_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
         weight = data.weight**2
         floor, rest = data.floor[part], np.maximum(data.floor, at_end.floor)[part]
         before = np.sum(np.maximum(start.mean_squares[part] - floor, 0.0) * weight, axis=(1, 2))
-        after = np.sum(np.maximum(end.mean_squares[part] - 1.03 * rest, 0.0) * weight, axis=(1, 2))
+        last = np.maximum(end.mean_squares[part] - POLICY.noise_slack * rest, 0.0)
+        after = np.sum(last * weight, axis=(1, 2))
         shares = 1.0 - after / np.maximum(before, 1e-12)
         rows = np.array([int(np.sum(r.valid)) for r in data.recordings[part]])
         order = np.argsort(shares)
@@ -125,34 +104,36 @@ def mostly_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
 
 def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
     """Whether even a perfect further effect could not lower the whole error by enough."""
-    if current.trained > _PLAIN * floor_of_fitting(data) and current.judged > _PLAIN * floor_of_judging(data):
+    if _is_plain(current, data):
         return False
-    if data.score(data.floor) > (1.0 - _LATER) * data.score(current.mean_squares):
+    if data.score(data.floor) > (1.0 - POLICY.later_fall) * data.score(current.mean_squares):
         return True
-    plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
+    plain = data.reweighed(start.mean_squares, POLICY.later_tolerance)
     floor, now = plain.pool(plain.floor), plain.pool(current.mean_squares)
-    return bool(np.sqrt(plain.objective(floor)) > (1.0 - _LATER) * np.sqrt(plain.objective(now)))
+    return bool(np.sqrt(plain.objective(floor)) > (1.0 - POLICY.later_fall) * np.sqrt(plain.objective(now)))
 
 
 def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     """Whether an effect after the first lowers the whole error, not only what the first left of its own.
 
-    Or whether it explains nearly all of a rest that is small in the whole and yet plain to see.
+    What a first effect leaves is its own shape as often as a second one. A cause that is there explains most
+    of what the next one leaves, while in a model that lacks something else many take a little of it each. Or
+    whether it explains nearly all of a rest that is small in the whole and yet plain to see.
     """
     if _explains_the_rest(found, current, data):
         return True
-    plain = data.reweighed(start.mean_squares, _LATER_TOLERANCE)
+    plain = data.reweighed(start.mean_squares, POLICY.later_tolerance)
     removed = {}
     for held_out in {False, data.held_out_judges}:
         before, after, floor = (
             plain.objective(plain.pool(ms, held_out))
             for ms in (current.mean_squares, found.mean_squares, plain.floor)
         )
-        if np.sqrt(after) > (1.0 - _LATER) * np.sqrt(before):
+        if np.sqrt(after) > (1.0 - POLICY.later_fall) * np.sqrt(before):
             return False
         removed[held_out] = removed_share(before, after, floor)
     # what foretells nearly all of motion that it was not fitted on may leave more to what else is missing
-    least = 0.0 if removed.get(True, 0.0) > _MOST else LATER_SHARE
+    least = 0.0 if removed.get(True, 0.0) > POLICY.most_of_excess else POLICY.later_gain
     return min(removed.values()) > least
 
 
@@ -164,27 +145,33 @@ def helps_an_axis(found: Fit, current: Fit, data: Data) -> bool:
             np.sum(data.pool(ms, held_out) * data.weight**2, axis=0)
             for ms in (current.mean_squares, found.mean_squares, data.floor)
         )
-        better &= np.sqrt(after) < (1.0 - _LATER) * np.sqrt(before)
-        better &= before - after > LATER_SHARE * (before - floor)
+        better &= np.sqrt(after) < (1.0 - POLICY.later_fall) * np.sqrt(before)
+        better &= before - after > POLICY.later_gain * (before - floor)
     return bool(better.any())
 
 
 def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
-    return explains_most(found, current, data, _LITTLE)
+    return explains_most(found, current, data, POLICY.plain_rest_left)
 
 
-def explains_most(found: Fit, current: Fit, data: Data, left: float = 0.25) -> bool:
+def explains_most(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
     """Whether no more than a share is `left` of a rest that is plain to see, fitted and judged."""
-    fitted, judged = floor_of_fitting(data), floor_of_judging(data)
-    plain = current.trained > _PLAIN * fitted and current.judged > _PLAIN * judged
-    return plain and mends(found, current, data, left)
+    left = 1.0 - POLICY.most_of_excess if left is None else left
+    return _is_plain(current, data) and mends(found, current, data, left)
 
 
-def mends(found: Fit, current: Fit, data: Data, left: float = 0.5) -> bool:
+def _is_plain(current: Fit, data: Data) -> bool:
+    """Whether a rest is plain to see, fitted and judged, however small in the whole."""
+    most = POLICY.near_noise
+    return current.trained > most * floor_of_fitting(data) and current.judged > most * floor_of_judging(data)
+
+
+def mends(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
     """Whether no more than a share is `left` of what is above the noise, fitted and judged.
 
     An exchange that leaves more than half mends nothing; one that leaves less was of a stand-in.
     """
+    left = POLICY.exchange_left if left is None else left
     pairs = (
         (current.trained, found.trained, floor_of_fitting(data)),
         (current.judged, found.judged, floor_of_judging(data)),
@@ -194,9 +181,8 @@ def mends(found: Fit, current: Fit, data: Data, left: float = 0.5) -> bool:
 
 def nearly_at_floor(found: Fit, data: Data) -> bool:
     """Whether hardly more than the noise is left, fitted and judged."""
-    return found.trained < NEAR_FLOOR * floor_of_fitting(
-        data
-    ) and found.judged < NEAR_FLOOR * floor_of_judging(data)
+    most = POLICY.near_noise
+    return found.trained < most * floor_of_fitting(data) and found.judged < most * floor_of_judging(data)
 
 
 def floor_of_fitting(data: Data) -> float:
@@ -204,33 +190,33 @@ def floor_of_fitting(data: Data) -> float:
     return data.objective(data.least())
 
 
-def reached(found: Fit, data: Data, times: float = AT_FLOOR) -> bool:
+def reached(found: Fit, data: Data, times: float | None = None) -> bool:
     """Whether the noise explains the rest: `times` its error judged, and not much more fitted.
 
     Held-out motion that hardly shows what is lacking is explained by anything.
     """
-    return found.judged < times * floor_of_judging(data) and found.trained < NEAR_FLOOR * floor_of_fitting(
-        data
-    )
+    times = POLICY.at_noise if times is None else times
+    fitted = found.trained < POLICY.near_noise * floor_of_fitting(data)
+    return fitted and found.judged < times * floor_of_judging(data)
 
 
 def helps(found: Fit, current: Fit, excess: float) -> bool:
     """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
     # a recording that does not show the effect says neither yes nor no
-    shown = np.abs(current.agreeing - found.agreeing) > _SHOWN * np.mean(current.agreeing)
+    shown = np.abs(current.agreeing - found.agreeing) > POLICY.recording_shows * np.mean(current.agreeing)
     better = found.agreeing < current.agreeing
     agree = np.mean(better[shown]) if shown.any() else np.mean(better)
-    return bool(current.judged - found.judged > HELPS * excess and agree > 0.5)
+    return bool(current.judged - found.judged > POLICY.effect_gain * excess and agree > POLICY.fold_majority)
 
 
 def explains_fitted(found: Fit, current: Fit, excess: float) -> bool:
     """Whether most of what was lacking on what was fitted is gone."""
-    return current.trained - found.trained > _MOST * excess
+    return current.trained - found.trained > POLICY.most_of_excess * excess
 
 
 def contradicted(found: Fit, data: Data) -> bool:
     """Whether held-out motion is plainly another than the one foretold."""
-    return data.held_out and _off_held_out(found, data) > _CONTRADICTS
+    return data.held_out and _off_held_out(found, data) > POLICY.holdout_contradicts
 
 
 def _off_held_out(found: Fit, data: Data) -> float:
@@ -242,7 +228,7 @@ def _off_held_out(found: Fit, data: Data) -> float:
 
 def spoils(found: Fit, current: Fit, data: Data) -> bool:
     """Whether held-out motion that showed nothing of what is lacking is no longer foretold."""
-    return contradicted(found, data) and _off_held_out(current, data) < HEARD
+    return contradicted(found, data) and _off_held_out(current, data) < POLICY.holdout_informative
 
 
 def lowers_error(found: Fit, current: Fit, data: Data) -> bool:
@@ -273,13 +259,13 @@ def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
     return bool(np.isclose(coefficients, limits, rtol=1e-6, atol=0.0).any())
 
 
-def stands_out(applied: AppliedEffect, deviations: float = CLEARLY) -> bool:
+def stands_out(applied: AppliedEffect, deviations: float | None = None) -> bool:
     """Whether an estimate is clearly another than what has no effect.
 
     One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
     may change at which instant a signal is read.
     """
-    return clearness(applied) > deviations
+    return clearness(applied) > (POLICY.significant if deviations is None else deviations)
 
 
 def clearness(applied: AppliedEffect) -> float:
@@ -305,4 +291,4 @@ def cancels(scene: Scene, found: Fit) -> bool:
     def size(column: Column) -> float:
         return float(np.sqrt(sum(np.sum(t**2) for t in column.torque)))
 
-    return sum(map(size, totals)) > _CANCELLING * size(combine(totals, [1.0] * len(totals)))
+    return sum(map(size, totals)) > POLICY.cancelling * size(combine(totals, [1.0] * len(totals)))

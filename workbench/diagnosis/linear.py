@@ -12,12 +12,11 @@ from workbench.effects import places
 from .data import Data
 from .fit import scatter
 from .normal import Normal, total
+from .policy import POLICY
 from .regression import Regression
 from .screen import Entry, Equations, entries_of, equations_of, responses
 from .sensitivity import Scene
 
-SMALL = 0.02  # of the motors' torque: an effect that is worth to be seen
-_MOST_VALUES = 3e8  # of responses that are held at once
 _SAME = 1e-9  # share of a column that others leave where they are the same
 
 
@@ -59,8 +58,8 @@ class Linear:
         return np.array([p.square for p in self.own]) - self.quiet
 
     def small(self, entry: Entry) -> float:
-        """Coefficient of an effect that is `SMALL` of the torque."""
-        return SMALL / entry.strength
+        """Coefficient of an effect of a share `small_effect` of the torque."""
+        return POLICY.small_effect / entry.strength
 
     def covariance(self, index: Sequence[int]) -> np.ndarray:
         """Of the coefficients of some columns that are fitted together, by noise alone."""
@@ -118,7 +117,7 @@ def linear_of(scene: Scene, data: Data) -> Linear:
 def is_too_large(scene: Scene, data: Data) -> bool:
     """Whether responses of all effects to all rows could not be held."""
     values = sum(run.signals["position"].size for run in scene.runs[: data.training])
-    return 2 * values * len(places(scene.model)) > _MOST_VALUES
+    return 2 * values * len(places(scene.model)) > POLICY.pair_values
 
 
 def linear_along(problem: Regression, data: Data) -> Linear:

@@ -10,10 +10,9 @@ from workbench.core import InputError, Recording, Share, SimulationError
 from workbench.models import Model
 
 from .experiments import Option, designed
+from .policy import POLICY
 
-_RESOLVED = 0.2  # of the row rate: what is faster is hardly logged
-_HARDER = 1.5  # times the torque recorded, within limits, where speeds are to be passed
-_FASTEST = 30.0  # Hz, up to which they may be
+_FASTEST_HZ = 30.0  # up to which speeds are passed
 
 _ADVICE = {
     "speed": "pass these speeds both ways, hard and gently",
@@ -38,7 +37,7 @@ def look_closer(model: Model, where: Sequence[Share], recordings: Sequence[Recor
     low, high = most.range
     place = f"{most.quantity} {low:.3g} to {high:.3g} {most.unit} of {most.axis}"
     said = f"The rest sits in the {most.signal} around {place}: {_ADVICE[most.quantity]}"
-    if most.quantity == "frequency" and low > _RESOLVED * rate:
+    if most.quantity == "frequency" and low > POLICY.resolved * rate:
         return f"{said}, with a log that is faster than its {rate:.4g} rows a second."
     command = _command(model, most, recordings)
     return f"{said}{f' ({command})' if command else ''}. Keep one recording for judging."
@@ -62,7 +61,8 @@ def _option(most: Share, recordings: Sequence[Recording]) -> Option | None:
     if most.quantity == "position":
         return Option("chirp", "position", 0.1, 0.6, 1.0)
     if most.quantity == "speed":
-        return Option("multisine", "torque", 0.2, _fast_enough(most, recordings), _HARDER)
+        # harder than recorded, within limits: these speeds are to be passed
+        return Option("multisine", "torque", 0.2, _fast_enough(most, recordings), 1.5)
     return None
 
 
@@ -75,4 +75,4 @@ def _fast_enough(most: Share, recordings: Sequence[Recording]) -> float:
     axis = recordings[0].axes.index(most.axis)
     wide = np.sqrt(2.0) * max(float(r.position[:, axis].std()) for r in recordings)
     fastest = max(abs(x) for x in most.range)
-    return _short(float(np.clip(2.0 * fastest / (2.0 * np.pi * max(wide, 1e-9)), 1.0, _FASTEST)))
+    return _short(float(np.clip(2.0 * fastest / (2.0 * np.pi * max(wide, 1e-9)), 1.0, _FASTEST_HZ)))

@@ -10,11 +10,8 @@ from workbench.comparison import Turn, replay_of, score_runs, turned_axes
 from workbench.core import InputError, Recording
 from workbench.models import Model
 
-_WORSE = 3.0  # times the noise, from which it is asked
-_SOME = 2  # recordings are enough
-_GOOD = 0.25  # of what was measured is off, as a model's that lacks an effect may be
-_LEFT = 0.2  # of the error, which no effect but a sign takes off by itself
-_ALIKE = 1.2  # times the least error, within which two axes explain one as well as the other
+from .policy import POLICY
+
 _REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the joint in the model"
 
 
@@ -49,15 +46,15 @@ def refuse_mirrored(model: Model, recordings: Sequence[Recording], error: float,
     Raises:
         InputError: names the axis, or all that explain the recordings alike.
     """
-    j, some = model.transmission, recordings[:_SOME]
-    if error < _WORSE * floor or np.count_nonzero(j) > len(j):
+    j, some = model.transmission, recordings[: POLICY.check_recordings]
+    if error < POLICY.sign_above * floor or np.count_nonzero(j) > len(j):
         return
     turns = [Turn(axis, motion=True, torque=True) for axis in recordings[0].axes]
     scores = {turn.axis: _score(model, [turn.of(r) for r in some]) for turn in turns}
     score = min(scores.values())
     # where runs go astray, one that goes less far astray says nothing
-    if score < min(_GOOD, _LEFT * (error := _score(model, some))):
-        axes = [axis for axis, own in scores.items() if own <= _ALIKE * score]
+    if score < min(POLICY.sign_error, POLICY.sign_left * (error := _score(model, some))):
+        axes = [axis for axis, own in scores.items() if own <= POLICY.sign_alike * score]
         both = ", whichever of them is turned" if len(axes) > 1 else ""
         raise InputError(
             f"{_named(axes)} has the other sign than in model '{model.name}': turned round, all its columns "

@@ -18,11 +18,8 @@ from .data import Data
 from .experiments import Option, designed, in_a_loop
 from .hypothesis import applied_effect
 from .look_closer import look_closer
+from .policy import POLICY
 from .stage import Search
-
-_DOUBTFUL = 0.9  # a name less probable than this is worth another experiment
-_TOLD = 1.2  # error over the noise floor from which one experiment tells two models apart
-
 
 _OPTIONS = (
     Option("chirp", "position", 0.1, 1.0, 1.0),
@@ -42,7 +39,7 @@ def next_experiment(
     for finding in findings:
         stage = next(s for s in found.stages if s.added == finding.key)
         rivals = finding.indistinguishable_from
-        if not rivals and (finding.probability >= _DOUBTFUL or found.adequacy):
+        if not rivals and (finding.probability >= POLICY.doubtful or found.adequacy):
             continue  # where drives leave a rest, that is what to look at
         models = {key: model for key, model in stage.others if key in rivals or not rivals}
         if data_on_ground and (models or rivals):
@@ -88,7 +85,7 @@ def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, dat
     if not tried:
         return f"To tell {key} from {rival}: {ways}."
     ratio, command = max(tried)
-    if ratio < _TOLD:
+    if ratio < POLICY.told_apart:
         return (
             f"No excitation of the usual kinds tells {key} from {rival}: with the one true, the other would "
             f"still score {ratio:.2f} times the noise floor ({command}). Try: {ways}."

@@ -15,7 +15,8 @@ from .delays import is_late, one_for_both
 from .fit import fit
 from .giving import pins_of
 from .hypothesis import Fit, Hypothesis
-from .judging import TIE, floor_of_judging, rejudged, witnessed
+from .judging import floor_of_judging, rejudged, witnessed
+from .policy import POLICY
 from .quest import Quest
 from .refining import polished, with_candidate
 from .removed import removed_share
@@ -23,10 +24,6 @@ from .sensitivity import Scene
 from .stage import Stage
 from .sticking import candidates
 from .ways import Way, holds, wanders, with_stages
-
-_MANY = 4  # parameters of two effects from which it is asked
-_LESS = 0.5  # of them: what one in their place may have
-_TRIED = 2  # candidates a pair
 
 
 def one_for_two(way: Way, quest: Quest) -> Way:
@@ -43,7 +40,7 @@ def one_for_two(way: Way, quest: Quest) -> Way:
             break
         if all(is_late(a.key) for a in pair):
             found = _as_late_as_both(pair, way, quest)
-        elif sum(len(a.parameters) for a in pair) >= _MANY:
+        elif sum(len(a.parameters) for a in pair) >= POLICY.merge_from:
             found = _in_place_of(pair, way, quest)
         else:
             continue
@@ -65,13 +62,14 @@ def _in_place_of(
     if rest is None:
         return None
     scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
-    few = _LESS * (current.hypothesis.size - rest.hypothesis.size)
+    few = POLICY.merge_size * (current.hypothesis.size - rest.hypothesis.size)
     tried = (
         (c, with_candidate(scene, c, rest))
         for c in candidates(scene, rest, data, quest.seed)
         if c.key not in {one.key, other.key}
     )
-    chosen = list(islice(((c, h) for c, h in tried if 0 < h.size - rest.hypothesis.size <= few), _TRIED))
+    small = ((c, h) for c, h in tried if 0 < h.size - rest.hypothesis.size <= few)
+    chosen = list(islice(small, POLICY.merge_candidates))
     return _as_good([(c.key, h) for c, h in chosen], scene, way)
 
 
@@ -91,7 +89,7 @@ def _as_good(
     tried: Sequence[tuple[EffectKey, Hypothesis]], scene: Scene, way: Way
 ) -> tuple[EffectKey, Fit] | None:
     """The best of those that explain as much as what was found."""
-    current, most = way.current, 1.0 + TIE
+    current, most = way.current, 1.0 + POLICY.tie
     good = [
         (key, f)
         for (key, _), f in zip(tried, fit([h for _, h in tried], way.data), strict=True)

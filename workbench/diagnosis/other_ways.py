@@ -9,14 +9,15 @@ from functools import partial
 from workbench.core import EffectKey
 
 from .along_motion import along_the_motion
-from .by_torque import LITTLE, plain_by_torque
+from .by_torque import plain_by_torque
 from .choosing import passed_over
 from .data import Data
 from .everywhere import needed, on_every_axis
 from .giving import other_causes
 from .hypothesis import Fit
-from .judging import NEARLY_ALL, explained, mends, nearly_at_floor, overshadowed, reached, rejudged
+from .judging import explained, mends, nearly_at_floor, overshadowed, reached, rejudged
 from .pairs import two_at_once
+from .policy import POLICY
 from .quest import Quest
 from .refining import polished
 from .screen import screen
@@ -25,9 +26,6 @@ from .stage import Stage
 from .step import next_stage
 from .trying import Progress
 from .ways import Keys, Way, after, holds, keys_of, onwards, scene_at, screened_at, with_last, with_stages
-
-# Of the torque that is lacking: a spring or gap that leaves no more goes before all other ways to begin.
-_NEXT_TO_NOTHING = 0.03
 
 
 def otherwise(way: Way, quest: Quest) -> Way:
@@ -94,7 +92,7 @@ def _plainly_by_torque(way: Way, quest: Quest) -> Way | None:
     Later ones have more that is true, as friction that hides a gap, and more that only stands for the rest.
     """
     for count in range(len(way.stages) + 1):
-        plain = _by_torque(after(way.stages[:count], quest), quest, 0.0, _NEXT_TO_NOTHING)
+        plain = _by_torque(after(way.stages[:count], quest), quest, 0.0, POLICY.torque_first)
         led = _through(plain, quest) if plain else None
         if led and _sure(led, quest):
             return led
@@ -122,7 +120,7 @@ def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
     """Ways of which nothing but their end can tell whether they are right."""
     tried: set[tuple[Keys, EffectKey]] = set()
     yield from _refined(way, quest, tried)
-    plainly = partial(_by_torque, after((), quest), quest, _NEXT_TO_NOTHING, LITTLE)
+    plainly = partial(_by_torque, after((), quest), quest, POLICY.torque_first, POLICY.torque_plain)
     for leap in (plainly, partial(_boldly, way, quest)):
         bold = None if quest.data.effort.spent else leap()
         if bold is not None:
@@ -229,5 +227,5 @@ def _sure(way: Way, quest: Quest) -> bool:
     return holds(way, quest) and (
         way.done
         or nearly_at_floor(way.current, way.data)
-        or explained(quest.data, quest.start, way.current, way.data) > NEARLY_ALL
+        or explained(quest.data, quest.start, way.current, way.data) > POLICY.explained_elsewhere
     )

@@ -16,8 +16,6 @@ from .data import Data
 from .fit import fit, race
 from .hypothesis import Fit
 from .judging import (
-    LATER_SHARE,
-    TIE,
     cancels,
     explains_most,
     floor_of_judging,
@@ -26,17 +24,13 @@ from .judging import (
     witnessed,
 )
 from .normal import Normal, total
+from .policy import POLICY
 from .refining import polished, with_candidates
 from .removed import removed_share, removed_shares
 from .screen import Candidate, Entry, entries_of, equations, judge, limits_of
 from .sensitivity import Scene
 from .stage import Stage
 
-_MOST_VALUES = 3e8  # that responses of all effects to all rows may have; larger data are searched one by one
-_SOLVED = 300  # pairs that are solved with bounds, and judged
-_SIMULATED = 6
-_PROMISING = 0.4  # share of the excess that a pair may leave by the linearised loop, to be simulated
-_FAR_BEHIND = 1.5  # times what is left, fitted: with more, what does as well judged is no other explanation
 _RIDGE = 1e-9
 
 Pair = tuple[Candidate, Candidate]
@@ -68,13 +62,13 @@ def two_at_once(
         Two stages, the one that does more by itself first; their data and runs are not their own yet.
     """
     progress("looking for two causes at once")
-    pairs = _screened(scene, data, start)[:_SIMULATED]
+    pairs = _screened(scene, data, start)[: POLICY.pairs_simulated]
     if not pairs:
         return None
     progress(f"fitting {', '.join(f'{a.key} with {b.key}' for a, b in pairs)}")
     tried = [with_candidates(scene, pair, start) for pair in pairs]
     fits = [_Fitted(p, f) for p, f in zip(pairs, race(tried, start, data)[0], strict=True) if f is not None]
-    for found in simplest_first(fits, data, LATER_SHARE):
+    for found in simplest_first(fits, data, POLICY.later_gain):
         best = replace(found, fit=polished(found.fit, data))
         sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
         if not sound or spoils(best.fit, start, data) or not explains_most(best.fit, start, data):
@@ -109,7 +103,7 @@ def _stages(
             for f in fits
             if partner in {c.key for c in f.pair}
             and _other(f.pair, partner) != keys[n]
-            and f.fit.trained < _FAR_BEHIND * best.fit.trained
+            and f.fit.trained < POLICY.pair_rival * best.fit.trained
         ]
         stages.append(
             Stage(
@@ -120,7 +114,7 @@ def _stages(
                 rivals=tuple(
                     k
                     for k, f in instead
-                    if f.judged <= best.fit.judged * (1.0 + TIE) and not contains(k, keys[n])
+                    if f.judged <= best.fit.judged * (1.0 + POLICY.tie) and not contains(k, keys[n])
                 ),
                 others=tuple((k, f.hypothesis.model) for k, f in instead),
                 dropped=(),
@@ -143,12 +137,12 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
     entries = [e for e in entries if effect_named(e.key.effect).free(scene.model) > 0]
     rows = sum(r.position.size for r in data.recordings)
     pairs = [(a, b) for a, b in combinations(entries, 2) if may_stand_together(a.key, b.key)]
-    if not pairs or 2.0 * rows * len(columns) > _MOST_VALUES:
+    if not pairs or 2.0 * rows * len(columns) > POLICY.pair_values:
         return []
     pieces, held_out = equations(scene, [], columns, data, start.simulated)
     left = left_by(total(pieces), pairs)
     best: dict[tuple[EffectKey, EffectKey], tuple[float, Pair]] = {}
-    for k in np.argsort(left)[:_SOLVED]:
+    for k in np.argsort(left)[: POLICY.pairs_solved]:
         one, other = pairs[k]
         bounds = tuple(
             np.concatenate(b) for b in zip(limits_of(scene, one), limits_of(scene, other), strict=True)
@@ -165,7 +159,7 @@ def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
         )
         best[one.key, other.key] = judged, (first, second)
     floor = floor_of_judging(data)
-    most = floor + _PROMISING * max(start.judged - floor, 0.0)
+    most = floor + POLICY.promising * max(start.judged - floor, 0.0)
     return [pair for judged, pair in sorted(best.values(), key=lambda jp: jp[0]) if judged < most]
 
 

@@ -12,17 +12,16 @@ from workbench.effects import contains, effect_named
 from workbench.models import AppliedEffect, Placement, structural_effect
 
 from .data import Data
-from .fit import PRECISE, fit, values_of
+from .fit import FINE_TOLERANCE, fit, values_of
 from .hypothesis import Fit, Hypothesis, applied_effect
-from .judging import TIE, floor_of_judging
+from .judging import floor_of_judging
+from .policy import POLICY
 from .screen import Candidate
 from .sensitivity import Scene, combine
 from .uncertainty import moved_apart, widened
 
 _SLIDING = (0.0005, 0.003, 0.01, 0.03)  # rad/s
-_IN_NOISE = 1.05  # judged error over the noise's
 _ROUNDS = 5  # of a last fit, at most
-_TELLING = 0.6  # share of the rest by which the sliding speed is chosen
 
 
 def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothesis:
@@ -68,13 +67,13 @@ def settle(found: Fit, data: Data, floor: float) -> Fit:
     shape leaves open, and widens intervals.
     """
     dry = any(effect_named(a.key.effect).dry for a in found.hypothesis.free)
-    if not dry or found.trained < 1.03 * floor or found.trained > 50.0 * floor:
+    if not dry or found.trained < POLICY.noise_slack * floor or found.trained > POLICY.onset_to * floor:
         return found
 
     def at(speed: float) -> Hypothesis:
         return replace(found.hypothesis, base=replace(found.hypothesis.base, sliding_speed=speed))
 
-    some = data.part(data.telling(found.mean_squares, _TELLING))
+    some = data.part(data.telling(found.mean_squares, POLICY.informative_share))
     best = int(np.argmin(values_of([at(speed) for speed in _SLIDING], some)))
     chosen = fit([at(_SLIDING[best])], data, iterations=2)[0]
     if chosen is None or chosen.trained >= found.trained:
@@ -93,10 +92,10 @@ def polished(found: Fit, data: Data) -> Fit:
     if not free or any(effect_named(a.key.effect).wanders for a in free):
         return found
     for _ in range(_ROUNDS):
-        better = fit([found.hypothesis], data, iterations=4, enough=PRECISE)[0]
+        better = fit([found.hypothesis], data, iterations=4, enough=FINE_TOLERANCE)[0]
         if better is None or better.trained > found.trained:
             return found
-        still_falling = better.trained < (1.0 - TIE) * found.trained
+        still_falling = better.trained < (1.0 - POLICY.tie) * found.trained
         found = widened(better, [found], share=0.0)
         if not still_falling:
             break
@@ -108,7 +107,7 @@ def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, 
 
     Where all is noise already it may, if what was fitted does not.
     """
-    slack, noise = 1.0 + 0.3 * TIE, _IN_NOISE * floor_of_judging(data)
+    slack, noise = 1.0 + POLICY.drop_ties * POLICY.tie, POLICY.drop_in_noise * floor_of_judging(data)
     dropped: tuple[EffectKey, ...] = ()
     while True:
         rest = [a for a in found.hypothesis.free if a.key != added]

@@ -26,7 +26,7 @@ from .sensitivity import Column, Scene
 from .solve import solve
 
 _BLOCK = 64  # columns that are filtered together
-_PER_CYCLE = 4.0  # rows kept per cycle of the filter's corner frequency: behind it nothing is faster
+_PER_CYCLE = 4  # rows kept per cycle of the filter's corner frequency: behind it nothing is faster
 #: What acts on the motion; what shifts commands or readings is no torque.
 _DOORS = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
 

@@ -23,15 +23,13 @@ from workbench.models import Model
 from workbench.recordings import NoiseLevels
 from workbench.simulation import Track, required_torque, scored_torque, smooth_track
 
+from .policy import POLICY
+
 _STEP_S = 0.01  # between the rows that are looked at
 _BLOCK_S = 1.0  # and shuffled in blocks of this
 _SHUFFLES = 199
 _AFTER_S = 0.06  # what counts as just after a reversal
 _ORDERS = range(1, 33)  # of a revolution
-_TURN = 0.6  # of its own period that a motion has to cover for an order of the position to show
-_LEVEL = 0.01
-_SMALLEST = 0.15  # share of the residual's power worth a line
-_SECOND = 0.3  # of what the first leaves
 
 
 @dataclass(frozen=True)
@@ -180,7 +178,7 @@ def relations(missing: Missing, axis: str, *, seed: int = 0) -> tuple[Relation, 
     found: list[Relation] = []
     while len(found) < 2 and bases:
         column, basis, share, p = _strongest(residual, bases, orders, block)
-        if p > _LEVEL or share < (_SECOND if found else _SMALLEST):
+        if p > POLICY.relation_chance or share < (POLICY.relation_second if found else POLICY.relation_first):
             break
         found.append(Relation(column.quantity, _size(column, residual, count), column.unit, share, p))
         residual = residual - basis @ (basis.T @ residual)
@@ -249,7 +247,7 @@ def _columns(m: Missing, k: int) -> list[_Column]:
                 f"position, {n} times a revolution", torque, np.stack([np.cos(n * at), np.sin(n * at)], 1)
             )
             for n in _ORDERS
-            if n * np.ptp(at) > _TURN * 2 * np.pi
+            if n * np.ptp(at) > POLICY.order_turn * 2 * np.pi
         ]
     if m.temperature is not None:
         columns.append(_Column("temperature", f"{torque}/K", m.temperature[:, k, None]))
@@ -280,7 +278,7 @@ def _orthonormal(values: np.ndarray) -> np.ndarray | None:
 def _without(basis: np.ndarray, other: np.ndarray) -> np.ndarray:
     """What of a basis is new, orthonormal; zeros where nothing is."""
     rest = basis - other @ (other.T @ basis)
-    keep = np.linalg.norm(rest, axis=0) > 0.3
+    keep = np.linalg.norm(rest, axis=0) > POLICY.relation_new
     out = np.zeros_like(basis)
     if keep.any():
         out[:, keep] = np.linalg.qr(rest[:, keep])[0]

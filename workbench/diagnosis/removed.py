@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from workbench.core import EffectKey
 
-_NOTHING = 1e-12  # squared error above the noise that is none
+_NONE_TOLERANCE = 1e-12  # squared error above the noise that is none
 
 
 def removed_share(before: float, after: float, floor: float) -> float:
@@ -21,7 +21,7 @@ def removed_share(before: float, after: float, floor: float) -> float:
         1 where noise alone is left, 0 where nothing changed; negative where the error grew, and a little over
         1 where what is left lies below the floor.
     """
-    return (before - after) / max(before - floor, _NOTHING)
+    return (before - after) / max(before - floor, _NONE_TOLERANCE)
 
 
 def removed_shares(

@@ -6,9 +6,7 @@ import numpy as np
 
 from workbench.core import Recording
 
-_MOVES = 0.9  # correlation from row to row, below which a position is noise about a hold
-_ELSEWHERE = 0.5  # squared distance from which the motion has left where it was ...
-_AGAIN = 0.01  # ... and at which it is there again; 1: as far as two random instants
+from .policy import POLICY
 
 
 def repeat_of(recording: Recording) -> int | None:
@@ -20,15 +18,15 @@ def repeat_of(recording: Recording) -> int | None:
     rows = len(q)
     power = np.sum(q**2, axis=0)
     safe = np.where(power > 0, power, 1.0)
-    moves = (power > 0) & (np.sum(q[1:] * q[:-1], axis=0) > _MOVES * safe)
+    moves = (power > 0) & (np.sum(q[1:] * q[:-1], axis=0) > POLICY.period_smooth * safe)
     if rows < 4 or not moves.any():
         return None
     q = q[:, moves] / np.sqrt(safe[moves] / rows)
     apart = _distance(q, rows // 2)
-    left = np.flatnonzero(apart > _ELSEWHERE)
+    left = np.flatnonzero(apart > POLICY.period_left)
     if not len(left):
         return None
-    near = np.flatnonzero(apart[left[0] :] < _AGAIN) + left[0]
+    near = np.flatnonzero(apart[left[0] :] < POLICY.period_back) + left[0]
     if not len(near):
         return None
     gaps = np.flatnonzero(np.diff(near) > 1)

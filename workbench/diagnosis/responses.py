@@ -28,13 +28,9 @@ from workbench.frf import (
 )
 from workbench.report.numbers import interval
 
-_SURE = 4.0  # deviations from nothing
-_OFF = 3.0  # deviations within which bands agree
-_SHARE = 0.15  # of the whole effect within which they agree as well: no model is the machine
+from .policy import POLICY
+
 _BANDS = 5
-_FEWEST = 20  # lines
-_NEAR = 0.1  # relative distance of two resonances that are the same
-_MORE = 2.0  # times the model's own distortion
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +71,7 @@ def responses(measured: Sequence[Recording], simulated: Sequence[Recording]) -> 
                 # above half the loop's rate stand images of what is below
                 top_hz = min(0.5 / (r.controller.period_s or r.period) for r in members)
                 real, model = _shared(real, model, top_hz)
-                if len(real) >= _FEWEST:
+                if len(real) >= POLICY.response_lines:
                     return Responses(tuple(members), runs, real, model)
     return None
 
@@ -106,8 +102,9 @@ def delay_line(found: Responses, axis: str | None, side: str) -> list[str]:
     phase -= 2 * np.pi * np.round(np.average(phase[: len(phase) // _BANDS]) / (2 * np.pi))
     slope, std = _slope(omega, -phase, weight)
     rest = _bands(omega, -phase - slope * omega, weight)
-    straight = all(abs(m) < max(_OFF * s, _SHARE * abs(slope) * at) for at, m, s in rest)
-    if not (abs(slope) > _SURE * std and straight):
+    off, share = POLICY.significant, POLICY.response_share
+    straight = all(abs(m) < max(off * s, share * abs(slope) * at) for at, m, s in rest)
+    if not (abs(slope) > POLICY.sure * std and straight):
         return []
     where = "" if axis is None else f" ({axis} {'torque' if side == 'input' else 'sensors'})"
     late = interval(Estimate(1e3 * slope, 1e3 * std, "ms"))
@@ -122,10 +119,11 @@ def gain_line(found: Responses, axis: str | None, side: str) -> list[str]:
     omega, ratio, deviation = _ratio(found, axis, side)
     size, weight = np.log(np.abs(ratio)), 2.0 / (deviation / np.abs(ratio)) ** 2
     mean, std = _mean(size, weight)
-    flat = all(abs(m - mean) < max(_OFF * s, _SHARE * abs(mean)) for _, m, s in _bands(omega, size, weight))
+    off, share = POLICY.significant, POLICY.response_share
+    flat = all(abs(m - mean) < max(off * s, share * abs(mean)) for _, m, s in _bands(omega, size, weight))
     turn = _bands(omega, np.angle(ratio), weight)
-    still = all(abs(m) < max(_OFF * s, 2 * _SHARE * abs(mean)) for _, m, s in turn)
-    if not (abs(mean) > _SURE * std and flat and still):
+    still = all(abs(m) < max(off * s, 2 * share * abs(mean)) for _, m, s in turn)
+    if not (abs(mean) > POLICY.sure * std and flat and still):
         return []
     gain = float(np.exp(mean))
     where = "" if axis is None else f" ({axis} {'torque' if side == 'input' else 'sensor'})"
@@ -174,7 +172,7 @@ def distortion_lines(found: Responses, axis: str | None, *, odd: bool = True, ev
         if best is None:
             continue
         share, own = _share(real, kind, best), _share(model, kind, best)
-        if share > 0 and share > _MORE * own:
+        if share > 0 and share > POLICY.distortion_times * own:
             name = found.real.outputs[best].axis
             lines.append(
                 f"{kind} distortion of {100 * share:.2g} % in the motion of {name}, at lines that were not "
@@ -215,8 +213,8 @@ def _ratio(found: Responses, axis: str | None, side: str) -> tuple[np.ndarray, n
     information = np.sum(weight * np.abs(model) ** 2, axis=1)
     ratio = np.sum(weight * model.conj() * g, axis=1) / information
     deviation = 1.0 / np.sqrt(information)
-    sure = deviation < 0.3 * np.abs(ratio)
-    if np.count_nonzero(sure) < _FEWEST:
+    sure = deviation < POLICY.response_certain * np.abs(ratio)
+    if np.count_nonzero(sure) < POLICY.response_lines:
         return np.ones(2), np.ones(2, complex), np.ones(2)  # says nothing
     return found.real.omega[sure], ratio[sure], deviation[sure]
 
@@ -243,7 +241,7 @@ def _bands(omega: np.ndarray, values: np.ndarray, weight: np.ndarray) -> list[tu
 
 
 def _same(a: Resonance, b: Resonance) -> bool:
-    near = abs(a.frequency.value - b.frequency.value) < _NEAR * b.frequency.value
+    near = abs(a.frequency.value - b.frequency.value) < POLICY.resonance_near * b.frequency.value
     return a.kind == b.kind and near
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from workbench.core import EffectKey
 
 from .choosing import behind, same_cause
-from .judging import TIE
+from .policy import POLICY
 from .regression import Regression
 from .screen import Entry
 from .selection import fits_in
@@ -34,4 +34,4 @@ def rivals_of(
             now = float(problem.left((*others, other))[axis])
             least[other.key] = min(now, least.get(other.key, now))
     found = behind(entry.key, float(left[axis]), least.items())
-    return found, tuple(key for key, times in found if times <= 1.0 + TIE)
+    return found, tuple(key for key, times in found if times <= 1.0 + POLICY.tie)

@@ -9,15 +9,14 @@ from workbench.core import Comparison, InputError, Recording, SimulationError
 from workbench.models import Model
 from workbench.simulation import scored_torque
 
-from .findings import NEAR
 from .loops import refuse_coordinates
 from .mirrored import refuse_turned
-from .search import LIMIT, Progress, UnstableLoop, search
+from .policy import POLICY
+from .search import Progress, UnstableLoop, search
 from .stage import Search
 from .units import refuse_unit
 from .verdict import NAMED, verdict_of
 
-_FEWEST = 60  # rows to fit; a log of 5 Hz has them in twelve seconds
 _UNSTABLE = "The model is unstable in the loop"
 
 Rounds = tuple[Search, ...]
@@ -29,7 +28,7 @@ def rounds(
     held_out: Sequence[Recording],
     seed: int,
     progress: Progress,
-    limit: int = LIMIT,
+    limit: int | None = None,
 ) -> Rounds:
     """What is missing, and what is certain besides once that is in the model.
 
@@ -42,8 +41,8 @@ def rounds(
     """
     training, held_out = _matched(model, training, held_out)
     found = _searched(model, training, held_out, seed, limit, progress)
-    out = [found]
-    while found.jointly and not found.consistent_after and len(out) < limit and _names(found):
+    out, most = [found], limit or POLICY.most_effects
+    while found.jointly and not found.consistent_after and len(out) < most and _names(found):
         progress("asking again, with what was found in the model")
         better = found.final.hypothesis.model
         try:
@@ -65,7 +64,7 @@ def _searched(
     training: Sequence[Recording],
     held_out: Sequence[Recording],
     seed: int,
-    limit: int,
+    limit: int | None,
     progress: Progress,
     *,
     only_jointly: bool = False,
@@ -83,7 +82,7 @@ def _searched(
             raise
         along, judging = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
         found = search(model, along, judging, seed, limit, progress, only_jointly=only_jointly)
-        if not found.consistent_before and max(found.explained, found.mostly) < NEAR:
+        if not found.consistent_before and max(found.explained, found.mostly) < POLICY.near_named:
             raise
         return found
 
@@ -94,10 +93,10 @@ def _matched(
     every = matched(model, (*training, *held_out))
     fitted, judging = every[: len(training)], every[len(training) :]
     rows = sum(int(r.valid.sum()) for r in fitted)
-    if rows < _FEWEST:
+    if rows < POLICY.fewest_rows:
         raise InputError(
             f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
-            remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
+            remedy=f"record for longer, {POLICY.fewest_rows} rows at least and seconds of motion",
         )  # fmt: skip
     refuse_coordinates(model, (*fitted, *judging))
     refuse_unit(model, fitted)

@@ -15,10 +15,11 @@ from .honing import honed
 from .identifiability import disagreements, identifiability_of
 from .instead import others_instead
 from .jointly import Joint, jointly
-from .judging import EXPLAINED, explained, floor_of_judging, mostly_explained, stands_out
+from .judging import explained, floor_of_judging, mostly_explained, stands_out
 from .mirrored import refuse_mirrored
 from .one_for_two import one_for_two
 from .other_ways import fewer, otherwise, what_the_torque_shows, what_was_passed_over
+from .policy import POLICY
 from .quest import Quest, quest_of
 from .removed import removed_share
 from .screen import silent
@@ -26,10 +27,6 @@ from .simpler import simpler, without
 from .stage import Search
 from .trying import Progress
 from .ways import Way, after, holds, is_consistent, onwards, wanders, with_last, with_stages
-
-LIMIT = 6  # effects in a row; data that need more need a better model first
-_SEVERAL = 3  # effects that are certain, each by itself
-_MOSTLY = 0.5  # share of the excess that is known for certain: no other beginning leads to more
 
 
 class UnstableLoop(SimulationError):
@@ -41,7 +38,7 @@ def search(
     training: Sequence[Recording],
     held_out: Sequence[Recording] = (),
     seed: int = 0,
-    limit: int = LIMIT,
+    limit: int | None = None,
     progress: Progress = lambda text: None,
     *,
     only_jointly: bool = False,
@@ -58,7 +55,7 @@ def search(
         held_out: recordings for judging; without them, or where they show nothing of what is lacking,
             folds of the training data judge.
         seed: of the noise simulations.
-        limit: most effects to add one by one.
+        limit: most effects to add one by one; None: as many as the policy has.
         progress: told what is being done.
         only_jointly: ask nothing but the joint solution.
 
@@ -72,7 +69,8 @@ def search(
         raise UnstableLoop(str(error)) from error
     if noise_rules(data.score(data.floor), data.recordings):
         raise UnstableLoop(cannot_run(model.name, data.score(data.floor)))
-    quest = quest_of(model, data, simulated.clean, limit, seed, progress)
+    most = POLICY.most_effects if limit is None else limit
+    quest = quest_of(model, data, simulated.clean, most, seed, progress)
     start, first = quest.start, quest.data
     before = is_consistent(first, start.mean_squares)
     way, joint = Way(start, first, done=before), None
@@ -132,7 +130,7 @@ def _explained(quest: Quest) -> tuple[Way, Joint | None]:
         way = onwards(joint.way, quest)
         if holds(way, quest):
             return _plain(_simplified(way, quest.seed, quest.progress), quest), None
-        if explained(quest.data, quest.start, joint.way.current, joint.way.data) > _MOSTLY:
+        if explained(quest.data, quest.start, joint.way.current, joint.way.data) > POLICY.certain_share:
             return joint.way, joint
     way = _one_by_one(start, quest)
     if not several or (holds(way, quest) and len(way.stages) < 2):
@@ -146,7 +144,7 @@ def _explained(quest: Quest) -> tuple[Way, Joint | None]:
 def _are_several(joint: Joint) -> bool:
     """Whether so much is certain, on more than one axis, that it does not stand for one other cause."""
     keys = [stage.added for stage in joint.way.stages]
-    return not joint.way.done and len(keys) >= _SEVERAL and len({k.axis for k in keys}) > 1
+    return not joint.way.done and len(keys) >= POLICY.certain_effects and len({k.axis for k in keys}) > 1
 
 
 def _is_plain(joint: Joint) -> bool:
@@ -173,7 +171,7 @@ def _is_long(quest: Quest) -> bool:
 def _one_may_do(quest: Quest) -> bool:
     """Whether a single effect, as screened, explains the recordings."""
     least = min((c.judged for c in quest.screened), default=quest.start.judged)
-    return removed_share(quest.start.judged, least, floor_of_judging(quest.data)) >= EXPLAINED
+    return removed_share(quest.start.judged, least, floor_of_judging(quest.data)) >= POLICY.explained
 
 
 def _one_by_one(way: Way, quest: Quest) -> Way:

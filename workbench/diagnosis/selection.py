@@ -10,9 +10,8 @@ import numpy as np
 
 from workbench.effects import contains, effect_named
 
-from .choosing import BASIC
-from .judging import AT_FLOOR, EXPLAINED, HELPS, LATER_SHARE
 from .pairs import may_stand_together
+from .policy import POLICY
 from .regression import Chosen, Regression, Solution
 from .screen import Candidate, Entry
 
@@ -83,10 +82,10 @@ def _next(helpful: Mapping[Chosen, np.ndarray]) -> Chosen | None:
         return None
     top = max(helpful.values(), key=lambda g: g.max())
     axis, most = int(top.argmax()), float(top.max())
-    basic = [p for p, g in helpful.items() if _basic(p) and g[axis] > BASIC * most]
+    basic = [p for p, g in helpful.items() if _basic(p) and g[axis] > POLICY.basic_share * most]
     pool = basic or list(helpful)
     most = max(helpful[p][axis] for p in pool)
-    near = [p for p in pool if helpful[p][axis] >= EXPLAINED * most]
+    near = [p for p in pool if helpful[p][axis] >= POLICY.explained * most]
     return min(near, key=lambda p: (_cost(p), -helpful[p][axis]))
 
 
@@ -105,8 +104,8 @@ def _only_refines(new: Chosen, now: Selection, problem: Regression) -> bool:
     found = problem.solved(chosen)
     whole, special = (_gain(s, bare, problem) for s in (found, now.solution))
     axis = int(whole.argmax())
-    at_noise = found.judged[axis] < AT_FLOOR * problem.judging_floor[axis]
-    return bool(special[axis] > BASIC * whole[axis] and not at_noise)
+    at_noise = found.judged[axis] < POLICY.at_noise * problem.judging_floor[axis]
+    return bool(special[axis] > POLICY.basic_share * whole[axis] and not at_noise)
 
 
 def _basic(new: Chosen) -> bool:
@@ -149,13 +148,13 @@ def _gain(found: Solution, before: Solution, problem: Regression) -> np.ndarray:
         (before.judged, found.judged, problem.judging_floor),
     )
     gain = np.min([(old - new) / np.maximum(old - floor, 1e-3 * floor) for old, new, floor in pairs], axis=0)
-    reached = [old < AT_FLOOR * floor for old, _, floor in pairs]
+    reached = [old < POLICY.at_noise * floor for old, _, floor in pairs]
     return np.where(np.all(reached, axis=0), np.minimum(gain, 0.0), gain)
 
 
 def _least(new: Chosen) -> float:
     """The least gain on an axis for which effects are added."""
-    return HELPS if _basic(new) else LATER_SHARE
+    return POLICY.effect_gain if _basic(new) else POLICY.later_gain
 
 
 def _cost(new: Chosen) -> tuple[int, int]:

@@ -16,9 +16,9 @@ from workbench.simulation import on_all_cores
 
 from .data import Data
 from .hypothesis import applied_effect
+from .policy import POLICY
 
-_PROBE = 0.03  # of an unknown: the step of a difference of simulations
-_STICKING = 0.1  # share of the rows
+_PROBE_STEP = 0.03  # of an unknown: the step of a difference of simulations
 
 
 Part = tuple[np.ndarray | None, ...]
@@ -106,7 +106,7 @@ class Scene:
         dry = [e.key for e in stated if effect_named(e.key.effect).dry]
         for place in filter(None, (Placement.of(self.model, key) for key in dry)):
             moved = [np.abs(np.diff(m.along(place)[0])) / m.step for m in self.motions]
-            if np.mean(np.concatenate(moved) < self.model.sliding_speed) > _STICKING:
+            if np.mean(np.concatenate(moved) < self.model.sliding_speed) > POLICY.sticking_rows:
                 return True
         return False
 
@@ -177,7 +177,7 @@ class Scene:
         return out
 
     def _trials(self, applied: AppliedEffect) -> list[Trial]:
-        """One model for each unknown of an effect, moved by `_PROBE` of it to where there is room."""
+        """One model for each unknown of an effect, moved by `_PROBE_STEP` of it to where there is room."""
         effect, place = effect_named(applied.key.effect), Placement.of(self.model, applied.key)
         coefficients, shape = effect.to_coefficients(applied.values)
         lower, upper = effect.bounds(self.model, place)
@@ -186,7 +186,7 @@ class Scene:
         low = np.array([*lower, *(limits[name][0] for name in names)])
         high = np.array([*upper, *(limits[name][1] for name in names)])
         now = np.array([*coefficients, *(shape[name] for name in names)])
-        least = np.maximum(effect.least(shape), _PROBE * _alike(effect, now))
+        least = np.maximum(effect.least(shape), _PROBE_STEP * _alike(effect, now))
         out = []
         for i, value in enumerate(now):
             change = least[i]

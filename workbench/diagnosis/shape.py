@@ -18,13 +18,13 @@ from scipy.linalg import block_diag
 from workbench.core import Shape
 from workbench.core.units import torque_unit
 
+from .policy import POLICY
 from .relations import Missing
 
 _PIECES = 12  # polynomial pieces a quantity; of two quantities half as many each
 _PENALTIES = np.logspace(-4, 4, 9)  # times the mean of the normal equations' diagonal
 _BLOCK_S, _FOLDS = 1.0, 5
 _GRID = 41
-_CYCLES = 3.0  # in the longest recording; what is slower is no tone
 _FINER = 8  # frequencies a tone is looked for at, over those of the longest recording
 
 
@@ -73,7 +73,7 @@ def shapes(missing: Missing, axis: str) -> tuple[Shape, ...]:
     ]
     asked = [[q] for q in (*singles, *others)] + [[singles[0], q] for q in others]
     found = [_function(missing, k, q) for q in asked if all(_moves(x.values) for x in q)]
-    if len(missing.torque) * 0.4 / max(len(missing.start), 1) > _CYCLES:
+    if len(missing.torque) * 0.4 / max(len(missing.start), 1) > POLICY.tone_cycles:
         found.append(_tone(missing, k))
     return tuple(sorted((s for s in found if s.share > 0.0), key=lambda s: -s.share))
 
@@ -102,7 +102,7 @@ def _tone(missing: Missing, k: int) -> Shape:
     size = _FINER * max(len(y) for y, _ in parts)
     power = sum(np.abs(np.fft.rfft(y, size)) ** 2 for y, _ in parts)
     frequencies = np.fft.rfftfreq(size, step)
-    slow = frequencies < _CYCLES / (size / _FINER * step)
+    slow = frequencies < POLICY.tone_cycles / (size / _FINER * step)
     frequency = float(frequencies[int(np.argmax(np.where(slow, -1.0, power)))])
     turns = [
         np.stack([np.cos(2 * np.pi * frequency * t), np.sin(2 * np.pi * frequency * t)], 1) for _, t in parts

@@ -9,8 +9,7 @@ import numpy as np
 from workbench.core import Recording
 from workbench.effects import held
 
-_MOST = 5  # rows either way
-_EXACT = 0.1  # share of the difference that a whole number of rows may leave; a lag leaves more
+from .policy import POLICY
 
 
 def shifted_lines(recordings: Sequence[Recording], delay: float) -> list[str]:
@@ -26,14 +25,14 @@ def shifted_lines(recordings: Sequence[Recording], delay: float) -> list[str]:
     pairs = [
         (held(r.signals["torque_command"], r.period, delay)[0], r.signals["torque_measured"])
         for r in recordings
-        if {"torque_command", "torque_measured"} <= set(r.signals) and len(r) > 4 * _MOST
+        if {"torque_command", "torque_measured"} <= set(r.signals) and len(r) > 4 * POLICY.shift_rows
     ]
     lines = []
     for index, axis in enumerate(recordings[0].axes if pairs else ()):
-        shifts = range(-_MOST, _MOST + 1)
+        shifts = range(-POLICY.shift_rows, POLICY.shift_rows + 1)
         left = {s: sum(_off(asked[:, index], given[:, index], s) for asked, given in pairs) for s in shifts}
         best = min(shifts, key=lambda s: left[s])
-        if best and left[best] < _EXACT * left[0]:
+        if best and left[best] < POLICY.shift_left * left[0]:
             rows = f"{abs(best)} row{'s' * (abs(best) > 1)} {'later' if best > 0 else 'earlier'}"
             lines.append(
                 f"the measured torque of {axis} is its command {rows} than the model's drives answer: if the "
@@ -44,5 +43,5 @@ def shifted_lines(recordings: Sequence[Recording], delay: float) -> list[str]:
 
 def _off(asked: np.ndarray, given: np.ndarray, shift: int) -> float:
     """Squared difference of a torque from another, which is moved by whole rows; the same rows for all."""
-    rows = np.arange(_MOST, len(asked) - _MOST)
+    rows = np.arange(POLICY.shift_rows, len(asked) - POLICY.shift_rows)
     return float(np.nansum((given[rows] - asked[rows - shift]) ** 2))

@@ -13,16 +13,13 @@ from workbench.models import AppliedEffect
 from .data import Data
 from .fit import fit
 from .hypothesis import Fit
-from .judging import TIE, floor_of_judging, sizes_of, stands_out
+from .judging import floor_of_judging, sizes_of, stands_out
+from .policy import POLICY
 from .refining import polished, with_candidates
 from .removed import removed_share
 from .screen import Candidate, screen
 from .sensitivity import Scene
 from .stage import Stage
-
-_LOSS = 0.1  # of the judged error ...
-_UNSEEN = 5e-4  # ... and of what the effect takes off: a difference of 2 % in size
-_SHRUNK = 0.2  # of the size with which a cause was taken: what came later is what it stood for
 
 Progress = Callable[[str], None]
 
@@ -77,9 +74,9 @@ def without(stage: Stage, current: Fit, data: Data) -> Fit | None:
     if applied is None:
         return None
     if not stands_out(applied):
-        most = 1.0 + _LOSS
+        most = 1.0 + POLICY.simpler_loss
     elif _shrunk(stage, applied):
-        most = 1.0 + TIE
+        most = 1.0 + POLICY.tie
     else:
         return None
     (rest,) = fit([current.hypothesis.without(stage.added)], data)
@@ -94,14 +91,17 @@ def _shrunk(stage: Stage, applied: AppliedEffect) -> bool:
     taken = next((a for a in stage.fit.hypothesis.free if a.key == stage.added), applied)
     sizes = sizes_of(applied)
     return all(
-        abs(applied.values[p.name] - p.neutral) < _SHRUNK * abs(taken.values[p.name] - p.neutral)
+        abs(applied.values[p.name] - p.neutral) < POLICY.shrunk * abs(taken.values[p.name] - p.neutral)
         for p in sizes
     )
 
 
 def _enough(now: float, without: float) -> float:
     """Judged error up to which less will do: a tie, or no loss beside what the effect explains."""
-    return max((1.0 + TIE) * now, min((1.0 + _LOSS) * now, now + _UNSEEN * (without - now)))
+    return max(
+        (1.0 + POLICY.tie) * now,
+        min((1.0 + POLICY.simpler_loss) * now, now + POLICY.simpler_unseen * (without - now)),
+    )
 
 
 def _stages(

@@ -9,7 +9,7 @@ from scipy.optimize import lsq_linear
 from .normal import Normal
 
 _RIDGE = 1e-7  # of each unknown's own information
-_APART = 1e-12
+_OPEN_TOLERANCE = 1e-12
 
 
 def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: float = 0.0) -> np.ndarray:
@@ -38,6 +38,6 @@ def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: floa
     if np.any(free < low) or np.any(free > high):
         held = ~(high > low)
         high = np.where(held, low, high)
-        high[held] += _APART * np.maximum(1.0, np.abs(low[held]))  # solvers want an interval
+        high[held] += _OPEN_TOLERANCE * np.maximum(1.0, np.abs(low[held]))  # solvers want an interval
         free = lsq_linear(root.T, target, bounds=(low, high), method="bvls").x
     return free * scale

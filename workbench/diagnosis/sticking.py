@@ -18,19 +18,16 @@ from workbench.effects import effect_named, places
 from .data import Data, gather
 from .hypothesis import Fit
 from .judging import floor_of_judging, rejudged
+from .policy import POLICY
 from .screen import Candidate, Equations, screen
 from .sensitivity import Scene
-
-_STILL = 0.02  # of the rms change from row to row: less is no motion
-_ENOUGH = 0.05  # share of the excess
-_LONG = 0.2  # share of the rows; a motion that only turns round stands for less
 
 
 def stands_long(recordings: Sequence[Recording]) -> bool:
     """Whether an axis stands still for a good part of recordings, whatever holds it."""
     change = np.concatenate([np.abs(np.diff(r.position, axis=0)) for r in recordings])
-    still = change < _STILL * np.sqrt(np.mean(change**2, axis=0))
-    return bool((np.mean(still, axis=0) > _LONG).any())
+    still = change < POLICY.still_step * np.sqrt(np.mean(change**2, axis=0))
+    return bool((np.mean(still, axis=0) > POLICY.still_rows).any())
 
 
 def candidates(
@@ -55,7 +52,7 @@ def candidates(
     known = all({"torque_measured", "torque_command"} & set(r.signals) for r in data.recordings)
     floor = floor_of_judging(data)
     left = min((c.judged - floor for c in in_loop), default=0.0)
-    explained = left < _ENOUGH * (current.judged - floor)
+    explained = left < POLICY.still_explained * (current.judged - floor)
     if explained or data.replay.on_ground or not known or not stands_long(data.recordings):
         return tuple(in_loop)
     model, runs = current.hypothesis.model, followed(data.recordings)

@@ -19,18 +19,15 @@ from workbench.models import Placement
 from workbench.simulation import scored_torque
 
 from .data import gather
-from .judging import NEAR_FLOOR, floor_of_judging
+from .judging import floor_of_judging
 from .normal import Normal, total
+from .policy import POLICY
 from .screen import Entry, equations, judge, limits_of
 from .sensitivity import Column, Scene
 from .solve import solve
 from .stage import Search
 
 _LINEAR = ("reflected_inertia", "viscous_damping", "coulomb_friction", "payload_mass")
-_WORTH = 0.15  # share of what is left that one more has to take off
-_MOST = 0.85  # share of the excess that they have to take off together
-_TWICE = 2.0  # times that rest is left where nothing may be less than it is
-_SURE = 4.0  # deviations, over folds, by which something is too much
 
 
 @dataclass(frozen=True)
@@ -50,13 +47,13 @@ class TooMuch:
     def plainer_than(self, found: Search) -> bool:
         """Whether it says hardly less than effects with more parameters.
 
-        Effects that leave nothing but noise have to have two more, and this must leave no more either.
+        Effects that leave nothing but noise have to have some more, and this must leave no more either.
         """
         more = found.final.hypothesis.size - len(self.parts)
         if found.consistent_after:
-            return self.at_noise and more >= 2
+            return self.at_noise and more >= POLICY.too_much_fewer
         same = isinstance(found.start_data.replay, MeasuredMotion)
-        return same and more >= 1 and 1.0 - self.share < _TWICE * (1.0 - found.explained)
+        return same and more >= 1 and 1.0 - self.share < POLICY.too_much_times * (1.0 - found.explained)
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -93,20 +90,20 @@ def too_much(found: Search) -> TooMuch | None:
         tried = [(_judged(pieces, held_out, (*chosen, e)), e) for e in entries if e not in chosen]
         least, best = min(tried, key=lambda t: t[0])
         left = max(least - floor, 0.0)
-        if before - left < max(_WORTH * before, 0.01 * excess):
+        if before - left < max(POLICY.too_much_gain * before, POLICY.too_much_least * excess):
             break
         chosen, before = [*chosen, best], left
-    if not chosen or excess <= 0.0 or before > (1.0 - _MOST) * excess:
+    if not chosen or excess <= 0.0 or before > (1.0 - POLICY.too_much_share) * excess:
         return None
     lower, upper = (np.concatenate(b) for b in zip(*(limits_of(scene, e) for e in chosen), strict=True))
     index = [k for e in chosen for k in e.linear]
     bounded = judge(pieces, held_out, index, (), (lower, upper))[0] - floor
     values, deviations = _spread([p.pick(index) for p in pieces])
-    below = values < lower - _SURE * deviations
-    if not below.any() or bounded < _TWICE * before:
+    below = values < lower - POLICY.sure * deviations
+    if not below.any() or bounded < POLICY.too_much_times * before:
         return None
     parts = zip((e.key for e in chosen), values.tolist(), deviations.tolist(), below.tolist(), strict=True)
-    return TooMuch(1.0 - before / excess, tuple(parts), before + floor < NEAR_FLOOR * floor)
+    return TooMuch(1.0 - before / excess, tuple(parts), before + floor < POLICY.near_noise * floor)
 
 
 def _columns(scene: Scene) -> tuple[list[Column], list[Entry]]:

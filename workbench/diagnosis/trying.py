@@ -17,18 +17,11 @@ from .data import Data
 from .fit import fit, race
 from .giving import what_gives_way
 from .hypothesis import Fit
-from .judging import HELPS, LATER_SHARE, floor_of_judging, helps, reached
+from .judging import floor_of_judging, helps, reached
+from .policy import POLICY
 from .refining import settle, with_candidate
 from .screen import Candidate
 from .sensitivity import Scene
-
-# What the rest must be above, in floors, for springs and gaps to be looked for: after a first effect, more.
-_MOST_OF_IT = 1.5
-_ALL_OF_IT = 1.04  # judged error over the noise's, below which nothing more is looked for
-_WORTH = 3.0  # times what the best rigid explanation leaves: more is not worth a simulation
-_CLOSE = 1.5  # times what the best leaves: where how friction sets in may decide
-_SETTLED = 2  # fits of a tier at most that are asked for it
-_SIMPLE, _REFINED = 5, 4  # candidates of each tier that are simulated
 
 Progress = Callable[[str], None]
 
@@ -106,7 +99,7 @@ def try_in_order(at: Standpoint) -> Tried:
             break
         if tier and not (tier is refined and at.stated_helps(tried.fits)):
             tried += _settled(_fitted(tier, at), at)
-    enough = _MOST_OF_IT if at.later else _ALL_OF_IT
+    enough = POLICY.compliance_from_later if at.later else POLICY.compliance_from
     if at.stated_helps(tried.fits) or any(reached(f, at.data, enough) for _, f in tried.fits):
         return tried
     return tried + _springs_and_gaps(tried.fits, at)
@@ -114,13 +107,15 @@ def try_in_order(at: Standpoint) -> Tried:
 
 def _free_tiers(at: Standpoint) -> tuple[list[Candidate], list[Candidate]]:
     """Basic effects and refinements whose first estimate promises enough, no more than are simulated."""
-    needed = 0.5 * (LATER_SHARE if at.later else HELPS) * at.excess
+    gain = POLICY.later_gain if at.later else POLICY.effect_gain
+    needed = POLICY.screened_gain * gain * at.excess
     free = [c for c in at.candidates if c not in at.stated and c.judged < at.current.judged - needed]
     # a first estimate leaves what the linearisation misses; only clear losers go unsimulated
     best_left = max(min((c.judged for c in free), default=0.0) - at.floor, 0.0)
-    free = [c for c in free if c.judged - at.floor <= 10.0 * best_left + 0.05 * at.excess]
+    most = POLICY.screened_times * best_left + POLICY.screened_slack * at.excess
+    free = [c for c in free if c.judged - at.floor <= most]
     simple, refined = ([c for c in free if effect_named(c.key.effect).tier == tier] for tier in (0, 1))
-    return simple[:_SIMPLE], refined[:_REFINED]
+    return simple[: POLICY.simple_simulated], refined[: POLICY.refined_simulated]
 
 
 def _springs_and_gaps(rigid: Sequence[Explanation], at: Standpoint) -> Tried:
@@ -128,7 +123,7 @@ def _springs_and_gaps(rigid: Sequence[Explanation], at: Standpoint) -> Tried:
     at.progress("looking for springs and gaps")
     best = min((f.judged for _, f in rigid), default=np.inf)
     late = what_gives_way(at.scene, at.data.training, at.current.judged, at.current.hypothesis.free)
-    late = [c for c in late if c.judged < _WORTH * best]
+    late = [c for c in late if c.judged < POLICY.compliance_simulated * best]
     return _fitted(late, at) if late else Tried()
 
 
@@ -162,6 +157,9 @@ def _settled(tier: Tried, at: Standpoint) -> Tried:
     """A tier's fits, those that may be chosen with the way in which their friction sets in."""
     if not tier.fits:
         return tier
-    close = _CLOSE * tier.fits[0][1].trained
-    best = [(c, settle(f, at.data, at.floor) if f.trained < close else f) for c, f in tier.fits[:_SETTLED]]
-    return Tried((*best, *tier.fits[_SETTLED:]), tier.at_first)
+    close = POLICY.onset_close * tier.fits[0][1].trained
+    best = [
+        (c, settle(f, at.data, at.floor) if f.trained < close else f)
+        for c, f in tier.fits[: POLICY.onset_simulated]
+    ]
+    return Tried((*best, *tier.fits[POLICY.onset_simulated :]), tier.at_first)

@@ -15,15 +15,10 @@ from workbench.models import AppliedEffect
 from .data import Data
 from .hypothesis import Fit, Hypothesis, blocks
 from .normal import Normal
-
-_STEP_SHARE = 0.005  # of a row's period: how well a delay inside a step is known
-_ONSET_SHARE = 0.003  # of a dry friction's parameters: what a hard stop and a short creep differ by ...
-_ONSET_SHARE_OF_MANY = 0.008  # ... and where several parameters share that out among them
-_MODEL_SHARE = 0.002  # of what a parameter adds: what two exact simulations of one machine differ by
-_START_SHARE = 0.01  # the same on the ground: what a few rows about each start get wrong of a bent motion
+from .policy import POLICY
 
 
-def widened(found: Fit, others: Sequence[Fit], share: float = 0.5) -> Fit:
+def widened(found: Fit, others: Sequence[Fit], share: float) -> Fit:
     """Deviations no smaller than those of rival fits of the same effects.
 
     They also cover a `share` of the way to the rivals' estimates.
@@ -41,8 +36,9 @@ def widened(found: Fit, others: Sequence[Fit], share: float = 0.5) -> Fit:
     return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
 
 
-def moved_apart(found: Fit, own: Fit, others: Sequence[Fit], share: float = 0.5) -> Fit:
-    """Deviations that cover a `share` of the way from `own` to `others`, fits of one kind elsewhere."""
+def moved_apart(found: Fit, own: Fit, others: Sequence[Fit]) -> Fit:
+    """Deviations that cover a share of the way from `own` to `others`, fits of one kind elsewhere."""
+    share = POLICY.rival_deviation
     free = []
     for k, applied in enumerate(found.hypothesis.free):
         middle = own.hypothesis.free[k].parameters
@@ -68,7 +64,7 @@ def covariance_of(
     inverse = np.linalg.pinv(total.gram, rcond=1e-10)
     from_noise = inverse @ noise @ inverse
     excess = value / max(data.objective(data.pool(data.floor)), 1e-300)
-    if excess < 1.15:
+    if excess < POLICY.jackknife_from:
         return from_noise
     count = len(changes)
     moves = changes - changes.mean(axis=0)
@@ -95,12 +91,13 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         deviation = np.sqrt(np.maximum(np.diag(slopes @ own @ slopes.T), 0.0))
         # a delay acts inside a step through means; dry friction sets in some way that no log shows whole
         late = np.array(
-            [_STEP_SHARE * data.recordings[0].period * (p.unit == "s") for p in effect.parameters]
+            [POLICY.delay_deviation * data.recordings[0].period * (p.unit == "s") for p in effect.parameters]
         )
         many = len(effect.parameters) > 1
-        onset = (_ONSET_SHARE_OF_MANY if many else _ONSET_SHARE) * effect.dry * np.abs(middle)
+        soft = POLICY.onset_deviation_of_many if many else POLICY.onset_deviation
+        onset = soft * effect.dry * np.abs(middle)
         neutral = np.array([p.neutral for p in effect.parameters])
-        share = _START_SHARE if data.replay.on_ground else _MODEL_SHARE
+        share = POLICY.start_deviation if data.replay.on_ground else POLICY.model_deviation
         fine = np.sqrt(late**2 + onset**2 + (share * (middle - neutral)) ** 2)
         axis = applied.key.axis
         noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]

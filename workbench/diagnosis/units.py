@@ -13,10 +13,8 @@ from workbench.effects import effect_named
 from workbench.inspection.factors import NAMED, name_factors
 from workbench.models import Model
 
-_NEAR = 0.12  # of a factor: what else the model lacks pulls an estimate by so much
-_SOME = 2  # recordings are enough
-_GOOD = 0.25  # share of the torque that a model leaves which lacks an effect
-_CLEAR = 0.25  # of what the unit that was taken leaves, and every other
+from .policy import POLICY
+
 _KINDS = {
     "position": ("position", "velocity", "position_reference", "velocity_reference", "link_position"),
     "torque": ("torque_command", "torque_measured", "torque_feedforward"),
@@ -29,13 +27,13 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
     Raises:
         InputError: names the unit.
     """
-    some = recordings[:_SOME]
+    some = recordings[: POLICY.check_recordings]
     guessed = set.intersection(*(set(r.guessed_units) for r in some)) & _KINDS.keys()
     if not guessed or not is_weighable(model, some):
         return
     try:
         before = float(np.mean(torque_left(model, some)))
-        if before <= _GOOD:
+        if before <= POLICY.unit_error:
             return
         tried = {
             (kind, f): float(np.mean(torque_left(model, [_scaled(r, kind, f) for r in some])))
@@ -46,7 +44,7 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
     except SimulationError:
         return
     (kind, factor), left = min(tried.items(), key=lambda each: each[1])
-    if left > min(_GOOD, _CLEAR * before):
+    if left > min(POLICY.unit_error, POLICY.unit_left * before):
         return
     now = f"{100 * before:.2g} %" if before < 1.0 else "all"
     raise InputError(
@@ -80,7 +78,7 @@ def _line(finding: Finding, guessed: Sequence[str]) -> str:
     factors = [p.name for p in effect_named(finding.key.effect).parameters if p.neutral == 1.0]
     for name in factors if guessed else ():
         value = finding.parameters[name].value if name in finding.parameters else 1.0
-        if meanings := name_factors(value, _NEAR):
+        if meanings := name_factors(value, POLICY.unit_near):
             units = " and ".join([", ".join(guessed[:-1]), guessed[-1]] if len(guessed) > 1 else guessed)
             return (
                 f"perhaps the unit: {name} {value:.3g} is near the factor between {' or '.join(meanings)}, "

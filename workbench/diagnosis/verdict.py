@@ -6,20 +6,19 @@ from workbench.core import Verdict
 from workbench.effects import effect_named
 
 from .evidence import Clues
-from .judging import EXPLAINED, contradicted, stands_out
+from .judging import contradicted, stands_out
+from .policy import POLICY
 from .stage import Search
 from .too_much import TooMuch, too_much
 
 NAMED = ("missing_effect", "partly_explained")  #: verdicts with findings
-_PLAIN = 2  # parameters of effects that leave but noise, which nobody asks whether a mass is wrong instead
-_OFF_GROUND = 1.5  # error over the noise floor
 
 
 def verdict_of(found: Search) -> tuple[Verdict, TooMuch | None]:
     """The verdict, and what the model has too much of, where that was asked."""
     if found.consistent_before:
         return "unexplained" if refuted(found) else "consistent", None
-    explains = found.consistent_after or max(found.explained, found.mostly) >= EXPLAINED
+    explains = found.consistent_after or max(found.explained, found.mostly) >= POLICY.explained
     if found.adequacy and not explains and not refuted(found):
         return "partly_explained", None
     named = (
@@ -30,7 +29,7 @@ def verdict_of(found: Search) -> tuple[Verdict, TooMuch | None]:
         and all(stands_out(a) for a in found.final.hypothesis.free)
         and not _far_off_the_ground(found)
     )
-    doubtful = not found.consistent_after or found.final.hypothesis.size > _PLAIN
+    doubtful = not found.consistent_after or found.final.hypothesis.size > POLICY.plain_parameters
     less = too_much(found) if doubtful else None
     if less is not None and less.plainer_than(found):
         named = False
@@ -63,4 +62,4 @@ def _far_off_the_ground(found: Search) -> bool:
     """
     data = found.final_data
     error, floor = data.score(found.final.mean_squares), data.score(data.floor)
-    return data.replay.on_ground and error > _OFF_GROUND * floor
+    return data.replay.on_ground and error > POLICY.ground_error * floor

@@ -16,7 +16,6 @@ from workbench.effects import effect_named
 from .data import Data
 from .hypothesis import Fit
 from .judging import (
-    EXPLAINED,
     as_good_as_done,
     explained,
     helps_later,
@@ -26,6 +25,7 @@ from .judging import (
     unseen_on_held_out,
 )
 from .parting import parting
+from .policy import POLICY
 from .quest import Quest
 from .screen import Candidate, screen
 from .sensitivity import Scene
@@ -131,7 +131,7 @@ def holds(way: Way, quest: Quest) -> bool:
         return way.done
     ends = quest.data, quest.start, way.current, way.data
     shares = [explained(*ends), mostly_explained(*ends) if wanders(way.current) else 0.0]
-    return max(shares) >= EXPLAINED
+    return max(shares) >= POLICY.explained
 
 
 def with_stages(way: Way, found: Sequence[Stage], seed: int, *, wide: bool = True) -> Way:

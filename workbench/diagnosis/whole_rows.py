@@ -12,7 +12,7 @@ from .hypothesis import Hypothesis, blocks, moved, room
 from .normal import Normal
 from .solve import solve
 
-_OVER = 1e-6  # of a row, beyond its edge
+_OVER_STEP = 1e-6  # of a row, beyond its edge
 
 
 def has_edges(hypothesis: Hypothesis) -> bool:
@@ -49,7 +49,7 @@ def over_the_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> lis
         index = block.stop - len(effect.nonlinear) + effect.nonlinear.index("time")
         own = hypothesis.base.actuators.delay_s
         rows = (own + applied.values["time"]) / step
-        for edge in (np.floor(rows) - _OVER, np.ceil(rows) + _OVER):
+        for edge in (np.floor(rows) - _OVER_STEP, np.ceil(rows) + _OVER_STEP):
             change = edge * step - own - applied.values["time"]
             if not low[index] <= change <= high[index]:
                 continue
