@@ -18,7 +18,9 @@ def told_apart(known: Identifiability | None) -> list[str]:
         return []
     count = len(known.separable)
     whole = count + len(known.not_excited) + sum(map(len, known.groups))
-    lines = [f"These recordings can tell {count} of {whole} effects from all others, where they are small."]
+    lines = [
+        f"These recordings can tell {count} of {whole} effects from all others, at 2 % of the drives' torque."
+    ]
     lines += [
         f"They cannot tell apart: {w.any_of([w.effect_phrase(k) for k in group], 'and')}."
         for group in known.groups
