@@ -11,6 +11,7 @@ from .score import Scale, normalised, score_runs, scored_signals
 from .signs import Turn, Turned, turned_axes
 from .simulated import Simulated
 from .soft_friction import softness_note
+from .swapped import Swapped, swapped_axes
 from .swings import is_free
 from .weighed import is_weighable, torque_left
 
@@ -22,6 +23,7 @@ __all__ = [
     "Replay",
     "Scale",
     "Simulated",
+    "Swapped",
     "Turn",
     "Turned",
     "cannot_run",
@@ -40,6 +42,7 @@ __all__ = [
     "scored_signals",
     "simulate_with_noise",
     "softness_note",
+    "swapped_axes",
     "told",
     "torque_left",
     "turned_axes",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.comparison import Turn, replay_of, score_runs, turned_axes
+from workbench.comparison import Turn, replay_of, score_runs, swapped_axes, turned_axes
 from workbench.core import InputError, Recording
 from workbench.models import Model
 
@@ -15,11 +15,12 @@ _SOME = 2  # recordings are enough
 _GOOD = 0.25  # of what was measured is off, as a model's that lacks an effect may be
 _LEFT = 0.2  # of the error, which no effect but a sign takes off by itself
 _ALIKE = 1.2  # times the least error, within which two axes explain one as well as the other
+_EXCHANGE = "exchange them in [columns], or the names of the joints in the model"
 _REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the joint in the model"
 
 
 def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
-    """Refuse recordings whose torque the model explains as soon as columns of one axis are turned round.
+    """Refuse recordings whose torque the model explains as soon as one axis is turned round, or two exchanged.
 
     That takes seconds where the loops take minutes, and needs no command.
 
@@ -28,6 +29,12 @@ def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
     """
     found = turned_axes(model, recordings)
     if found is None:
+        if swapped := swapped_axes(model, recordings):
+            first, second = swapped.axes
+            raise InputError(
+                f"all columns of '{first}' and '{second}' are swapped, against model '{model.name}': {swapped}",
+                file=recordings[0].source, column=f"{first}, {second}", remedy=_EXCHANGE,
+            )  # fmt: skip
         return
     axes = list(dict.fromkeys(turn.axis for turn in found.turns))
     raise InputError(
