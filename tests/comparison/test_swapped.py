@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -27,7 +25,7 @@ def exchanged(recording: Recording) -> Recording:
 def test_all_columns_of_two_axes_are_exchanged(leg: Model) -> None:
     found = swapped_axes(leg, [exchanged(moved())])
     assert found is not None and set(found.axes) == {"hip", "knee"} and found.after < 0.02
-    with pytest.raises(InputError, match="are swapped"):
+    with pytest.raises(InputError, match="is swapped"):
         refuse_turned(leg, [exchanged(moved())])
 
 

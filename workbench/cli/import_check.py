@@ -9,7 +9,7 @@ from workbench.inspection import Inspection, Remark
 
 
 def with_model(found: Inspection, model: str, recording: Recording) -> Inspection:
-    """The inspection, and a problem more where an axis counts the other way than the model, or two are swapped.
+    """The inspection, and a problem more where the model tells a wrong sign or two swapped axes.
 
     Raises:
         InputError: the model cannot be read.

@@ -1,4 +1,4 @@
-"""Which two axes have each other's columns, as weight and inertia tell: without a model such a log is whole."""
+"""Which two axes have each other's columns, as weight and inertia tell: without a model nothing is odd."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST = 12  # axes, of which any two are tried
 
 @dataclass(frozen=True)
 class Swapped:
-    """Two axes whose columns stand for each other; the largest share of their torque left before and after."""
+    """Two axes with each other's columns; the largest share of their torque left before and after."""
 
     axes: tuple[str, str]
     before: float
@@ -29,7 +29,8 @@ class Swapped:
 
     def __str__(self) -> str:
         now = f"{100 * self.before:.2g} %" if self.before < 1.0 else "all"
-        return f"exchanged, the model leaves {100 * self.after:.2g} % of the torque unexplained, as they stand {now}"
+        left = f"the model leaves {100 * self.after:.2g} % of the torque unexplained"
+        return f"exchanged, {left}, as they stand {now}"
 
 
 def swapped_axes(model: Model, recordings: Sequence[Recording]) -> Swapped | None:

@@ -20,7 +20,7 @@ _REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the join
 
 
 def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
-    """Refuse recordings whose torque the model explains as soon as one axis is turned round, or two exchanged.
+    """Refuse recordings whose torque the model explains once an axis is turned round or two are exchanged.
 
     That takes seconds where the loops take minutes, and needs no command.
 
@@ -32,7 +32,7 @@ def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
         if swapped := swapped_axes(model, recordings):
             first, second = swapped.axes
             raise InputError(
-                f"all columns of '{first}' and '{second}' are swapped, against model '{model.name}': {swapped}",
+                f"all of '{first}' and '{second}' is swapped, against model '{model.name}': {swapped}",
                 file=recordings[0].source, column=f"{first}, {second}", remedy=_EXCHANGE,
             )  # fmt: skip
         return
