@@ -53,7 +53,7 @@ def test_a_list_of_names_beside_the_arrays(tmp_path: Path, kind: str) -> None:
     names = ["knee", "hip"]
     path = tmp_path / f"run.{kind}"
     if kind == "npz":
-        np.savez(path, joint_names=np.array(names), **arrays)
+        np.savez(path, **{"joint_names": np.array(names), **arrays})  # pyright: ignore[reportArgumentType]
     else:
         path.write_text(json.dumps({"joint_names": names, **{n: a.tolist() for n, a in arrays.items()}}))
     proposal, recording = imported(path, Answers(model_axes=("hip", "knee"), linear=(False, False)))

@@ -169,3 +169,19 @@ def test_equations_of_a_motor_before_its_gear_are_asked_and_not_in_degrees(tmp_p
     path = put(tmp_path, fast, "{signal}_{axis}")
     path.write_text(path.read_text().replace("position_", "q_").replace("velocity_", "dq_"))
     assert [q.key for q in propose(open_table(path)).questions] == ["unit.position"]
+
+
+@pytest.mark.parametrize(
+    ("names", "gain", "asked"),
+    [("{}.pos", 1.0, True), ("{}_pos", 1.0, False), ("{}_pos", 2.0, True), ("{}_pos_deg", 2.0, False)],
+)
+def test_parts_of_a_range_are_asked_or_noted(tmp_path: Path, names: str, gain: float, asked: bool) -> None:
+    """By the names that such robots give, and where numbers are cut off at 100; else it is said at least."""
+    t = np.arange(600) / 30
+    q = np.clip(gain * np.column_stack([60 * np.sin(t), 40 * np.cos(0.7 * t)]), -100, 100)
+    header = ",".join(["t", *(names.format(joint) for joint in ("a", "b"))])
+    np.savetxt(tmp_path / "run.csv", np.column_stack([t, q]), delimiter=",", header=header, comments="")
+    proposal = propose(open_table(tmp_path / "run.csv"))
+    assert [q.key for q in proposal.questions] == ["unit.position"] * asked
+    noted = any("parts of each joint's range" in note for note in proposal.notes)
+    assert noted == (not asked and "deg" not in names)

@@ -1,4 +1,4 @@
-"""Joints that are called like a quantity: ``effort``, ``time`` or ``load``, as what stands beside them tells."""
+"""Joints that are called like a quantity, ``effort``, ``time`` or ``load``: what stands beside them tells."""
 
 from __future__ import annotations
 

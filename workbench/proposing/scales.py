@@ -85,8 +85,8 @@ def _readings(time: str, motion: Motion) -> dict[tuple[str, str], float]:
             # who counts turns of one thing does of the other
             weight = wp * wv * (_APART if v == "turn/s" and p != "turn" else 1.0)
             if v == COUNTS_A_SECOND:
-                same = p == "counts" and motion.factor
-                miss = np.log(abs(motion.factor) * scale(time, "time")) / spread if same else np.inf
+                same = p == "counts" and bool(motion.factor)
+                miss = np.log(abs(motion.factor or 1.0) * scale(time, "time")) / spread
                 out[p, v] = (
                     weight * (float(np.exp(-0.5 * min(miss * miss, 1400.0))) + _FLOOR) if same else 0.0
                 )

@@ -194,7 +194,7 @@ def _fields(name: str, array: np.ndarray | None) -> Iterator[tuple[str, np.ndarr
 
 
 def _array(file: IO[bytes], path: Path) -> np.ndarray | None:
-    """One array, its header checked before its numbers are read; None where it holds neither numbers nor text."""
+    """One array, its header checked before its numbers are read; None where it holds other things."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, fortran, kind = read(file)
