@@ -9,12 +9,12 @@ from workbench.inspection import Inspection, Remark
 
 
 def with_model(found: Inspection, model: str, recording: Recording) -> Inspection:
-    """The inspection, and a problem more where the model tells a wrong sign or two swapped axes.
+    """The inspection, and a problem more where the model tells a wrong sign, zero or order.
 
     Raises:
         InputError: the model cannot be read.
     """
-    from workbench.comparison import swapped_axes, turned_axes
+    from workbench.comparison import shifted_axes, swapped_axes, turned_axes
     from workbench.effects import load_model
 
     loaded = load_model(model)
@@ -23,11 +23,15 @@ def with_model(found: Inspection, model: str, recording: Recording) -> Inspectio
     turned = turned_axes(loaded, [recording])
     one, *rest = found.recordings
     if turned is None:
-        if (swapped := swapped_axes(loaded, [recording])) is None:
+        if swapped := swapped_axes(loaded, [recording]):
+            named = " and ".join(f"'{axis}'" for axis in swapped.axes)
+            text = f"All columns of {named} are swapped, against the model: {swapped}."
+            problem = Remark("problem", "swap", swapped.axes[0], text, {"axes": list(swapped.axes)})
+        elif shifted := shifted_axes(loaded, [recording]):
+            text = f"Positions count from another zero than in the model: {shifted}."
+            problem = Remark("problem", "zero", next(iter(shifted.by)), text, {"offset": shifted.by})
+        else:
             return found
-        named = " and ".join(f"'{axis}'" for axis in swapped.axes)
-        text = f"All columns of {named} are swapped, against the model: {swapped}."
-        problem = Remark("problem", "swap", swapped.axes[0], text, {"axes": list(swapped.axes)})
         return replace(found, recordings=(replace(one, remarks=(*one.remarks, problem)), *rest))
     axes = list(dict.fromkeys(turn.axis for turn in turned.turns))
     which = " or ".join(f"'{axis}'" for axis in axes)

@@ -8,6 +8,7 @@ from .long import compare_logs
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
+from .shifted import Shifted, shifted_axes
 from .signs import Turn, Turned, turned_axes
 from .simulated import Simulated
 from .soft_friction import softness_note
@@ -22,6 +23,7 @@ __all__ = [
     "NoiseModel",
     "Replay",
     "Scale",
+    "Shifted",
     "Simulated",
     "Swapped",
     "Turn",
@@ -40,6 +42,7 @@ __all__ = [
     "replay_of",
     "score_runs",
     "scored_signals",
+    "shifted_axes",
     "simulate_with_noise",
     "softness_note",
     "swapped_axes",

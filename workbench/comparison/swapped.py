@@ -16,7 +16,7 @@ from .weighed import is_weighable, torque_left
 _SOME = 2  # recordings are enough
 _BAD = 0.1  # share of a torque left from which it is asked
 _LEFT = 0.2  # of what was left on both axes, which no effect but an exchange takes off by itself
-_MOST = 12  # axes, of which any two are tried
+_MOST = 8  # axes, of which any two are tried
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def swapped_axes(model: Model, recordings: Sequence[Recording]) -> Swapped | Non
         left = {
             pair: torque_left(model, [_exchanged(r, *pair) for r in some])
             for pair in combinations(range(model.size), 2)
-            if set(pair) & set(wrong)
+            if set(pair) <= set(wrong)
         }
     except SimulationError:
         return None

@@ -17,7 +17,20 @@ KINDS: dict[str, tuple[str, ...]] = {
         *("thetadot", "dtheta", "phidot", "dphi", "rpm", "om", "rate", "spd", "drehzahl"),
     ),
     "torque": (
-        *("torque", "torques", "tau", "tq", "trq", "moment", "mom", "effort", "efforts", "force", "frc"),
+        *(
+            "torque",
+            "torques",
+            "tau",
+            "tq",
+            "trq",
+            "moment",
+            "mom",
+            "effort",
+            "efforts",
+            "eff",
+            "force",
+            "frc",
+        ),
         *("actuatorforce", "qfrc", "load", "drehmoment"),
     ),
     "position": (
@@ -29,7 +42,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "temperature": ("temperature", "temp", "temps", "celsius"),
     "time": (
         *("time", "t", "timestamp", "stamp", "clock", "zeit", "epoch", "datetime", "timestep", "tid"),
-        *("sec", "secs", "seconds", "millis", "micros", "ms", "us", "ns", "date"),
+        *("sec", "secs", "seconds", "millis", "micros", "ms", "us", "ns", "date", "ts"),
         *("nanosec", "nanosecs", "nanoseconds", "nsec", "nsecs", "usec", "usecs", "msec", "msecs"),
     ),
     "kp": ("kp", "stiffness"),

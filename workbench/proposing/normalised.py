@@ -33,8 +33,9 @@ def ask_range(draft: Draft, rows: Clean, positions: Sequence[str], units: Sequen
         return
     if not _servos(draft, rows, positions):
         draft.notes.append(
-            f"Nothing but their size, up to {top:.3g}, says that positions are degrees; parts of each joint's "
-            "range (-100 to 100) look the same. If so: --unit position=1.1*deg,... (half the range over 100)."
+            f"Nothing but their size, up to {top:.3g}, says that positions are degrees; parts of each "
+            "joint's range (-100 to 100) look the same. If so: --unit position=1.1*deg,... "
+            "(half the range over 100)."
         )
         return
     text = (
@@ -50,7 +51,7 @@ def ask_range(draft: Draft, rows: Clean, positions: Sequence[str], units: Sequen
 
 
 def _servos(draft: Draft, rows: Clean, positions: Sequence[str]) -> bool:
-    """Whether a log is as such robots write it: in a data set, by their names, or cut off at an end of the range."""
+    """Whether a log is as such robots write it: in a data set, by their names, or cut off at an end."""
     if (draft.table.file / "meta" / "info.json").is_file():
         return True
     if all(name.lower().endswith(".pos") for name in positions):
