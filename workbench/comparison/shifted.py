@@ -1,7 +1,7 @@
 """Which axes count from another zero than the model, by quarters of a turn, as the weight of links tells.
 
-Servos count from the middle of their turn, and arms are drawn upright or hanging. That is no small error of an
-encoder, and springs and wrong links would be named in its place.
+Servos count from the middle of their turn, and arms are drawn upright or hanging. That is no small error of
+an encoder, and springs and wrong links would be named in its place.
 """
 
 from __future__ import annotations
