@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.planar_leg import moved, without, write_leg
 from tests.simulation.make import having
 from workbench.comparison import replay_of
 from workbench.core import Controller, EffectKey, Recording
@@ -82,3 +84,13 @@ def test_recordings_of_one_call_are_replayed_alike(log: Recording) -> None:
     assert kinds == ["unknown", "unknown"]
     kinds = [r.controller.kind for r in replay_of(load_model("leg"), [known, log]).recordings]
     assert kinds == ["pd", "pd"]
+
+
+def test_a_torque_that_is_nil_throughout_is_not_held_against_the_model(tmp_path: Path) -> None:
+    """A joint without a drive is logged with no effort and no noise: nothing is its floor."""
+    leg = load_model(str(write_leg(tmp_path)))
+    log = without(moved(), "torque_command", "position_reference")
+    torque = log.signals["torque_measured"] * [1.0, 0.0]
+    ((run,),) = replay_of(leg, [log.with_signals(torque_measured=torque)]).run([leg])
+    rest = torque - run.signals["torque_measured"]
+    assert rest[:, 0].any() and not rest[:, 1].any()

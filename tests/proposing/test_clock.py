@@ -140,3 +140,35 @@ def test_two_drivers_on_one_topic_are_two_series(
     assert len(recording) == N and recording.period == pytest.approx(0.005)
     assert np.abs(recording.position - LOG.q).max() < 1e-9
     assert np.abs(recording.velocity - LOG.v).max() < 1e-9
+
+
+@pytest.mark.parametrize("late", [0.002, 0.1, 0.6])
+def test_what_a_loop_asked_for_belongs_to_the_row_that_it_answers(tmp_path: Path, late: float) -> None:
+    """A command is published a little after the row that it was made of; it is not the next row's."""
+    plain = columns(LOG)
+    seen = {n: v for n, v in plain.items() if "ref" not in n and "cmd" not in n}
+    data = with_rows_between(seen, LOG.t + late * 0.005, "other")
+    published = np.isfinite(data.pop("other"))
+    for name in plain.keys() - seen.keys():
+        data[name] = np.full(len(data["t"]), np.nan)
+        data[name][published] = plain[name]
+    _, recording = imported(put(tmp_path, text(data)))
+    same(recording, LOG, tolerance=1e-9)
+    assert np.allclose(recording.controller.kp, KP, rtol=1e-6)
+
+
+def test_a_drive_with_rows_of_its_own_keeps_its_law(tmp_path: Path) -> None:
+    plain = columns(LOG)
+    own = {n: v for n, v in plain.items() if "knee" not in n}
+    late = {n: v for n, v in plain.items() if "knee" in n}
+    data = with_rows_between(own, LOG.t + 0.0017, "other")
+    at = np.isfinite(data.pop("other"))
+    for name, values in late.items():
+        data[name] = np.full(len(data["t"]), np.nan)
+        data[name][at] = values
+    proposal, recording = imported(put(tmp_path, text(data)))
+    assert recording.period == pytest.approx(0.005)
+    assert np.allclose(recording.controller.kp, KP, rtol=1e-6)
+    command, measured = (recording.signals[f"torque_{s}"][:, 1] for s in ("command", "measured"))
+    assert np.std(measured - command) < 0.03  # the noise alone: one clock for both
+    assert not any("without a number of any axis" in note for note in proposal.notes)

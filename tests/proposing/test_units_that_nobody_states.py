@@ -128,3 +128,60 @@ def test_a_range_at_which_encoders_wrap_tells_the_unit(tmp_path: Path) -> None:
         )
         proposal = propose(open_table(tmp_path / "w.csv"))
         assert proposal.description["units"]["position"] == unit and not proposal.questions
+
+
+@pytest.mark.parametrize(("size", "unit"), [(1e-2, "cN*m"), (1e-3, "mN*m"), (1.0, "N*m")])
+def test_weight_and_inertia_tell_the_torque_too(tmp_path: Path, size: float, unit: str) -> None:
+    model = load_model(str(write_leg(tmp_path)))
+    table = open_table(put(tmp_path, moved(), ampere=size))
+    answers = Answers(model_axes=("hip", "knee"), linear=(False, False))
+    told = by_weight(propose(table, answers), table, answers, model)
+    proposal, recording = complete(propose(table, told), table, told)
+    assert not proposal.questions
+    torque = recording.signals["torque_measured"]
+    np.testing.assert_allclose(torque, moved().signals["torque_measured"], rtol=1e-6, atol=1e-9)
+    assert proposal.description["units"]["torque"] in (unit, "N*mm" if unit == "mN*m" else unit)
+
+
+def test_an_encoders_steps_and_steps_a_second(tmp_path: Path) -> None:
+    steps = TURN / 4096
+    whole = moved()
+    rounded = whole.with_signals(
+        position=np.round(whole.position / steps + 2048) * steps,
+        velocity=np.round(whole.signals["velocity"] / steps) * steps,
+    )
+    table = open_table(put(tmp_path, rounded, position=steps, velocity=steps))
+    (asked,) = propose(table).questions
+    assert asked.key == "counts"
+    answers = Answers().with_answer("counts", "4096")
+    proposal, recording = complete(propose(table, answers), table, answers)
+    assert not proposal.questions
+    np.testing.assert_allclose(recording.position, rounded.position, atol=1e-9)
+    np.testing.assert_allclose(
+        recording.signals["velocity"], rounded.signals["velocity"], rtol=1e-6, atol=1e-9
+    )
+
+
+def test_equations_of_a_motor_before_its_gear_are_asked_and_not_in_degrees(tmp_path: Path) -> None:
+    """Numbers to 14, of a motion of 11: degrees of a joint that hardly moves, or radians of a rotor."""
+    whole = moved()
+    fast = whole.with_signals(position=11 * whole.position, velocity=11 * whole.signals["velocity"])
+    path = put(tmp_path, fast, "{signal}_{axis}")
+    path.write_text(path.read_text().replace("position_", "q_").replace("velocity_", "dq_"))
+    assert [q.key for q in propose(open_table(path)).questions] == ["unit.position"]
+
+
+@pytest.mark.parametrize(
+    ("names", "gain", "asked"),
+    [("{}.pos", 1.0, True), ("{}_pos", 1.0, False), ("{}_pos", 2.0, True), ("{}_pos_deg", 2.0, False)],
+)
+def test_parts_of_a_range_are_asked_or_noted(tmp_path: Path, names: str, gain: float, asked: bool) -> None:
+    """By the names that such robots give, and where numbers are cut off at 100; else it is said at least."""
+    t = np.arange(600) / 30
+    q = np.clip(gain * np.column_stack([60 * np.sin(t), 40 * np.cos(0.7 * t)]), -100, 100)
+    header = ",".join(["t", *(names.format(joint) for joint in ("a", "b"))])
+    np.savetxt(tmp_path / "run.csv", np.column_stack([t, q]), delimiter=",", header=header, comments="")
+    proposal = propose(open_table(tmp_path / "run.csv"))
+    assert [q.key for q in proposal.questions] == ["unit.position"] * asked
+    noted = any("parts of each joint's range" in note for note in proposal.notes)
+    assert noted == (not asked and "deg" not in names)

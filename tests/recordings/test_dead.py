@@ -76,3 +76,17 @@ def test_the_stated_loop_says_what_is_asked() -> None:
     good = np.ones(len(T), bool)
     assert dead_rows(signals, good, STEP, law, "joint")[3050:].all()
     assert not dead_rows(signals, good, STEP, UNKNOWN, "joint").any()
+
+
+def test_a_law_of_the_wrong_sign_asks_for_much_and_its_drive_is_not_off() -> None:
+    """Positions at minus the stated reference: the law asks for far more than what moves the axis."""
+    reference = np.column_stack([0.9 + 0.3 * np.sin(3 * T), 0.9 + 0.3 * np.cos(4 * T)])
+    some = np.where(T > 6.0, 1.0, 0.01)[:, None]  # now and then a tenth of it, by chance
+    signals = {
+        "position": -reference,
+        "velocity": np.gradient(-reference, STEP, axis=0),
+        "position_reference": reference,
+        "torque_measured": 5 * some * ASKED + RNG.normal(0, 0.02, ASKED.shape),
+    }
+    law = Controller("pd", "joint", (40.0, 40.0), (1.0, 1.0))
+    assert not dead_rows(signals, np.ones(len(T), bool), STEP, law, "joint").any()

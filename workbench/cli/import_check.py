@@ -9,25 +9,36 @@ from workbench.inspection import Inspection, Remark
 
 
 def with_model(found: Inspection, model: str, recording: Recording) -> Inspection:
-    """The inspection, and a problem more where columns of an axis count the other way than the model.
+    """The inspection, and a problem more where the model tells a wrong sign, zero or order.
 
     Raises:
         InputError: the model cannot be read.
     """
-    from workbench.comparison import turned_axes
+    from workbench.comparison import shifted_axes, swapped_axes, turned_axes
     from workbench.effects import load_model
 
     loaded = load_model(model)
-    turned = turned_axes(loaded, [recording]) if tuple(recording.axes) == tuple(loaded.axes) else None
-    if turned is None:
+    if tuple(recording.axes) != tuple(loaded.axes):
         return found
+    turned = turned_axes(loaded, [recording])
+    one, *rest = found.recordings
+    if turned is None:
+        if swapped := swapped_axes(loaded, [recording]):
+            named = " and ".join(f"'{axis}'" for axis in swapped.axes)
+            text = f"All columns of {named} are swapped, against the model: {swapped}."
+            problem = Remark("problem", "swap", swapped.axes[0], text, {"axes": list(swapped.axes)})
+        elif shifted := shifted_axes(loaded, [recording]):
+            text = f"Positions count from another zero than in the model: {shifted}."
+            problem = Remark("problem", "zero", next(iter(shifted.by)), text, {"offset": shifted.by})
+        else:
+            return found
+        return replace(found, recordings=(replace(one, remarks=(*one.remarks, problem)), *rest))
     axes = list(dict.fromkeys(turn.axis for turn in turned.turns))
     which = " or ".join(f"'{axis}'" for axis in axes)
     text = f"{which} has the other sign than in the model: {turned}."
     both = turned.turns[0]
     value = {"axes": axes, "signal": "torque_measured" if both.torque and not both.motion else "position"}
     problem = Remark("problem", "sign", axes[0], text, value)
-    one, *rest = found.recordings
     # what the data alone say of these signs, the model says more of
     kept = [r for r in one.remarks if r.topic != "sign" or r.axis not in axes]
     return replace(found, recordings=(replace(one, remarks=(*kept, problem)), *rest))

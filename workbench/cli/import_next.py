@@ -53,6 +53,8 @@ def _way(remark: Remark, description: Mapping[str, Any]) -> str:
         return f"turn what counts the other way, e.g. {{column = '{column}', scale = -1.0}} in [columns]"
     if remark.topic == "swap":
         return "exchange the swapped names in [columns], or give --column with --force"
+    if remark.topic == "zero":
+        return "add the offsets in [columns], e.g. {column = 'NAME', offset = NUMBER}, in the unit of [units]"
     if remark.topic == "unit":
         return f"give the right unit in [units], or a factor, e.g. {{column = '{column}', scale = 2.0}}"
     if "rate_hz" in remark.value:

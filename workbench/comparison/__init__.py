@@ -8,9 +8,11 @@ from .long import compare_logs
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
+from .shifted import Shifted, shifted_axes
 from .signs import Turn, Turned, turned_axes
 from .simulated import Simulated
 from .soft_friction import softness_note
+from .swapped import Swapped, swapped_axes
 from .swings import is_free
 from .weighed import is_weighable, torque_left
 
@@ -21,7 +23,9 @@ __all__ = [
     "NoiseModel",
     "Replay",
     "Scale",
+    "Shifted",
     "Simulated",
+    "Swapped",
     "Turn",
     "Turned",
     "cannot_run",
@@ -38,8 +42,10 @@ __all__ = [
     "replay_of",
     "score_runs",
     "scored_signals",
+    "shifted_axes",
     "simulate_with_noise",
     "softness_note",
+    "swapped_axes",
     "told",
     "torque_left",
     "turned_axes",

@@ -60,7 +60,9 @@ class MeasuredMotion:
         smooth = [self._reading(_quiet(r)) for r in first]
         again = self._seen(smooth, [noise.draw(k) for k in range(len(smooth))])
         wobbles = [a.track.velocity - s.track.velocity for a, s in zip(again, smooth, strict=True)]
-        counts = moving(first, wobbles, self._transmission)
+        counts = [
+            c & _driven(r) for c, r in zip(moving(first, wobbles, self._transmission), first, strict=True)
+        ]
         self._read, self._smooth = (
             [replace(r, counts=c) for r, c in zip(each, counts, strict=True)] for each in (first, smooth)
         )
@@ -145,6 +147,11 @@ class MeasuredMotion:
                 for seeds in noise_seeds(len(self.recordings), draws, seed)
             ]
         return self._drawn[seed, draws]
+
+
+def _driven(reading: Reading) -> np.ndarray:
+    """Axes (n,) that have a drive: a torque that is nil throughout has no noise to hold a rest against."""
+    return np.any(reading.recording.signals[reading.name] != 0.0, axis=0)
 
 
 def _compiled(model: Model) -> Plant | None:

@@ -58,4 +58,5 @@ def _left(plant: Plant, recordings: Sequence[Recording]) -> np.ndarray:
             # friction brakes: of the right sign only, else it would stand in for a wrong one
             columns = np.column_stack([one, -one, v, np.sign(v)])
             sums[:, i] += scipy.optimize.nnls(columns, x - y)[1] ** 2, float(x @ x)
-    return sums[0] / np.maximum(sums[1], 1e-300)
+    # of a joint without a drive nothing was logged that could be left
+    return np.divide(sums[0], sums[1], out=np.zeros(len(sums[0])), where=sums[1] > 0)

@@ -6,17 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.comparison import Turn, replay_of, score_runs, turned_axes
+from workbench.comparison import Turn, replay_of, score_runs, shifted_axes, swapped_axes, turned_axes
 from workbench.core import InputError, Recording
 from workbench.models import Model
 
 from .policy import POLICY
 
+_EXCHANGE = "exchange them in [columns], or the names of the joints in the model"
+_ZERO = "add that as offset in [columns], in the unit of [units], or move the zero of the joints in the model"
 _REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the joint in the model"
 
 
 def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
-    """Refuse recordings whose torque the model explains as soon as columns of one axis are turned round.
+    """Refuse recordings whose torque the model explains once axes are turned, exchanged or moved.
 
     That takes seconds where the loops take minutes, and needs no command.
 
@@ -25,6 +27,17 @@ def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
     """
     found = turned_axes(model, recordings)
     if found is None:
+        if swapped := swapped_axes(model, recordings):
+            first, second = swapped.axes
+            raise InputError(
+                f"all of '{first}' and '{second}' is swapped, against model '{model.name}': {swapped}",
+                file=recordings[0].source, column=f"{first}, {second}", remedy=_EXCHANGE,
+            )  # fmt: skip
+        if shifted := shifted_axes(model, recordings):
+            raise InputError(
+                f"positions count from another zero than in model '{model.name}': {shifted}",
+                file=recordings[0].source, column=", ".join(shifted.by), remedy=_ZERO,
+            )  # fmt: skip
         return
     axes = list(dict.fromkeys(turn.axis for turn in found.turns))
     raise InputError(

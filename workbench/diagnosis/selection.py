@@ -147,7 +147,12 @@ def _gain(found: Solution, before: Solution, problem: Regression) -> np.ndarray:
         (before.validated, found.validated, problem.floor),
         (before.judged, found.judged, problem.judging_floor),
     )
-    gain = np.min([(old - new) / np.maximum(old - floor, 1e-3 * floor) for old, new, floor in pairs], axis=0)
+    # an axis that does not count has no floor
+    least = 1e-300
+    gains = [
+        (old - new) / np.maximum(old - floor, np.maximum(1e-3 * floor, least)) for old, new, floor in pairs
+    ]
+    gain = np.min(gains, axis=0)
     reached = [old < POLICY.at_noise * floor for old, _, floor in pairs]
     return np.where(np.all(reached, axis=0), np.minimum(gain, 0.0), gain)
 

@@ -80,6 +80,8 @@ def _mobility(a: np.ndarray, tau: np.ndarray, drag: np.ndarray) -> tuple[np.ndar
     n = a.shape[1]
     found, *_ = np.linalg.lstsq(columns, a, rcond=None)
     rest = a - columns @ found
-    inverse = np.diag(np.linalg.pinv(columns.T @ columns))
+    # a torque that stays nil, of a joint without a drive, tells nothing
+    inverse = np.where(columns.any(axis=0), np.diag(np.linalg.pinv(columns.T @ columns)), np.inf)
+    inverse = np.maximum(inverse, 0.0)
     spread = np.sqrt(inverse[:, None] * rest.var(axis=0)[None, :])
     return found[:n].T, spread[:n].T, 1 - rest.var(axis=0) / a.var(axis=0)

@@ -14,6 +14,7 @@ from .control import remark_on_control
 from .excitation import excited_axes, remark_on_excitation
 from .inertia import remark_on_inertia
 from .motion import remark_on_motion
+from .opposed import remark_on_references
 from .result import Inspection, RecordingInspection, Remark
 from .torque import remark_on_command_limits, remark_on_torque
 from .work import remark_on_work
@@ -56,6 +57,8 @@ def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> Recor
     if len(recording) >= FEW:
         remarks += remark_on_motion(recording, held)
         remarks += remark_on_control(recording, transmission)
+        told = {r.axis for r in remarks if r.topic == "sign"}
+        remarks += [r for r in remark_on_references(recording) if r.axis not in told]
         driven = _driven(recording)
         if len(driven) >= FEW:
             remarks += remark_on_torque(driven, noise)

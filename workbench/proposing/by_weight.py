@@ -19,6 +19,8 @@ from .write import complete
 _GOOD = 0.25  # share of the torque that a model leaves which lacks an effect
 _CLEAR = 0.25  # of what the next best unit leaves
 _TURNING = ("rad", "deg", "turn")
+_ASKED = ("unit", "unit.position", "unit.torque")
+_TORQUES = ("N*m", "N*mm", "cN*m")
 
 
 def by_weight(proposal: Proposal, table: Table, answers: Answers, model: Model) -> Answers:
@@ -35,10 +37,11 @@ def by_weight(proposal: Proposal, table: Table, answers: Answers, model: Model) 
     taken = _left(table, answers, model)
     if taken is None:
         return answers
-    asked = [q for q in proposal.questions if q.key in ("unit", "unit.position")]
-    if not asked and (taken <= _GOOD or not _is_guess(proposal, answers)):
+    asked = [q for q in proposal.questions if q.key in _ASKED]
+    guesses = [kind for kind in ("position", "torque") if _is_guess(proposal, answers, kind)]
+    if not asked and (taken <= _GOOD or not guesses):
         return answers
-    others = list(_others(asked, answers))
+    others = list(_others(asked, guesses, answers))
     left = [_left(table, other, model) for other in others]
     told = sorted((x, k) for k, x in enumerate(left) if x is not None)
     if len(told) < 2 or told[0][0] > min(_GOOD, _CLEAR * told[1][0]):
@@ -52,18 +55,20 @@ def by_weight(proposal: Proposal, table: Table, answers: Answers, model: Model) 
     return replace(chosen, weighed={**answers.weighed, **dict.fromkeys(new, why)})
 
 
-def _others(asked: list[Question], answers: Answers) -> Iterator[Answers]:
-    """Every unit that may be."""
+def _others(asked: list[Question], guesses: list[str], answers: Answers) -> Iterator[Answers]:
+    """Every unit that may be, of one kind at a time."""
     if asked:
-        choices = asked[0].choices or _TURNING
+        # what is as large by another name is no other answer
+        choices = [c for c in asked[0].choices or _TURNING if c != "mN*m"]
         yield from (answers.with_answer(asked[0].key, choice) for choice in choices)
     else:
-        yield from (answers.with_answer("unit.position", unit) for unit in _TURNING)
+        choices = {"position": _TURNING, "torque": _TORQUES}
+        yield from (answers.with_answer(f"unit.{kind}", unit) for kind in guesses for unit in choices[kind])
 
 
-def _is_guess(proposal: Proposal, answers: Answers) -> bool:
-    said = {"position", "velocity"} & answers.units.keys()
-    because = next((a.because for a in proposal.assumptions if a.what == "unit of position"), "")
+def _is_guess(proposal: Proposal, answers: Answers, kind: str) -> bool:
+    said = {kind, "velocity" if kind == "position" else kind} & answers.units.keys()
+    because = next((a.because for a in proposal.assumptions if a.what == f"unit of {kind}"), "")
     return not said and because.startswith("numbers")
 
 

@@ -16,7 +16,8 @@ def turn_of(values: np.ndarray) -> int:
     """Steps a turn of positions that run over a whole one; 0 where they do not.
 
     Args:
-        values: all columns, shape (N, n), of which each ends just below the turn, or half of it either way.
+        values: all columns, shape (N, n). Each ends just below the turn, or half of it either way; of whole
+            numbers one that does will do, where no other goes beyond.
     """
     found = set()
     for column in values.T:
@@ -28,6 +29,8 @@ def turn_of(values: np.ndarray) -> int:
         found.add(
             next((n for n in sorted(TURNS) if (whole or n >= _SURELY) and _fills(low, high, n, whole)), 0)
         )
+    if np.array_equal(values, np.round(values), equal_nan=True) and np.nanmax(np.abs(values)) < max(found):
+        found -= {0}
     return found.pop() if len(found) == 1 else 0
 
 

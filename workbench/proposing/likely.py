@@ -122,6 +122,8 @@ def _weights(
     values = np.column_stack([rows.columns[columns[s][i]] for s in signals for i in which])
     symbols = all(equations(draft.roles[columns[kind][i]].words) for i in which) if kind in columns else False
     sizes = by_size(kind, values, stated.linear[first], symbols=symbols, tied=tied)
+    if kind == "velocity" and (turn := draft.answers.counts) and tied:
+        sizes[f"{1 / turn:.9g}*turn/s"] = sizes["turn/s"]
     by = {u: w for u, w in sizes.items() if w > 0}
     if stated.linear[first] and stated.modelled[first]:
         return by, "a slide in the model"

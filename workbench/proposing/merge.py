@@ -1,4 +1,8 @@
-"""Topics of different rates onto the rows of one: measurements along lines, what was asked for held."""
+"""Topics of different rates onto the rows of one: measurements along lines, what was asked for held.
+
+A loop reads a position and then publishes its command, so that a command's stamp comes after that of the row
+which it is the answer to. It belongs to that row, not to the next.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +15,9 @@ import numpy as np
 from .names import role_of
 from .proposal import Answers
 from .table import Series, Table
+
+_BEHIND = 0.75  # of a row's period: a command that comes no later is of that row
+_SAME_RATE = 0.05  # two series this near in rate have a row each for each of the other's
 
 
 def merged(table: Table, series: Sequence[Series], time: str, answers: Answers | None = None) -> Table:
@@ -31,8 +38,10 @@ def merged(table: Table, series: Sequence[Series], time: str, answers: Answers |
     rows = main.stamps[first]
     columns: dict[str, np.ndarray] = {time: rows}
     for each in [main, *(s for s in usable if s is not main)]:
+        along = each is not main and _has_position(each)
         for name, values in each.columns.items():
-            columns[name] = values[first] if each is main else onto(rows, each.stamps, values, name)
+            moved = values[first] if each is main else onto(rows, each.stamps, values, name, beside=along)
+            columns[name] = moved
     notes = table.notes
     if len(usable) > 1 and not table.series:
         notes = (*notes, f"{len(usable)} series of rows are brought onto those of one.")
@@ -47,19 +56,43 @@ def on_rows_of(table: Table, answers: Answers) -> Table:
     return merged(table, table.series, next(iter(table.columns)), answers)
 
 
-def onto(rows: np.ndarray, stamps: np.ndarray, values: np.ndarray, name: str) -> np.ndarray:
-    """A column at the times of other rows, in any unit: held where it was asked for, else along lines."""
+def onto(
+    rows: np.ndarray, stamps: np.ndarray, values: np.ndarray, name: str, *, beside: bool = False
+) -> np.ndarray:
+    """A column at the times of other rows, in any unit: held where it was asked for, else along lines.
+
+    Args:
+        rows: times (K,).
+        stamps: of the column (N,).
+        values: of the column (N,).
+        name: of the column; it says whether this was asked for.
+        beside: whether measured positions have the same stamps. What was asked for then goes along lines
+            as these do, where it is as fast as the rows: between two rows a law holds as it does at them.
+
+    Returns:
+        Values (K,), NaN where the column has not begun or has ended.
+    """
     good = np.isfinite(values) & np.isfinite(stamps)
     stamps, first = np.unique(stamps[good], return_index=True)
     values = values[good][first]
     if len(stamps) < 2:
         return np.full(len(rows), np.nan)
     period = float(np.median(np.diff(stamps)))
-    if role_of(name).role in ("reference", "feedforward"):
-        at = np.searchsorted(stamps, rows + 1e-6 * period, side="right") - 1
+    row = _period(rows) or period
+    if role_of(name).role in ("reference", "feedforward") and not (
+        beside and abs(period - row) < _SAME_RATE * row
+    ):
+        late = _BEHIND * min(period, row)
+        at = np.searchsorted(stamps, rows + late, side="right") - 1
         return np.where(at >= 0, values[np.clip(at, 0, None)], np.nan)
     inside = (rows >= stamps[0] - period) & (rows <= stamps[-1] + period)
     return np.where(inside, np.interp(rows, stamps, values), np.nan)
+
+
+def _period(times: np.ndarray) -> float:
+    """The usual distance of two stamps; nil where there is one only."""
+    steps = np.diff(np.unique(times[np.isfinite(times)]))
+    return float(np.median(steps)) if len(steps) else 0.0
 
 
 def is_wanted(name: str, answers: Answers) -> bool:

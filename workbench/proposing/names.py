@@ -17,7 +17,20 @@ KINDS: dict[str, tuple[str, ...]] = {
         *("thetadot", "dtheta", "phidot", "dphi", "rpm", "om", "rate", "spd", "drehzahl"),
     ),
     "torque": (
-        *("torque", "torques", "tau", "tq", "trq", "moment", "mom", "effort", "efforts", "force", "frc"),
+        *(
+            "torque",
+            "torques",
+            "tau",
+            "tq",
+            "trq",
+            "moment",
+            "mom",
+            "effort",
+            "efforts",
+            "eff",
+            "force",
+            "frc",
+        ),
         *("actuatorforce", "qfrc", "load", "drehmoment"),
     ),
     "position": (
@@ -29,7 +42,7 @@ KINDS: dict[str, tuple[str, ...]] = {
     "temperature": ("temperature", "temp", "temps", "celsius"),
     "time": (
         *("time", "t", "timestamp", "stamp", "clock", "zeit", "epoch", "datetime", "timestep", "tid"),
-        *("sec", "secs", "seconds", "millis", "micros", "ms", "us", "ns", "date"),
+        *("sec", "secs", "seconds", "millis", "micros", "ms", "us", "ns", "date", "ts"),
         *("nanosec", "nanosecs", "nanoseconds", "nsec", "nsecs", "usec", "usecs", "msec", "msecs"),
     ),
     "kp": ("kp", "stiffness"),
@@ -81,6 +94,7 @@ _ROLE = {word: role for role, words in ROLES.items() for word in words}
 _BRACKET = re.compile(r"\s*[\[\(<{]\s*([^\]\)>}]*)\s*[\]\)>}]\s*$")
 #: Units that say by themselves what a column is, as they end names.
 _TELLING = ("deg", "rad", "nm", "mnm", "ncm", "dps", "rps", "rpm", "deg/s", "rad/s", "mm/s", "m/s")
+_STATE = "state"
 _SHORT = ("w", "v", "i", "u", "n", "t", "a", "om", "q", "x")
 
 
@@ -124,10 +138,12 @@ def role_of(name: str, unit: str = "") -> Role:
     # and the end of a path outweighs its beginning: "q" in "arm/state.q" is what a topic's message calls it
     tail = _words(re.split(r"[/.:]", text.rstrip("/.:"))[-1])
     for word in sorted(
-        (w for w in rest if w in _KIND), key=lambda w: (w not in tail, w in _SHORT, rest.index(w))
+        (w for w in rest if w in _KIND),
+        # "state" is a position where nothing else is said: "motor_state_0_q", "motor_state_0_tau_est"
+        key=lambda w: (w not in tail, w == _STATE, w in _SHORT, rest.index(w)),
     ):
         kind = _KIND[word]
-        rest.remove(word)
+        rest = [w for w in rest if w not in (word, _STATE)]
         if not unit and spelled(word, kind):  # "rpm" says both
             unit = word
         break

@@ -11,6 +11,7 @@ from .draft import Draft
 from .proposal import Question
 
 _MOST = 100.5  # of a part of a range
+_AT_END = 3  # rows that are exactly there, as degrees are not
 _LEAST = 7.0  # below, such numbers are radians
 
 
@@ -23,10 +24,19 @@ def ask_range(draft: Draft, rows: Clean, positions: Sequence[str], units: Sequen
         positions: columns of the positions.
         units: what they are taken for.
     """
-    if "position" in draft.answers.units or not (draft.table.file / "meta" / "info.json").is_file():
+    if {"position", "velocity"} & draft.answers.units.keys() or draft.answers.counts:
         return
     top = max(float(np.nanmax(np.abs(rows.columns[name]))) for name in positions)
     if set(units) != {"deg"} or not _LEAST < top < _MOST:
+        return
+    if any(draft.roles[name].unit for name in positions):
+        return
+    if not _servos(draft, rows, positions):
+        draft.notes.append(
+            f"Nothing but their size, up to {top:.3g}, says that positions are degrees; parts of each "
+            "joint's range (-100 to 100) look the same. If so: --unit position=1.1*deg,... "
+            "(half the range over 100)."
+        )
         return
     text = (
         f"Positions go up to {top:.3g}: degrees, or parts of each joint's range (-100 to 100, as LeRobot has "
@@ -38,3 +48,13 @@ def ask_range(draft: Draft, rows: Clean, positions: Sequence[str], units: Sequen
     draft.questions = [q for q in draft.questions if q.key != "unit.position"]
     draft.questions.append(Question("unit.position", text, (), "deg", option))
     draft.unsure("unit of position", 0.6)
+
+
+def _servos(draft: Draft, rows: Clean, positions: Sequence[str]) -> bool:
+    """Whether a log is as such robots write it: in a data set, by their names, or cut off at an end."""
+    if (draft.table.file / "meta" / "info.json").is_file():
+        return True
+    if all(name.lower().endswith(".pos") for name in positions):
+        return True
+    ends = (rows.columns[name] for name in positions)
+    return any(int(np.sum(np.abs(np.abs(x) - 100.0) < 1e-9)) >= _AT_END for x in ends)

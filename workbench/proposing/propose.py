@@ -17,6 +17,7 @@ from .clean import Clean
 from .clock import find_time, rate_question
 from .draft import Draft
 from .gains import GAINS, gains_shown, take_controller
+from .like_quantities import joints_like_quantities
 from .merge import on_rows_of
 from .names import Role, name_joints, role_of
 from .proposal import Answers, Proposal, Question, listed
@@ -65,7 +66,8 @@ def propose(table: Table, answers: Answers | None = None) -> Proposal:
 
 def _roles(table: Table) -> dict[str, Role]:
     names = list(table.columns)
-    named = name_joints([role_of(n, table.units.get(n, "")) for n in names])
+    like = joints_like_quantities(names)
+    named = name_joints([like.get(n) or role_of(n, table.units.get(n, "")) for n in names])
     roles = dict(zip(names, named, strict=True))
     return roles | {n: replace(roles[n], joint=joint) for n, joint in table.joints.items() if n in roles}
 

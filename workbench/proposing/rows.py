@@ -41,8 +41,8 @@ def on_rows_of_axes(table: Table, roles: Mapping[str, Role], time: str, answers:
     measured = np.any([seen[n] for n in (*beside, *wanted)], axis=0) & np.isfinite(t)
     if rows.sum() >= (1 - _DROPOUTS) * measured.sum():
         rows = measured  # without a position at some: a gap
-    left = int((~rows & np.isfinite(t)).sum())
-    if not left:
+    others = ~rows & np.isfinite(t)
+    if not others.any():
         return table
     columns: dict[str, np.ndarray] = {time: t[rows]}
     moved = []
@@ -51,9 +51,13 @@ def on_rows_of_axes(table: Table, roles: Mapping[str, Role], time: str, answers:
             continue
         columns[name] = values[rows]
         if seen[name].any() and seen[name][rows].mean() < 1 - _DROPOUTS:
-            columns[name] = onto(t[rows], t, values, name)
+            along = any(np.mean(seen[name] == seen[n]) > _MOSTLY for n in wanted)
+            columns[name] = onto(t[rows], t, values, name, beside=along)
             moved.append(name)
-    notes = [*table.notes, f"{left} rows without a number of any axis are left out."]
+    notes = list(table.notes)
+    left = int((others & ~np.any([seen[n] for n in wanted], axis=0)).sum())
+    if left:
+        notes.append(f"{left} rows without a number of any axis are left out.")
     if moved:
         shown = ", ".join(moved[:4]) + (f" and {len(moved) - 4} more" if len(moved) > 4 else "")
         notes.append(f"Brought onto the rows of the axes: {shown}.")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .units import scale
+from .units import COUNTS_A_SECOND, scale
 
 _SPREAD = 0.012  # by how much a measured factor may miss the right one
 _NOISE = 0.3  # of what makes two columns unlike, by which noise and filters pull the factor
@@ -84,6 +84,13 @@ def _readings(time: str, motion: Motion) -> dict[tuple[str, str], float]:
         for v, wv in (motion.velocity or {"": 1.0}).items():
             # who counts turns of one thing does of the other
             weight = wp * wv * (_APART if v == "turn/s" and p != "turn" else 1.0)
+            if v == COUNTS_A_SECOND:
+                same = p == "counts" and bool(motion.factor)
+                miss = np.log(abs(motion.factor or 1.0) * scale(time, "time")) / spread
+                out[p, v] = (
+                    weight * (float(np.exp(-0.5 * min(miss * miss, 1400.0))) + _FLOOR) if same else 0.0
+                )
+                continue
             if v and motion.factor:
                 if p == "counts":
                     weight *= _FLOOR**0.5

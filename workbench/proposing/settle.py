@@ -20,12 +20,13 @@ from .scales import expected
 from .stated import header_unit, signals_of, stated_units
 from .tens import ask_tens
 from .torque_constant import ask_constant
+from .units import COUNTS_A_SECOND
 
 _CHOICES = {
     "time": (("s", "ms", "us", "ns"), ()),
     "position": (("rad", "deg", "turn"), ("m", "mm")),
     "velocity": (("rad/s", "deg/s", "rpm", "turn/s"), ("m/s", "mm/s")),
-    "torque": (("N*m", "mN*m", "N*mm"), ("N",)),
+    "torque": (("N*m", "mN*m", "N*mm", "cN*m"), ("N",)),
 }
 _GUESSED = 0.8
 _TURNS = 0.9  # of joints that nobody says more of
@@ -114,7 +115,9 @@ def _settle(
     draft: Draft, kind: str, told: list[UnitTold], linear: Sequence[bool], turn: int = 0
 ) -> tuple[str, ...]:
     """Note a unit; where it is not sure, ask."""
-    name, units = f"unit of {kind}", tuple(t.unit for t in told)
+    # in turns until it is known how many counts make one
+    turns = {COUNTS_A_SECOND: "turn/s"}
+    name, units = f"unit of {kind}", tuple(turns.get(t.unit, t.unit) for t in told)
     if kind in draft.answers.units:
         draft.assume(name, _shown(units), 1.0, draft.answers.because(kind))
         return units

@@ -18,7 +18,7 @@ def ask_tens(draft: Draft, units: Mapping[str, Sequence[str]], *, timed: bool) -
     """
     if {"velocity", "position", "unit"} & draft.answers.units.keys() or "time" in draft.answers.units:
         return
-    off = [i for i, unit in enumerate(units["velocity"]) if unit[0].isdigit()]
+    off = [i for i, unit in enumerate(units["velocity"]) if unit[0].isdigit() and not unit.endswith("turn/s")]
     if not off:
         return
     size = float(units["velocity"][off[0]].partition("*")[0])

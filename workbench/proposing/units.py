@@ -11,6 +11,8 @@ from workbench.core.units import KINDS, to_si
 
 from .counts import turn_of
 
+#: Speed of positions that are counts; how many make a turn is asked.
+COUNTS_A_SECOND = "counts/s"
 #: Factors by which a decimal point slips.
 TENS = (0.1, 10.0, 0.01, 100.0, 0.001, 1000.0)
 _TENTH = 0.003  # how often one does, against a unit that is right
@@ -21,6 +23,7 @@ _SPELLINGS: dict[str, tuple[str, ...]] = {
     "N*m": ("nm", "n m", "n.m", "n·m", "n*m", "n-m", "newtonmeter", "newton meter"),
     "mN*m": ("mnm", "mn m", "mn.m", "mn·m", "mn*m"),
     "N*mm": ("nmm", "n mm", "n.mm", "n·mm", "n*mm"),
+    "cN*m": ("cnm", "cn m", "cn.m", "cn·m", "cn*m"),
     "N*cm": ("ncm", "n cm", "n.cm", "n·cm", "n*cm"),
     "kN*m": ("knm", "kn m", "kn·m", "kn*m"),
     "deg": ("deg", "degree", "degrees", "°", "grad", "degs"),
@@ -142,7 +145,8 @@ def by_size(
         spread = float(np.nanmax(np.ptp(np.nan_to_num(values), axis=0), initial=0.0))
         # a joint that turns more than once reads like degrees of one that hardly moves: then it is asked
         return {
-            "rad": _falls(max(top / 1.5, spread), 7.0, 3.0),
+            # equations are in radians, of wheels and of motors before their gears too
+            "rad": _falls(max(top / 1.5, spread), 7.0, 1.2 if symbols else 3.0),
             "deg": _rises(top, 15.0, 3.0) * _falls(top, 3000.0, 3.0),
             # what has the same slope in both is told by its size alone, and hardly by that
             "turn": (0.02 if symbols else 0.1) * _usual(2.0 * np.pi * spread) / _usual(spread),
@@ -150,16 +154,19 @@ def by_size(
         }
     if kind == "velocity":
         return {
-            "rad/s": _falls(top, 40.0, 2.0),
+            "rad/s": _falls(top, 40.0, 1.0 if symbols else 2.0),
             "deg/s": _rises(top, 40.0, 2.0) * _falls(top, 5000.0, 2.0),
             "rpm": 0.05 if top > 20 else 0.005,
             "turn/s": 0.5 if tied else 0.005,
+            # who logs an encoder's steps logs them a second too; no other unit goes with these
+            COUNTS_A_SECOND: 0.5 if tied else 0.0,
             **({f"{k:g}*{unit}": _TENTH for k in TENS for unit in ("rad/s", "deg/s")} if tied else {}),
         }
     return {
         "N*m": _falls(top, 600.0, 2.0),
         "mN*m": 0.3 * _rises(top, 600.0, 2.0) + 0.005,
         "N*mm": 0.7 * _rises(top, 600.0, 2.0) + 0.005,
+        "cN*m": 0.2 * _rises(top, 600.0, 2.0) + 0.002,
     }
 
 

@@ -13,6 +13,8 @@ _WINDOW_S = 0.04  # over which torques are compared
 _LEAST_S = 0.1  # a shorter silence is no drive that is off
 _NIL = 0.1  # of what is asked: less is none
 _ASKED = 0.5  # of the usual torque is asked of a drive before its silence says something
+_ALIKE = 0.5  # correlation of a torque with what is asked, while there is one
+_FEW = 10  # rows with a torque
 _NOISE = 5.0  # deviations of the silence, above which a row has torque
 
 
@@ -81,7 +83,10 @@ def _dead(measured: np.ndarray, asked: np.ndarray, good: np.ndarray, width: int,
     # running sums may end a little below nothing
     powers = (scipy.ndimage.uniform_filter1d(x**2, width) for x in (measured, asked))
     got, wanted = (np.sqrt(np.maximum(power, 0.0)) for power in powers)
-    given = measured[good & (got >= _NIL * wanted)]
+    awake = good & (got >= _NIL * wanted)
+    given = measured[awake]
+    if not _follows(given, asked[awake]):
+        return none
     usual = float(np.sqrt(np.mean(given**2))) if len(given) else 0.0
     silent = (got < _NIL * np.minimum(wanted, usual)) & (wanted > _ASKED * usual) & good
     out = none.copy()
@@ -95,6 +100,16 @@ def _dead(measured: np.ndarray, asked: np.ndarray, good: np.ndarray, width: int,
         last = int(after[0]) if len(after) else len(measured)
         out[first:last] |= last - first >= least
     return out
+
+
+def _follows(given: np.ndarray, asked: np.ndarray) -> bool:
+    """Whether a drive does what is asked while it gives a torque; else it is no silence that stands out.
+
+    A law of a wrong sign asks for a hundred times what the axis needs, and gets a tenth of it by chance.
+    """
+    if len(given) < _FEW or not (given.std() > 0 and asked.std() > 0):
+        return len(given) >= _FEW
+    return float(np.corrcoef(given, asked)[0, 1]) > _ALIKE
 
 
 def _spans(rows: np.ndarray) -> list[tuple[int, int]]:

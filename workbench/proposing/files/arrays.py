@@ -5,7 +5,7 @@ from __future__ import annotations
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -18,6 +18,7 @@ from workbench.core.bounds import MOST_BYTES, check_cells, too_large
 from workbench.recordings.tables.matlab_structure import check_matlab
 
 from ..table import Table
+from .joint_names import of_list
 
 #: What the reader of a header raises, which evaluates it as a literal.
 _HEADERS = SyntaxError, tokenize.TokenError, TypeError, KeyError
@@ -107,7 +108,13 @@ def _walk(name: str, value: Any, out: dict[str, np.ndarray], depth: int) -> None
         out[name] = value
 
 
-def stacked(path: Path, arrays: dict[str, np.ndarray], plain: bool, left: Sequence[str] = ()) -> Table:
+def stacked(
+    path: Path,
+    arrays: dict[str, np.ndarray],
+    plain: bool,
+    left: Sequence[str] = (),
+    texts: Mapping[str, Sequence[str]] | None = None,
+) -> Table:
     """Arrays of the commonest length as columns, with ``[i]`` where an array has several.
 
     Args:
@@ -115,6 +122,7 @@ def stacked(path: Path, arrays: dict[str, np.ndarray], plain: bool, left: Sequen
         arrays: of one or two dimensions, by name.
         plain: as of a `Table`.
         left: what else is in the file.
+        texts: lists of text in it, which may name the joints.
 
     Raises:
         InputError: none is as long as a log.
@@ -139,14 +147,16 @@ def stacked(path: Path, arrays: dict[str, np.ndarray], plain: bool, left: Sequen
     check_cells(length * len(columns), path)
     other = [name for name, array in by_row.items() if name not in tall or len(array) != length]
     notes = tuple(f"'{name}' has another length than the rest and is left out." for name in other)
-    if left:
+    joints = of_list(columns, texts or {})
+    if left := [name for name in left if not joints or name not in (texts or {})]:
         notes = (*notes, f"Not read, it is no array of numbers: {', '.join(left)}.")
-    return Table(path, columns, plain=plain, notes=notes)
+    return Table(path, columns, plain=plain, notes=notes, joints=joints)
 
 
 def read_numpy_file(path: Path) -> Table:
     """Arrays of a .npy or .npz file; one with objects in it is refused, not unpickled."""
     left: list[str] = []
+    texts: dict[str, list[str]] = {}
     try:
         if path.suffix.lower() == ".npy":
             with path.open("rb") as file:
@@ -159,14 +169,17 @@ def read_numpy_file(path: Path) -> Table:
                 for entry in archive.infolist():
                     if entry.filename.endswith(".npy"):
                         with archive.open(entry) as file:
-                            found = dict(_fields(entry.filename[:-4], _array(file, path)))
+                            array = _array(file, path)
+                        found = dict(_fields(entry.filename[:-4], array))
                         arrays |= found
+                        if array is not None and array.dtype.kind == "U" and array.ndim == 1:
+                            texts[entry.filename[:-4]] = array.tolist()
                         left += [] if found else [entry.filename[:-4]]
     except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, RuntimeError, *_HEADERS) as error:
         if isinstance(error, InputError):
             raise
         raise InputError("is not a readable NumPy file", file=path, remedy=_WHOLE) from error
-    return stacked(path, arrays, plain=False, left=left)
+    return stacked(path, arrays, plain=False, left=left, texts=texts)
 
 
 def _fields(name: str, array: np.ndarray | None) -> Iterator[tuple[str, np.ndarray]]:
@@ -181,7 +194,7 @@ def _fields(name: str, array: np.ndarray | None) -> Iterator[tuple[str, np.ndarr
 
 
 def _array(file: IO[bytes], path: Path) -> np.ndarray | None:
-    """One array, its header checked before its numbers are read; None where it holds text."""
+    """One array, its header checked before its numbers are read; None where it holds other things."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, fortran, kind = read(file)
@@ -195,7 +208,7 @@ def _array(file: IO[bytes], path: Path) -> np.ndarray | None:
     check_cells(count * max(1, len(kind.names or ())), path)
     if kind.itemsize * count > MOST_BYTES:
         raise too_large(path)
-    if kind.kind not in "biufV":
+    if kind.kind not in "biufVU":
         return None
     raw = file.read(kind.itemsize * count)
     flat = np.frombuffer(raw, dtype=kind, count=count)

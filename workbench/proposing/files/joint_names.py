@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -77,6 +77,25 @@ def of_columns(
     if list(names[first : first + len(counted)]) != counted or len(after) % len(counted):
         return {}
     return {n: same[counted[k % len(counted)]] for k, n in enumerate(after)}
+
+
+def of_list(columns: Collection[str], lists: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """Column -> joint, where a list of names stands beside arrays with a column for each: ``q[0]``, ``q[1]``.
+
+    Args:
+        columns: names of the columns.
+        lists: name -> texts of each list in the file.
+    """
+    for name, joints in lists.items():
+        words = set(role_of(name).words)
+        if not words & set(_NAMES) and not any(word.removesuffix("s") in _NAMES for word in words):
+            continue
+        if 1 < len(joints) <= _MOST and len(set(joints)) == len(joints):
+            stems = {n.rpartition("[")[0] for n in columns if re.fullmatch(r".+\[\d+\]", n)}
+            whole = [s for s in stems if sum(n.startswith(f"{s}[") for n in columns) == len(joints)]
+            if whole:
+                return {f"{s}[{i}]": joint for s in whole for i, joint in enumerate(joints)}
+    return {}
 
 
 def of_rows(

@@ -16,7 +16,7 @@ from workbench.core import InputError
 from workbench.core.bounds import check_cells, read_bounded
 
 from ..table import Table
-from .joint_names import named_by_text
+from .joint_names import named_by_text, of_list
 from .written_time import stamps
 
 _WIDE = 64  # numbers of one list in a record; more is a picture, not a joint
@@ -58,6 +58,8 @@ def read_json(path: Path) -> Table:
     if not columns:
         raise InputError("holds no numbers", file=path, remedy="give one record a sample")
     table = named_by_text(Table(path, columns), names, texts)
+    joints = of_list(columns, dict(_name_lists("", content, 0)))
+    table = replace(table, joints={**joints, **table.joints})
     left = _beside(content, where, [name for name, _ in found[1:]])
     return replace(table, notes=(*table.notes, f"Not read: {', '.join(left)}.")) if left else table
 
@@ -103,6 +105,16 @@ def _lists(prefix: str, value: Mapping[str, Any], depth: int) -> Iterator[tuple[
             yield from _lists(name, item, depth + 1)
         elif isinstance(item, list) and _is_numbers(item):
             yield name, item
+
+
+def _name_lists(prefix: str, value: Any, depth: int) -> Iterator[tuple[str, list[str]]]:
+    """Every list of texts, wherever it stands."""
+    for key, item in value.items() if isinstance(value, Mapping) else ():
+        name = f"{prefix}.{key}".lstrip(".")
+        if isinstance(item, list) and item and all(isinstance(text, str) for text in item):
+            yield name, item
+        elif depth < _DEEP:
+            yield from _name_lists(name, item, depth + 1)
 
 
 def _is_numbers(value: Any) -> bool:
