@@ -71,6 +71,9 @@ def test_verdicts(comparison, diagnosis, improvement):
         replace(improvement, verdict="unexplained", error_after=3 * improvement.noise_error)
     )
     assert "nothing was added" in sentence(replace(improvement, steps=()))
+    first, last = improvement.steps
+    taken_out = sentence(replace(improvement, steps=(first, replace(last, removed=(first.key,)))))
+    assert taken_out.startswith("With torque gain on the hip drive, the model explains")
     off = replace(improvement, after=replace(improvement.after, consistent=False))
     assert "to the noise as a whole (the " in sentence(off) and "times its own noise): " in sentence(off)
 

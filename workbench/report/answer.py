@@ -62,8 +62,9 @@ def improvement_sentence(result: Improvement) -> str:
         if result.verdict == "consistent":
             return "The model explains the data to the noise as it is; nothing was added."
         return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds what comes near)."
-    added = any_of([effect_phrase(s.key) for s in result.steps], "and") if len(result.steps) < 4 else ""
-    added = added or f"{_count(len(result.steps))} effects"
+    kept = result.kept
+    added = any_of([effect_phrase(s.key) for s in kept], "and") if len(kept) < 4 else ""
+    added = added or f"{_count(len(kept))} effects"
     if result.verdict == "consistent":
         after = result.after
         but = f" as a whole ({worst_signal(after)})" if after is not None and not after.consistent else ""

@@ -125,6 +125,8 @@ def improvement_table(result: Improvement) -> Group:
         twins = result.steps[i - 1].indistinguishable_from if i else ()
         if twins:
             table.add_row(Text(f"  or {_listed(twins)}"))
+        if i and result.steps[i - 1].removed:
+            table.add_row(Text(f"  without {_listed(result.steps[i - 1].removed)}, needless now"))
     table.add_section()
     table.add_row(
         "Noise floor",
