@@ -110,6 +110,17 @@ def test_a_wrong_number_is_told_with_what_it_is_instead(diagnosis):
     )
 
 
+def test_one_name_of_several_is_no_fact(diagnosis):
+    finding = replace(
+        diagnosis.findings[0], probability=0.08, model_value=0.03, total=Estimate(0.031, 1e-4, "")
+    )
+    alike = replace(finding, indistinguishable_from=tuple(EffectKey("backlash", str(k)) for k in range(3)))
+    assert "(or one of three other causes that look the same)" in sentence(
+        replace(diagnosis, findings=(alike, alike))
+    )
+    assert "look the same" not in sentence(replace(diagnosis, findings=(replace(alike, probability=0.6),)))
+
+
 def test_shares_say_where():
     share = Share("knee", "torque_measured", "speed", (-1.0, 1.0), "rad/s", 0.64)
     assert share_phrase(share) == "64 % is in the knee torque, at speeds of −1 to 1 rad/s"

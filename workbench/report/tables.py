@@ -68,7 +68,7 @@ def compare_table(result: Comparison) -> Group:
         inverse = 100.0 * result.inverse_dynamics.relative_error
         parts.append(
             Text(
-                f"The torque that the model needs for the motion is {inverse:.3g} % off the recorded one"
+                f"The torque that the model needs for the motion is {number(inverse)} % off the recorded one"
                 f" ({result.inverse_dynamics.filter})."
             )
         )
