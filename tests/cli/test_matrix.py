@@ -103,7 +103,7 @@ ARGUMENTS = {"recordings": "arm.toml", "config": "can.toml", "run": "arm.toml", 
 ASKED: dict[str, list[list[Any]]] = {
     "add": [[m, "coulomb_friction@" + a, "torque=0.1"] for m, a in
             (("leg", "knee"), ("actuator", "drive"), ("arm.xml", "lift"), ("arm.urdf", "bend"),
-             ("free.xml", "lift"))],
+             ("free.xml", "lift"))] + [["arm.xml", "friction_as_in_mjcf"]],
     "approve": [["arm.xml", "arm.toml"]],
     "check": [[m] for m in MODELS],
     "compare": [["leg", SUM], *([m, "arm.toml"] for m in FOREIGN)],

@@ -124,3 +124,12 @@ def test_counts_of_a_measured_motor(tmp_path: Path) -> None:
     copy.write_bytes(file.read_bytes())
     _, recording = imported(copy, Answers(model_axes=("motor",), linear=(False,), counts=8192))
     assert 0.99 < np.ptp(recording.position) / (2 * np.pi) < 1.0
+
+
+def test_a_sensor_that_stops_is_no_slower_log(tmp_path: Path) -> None:
+    data = dict(columns(LOG))
+    name = "pos_hip"
+    data[name] = np.where(np.arange(len(data[name])) < len(data[name]) // 2, data[name], np.nan)
+    notes = propose(open_table(put(tmp_path, data))).notes
+    assert not any("more slowly" in note for note in notes)
+    assert any("before and after the measurement" in note for note in notes)
