@@ -131,7 +131,7 @@ def _evenly(empty: np.ndarray) -> bool:
 
 
 def _between(t: np.ndarray, values: np.ndarray, empty: np.ndarray) -> np.ndarray:
-    """Lines (N,) between a slower column's numbers; farther from its first and last than its step, nothing."""
+    """Lines (N,) between a slower column's numbers; NaN farther from their ends than its step."""
     known = t[~empty]
     drawn, step = np.interp(t, known, values[~empty]), float(np.median(np.diff(known)))
     drawn[(t < known[0] - step) | (t > known[-1] + step)] = np.nan
