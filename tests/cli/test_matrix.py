@@ -16,8 +16,9 @@ import typer
 
 from tests.can.make import motor, table
 from tests.cli.here import run
-from tests.cli.test_options import commands, options
+from tests.cli.test_options import commands
 from workbench.cli.app import app, load_commands
+from workbench.cli.common import HtmlOption, ModelArgument, RecordingsArgument
 from workbench.effects import load_model
 from workbench.frf.design_file import load_design
 from workbench.recordings import load_recordings
@@ -95,16 +96,17 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 SUM, DIFFERENCE = LEG / "multisine_sum.toml", LEG / "multisine_diff.toml"
 FOREIGN = ("arm.xml", "arm.urdf", "free.xml")
 MODELS = ("leg", "leg_kin_only", "actuator", "four_bar", "five_bar", "ankle", "emps", *FOREIGN)
-#: What each command is asked, by words; a word that is one of the made files stands for it.
+#: What an argument stands for, so that a new command is in the matrix by itself; a model is each of FOREIGN.
+ARGUMENTS = {"recordings": "arm.toml", "config": "can.toml", "run": "arm.toml", "bundle": "arm.toml",
+             "output": "arm.toml"}  # fmt: skip
+#: What commands are asked that need other words, or more; a word that is one of the made files stands for it.
 ASKED: dict[str, list[list[Any]]] = {
     "add": [[m, "coulomb_friction@" + a, "torque=0.1"] for m, a in
             (("leg", "knee"), ("actuator", "drive"), ("arm.xml", "lift"), ("arm.urdf", "bend"),
-             ("free.xml", "lift"))],
+             ("free.xml", "lift"))] + [["arm.xml", "friction_as_in_mjcf"]],
     "approve": [["arm.xml", "arm.toml"]],
     "check": [[m] for m in MODELS],
     "compare": [["leg", SUM], *([m, "arm.toml"] for m in FOREIGN)],
-    "diagnose": [[m, "arm.toml"] for m in FOREIGN],
-    "improve": [["arm.xml", "arm.toml"]],
     "inspect": [[SUM, DIFFERENCE], ["arm.toml"]],
     "excite": [[m, "--amplitude", "0.5", "--period", "1", "--periods", "1", "--f-max", "20", "--rate", "500",
                 "--speed-limit", "40", *more]
@@ -116,13 +118,8 @@ ASKED: dict[str, list[list[Any]]] = {
     "import": [["arm.csv", "--model", "arm.xml", "-y"], ["arm.urdf"]],
     "normalize": [[m] for m in MODELS],
     "record": [["leg", "slow"]],
-    "can load": [["can.toml"]],
-    "can dbc": [["can.toml"]],
     "train": [["reach", "--device", "nonsense", "--unverified"]],
-    "export": [["arm.toml"]],
-    "evaluate": [["arm.toml"]],
     "deploy": [["arm.toml", "can.toml", "--dry-run"]],
-    "demo": [["arm.toml"]],
 }  # fmt: skip
 #: What reads the file that a command writes.
 READ: dict[str, Callable[[Path], object]] = {
@@ -131,10 +128,16 @@ READ: dict[str, Callable[[Path], object]] = {
     "normalize": lambda p: load_model(str(p)),
     "excite": load_design,
     "record": lambda p: load_recordings(sorted(p.glob("*.toml"))),
-    "approve": lambda p: json.loads(p.read_text()),
+    "approve": lambda p: strictly(p.read_text()),
+    "identify actuator": lambda p: load_model(str(p)),
+    "identify leg": lambda p: load_model(str(p)),
+    "import": lambda p: load_recordings([p]),
+    "fleet": lambda p: [strictly(each.read_text()) for each in p.glob("*.json")],
 }
 SUFFIX = {"normalize": ".xml", "can dbc": ".dbc", "approve": ".json"}
 SUFFIX |= dict.fromkeys(("record", "fleet", "train", "evaluate"), "")
+ENDINGS = {"--json": ".json", "--html": ".html"}  # of an option that writes a FILE; of others: a picture
+READS = {"--record"}  # options of a FILE that is there already
 
 
 def tree() -> dict[str, Any]:
@@ -142,9 +145,27 @@ def tree() -> dict[str, Any]:
     return dict(commands(typer.main.get_command(app)))
 
 
-def test_every_command_is_in_the_matrix() -> None:
-    missing = set(tree()) - ELSEWHERE - set(ASKED)
-    assert not missing, f"say in ASKED what {', '.join(sorted(missing))} is asked"
+def asked_of(name: str, command: Any) -> list[list[Any]]:
+    """The words after each call of a command: those stated, else one for every argument that it has."""
+    if name in ASKED:
+        return ASKED[name]
+    arguments = [p.name for p in command.params if p.param_type_name == "argument"]
+    unknown = [a for a in arguments if a != "model" and a not in ARGUMENTS]
+    assert not unknown, f"say in ASKED what '{name}' is asked: nobody knows its {', '.join(unknown)}"
+    machines = FOREIGN if "model" in arguments else ("",)
+    return [[m if a == "model" else ARGUMENTS[a] for a in arguments] for m in machines]
+
+
+def outputs(command: Any, folder: Path, suffix: str) -> dict[str, Path]:
+    """Every option by which a command writes, with a file for it."""
+    found = {}
+    for p in command.params:
+        option = p.opts[0]
+        if option == "--output":
+            found[option] = folder / f"written{suffix}"
+        elif p.param_type_name == "option" and p.metavar == "FILE" and option not in READS:
+            found[option] = folder / f"{option.strip('-')}{ENDINGS.get(option, '.png')}"
+    return found
 
 
 def strictly(text: str) -> Any:
@@ -164,17 +185,26 @@ def fine(ended: Any, words: list[object]) -> bool:
     return ended.returncode != 2
 
 
-CASES = [(name, k) for name, asked in ASKED.items() for k in range(len(asked))]
+def test_a_new_command_is_in_the_matrix_by_itself() -> None:
+    made = typer.Typer()
+
+    @made.command()
+    def weigh(model: ModelArgument, recordings: RecordingsArgument, html: HtmlOption = None) -> None: ...
+
+    command = typer.main.get_command(made)
+    assert asked_of("weigh", command) == [[m, "arm.toml"] for m in FOREIGN]
+    assert set(outputs(command, Path("x"), ".toml")) == {"--html"}
+
+
+TREE = tree()
+CALLS = {name: asked_of(name, command) for name, command in TREE.items() if name not in ELSEWHERE}
+CASES = [(name, k) for name, calls in CALLS.items() for k in range(len(calls))]
 
 
 @pytest.mark.parametrize(("name", "k"), CASES, ids=[f"{n} {k}" for n, k in CASES])
 def test_every_output_of_every_command(name: str, k: int, files: dict[str, Path], tmp_path: Path) -> None:
-    has = options(tree()[name])
-    words: list[object] = [*name.split(), *(files.get(str(w), w) for w in ASKED[name][k])]
-    output = tmp_path / f"written{SUFFIX.get(name, '.toml')}"
-    outputs = {"--json": tmp_path / "result.json", "--html": tmp_path / "page.html", "--output": output,
-               "--figure": tmp_path / "drawn.png"}  # fmt: skip
-    made = {option: path for option, path in outputs.items() if option in has}
+    words: list[object] = [*name.split(), *(files.get(str(w), w) for w in CALLS[name][k])]
+    made = outputs(TREE[name], tmp_path, SUFFIX.get(name, ".toml"))
     asked = [*words, *(w for pair in made.items() for w in pair)]
     ended = run(*asked, cwd=tmp_path)
     if not fine(ended, words):
@@ -186,8 +216,10 @@ def test_every_output_of_every_command(name: str, k: int, files: dict[str, Path]
     if "--html" in made:
         page = made["--html"].read_text()
         assert page.lstrip().lower().startswith("<!doctype html") and page.rstrip().endswith("</html>")
-    if "--output" in made and output.exists() and name in READ:
-        READ[name](output)
+    for picture in (p for p in made.values() if p.suffix == ".png" and p.exists()):
+        assert picture.read_bytes().startswith(b"\x89PNG")
+    if "--output" in made and made["--output"].exists() and name in READ:
+        READ[name](made["--output"])
     before = {p: p.read_bytes() for p in made.values() if p.is_file()}
     again = run(*asked, cwd=tmp_path)
     assert again.returncode == 2 and "--force" in again.stderr, (words, again.stderr)
@@ -196,3 +228,5 @@ def test_every_output_of_every_command(name: str, k: int, files: dict[str, Path]
         rest = [w for o, p in made.items() if o == "--output" for w in (o, p)]
         forced = run(*words, *rest, "--json", "-", "--force", cwd=tmp_path)
         assert fine(forced, words) and strictly(forced.stdout)["format"] == 1
+        silent = run(*asked, "--force", "--quiet", cwd=tmp_path)
+        assert fine(silent, words) and silent.stdout == ""

@@ -249,3 +249,16 @@ def test_what_cannot_be_compared_is_refused() -> None:
     bare = without(with_unknown_loop(log), "torque_measured", "torque_command")
     with pytest.raises(InputError, match="neither the loop nor a torque"):
         compare(UNKNOWN, [bare])
+
+
+def test_a_handful_of_rows_is_refused() -> None:
+    log = logs()[0]
+    for rows in (2, 5, 29):
+        few = replace(
+            log,
+            time=log.time[:rows],
+            valid=log.valid[:rows],
+            signals={name: values[:rows] for name, values in log.signals.items()},
+        )
+        with pytest.raises(InputError, match=f"{rows} rows are too few"):
+            compare(LEG, [few])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.here import run
 from tests.dry_arm import RIGID, dry_arm, made
 from workbench.comparison import compare
 from workbench.core import Comparison
@@ -47,3 +48,12 @@ def test_logs_that_have_the_softness_are_told_how_to_state_it(tmp_path: Path) ->
     assert "as_in_mjcf = true" in soft_notes(found)[0]
     stated = compare(replace(model, friction_as_in_mjcf=True), [log])
     assert stated.consistent and not soft_notes(stated)
+
+
+def test_add_writes_that_friction_is_as_soft_as_in_the_file(tmp_path: Path) -> None:
+    file = dry_arm(tmp_path)
+    done = run("add", file, "friction_as_in_mjcf", "-o", tmp_path / "soft.toml")
+    assert done.returncode == 0 and load_model(tmp_path / "soft.toml").friction_as_in_mjcf
+    bare = run("add", dry_arm(tmp_path, "none"), "friction_as_in_mjcf", "-o", tmp_path / "bare.toml")
+    assert bare.returncode == 2 and "no dry friction of its own" in bare.stderr
+    assert not (tmp_path / "bare.toml").exists()

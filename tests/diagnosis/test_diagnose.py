@@ -71,6 +71,13 @@ def test_a_log_of_a_few_rows_has_no_verdict() -> None:
         diagnose(load_model("leg"), [few])
 
 
+def test_a_machine_that_never_moved_has_no_verdict() -> None:
+    (log, *_), _ = recordings()
+    still = {name: np.zeros_like(values) for name, values in log.signals.items()}
+    with pytest.raises(InputError, match="no axis moves"):
+        diagnose(load_model("leg"), [replace(log, signals=still)])
+
+
 def test_the_parts_of_friction_are_told_one_after_the_other() -> None:
     training, held_out = recordings(
         HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.15}),

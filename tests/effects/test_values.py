@@ -15,7 +15,7 @@ from tests.cli.here import run
 from tests.effects.cases import ON_A_PLATE, ON_AN_ARM, VALUES
 from workbench.core import EffectKey, InputError
 from workbench.effects import EFFECTS, Effect, effect_named, load_model, places
-from workbench.models import Placement
+from workbench.models import MOST, Placement
 
 #: What else than a value may stand in the place of one.
 _NONE = ("nan", "inf", "-inf", "much", "")
@@ -31,7 +31,7 @@ def place_of(effect: Effect) -> tuple[str, EffectKey]:
 
 
 def beyond(effect: Effect, name: str, key: EffectKey, model: str) -> Iterator[float]:
-    """Values of a parameter below and above its bounds, where it has any."""
+    """Values of a parameter below and above its bounds, or beyond all that a file may hold."""
     loaded = load_model(model)
     parameter = next(p for p in effect.parameters if p.name == name)
     low, high = parameter.lower, parameter.upper
@@ -41,10 +41,8 @@ def beyond(effect: Effect, name: str, key: EffectKey, model: str) -> Iterator[fl
         lows, highs = effect.bounds(loaded, Placement.of(loaded, key))
         low = lows[0] + parameter.neutral if len(lows) else low
         high = highs[0] + parameter.neutral if len(highs) else high
-    if math.isfinite(low):
-        yield low - 1e-3 * max(1.0, abs(low))
-    if math.isfinite(high):
-        yield high + 1e-3 * max(1.0, abs(high))
+    yield low - 1e-3 * max(1.0, abs(low)) if math.isfinite(low) else -2 * MOST
+    yield high + 1e-3 * max(1.0, abs(high)) if math.isfinite(high) else 2 * MOST
 
 
 def words(key: EffectKey, values: dict[str, object]) -> list[str]:

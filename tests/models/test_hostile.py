@@ -130,3 +130,14 @@ def test_mujoco_leaves_no_file_and_says_nothing(
     mujoco.mj_step(m, data)
     assert data.warning.number.sum() > 0 and list(tmp_path.iterdir()) == []
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("what", ["armature", "damping", "frictionloss"])
+def test_less_than_nothing_of_a_joint_is_refused(what: str, tmp_path: Path) -> None:
+    file = tmp_path / "arm.xml"
+    file.write_text(
+        f'<mujoco><worldbody><body><joint name="a" {what}="-0.1"/><geom size="0.1"/></body>'
+        "</worldbody></mujoco>"
+    )
+    with pytest.raises(InputError, match=f"joint 'a' has {what} -0.1"):
+        read_model(file)

@@ -99,7 +99,7 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     ),
     "an unknown parameter": (effect(parameters={"torque": 0.1, "heat": 1.0}), ("heat", "it has torque")),
     "a missing parameter": (effect(parameters={}), ("torque=VALUE", "N*m")),
-    "friction that drives": (effect(parameters={"torque": -0.1}), ("-0.1", "0 to inf N*m")),
+    "friction that drives": (effect(parameters={"torque": -0.1}), ("-0.1", "0 to 1e+12 N*m")),
     "a value that is no number": (effect(parameters={"torque": float("nan")}), ("effects",)),
     "less damping than none": (
         effect(effect="viscous_damping", parameters={"damping": -0.2}),

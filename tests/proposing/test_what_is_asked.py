@@ -107,6 +107,15 @@ def test_rows_that_the_log_says_are_not_measured_are_masked(tmp_path: Path, name
     assert not any("Not used" in note for note in proposal.notes)
 
 
+@pytest.mark.parametrize(("size", "best"), [(4096, "4096"), (16384, "16384"), (65536, "")])
+def test_counts_that_wrap_are_offered_with_their_turn(size: int, best: str, tmp_path: Path) -> None:
+    t = 0.002 * np.arange(4000)
+    counts = np.round((6 + 3 * np.sin(2 * t)) / (2 * np.pi) * size) % size
+    table = open_table(put(tmp_path, {"t": t, "pos": counts, "torque": np.cos(2 * t)}))
+    asked = {q.key: q.best for q in propose(table).questions}
+    assert asked["counts"] == best
+
+
 def test_counts_of_a_measured_motor(tmp_path: Path) -> None:
     file = data_folder("odrive") / "nocomp_0.csv.gz"
     asked = propose(open_table(file), Answers(model_axes=("motor",), linear=(False,))).questions
@@ -115,3 +124,12 @@ def test_counts_of_a_measured_motor(tmp_path: Path) -> None:
     copy.write_bytes(file.read_bytes())
     _, recording = imported(copy, Answers(model_axes=("motor",), linear=(False,), counts=8192))
     assert 0.99 < np.ptp(recording.position) / (2 * np.pi) < 1.0
+
+
+def test_a_sensor_that_stops_is_no_slower_log(tmp_path: Path) -> None:
+    data = dict(columns(LOG))
+    name = "pos_hip"
+    data[name] = np.where(np.arange(len(data[name])) < len(data[name]) // 2, data[name], np.nan)
+    notes = propose(open_table(put(tmp_path, data))).notes
+    assert not any("more slowly" in note for note in notes)
+    assert any("before and after the measurement" in note for note in notes)

@@ -63,6 +63,7 @@ def test_a_held_out_error_stands_beside_its_own_noise_floor(diagnosis):
 
 def test_improve_lists_every_step_and_the_noise_floor(improvement):
     text = printed(improvement_table(improvement))
+    assert "without " in text and "needless now" in text
     assert "+ Coulomb friction" in text and "+ Torque gain" in text
     floor = next(line for line in text.splitlines() if line.startswith("Noise floor"))
     assert "0.0303" in floor, "held-out recordings have a floor of their own"

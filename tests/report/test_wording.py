@@ -71,6 +71,9 @@ def test_verdicts(comparison, diagnosis, improvement):
         replace(improvement, verdict="unexplained", error_after=3 * improvement.noise_error)
     )
     assert "nothing was added" in sentence(replace(improvement, steps=()))
+    first, last = improvement.steps
+    taken_out = sentence(replace(improvement, steps=(first, replace(last, removed=(first.key,)))))
+    assert taken_out.startswith("With torque gain on the hip drive, the model explains")
     off = replace(improvement, after=replace(improvement.after, consistent=False))
     assert "to the noise as a whole (the " in sentence(off) and "times its own noise): " in sentence(off)
 
@@ -105,6 +108,17 @@ def test_a_wrong_number_is_told_with_what_it_is_instead(diagnosis):
     assert many.startswith(
         "Four numbers of the model are wrong: damping on the thigh, thigh, thigh and thigh"
     )
+
+
+def test_one_name_of_several_is_no_fact(diagnosis):
+    finding = replace(
+        diagnosis.findings[0], probability=0.08, model_value=0.03, total=Estimate(0.031, 1e-4, "")
+    )
+    alike = replace(finding, indistinguishable_from=tuple(EffectKey("backlash", str(k)) for k in range(3)))
+    assert "(or one of three other causes that look the same)" in sentence(
+        replace(diagnosis, findings=(alike, alike))
+    )
+    assert "look the same" not in sentence(replace(diagnosis, findings=(replace(alike, probability=0.6),)))
 
 
 def test_shares_say_where():

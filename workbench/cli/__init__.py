@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+import warnings
 
 
 def main() -> None:
@@ -15,6 +16,8 @@ def main() -> None:
     from .app import run
 
     signal.signal(signal.SIGINT, before)
+    # numbers beyond all bounds end as an answer or an error of our own; where they arose helps nobody here
+    warnings.filterwarnings("ignore", category=RuntimeWarning)
     try:
         run()
     except KeyboardInterrupt:

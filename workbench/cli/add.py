@@ -27,6 +27,8 @@ from .common import (
     write_result,
 )
 
+_AS_IN_MJCF = "friction_as_in_mjcf"  # no effect, but how the friction that the model has sets in
+
 
 @app.command()
 def add(
@@ -71,6 +73,21 @@ def add(
     check_model_output(output, force=force)
     check_outputs(json, force=force)
     loaded = load_model(model)
+    if effect == _AS_IN_MJCF:
+        new = replace(soft(loaded, values, diagnosis), name=Path(output).stem)
+        write_model(new, output, force=force)
+        if json:
+            content = {
+                "format": FORMAT,
+                "model": new.name,
+                "from": loaded.name,
+                "file": output,
+                "effects": [],
+            }
+            write_result(content, json, files=files_of(loaded), force=force)
+        if not quiet and json != "-":
+            echo(f"Wrote {output}: {loaded.name} with dry friction that sets in as its MJCF has it.")
+        return
     wanted = parse_place(effect) if effect else None
     found = read_findings(diagnosis) if diagnosis else []
     if wanted is not None:
@@ -100,6 +117,24 @@ def add(
         write_result(content, json, files=read, force=force)
     if not quiet and json != "-":
         echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
+
+
+def soft(model: Any, values: list[str] | None, diagnosis: str | None) -> Any:
+    """The model with the dry friction of its MJCF as soft as MuJoCo's constraint has it there.
+
+    Raises:
+        InputError: something was given beside it, or the MJCF states no dry friction.
+    """
+    from workbench.models import own_friction
+
+    if values or diagnosis:
+        raise InputError(f"{_AS_IN_MJCF} has no parameters", remedy="leave out what was given beside it")
+    if not own_friction(model):
+        raise InputError(
+            f"model '{model.name}' has no dry friction of its own", file=model.source,
+            remedy="state frictionloss in its MJCF, or add coulomb_friction",
+        )  # fmt: skip
+    return replace(model, friction_as_in_mjcf=True)
 
 
 def settled(model: Any, path: str, found: Sequence[Any]) -> Any:

@@ -37,6 +37,8 @@ from .touching import contact_notes, refuse_overlaps
 from .unlogged import with_the_unlogged
 from .where import locate
 
+_FEWEST = 30  # rows: from fewer neither their noise nor the start of a run can be told
+
 
 def simulate_with_noise(
     model: Model,
@@ -62,7 +64,7 @@ def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, .
 
     Raises:
         InputError: none given, other axes, a base that floats on one side only, a transmission that
-            changes with the posture, or links that overlap wherever they were.
+            changes with the posture, very few rows, or links that overlap wherever they were.
     """
     if not recordings:
         raise InputError("no recordings given", remedy="name at least one recording's TOML file")
@@ -75,6 +77,11 @@ def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, .
     out = tuple(with_base(r, model) for r in recordings)
     for r in out:
         check_axes(r, model)
+        if len(r) < _FEWEST:
+            raise InputError(
+                f"{len(r)} rows are too few to tell motion from noise", file=r.source,
+                remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
+            )  # fmt: skip
         if on_ground(r):
             check_ground(model, r)
     refuse_overlaps(model, out)

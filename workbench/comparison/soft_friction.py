@@ -17,7 +17,10 @@ from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 
 _FEW = 4
-_STATE = "the recordings have it: state as_in_mjcf = true in [friction] of a model file"
+_STATE = (
+    "the recordings have it: state as_in_mjcf = true in [friction] of a model file, as workbench add MODEL "
+    "friction_as_in_mjcf does"
+)
 
 
 def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | None:

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from workbench.core import InputError, Recording
-from workbench.models import Model, base_contacts, load_tree, machine_bodies
+from workbench.models import Model, base_contacts, load_tree, machine_bodies, warned
 
 _POSES = 200  # over all recordings; a motion shows in fewer what touches
 
@@ -48,7 +48,10 @@ def contact_notes(model: Model, recordings: Sequence[Recording]) -> tuple[str, .
     for pair, share in shares.items():
         if pair not in left_out:
             one, other = sorted(pair)
-            notes.append(f"'{one}' and '{other}' touch at {100 * share:.0f} % of the measured poses")
+            notes.append(
+                f"'{one}' and '{other}' touch at {100 * share:.0f} % of the measured poses; what is said of "
+                "torques along the measured motion leaves their contact out"
+            )
     return tuple(notes)
 
 
@@ -60,7 +63,8 @@ def _touching(
     machine = machine_bodies(spec)
     left_out = {frozenset(pair): pair for pair in base_contacts(spec)}
     stated = {*(() if model.ground is None else (*model.ground.feet, model.ground.surface))}
-    m = spec.compile()
+    with warned():  # said where the model is built
+        m = spec.compile()
     if not (m.npair or (m.geom_contype.any() and m.geom_conaffinity.any())):
         return {}, left_out, machine
     data, counts = mujoco.MjData(m), dict[frozenset[str], int]()

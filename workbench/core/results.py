@@ -292,3 +292,12 @@ class Improvement:
     notes: tuple[str, ...] = ()
     holdout_noise_error: float | None = None
     nearest: bool = False
+
+    @property
+    def kept(self) -> tuple[Step, ...]:
+        """The steps whose effects the last model has: those that no later step made needless."""
+        return tuple(
+            step
+            for i, step in enumerate(self.steps)
+            if not any(step.key in later.removed for later in self.steps[i + 1 :])
+        )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from workbench.comparison import Simulated, evaluate, followed, matched
 from workbench.core import Comparison, InputError, Recording, SimulationError
 from workbench.models import Model
@@ -97,6 +99,11 @@ def _matched(
         raise InputError(
             f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
             remedy=f"record for longer, {POLICY.fewest_rows} rows at least and seconds of motion",
+        )  # fmt: skip
+    if all(np.ptp(r.position[r.valid], axis=0).max() == 0.0 for r in fitted):
+        raise InputError(
+            "no axis moves in these recordings", file=fitted[0].source,
+            remedy="record some motion: what stands still shows no effect",
         )  # fmt: skip
     refuse_coordinates(model, (*fitted, *judging))
     refuse_unit(model, fitted)

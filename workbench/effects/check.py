@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import Estimate, InputError
-from workbench.models import AppliedEffect, Model, Placement, read_model
+from workbench.models import MOST, AppliedEffect, Model, Placement, read_model
 
 from .base import is_rotary
 from .catalogue import effect_named
@@ -58,12 +58,15 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
     low, high = effect.bounds(model, place)
     for name, parameter in known.items():
         unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
+        in_unit = "" if unit == "1" else f" {unit}"
         if name not in applied.parameters:
-            raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE in {unit}")
+            given_in = f" in{in_unit}" if in_unit else ""
+            raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE{given_in}")
         estimate = applied.parameters[name]
         lower = parameter.lower if own is None else float(low[0])
-        if not (np.isfinite(estimate.value) and lower <= estimate.value <= parameter.upper):
-            allowed = f"{lower:g} to {parameter.upper:g} {unit}"
+        lower, upper = max(lower, -MOST), min(parameter.upper, MOST)  # what can be written can be read
+        if not (np.isfinite(estimate.value) and lower <= estimate.value <= upper):
+            allowed = f"{lower:g} to {upper:g}{in_unit}"
             raise refuse(
                 f"{effect.name}: {name} = {estimate.value:g} lies outside {allowed}",
                 "give a value that a body can have",

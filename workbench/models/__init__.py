@@ -2,13 +2,14 @@
 
 from .alike import alike_axes
 from .contacts import base_contacts, machine_bodies
-from .engine import silence
+from .engine import silence, warned
 from .floating import BASE_AXES
 from .from_table import structural_effect
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
 from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_friction, take_friction
 from .paths import find_model
 from .read import read_model
+from .schema import MOST
 from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
 from .spec import load_mjcf, load_tree, load_with_loops
 from .write import linkage_table, model_text, write_model
@@ -17,6 +18,7 @@ silence()
 
 __all__ = [
     "BASE_AXES",
+    "MOST",
     "NO_FRICTION",
     "VARIANTS",
     "Actuators",
@@ -46,5 +48,6 @@ __all__ = [
     "rotors",
     "structural_effect",
     "take_friction",
+    "warned",
     "write_model",
 ]

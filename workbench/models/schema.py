@@ -8,10 +8,10 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from .model import VARIANTS
 
-_MOST = 1e12  # SI; no machine has more of anything, and the square of it is still a number
-_Number = Annotated[float, Field(ge=-_MOST, le=_MOST)]
-_Quantity = Annotated[float, Field(ge=0.0, le=_MOST)]
-_Positive = Annotated[float, Field(gt=0.0, le=_MOST)]
+MOST = 1e12  # SI; no machine has more of anything, and the square of it is still a number
+_Number = Annotated[float, Field(ge=-MOST, le=MOST)]
+_Quantity = Annotated[float, Field(ge=0.0, le=MOST)]
+_Positive = Annotated[float, Field(gt=0.0, le=MOST)]
 _Limit = Annotated[float, Field(gt=0.0)]  # infinite: none
 
 

@@ -14,6 +14,7 @@ from workbench.core import EffectKey
 
 from .model import Model
 from .spec import load_tree
+from .urdf import is_urdf
 
 
 @dataclass(frozen=True)
@@ -133,10 +134,12 @@ def limits_left_out(model: Model) -> str | None:
     names = [name for name in model.joints if name in _limited(model.serial)]
     if not names:
         return None
-    return (
-        f"limits of the MJCF's actuators on {', '.join(names)} are left out, as all its actuators are; "
-        "state torque_limit in [actuators] to have them"
+    whose = (
+        f"efforts that the URDF states for {', '.join(names)} are left out"
+        if is_urdf(model.serial)
+        else f"limits of the MJCF's actuators on {', '.join(names)} are left out, as all its actuators are"
     )
+    return f"{whose}; state torque_limit in [actuators] to have them"
 
 
 @lru_cache(maxsize=64)

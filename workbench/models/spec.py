@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from workbench.core import InputError
 
@@ -69,8 +70,8 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
     """Names of its joints, of which each turns or slides, in a tree that MuJoCo can compile.
 
     Raises:
-        InputError: it has none or others, they have no names, gravity is no number of m/s^2, or it cannot be
-            compiled.
+        InputError: it has none or others, they have no names or a negative number, gravity is no number of
+            m/s^2, or it cannot be compiled.
     """
     names: list[str] = []
     for joint in spec.joints:
@@ -82,6 +83,7 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
             )
         if not joint.name:
             raise InputError("a joint has no name", file=file, remedy="name every joint")
+        _refuse_negative(joint, file)
         names.append(joint.name)
     if not names:
         raise InputError("the MJCF has no joints", file=file, remedy="give a tree with hinge or slide joints")
@@ -97,6 +99,16 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
             f"MuJoCo cannot compile this model: {error}", file=file, remedy="correct what it names"
         ) from error
     return names
+
+
+def _refuse_negative(joint: mujoco.MjsJoint, file: Path) -> None:
+    for what in ("armature", "damping", "frictionloss"):
+        number = float(np.ravel(getattr(joint, what))[0])  # of a damping by powers of speed the linear one
+        if number < 0.0:
+            raise InputError(
+                f"joint '{joint.name}' has {what} {number:.3g}", file=file, column=what,
+                remedy="a machine has zero or more of it",
+            )  # fmt: skip
 
 
 def end_site(spec: mujoco.MjSpec) -> str | None:

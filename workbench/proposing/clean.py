@@ -50,7 +50,7 @@ def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str], run
     for name, values in data.items():
         empty = ~np.isfinite(values)
         if _SPARSE < empty.mean() < 0.99 and _evenly(empty):
-            data[name] = np.interp(t, t[~empty], values[~empty])
+            data[name] = _between(t, values, empty)
             notes.append(
                 f"'{name}' is logged more slowly than the rest; lines are drawn between its numbers."
             )
@@ -65,7 +65,9 @@ def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str], run
         data = {name: values[first:last] for name, values in data.items()}
     valid = None
     if not good.all():
-        notes.append(f"{int((~good).sum())} rows with empty cells are marked as not measured.")
+        count = int((~good).sum())
+        some = "1 row with an empty cell is" if count == 1 else f"{count} rows with empty cells are"
+        notes.append(f"{some} marked as not measured.")
         valid = good
     step = np.diff(t)
     if len(step) and step.max() > max(1.5 * np.median(step), 1.3 * np.quantile(step, 0.95)):
@@ -122,4 +124,15 @@ def _without_repeats(t: np.ndarray, notes: list[str]) -> tuple[np.ndarray, np.nd
 def _evenly(empty: np.ndarray) -> bool:
     """Whether numbers come at regular distances between empty cells."""
     at = np.flatnonzero(~empty)
-    return len(at) > 10 and float(np.quantile(np.diff(at), 0.99)) <= 2.0 * float(np.median(np.diff(at))) + 1
+    if len(at) <= 10:
+        return False
+    usual = float(np.median(np.diff(at)))  # rows; numbers in each that then end are no slower log
+    return usual > 1 and float(np.quantile(np.diff(at), 0.99)) <= 2.0 * usual + 1
+
+
+def _between(t: np.ndarray, values: np.ndarray, empty: np.ndarray) -> np.ndarray:
+    """Lines (N,) between a slower column's numbers; NaN farther from their ends than its step."""
+    known = t[~empty]
+    drawn, step = np.interp(t, known, values[~empty]), float(np.median(np.diff(known)))
+    drawn[(t < known[0] - step) | (t > known[-1] + step)] = np.nan
+    return drawn

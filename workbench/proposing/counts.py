@@ -6,6 +6,7 @@ import numpy as np
 
 #: Steps a turn that encoders have: powers of two of absolute ones, and four a line of incremental ones.
 TURNS = tuple(2**k for k in range(10, 25)) + tuple(4 * lines for lines in (500, 1000, 2500, 5000, 10000))
+_NUMBERS = (2**16, 2**32)  # a count of so many bits begins anew wherever a turn ends
 _SURELY = 4096  # fractions are interpolated counts only of a turn that no angle in degrees is as long as
 _OVER = 0.9  # of a turn is run over,
 _NEAR = 0.02  # to one of its ends to so much of it,
@@ -32,6 +33,11 @@ def turn_of(values: np.ndarray) -> int:
     if np.array_equal(values, np.round(values), equal_nan=True) and np.nanmax(np.abs(values)) < max(found):
         found -= {0}
     return found.pop() if len(found) == 1 else 0
+
+
+def turn_that_wraps(size: int) -> int:
+    """Steps a turn of an encoder that begins anew after `size`; 0 where the number itself may have ended."""
+    return size if size in TURNS and size not in _NUMBERS else 0
 
 
 def _fills(low: float, high: float, turn: int, whole: bool) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from .clean import Clean
 from .clock import time_weights
-from .counts import turn_of
+from .counts import turn_of, turn_that_wraps
 from .disagree import is_near, note_clock, note_factors, note_rate, note_size
 from .draft import FALLBACK_RATE, Draft
 from .likely import UnitTold, motion_units, torque_units
@@ -96,11 +96,8 @@ def settle_units(
     if signals_of("torque", columns):
         motion["torque"] = torque_units(draft, rows, columns, stated)
     for kind, told in motion.items():
-        counts_of = [i for i, t in enumerate(told) if t.unit == "counts"]
-        turn = (
-            turn_of(np.column_stack([rows.columns[columns[kind][i]] for i in counts_of])) if counts_of else 0
-        )
-        units[kind] = _settle(draft, kind, told, stated.linear, turn)
+        counted = [columns[kind][i] for i, t in enumerate(told) if t.unit == "counts"]
+        units[kind] = _settle(draft, kind, told, stated.linear, _turn(rows, counted, wraps or {}))
     if "velocity" in units:
         ask_tens(draft, units, timed=time is not None)
     ask_range(draft, rows, columns["position"], units["position"])
@@ -109,6 +106,14 @@ def settle_units(
         if kind in columns:
             units[kind] = tuple(header_unit(draft, name, kind) or usual for name in columns[kind])
     return units
+
+
+def _turn(rows: Clean, counted: Sequence[str], wraps: Mapping[str, float]) -> int:
+    """Steps a turn of columns that count: where they wrapped, else what they run over; 0 if neither tells."""
+    wrapped = {int(wraps[name]) for name in counted if name in wraps}
+    if len(wrapped) == 1:
+        return turn_that_wraps(wrapped.pop())
+    return turn_of(np.column_stack([rows.columns[name] for name in counted])) if counted else 0
 
 
 def _settle(

@@ -62,8 +62,9 @@ def improvement_sentence(result: Improvement) -> str:
         if result.verdict == "consistent":
             return "The model explains the data to the noise as it is; nothing was added."
         return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds what comes near)."
-    added = any_of([effect_phrase(s.key) for s in result.steps], "and") if len(result.steps) < 4 else ""
-    added = added or f"{_count(len(result.steps))} effects"
+    kept = result.kept
+    added = any_of([effect_phrase(s.key) for s in kept], "and") if len(kept) < 4 else ""
+    added = added or f"{_count(len(kept))} effects"
     if result.verdict == "consistent":
         after = result.after
         but = f" as a whole ({worst_signal(after)})" if after is not None and not after.consistent else ""
@@ -96,9 +97,17 @@ def _corrected(finding: Finding) -> str:
     """``"the damping on the knee drive is 0.28 ± 0.02 N m s/rad, not 0.6"``."""
     what = f"the {_NUMBERS.get(finding.key.effect, plain(finding.key.effect))} {place(finding.key)}"
     if finding.total is not None and finding.model_value is not None:
-        return f"{what} is {interval(finding.total)}, not {number(finding.model_value)}"
+        return f"{what} is {interval(finding.total)}, not {number(finding.model_value)}{_or(finding)}"
     more = any_of([f"{interval(e)} {plain(name)}" for name, e in finding.parameters.items()], "and")
-    return f"{what} differs by {more}"
+    return f"{what} differs by {more}{_or(finding)}"
+
+
+def _or(finding: Finding) -> str:
+    """That it is one name of several, where others are likelier together than it."""
+    others = len(finding.indistinguishable_from)
+    if not others or finding.probability >= 0.5:
+        return ""
+    return f" (or one of {_count(others)} other causes that look the same)"
 
 
 def _missing(findings: Sequence[Finding], beside: bool) -> str:
@@ -107,8 +116,10 @@ def _missing(findings: Sequence[Finding], beside: bool) -> str:
         return ""
     if len(findings) == 1:
         one = findings[0]
-        return f"Something is missing{too}: {effect_phrase(one.key)}{single_value(one.parameters)}."
-    names = any_of(_phrases([f.key for f in findings]), "and")
+        return f"Something is missing{too}: {effect_phrase(one.key)}{single_value(one.parameters)}{_or(one)}."
+    doubted = any(map(_or, findings))
+    each = [f"{effect_phrase(f.key)}{_or(f)}" for f in findings]
+    names = any_of(each if doubted else _phrases([f.key for f in findings]), "and")
     return f"{capital(_count(len(findings)))} effects are missing{too}: {names}."
 
 

@@ -69,7 +69,7 @@ def compare_table(result: Comparison) -> Group:
         inverse = 100.0 * result.inverse_dynamics.relative_error
         parts.append(
             Text(
-                f"The torque that the model needs for the motion is {inverse:.3g} % off the recorded one"
+                f"The torque that the model needs for the motion is {number(inverse)} % off the recorded one"
                 f" ({result.inverse_dynamics.filter})."
             )
         )
@@ -129,6 +129,8 @@ def improvement_table(result: Improvement) -> Group:
         twins = result.steps[i - 1].indistinguishable_from if i else ()
         if twins:
             table.add_row(Text(f"  or {_listed(twins)}"))
+        if i and result.steps[i - 1].removed:
+            table.add_row(Text(f"  without {_listed(result.steps[i - 1].removed)}, needless now"))
     table.add_section()
     table.add_row(
         "Noise floor",

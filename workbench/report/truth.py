@@ -35,7 +35,7 @@ def truth_rows(result: Improvement | Diagnosis, truth: Truth) -> tuple[TruthRow,
             name to a number, to ``{"value", "unit"}``, or to an `Estimate`. The place is named as a finding
             would name it.
     """
-    found = result.steps if isinstance(result, Improvement) else result.findings
+    found = result.kept if isinstance(result, Improvement) else result.findings
     rows: list[TruthRow] = []
     for hidden in truth:
         key = EffectKey(hidden["effect"], hidden.get("axis"), hidden.get("location", "actuator"))

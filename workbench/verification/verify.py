@@ -100,6 +100,8 @@ def _variants(subject: Subject) -> dict[str, tuple[float, float, float]]:
     """Mass matrix of two-axis variants at alpha = 90 degrees, which is an angle of a parallelogram."""
     if subject.model.size != 2 or subject.model.posture_dependent:
         return {}
+    if subject.model.closed_chain is None and subject.model.linkage is None:  # a plain arm has no such angle
+        return {}
     names = [*subject.plants, *(["s3n_full_paper"] if "s3n_full" in subject.plants else [])]
     q, v = np.array([[0.0, np.pi / 2]]), np.zeros((1, 2))
     out = {}
