@@ -23,7 +23,7 @@ from .policy import POLICY
 from .screen import Entry
 from .uncertainty import with_deviations
 
-_RELATED = 0.5  # correlation of columns below which two effects are never taken for each other
+_UNRELATED_TOLERANCE = 0.5  # correlation of columns below which two effects are never taken for each other
 
 
 def identifiability_of(
@@ -48,7 +48,7 @@ def _groups(linear: Linear, excited: Sequence[Entry]) -> tuple[tuple[EffectKey, 
     """Effects of which one stands for the other, and the other for the one; those linked are one group."""
     sets: dict[EffectKey, set[EffectKey]] = {e.key: {e.key} for e in excited}
     for one, other in combinations(excited, 2):
-        related = linear.correlation(columns_of(one), columns_of(other)) >= _RELATED
+        related = linear.correlation(columns_of(one), columns_of(other)) >= _UNRELATED_TOLERANCE
         if related and all(
             linear.differs(a, b) < POLICY.significant for a, b in ((one, other), (other, one))
         ):
