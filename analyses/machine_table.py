@@ -81,11 +81,15 @@ def counts(found: Sequence[Row]) -> dict[str, int]:
 
 
 def ratio(answer: Answer, when: Literal["before", "after"]) -> float:
-    """Error over noise on data that were not fitted; after: with what is named, as given if nothing is."""
+    """Error over noise on data that were not fitted; after: with what is named, as given if nothing is.
+
+    Both over the floor of the better model, which is nearer to what a perfect one leaves: with a rotor that is
+    too heavy, noise of the encoder is large torques.
+    """
     if "judged" not in answer:
         return math.nan
-    errors = answer["judged"][when if named(answer) else "before"]
-    return errors["error"] / errors["noise"]
+    end = "after" if named(answer) else "before"
+    return answer["judged"][when if end == "after" else end]["error"] / answer["judged"][end]["noise"]
 
 
 def _right(right: Mapping[str, Any], steps: Sequence[Mapping[str, Any]]) -> Row:
