@@ -83,8 +83,8 @@ def counts(found: Sequence[Row]) -> dict[str, int]:
 def ratio(answer: Answer, when: Literal["before", "after"]) -> float:
     """Error over noise on data that were not fitted; after: with what is named, as given if nothing is.
 
-    Both over the floor of the better model, which is nearer to what a perfect one leaves: with a rotor that is
-    too heavy, noise of the encoder is large torques.
+    Both over the floor of the better model, which is nearer to what a perfect one leaves: with a rotor that
+    is too heavy, noise of the encoder is large torques.
     """
     if "judged" not in answer:
         return math.nan

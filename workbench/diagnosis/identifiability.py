@@ -93,9 +93,9 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
         [_Apart.of(linear, e, told) for e in linear.entries if len(e.linear) == 1] if len(told) > 1 else []
     )
     best = min((t for t in tried if t is not None), key=lambda t: t.left.sum(), default=None)
-    if best is None or (best.left > (1.0 - POLICY.most_of_excess) * linear.excess[told]).any():
+    if best is None or (best.left > (1.0 - POLICY.explained) * linear.excess[told]).any():
         return ()
-    if best.common - best.left.sum() < POLICY.disagreement * linear.excess[told].sum():
+    if np.ptp(best.sizes) < POLICY.disagreement * np.abs(best.sizes).max():
         return ()
     effect = effect_named(best.entry.key.effect)
     (name,) = (p.name for p in effect.parameters if p.name not in effect.nonlinear)
@@ -105,12 +105,11 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
 
 @dataclass(frozen=True)
 class _Apart:
-    """An effect by recording: its sizes, what each leaves above the noise, and what one for all leaves."""
+    """An effect by recording: its sizes, and what each leaves above the noise."""
 
     entry: Entry
     sizes: np.ndarray
     left: np.ndarray
-    common: float
 
     @staticmethod
     def of(linear: Linear, entry: Entry, told: list[int]) -> _Apart | None:
@@ -120,6 +119,4 @@ class _Apart:
         right = np.array([linear.own[i].right[k] for i in told])
         if (gram <= 0.0).any():
             return None
-        excess = linear.excess[told]
-        common = float(excess.sum() - right.sum() ** 2 / gram.sum())
-        return _Apart(entry, right / gram, excess - right**2 / gram, common)
+        return _Apart(entry, right / gram, linear.excess[told] - right**2 / gram)

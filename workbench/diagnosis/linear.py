@@ -17,7 +17,7 @@ from .regression import Regression
 from .screen import Entry, Equations, entries_of, equations_of, responses
 from .sensitivity import Scene
 
-_SAME = 1e-9  # share of a column that others leave where they are the same
+_SAME_TOLERANCE = 1e-9  # share of a column that others leave where they are the same
 
 
 class Linear:
@@ -85,7 +85,7 @@ class Linear:
         if beside:
             block, cross = self._gram[np.ix_(beside, beside)], self._gram[beside, column]
             same = cross @ np.linalg.lstsq(block, cross, rcond=1e-12)[0]
-            if same > (1.0 - _SAME) * self._gram[column, column]:
+            if same > (1.0 - _SAME_TOLERANCE) * self._gram[column, column]:
                 return 0.0
         deviation = np.sqrt(self.covariance([*beside, column])[-1, -1])
         return float(self.small(entry) / max(deviation, 1e-300))
