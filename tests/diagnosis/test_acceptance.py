@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis.acceptance import spoils, stands_out, witnessed
+from workbench.diagnosis.acceptance import spoils
 from workbench.diagnosis.data import Data
+from workbench.diagnosis.significance import stands_out, witnessed
 from workbench.effects import effect_named, load_model
 from workbench.models import AppliedEffect, Placement
 

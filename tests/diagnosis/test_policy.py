@@ -12,8 +12,8 @@ import pytest
 
 import workbench.diagnosis
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis.acceptance import stands_out
 from workbench.diagnosis.policy import POLICY, Policy, trial
+from workbench.diagnosis.significance import stands_out
 from workbench.diagnosis.work_budget import Effort
 from workbench.models import AppliedEffect
 

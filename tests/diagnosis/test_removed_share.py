@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from workbench.core import EffectKey
-from workbench.diagnosis.acceptance import floor_of_judging
 from workbench.diagnosis.evidence.residual_evidence import finding_lines
+from workbench.diagnosis.loss import floor_of_judging
 from workbench.diagnosis.moves.add import next_stage
 from workbench.diagnosis.removed_share import removed_share, removed_shares
 from workbench.diagnosis.screening.screen import screen

@@ -10,11 +10,11 @@ from workbench.effects import Effect, contains, effect_named
 from workbench.models import Model, Placement
 from workbench.simulation import scored_torque
 
-from .acceptance import floor_of_judging
 from .data import Data
 from .fitting.fit import race
 from .fitting.refinement import with_candidate
 from .hypothesis import Fit
+from .loss import floor_of_judging
 from .moves.choice import Explanation
 from .policy import POLICY
 from .screening.compliance import pins_of

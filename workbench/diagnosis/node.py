@@ -13,18 +13,11 @@ from workbench.comparison.consistent import consistent
 from workbench.core import EffectKey, SimulationError
 from workbench.effects import effect_named
 
-from .acceptance import (
-    as_good_as_done,
-    explained,
-    helps_later,
-    mostly_explained,
-    overshadowed,
-    rejudged,
-    unseen_on_held_out,
-)
+from .acceptance import as_good_as_done, helps_later, overshadowed, unseen_on_held_out
 from .data import Data
 from .fitting.divergence import parting
 from .hypothesis import Fit
+from .loss import explained, mostly_explained, rejudged
 from .moves.add import next_stage
 from .policy import POLICY
 from .problem import Quest

@@ -13,9 +13,9 @@ from workbench.comparison import ClosedLoop, MeasuredMotion, followed, with_torq
 from workbench.core import Recording, SimulationError
 from workbench.models import Model
 
-from .acceptance import rejudged
 from .data import Data, gather
 from .hypothesis import Fit, Hypothesis
+from .loss import rejudged
 from .moves.trial_fits import Progress
 from .screening.linear_problem import Linear, is_too_large, linear_along, linear_of
 from .screening.screen import Candidate

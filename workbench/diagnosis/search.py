@@ -10,9 +10,9 @@ from workbench.core import Disagreement, Identifiability, Recording, SimulationE
 from workbench.effects import effect_named
 from workbench.models import Model
 
-from .acceptance import explained, floor_of_judging, mostly_explained, stands_out
 from .checks.sign_check import refuse_mirrored
 from .data import gather
+from .loss import explained, floor_of_judging, mostly_explained
 from .moves.alternative_starts import fewer, otherwise, what_the_torque_shows, what_was_passed_over
 from .moves.grid_refinement import honed
 from .moves.joint_solution import Joint, jointly
@@ -27,6 +27,7 @@ from .removed_share import removed_share
 from .screening.identifiability import disagreements, identifiability_of
 from .screening.screen import silent
 from .search_result import Search
+from .significance import stands_out
 
 
 class UnstableLoop(SimulationError):

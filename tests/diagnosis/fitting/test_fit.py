@@ -6,11 +6,11 @@ import pytest
 
 from tests.diagnosis.rig import recordings
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis.acceptance import rejudged
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.fitting import fit as fit_module
 from workbench.diagnosis.fitting.fit import fit, race
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
+from workbench.diagnosis.loss import rejudged
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
 from workbench.rigs import HiddenEffect

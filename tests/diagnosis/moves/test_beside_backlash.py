@@ -7,9 +7,10 @@ import pytest
 
 from tests.diagnosis.rig import applied, asked, recordings
 from workbench.core import EffectKey, SimulationError
-from workbench.diagnosis.acceptance import floor_of_judging, nearly_at_floor
+from workbench.diagnosis.acceptance import nearly_at_floor
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis
+from workbench.diagnosis.loss import floor_of_judging
 from workbench.diagnosis.moves import beside_backlash as module
 from workbench.diagnosis.moves.alternative_starts import what_the_torque_shows
 from workbench.diagnosis.moves.beside_backlash import beside_gap

@@ -19,7 +19,6 @@ from workbench.core import EffectKey, Estimate
 from workbench.effects import effect_named
 from workbench.models import AppliedEffect, Placement, alike_axes
 
-from ..acceptance import INTERVAL
 from ..data import Data
 from ..evidence.shape import splines
 from ..hypothesis import Fit
@@ -27,6 +26,7 @@ from ..policy import POLICY
 from ..screening.propagation import respond
 from ..screening.sensitivity import Scene
 from ..screening.torque_regression import kept_rows, needing
+from ..significance import INTERVAL
 from .free_functions import Adequacy, held
 from .masses import adequacy_of_mass, several
 

@@ -11,9 +11,9 @@ from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 from workbench.models import AppliedEffect, Placement, structural_effect
 
-from ..acceptance import floor_of_judging
 from ..data import Data
 from ..hypothesis import Fit, Hypothesis, applied_effect
+from ..loss import floor_of_judging
 from ..policy import POLICY
 from ..screening.screen import Candidate
 from ..screening.sensitivity import Scene, combine

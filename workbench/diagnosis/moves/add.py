@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import contains
 
-from ..acceptance import cancels, explains_fitted, helps, lowers_error, witnessed
+from ..acceptance import explains_fitted, helps, lowers_error
 from ..data import Data
 from ..fitting.refinement import polished, prune
 from ..hypothesis import Fit
@@ -20,6 +20,7 @@ from ..screening.command_path import astray
 from ..screening.screen import Candidate
 from ..screening.sensitivity import Scene
 from ..search_result import Stage
+from ..significance import cancels, witnessed
 from .choice import Explanation, behind, choose
 from .trial_fits import Progress, Standpoint, Tried, try_in_order
 

@@ -8,10 +8,11 @@ from functools import partial
 
 from workbench.core import EffectKey
 
-from ..acceptance import explained, mends, nearly_at_floor, overshadowed, reached, rejudged
+from ..acceptance import mends, nearly_at_floor, overshadowed, reached
 from ..data import Data
 from ..fitting.refinement import polished
 from ..hypothesis import Fit
+from ..loss import explained, rejudged
 from ..node import Keys, Way, after, holds, keys_of, onwards, scene_at, screened_at, with_last, with_stages
 from ..policy import POLICY
 from ..problem import Quest

@@ -9,9 +9,10 @@ from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 from workbench.models import Model
 
-from ..acceptance import floor_of_fitting, floor_of_judging, reached
+from ..acceptance import reached
 from ..data import Data
 from ..hypothesis import Fit
+from ..loss import floor_of_fitting, floor_of_judging
 from ..policy import POLICY
 from ..screening.screen import Candidate
 

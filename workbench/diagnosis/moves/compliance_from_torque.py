@@ -9,17 +9,18 @@ import numpy as np
 
 from workbench.effects import effect_named
 
-from ..acceptance import floor_of_judging, witnessed
 from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit, Hypothesis, applied_effect
+from ..loss import floor_of_judging
 from ..policy import POLICY
 from ..removed_share import removed_share
 from ..screening.compliance import pins_of, what_gives_way
 from ..screening.screen import Candidate
 from ..screening.sensitivity import Scene
 from ..search_result import Stage
+from ..significance import witnessed
 from .beside_backlash import beside_gap
 from .choice import behind
 

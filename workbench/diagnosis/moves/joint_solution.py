@@ -11,12 +11,13 @@ from workbench.comparison import MeasuredMotion
 from workbench.core import EffectKey
 from workbench.models import AppliedEffect
 
-from ..acceptance import INTERVAL, clearness, floor_of_judging, lowers_error, rejudged, stands_out
+from ..acceptance import lowers_error
 from ..adequacy.adequacy import Adequacy, adequacies
 from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit
+from ..loss import floor_of_judging, rejudged
 from ..node import Way, is_consistent, with_last
 from ..policy import POLICY
 from ..problem import Quest, evaluated
@@ -25,6 +26,7 @@ from ..screening.rivals import rivals_of
 from ..screening.stepwise_regression import Selection, selected
 from ..screening.torque_regression import Regression
 from ..search_result import Stage
+from ..significance import INTERVAL, clearness, stands_out
 
 
 @dataclass(frozen=True)

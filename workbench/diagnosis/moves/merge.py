@@ -11,11 +11,11 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import AppliedEffect
 
-from ..acceptance import floor_of_judging, rejudged, witnessed
 from ..fitting.delays import is_late, one_for_both
 from ..fitting.fit import fit
 from ..fitting.refinement import polished, with_candidate
 from ..hypothesis import Fit, Hypothesis
+from ..loss import floor_of_judging, rejudged
 from ..node import Way, holds, wanders, with_stages
 from ..policy import POLICY
 from ..problem import Quest
@@ -24,6 +24,7 @@ from ..screening.compliance import pins_of
 from ..screening.sensitivity import Scene
 from ..screening.stiction import candidates
 from ..search_result import Stage
+from ..significance import witnessed
 
 
 def one_for_two(way: Way, quest: Quest) -> Way:

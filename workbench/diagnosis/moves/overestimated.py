@@ -18,10 +18,10 @@ from workbench.effects import effect_named, places
 from workbench.models import Placement
 from workbench.simulation import scored_torque
 
-from ..acceptance import floor_of_judging
 from ..data import gather
 from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
+from ..loss import floor_of_judging
 from ..policy import POLICY
 from ..screening.screen import Entry, equations, judge, limits_of
 from ..screening.sensitivity import Column, Scene

@@ -11,24 +11,19 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 
-from ..acceptance import (
-    cancels,
-    explains_most,
-    floor_of_judging,
-    helps_an_axis,
-    spoils,
-    witnessed,
-)
+from ..acceptance import explains_most, helps_an_axis, spoils
 from ..data import Data
 from ..fitting.fit import fit, race
 from ..fitting.normal_equations import Normal, total
 from ..fitting.refinement import polished, with_candidates
 from ..hypothesis import Fit
+from ..loss import floor_of_judging
 from ..policy import POLICY
 from ..removed_share import removed_share, removed_shares
 from ..screening.screen import Candidate, Entry, entries_of, equations, judge, limits_of
 from ..screening.sensitivity import Scene
 from ..search_result import Stage
+from ..significance import cancels, witnessed
 from .choice import behind, simplest_first
 
 _RIDGE = 1e-9

@@ -7,16 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..acceptance import (
-    explained,
-    floor_of_judging,
-    mends,
-    nearly_at_floor,
-    witnessed,
-)
+from ..acceptance import mends, nearly_at_floor
 from ..fitting.fit import fit
 from ..fitting.refinement import polished, with_candidate
 from ..hypothesis import Fit
+from ..loss import explained, floor_of_judging
 from ..node import Way, onwards, wanders, with_stages
 from ..policy import POLICY
 from ..problem import Quest
@@ -25,6 +20,7 @@ from ..screening.compliance import pins_of, what_gives_way
 from ..screening.sensitivity import Scene
 from ..screening.stiction import candidates
 from ..search_result import Stage, has_cause
+from ..significance import witnessed
 from .choice import Explanation, Judged, behind
 
 

@@ -10,26 +10,18 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import EFFECTS
 
-from ..acceptance import (
-    cancels,
-    explains_most,
-    floor_of_judging,
-    helps_an_axis,
-    nearly_at_floor,
-    overshadowed,
-    rejudged,
-    spoils,
-    witnessed,
-)
+from ..acceptance import explains_most, helps_an_axis, nearly_at_floor, overshadowed, spoils
 from ..data import Data
 from ..fitting.fit import fit, race
 from ..fitting.refinement import polished, settle, with_candidates
 from ..hypothesis import Fit
+from ..loss import floor_of_judging, rejudged
 from ..policy import POLICY
 from ..removed_share import removed_share, removed_shares
 from ..screening.screen import Candidate, Entry, equations, judge, limits_of
 from ..screening.sensitivity import Column, Scene
 from ..search_result import Stage
+from ..significance import cancels, witnessed
 from .choice import behind, simplest_first
 
 # What a plain model of drives leaves out together: sets that are tried beside each effect by itself.

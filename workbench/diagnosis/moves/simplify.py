@@ -10,16 +10,17 @@ from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 from workbench.models import AppliedEffect
 
-from ..acceptance import floor_of_judging, sizes_of, stands_out
 from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import polished, with_candidates
 from ..hypothesis import Fit
+from ..loss import floor_of_judging
 from ..policy import POLICY
 from ..removed_share import removed_share
 from ..screening.screen import Candidate, screen
 from ..screening.sensitivity import Scene
 from ..search_result import Stage
+from ..significance import sizes_of, stands_out
 
 Progress = Callable[[str], None]
 

@@ -11,11 +11,12 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import effect_named
 
-from ..acceptance import floor_of_judging, helps, reached
+from ..acceptance import helps, reached
 from ..data import Data
 from ..fitting.fit import fit, race
 from ..fitting.refinement import settle, with_candidate
 from ..hypothesis import Fit
+from ..loss import floor_of_judging
 from ..policy import POLICY
 from ..screening.command_path import astray
 from ..screening.compliance import what_gives_way

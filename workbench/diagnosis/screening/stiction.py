@@ -15,9 +15,9 @@ from workbench.comparison import followed
 from workbench.core import Recording
 from workbench.effects import effect_named, places
 
-from ..acceptance import floor_of_judging, rejudged
 from ..data import Data, gather
 from ..hypothesis import Fit
+from ..loss import floor_of_judging, rejudged
 from ..policy import POLICY
 from .screen import Candidate, Equations, screen
 from .sensitivity import Scene
