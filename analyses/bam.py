@@ -23,7 +23,7 @@ from workbench import improve, load_model, load_recordings, report
 from workbench.core import EffectKey, Recording
 from workbench.core.files import write_whole
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.fit import fit
+from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis, applied_effect
 from workbench.models import AppliedEffect, Model
 

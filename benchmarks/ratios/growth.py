@@ -12,10 +12,10 @@ from memory import measure as of_command
 from side_by_side import Ratio, spread
 
 from workbench.comparison import replay_of
-from workbench.diagnosis import sensitivity
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.quest import starting_fit
-from workbench.diagnosis.screen import entries_of, screen
+from workbench.diagnosis.problem import starting_fit
+from workbench.diagnosis.screening import sensitivity
+from workbench.diagnosis.screening.screen import entries_of, screen
 from workbench.effects import load_model
 from workbench.rigs import VirtualLeg, chirp
 

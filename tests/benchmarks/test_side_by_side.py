@@ -18,9 +18,9 @@ from side_by_side import spread, times_as_long
 from workbench.comparison import Replay, compare, replay_of, simulate_with_noise
 from workbench.core import Recording
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.quest import starting_fit
-from workbench.diagnosis.screen import screen
-from workbench.diagnosis.sensitivity import Scene
+from workbench.diagnosis.problem import starting_fit
+from workbench.diagnosis.screening.screen import screen
+from workbench.diagnosis.screening.sensitivity import Scene
 from workbench.effects import load_model
 from workbench.models import Model
 from workbench.recordings import load_recording, save_recording

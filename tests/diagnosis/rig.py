@@ -10,11 +10,11 @@ import pytest
 from workbench.core import EffectKey, Recording
 from workbench.diagnosis import search
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.fit import fit
+from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis, applied_effect
-from workbench.diagnosis.quest import Quest, starting_fit
-from workbench.diagnosis.stage import Search, Stage
-from workbench.diagnosis.ways import Way, with_stages
+from workbench.diagnosis.node import Way, with_stages
+from workbench.diagnosis.problem import Quest, starting_fit
+from workbench.diagnosis.search_result import Search, Stage
 from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep, validation
 

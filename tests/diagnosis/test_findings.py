@@ -9,7 +9,7 @@ import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis.findings import _probability, near_line, step_of
-from workbench.diagnosis.stage import Stage
+from workbench.diagnosis.search_result import Stage
 
 _HIP, _KNEE = EffectKey("coulomb_friction", "hip"), EffectKey("coulomb_friction", "knee")
 _DAMPED = EffectKey("viscous_damping", "hip")

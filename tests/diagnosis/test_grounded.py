@@ -7,8 +7,8 @@ import pytest
 from workbench.core import EffectKey
 from workbench.diagnosis import diagnose
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.screen import screen, silent
-from workbench.diagnosis.sensitivity import Scene
+from workbench.diagnosis.screening.screen import screen, silent
+from workbench.diagnosis.screening.sensitivity import Scene
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect, Plate, VirtualLeg, plate_experiments
 

@@ -12,15 +12,15 @@ import pytest
 
 import workbench.diagnosis
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis.effort import Effort
-from workbench.diagnosis.judging import stands_out
 from workbench.diagnosis.policy import POLICY, Policy, trial
+from workbench.diagnosis.significance import stands_out
+from workbench.diagnosis.work_budget import Effort
 from workbench.models import AppliedEffect
 
 from .rig import recordings
 
 FOLDER = Path(workbench.diagnosis.__file__).parent
-MODULES = {path.name: path.read_text("utf-8") for path in sorted(FOLDER.glob("*.py"))}
+MODULES = {str(path.relative_to(FOLDER)): path.read_text("utf-8") for path in sorted(FOLDER.rglob("*.py"))}
 OWN = MODULES.pop("policy.py")
 NAMES = [field.name for field in fields(Policy)]
 #: What numbers of the numerics are called: steps, tolerances, what stands for infinite, or their unit.

@@ -10,11 +10,12 @@ import pytest
 
 import workbench.diagnosis.search as search
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis import simpler, ways
-from workbench.diagnosis.effort import Effort
-from workbench.diagnosis.fit import fit
+from workbench.diagnosis import node
+from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
-from workbench.diagnosis.ways import Way, onwards
+from workbench.diagnosis.moves import simplify
+from workbench.diagnosis.node import Way, onwards
+from workbench.diagnosis.work_budget import Effort
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
 from workbench.rigs import HiddenEffect
@@ -31,7 +32,7 @@ def stage(effect: str, before: tuple[AppliedEffect, ...], **parameters: tuple[fl
 
 
 def test_last_effects_that_may_be_none_are_taken_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ways, "rejudged", lambda fit, data: fit)
+    monkeypatch.setattr(node, "rejudged", lambda fit, data: fit)
     friction = stage("coulomb_friction", (), torque=(0.2, 0.01))
     ripple = stage(
         "cogging", friction.fit.hypothesis.added, torque=(2e-4, 2e-4), order=(7.0, 0.1), phase=(3.0, 0.1)
@@ -74,11 +75,11 @@ def test_what_may_be_none_once_all_causes_are_there_is_left_out(monkeypatch: pyt
     assert kept.key == viscous.key and kept.values["damping"] == pytest.approx(0.3, rel=0.01)
     assert found.stages[-1].dropped == (ripple.key,)
     last, data = found.stages[-1], found.stages[-1].data
-    assert simpler.without(last, found.final, data) is None
+    assert simplify.without(last, found.final, data) is None
     # nor is an effect left out that may be none by its size, and without which much more is left
     unsure = replace(kept, parameters={"damping": Estimate(0.3, 0.2, "N*m*s/rad")})
     doubtful = replace(found.final, hypothesis=replace(found.final.hypothesis, free=(unsure,)))
-    assert simpler.without(last, doubtful, data) is None
+    assert simplify.without(last, doubtful, data) is None
 
 
 def test_what_shrank_once_its_true_cause_came_is_left_out_however_sharp_it_is() -> None:
@@ -102,10 +103,10 @@ def test_what_shrank_once_its_true_cause_came_is_left_out_however_sharp_it_is() 
         return replace(both, hypothesis=replace(both.hypothesis, free=free))
 
     alone = before.hypothesis.free[0].values["damping"]
-    rest = simpler.without(taken(alone), left(0.1 * alone), quest.data)
+    rest = simplify.without(taken(alone), left(0.1 * alone), quest.data)
     assert rest is not None
     (kept,) = rest.hypothesis.free
     assert kept.key == friction and kept.values["torque"] == pytest.approx(0.2, rel=0.01)
-    assert simpler.without(taken(alone), left(0.5 * alone), quest.data) is None, "what is as large as it was"
+    assert simplify.without(taken(alone), left(0.5 * alone), quest.data) is None, "what is as large as it was"
     good = replace(left(0.1 * alone), judged=0.9 * rest.judged, trained=0.9 * rest.trained)
-    assert simpler.without(taken(alone), good, quest.data) is None, "what is needed"
+    assert simplify.without(taken(alone), good, quest.data) is None, "what is needed"

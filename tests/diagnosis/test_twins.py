@@ -8,7 +8,7 @@ import pytest
 
 from tests.simulation.make import leg_experiment
 from workbench.core import EffectKey, Recording
-from workbench.diagnosis.beside import twins_of
+from workbench.diagnosis.naming import twins_of
 from workbench.effects import load_model
 from workbench.simulation import Run, simulate
 

@@ -13,8 +13,8 @@ from tests.rotor import pushed, wandering
 from workbench.core import EffectKey, Recording
 from workbench.diagnosis import diagnose
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.marching import respond
-from workbench.diagnosis.sensitivity import Scene
+from workbench.diagnosis.screening.propagation import respond
+from workbench.diagnosis.screening.sensitivity import Scene
 from workbench.effects import load_model
 
 from .rig import applied

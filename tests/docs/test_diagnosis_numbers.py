@@ -116,7 +116,7 @@ NUMBERS = [
         "simulated {} steps of a coordinate",
     ),
     ("policy", "gap_effect_left", word(0.8, "a fifth less"), "leaves {} of the squared torque"),
-    ("relations", "_BLOCK_S", word(1.0, "a second"), "shuffled in blocks of {}"),
+    ("evidence.relations", "_BLOCK_S", word(1.0, "a second"), "shuffled in blocks of {}"),
 ]
 
 
@@ -133,7 +133,7 @@ def test_numbers_that_are_made_of_others() -> None:
     closed_loop = import_module("workbench.comparison.closed_loop")
     latest = 1e3 * closed_loop._SHIFT * closed_loop._LONGEST
     assert f"at most {latest:g} ms" in PAGE
-    orders = import_module("workbench.diagnosis.relations")._ORDERS
+    orders = import_module("workbench.diagnosis.evidence.relations")._ORDERS
     assert f"up to {max(orders)} times a revolution" in PAGE
 
 

@@ -12,7 +12,7 @@ from tests.simulation.make import having, leg_experiment, simulated
 from workbench.comparison import replay_of, scored_signals
 from workbench.core import EffectKey, Estimate, Recording
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.fit import fit
+from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis
 from workbench.effects import effect_named, load_model
 from workbench.models import AppliedEffect, Model

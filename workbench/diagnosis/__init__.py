@@ -1,7 +1,7 @@
 """Which physical effect is missing from a model, and how sure one can be."""
 
+from .checks.doubts import doubts
 from .diagnose import diagnose
-from .doubts import doubts
 from .improve import improve as improve
 from .one_effect import fit_effect
 

@@ -19,9 +19,9 @@ from workbench.comparison import (
 from workbench.core import Recording
 from workbench.models import Model
 
-from .effort import Effort
+from .motion_period import repeat_of
 from .policy import POLICY
-from .repeating import repeat_of
+from .work_budget import Effort
 
 _BLOCKS = 5  # contiguous folds of a lone recording; a recording of half of all rows has half as many
 _NOISY = 6  # runs of each recording that a noise floor takes

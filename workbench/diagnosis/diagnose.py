@@ -11,15 +11,15 @@ from workbench.comparison import softness_note
 from workbench.core import Diagnosis, Recording, Verdict
 from workbench.models import Model
 
+from .checks.units import doubted
 from .data import Data
-from .evidence import Clues
+from .evidence.next_experiment import next_experiment
+from .evidence.residual_evidence import Clues
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
-from .next_experiment import next_experiment
+from .moves.trial_fits import Progress
 from .policy import POLICY
 from .rounds import Rounds, comparisons, part_of, rounds
-from .stage import Search
-from .trying import Progress
-from .units import doubted
+from .search_result import Search
 from .verdict import NAMED, verdict_of
 
 _NO_PAYLOAD = (

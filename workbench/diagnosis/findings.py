@@ -12,13 +12,14 @@ from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
 from workbench.effects import effect_named
 from workbench.models import AppliedEffect, Model, Placement
 
-from .evidence import Clues, adequacy_lines, finding_lines
-from .giving import other_causes
+from .evidence.residual_evidence import Clues, adequacy_lines, finding_lines
 from .hypothesis import Fit
-from .judging import floor_of_judging, stands_out
+from .loss import floor_of_judging
 from .policy import POLICY
-from .removed import removed_share
-from .stage import Search, Stage, has_cause
+from .removed_share import removed_share
+from .screening.compliance import other_causes
+from .search_result import Search, Stage, has_cause
+from .significance import stands_out
 
 
 def findings_of(found: Search) -> tuple[Finding, ...]:

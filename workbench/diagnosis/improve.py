@@ -10,8 +10,8 @@ from workbench.models import Model
 
 from .diagnose import diagnosis_of
 from .findings import step_of
+from .moves.trial_fits import Progress
 from .rounds import Rounds, comparisons, rounds
-from .trying import Progress
 from .verdict import NAMED, refuted
 
 

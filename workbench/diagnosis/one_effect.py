@@ -10,14 +10,14 @@ from workbench.effects import effect_named
 from workbench.models import AppliedEffect, Model
 
 from .data import gather
-from .fit import fit
-from .giving import what_gives_way
-from .honing import honed
-from .quest import starting_fit
-from .refining import polished, with_candidate
+from .fitting.fit import fit
+from .fitting.refinement import polished, with_candidate
+from .moves.grid_refinement import honed
+from .problem import starting_fit
+from .screening.compliance import what_gives_way
+from .screening.sensitivity import Scene
+from .screening.stiction import candidates
 from .search import Progress
-from .sensitivity import Scene
-from .sticking import candidates
 
 
 def fit_effect(

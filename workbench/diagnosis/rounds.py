@@ -11,12 +11,12 @@ from workbench.core import Comparison, InputError, Recording, SimulationError
 from workbench.models import Model
 from workbench.simulation import scored_torque
 
-from .loops import refuse_coordinates
-from .mirrored import refuse_turned
+from .checks.loops import refuse_coordinates
+from .checks.sign_check import refuse_turned
+from .checks.units import refuse_unit
 from .policy import POLICY
 from .search import Progress, UnstableLoop, search
-from .stage import Search
-from .units import refuse_unit
+from .search_result import Search
 from .verdict import NAMED, verdict_of
 
 _UNSTABLE = "The model is unstable in the loop"

@@ -10,23 +10,24 @@ from workbench.core import Disagreement, Identifiability, Recording, SimulationE
 from workbench.effects import effect_named
 from workbench.models import Model
 
+from .checks.sign_check import refuse_mirrored
 from .data import gather
-from .honing import honed
-from .identifiability import disagreements, identifiability_of
-from .instead import others_instead
-from .jointly import Joint, jointly
-from .judging import explained, floor_of_judging, mostly_explained, stands_out
-from .mirrored import refuse_mirrored
-from .one_for_two import one_for_two
-from .other_ways import fewer, otherwise, what_the_torque_shows, what_was_passed_over
+from .loss import explained, floor_of_judging, mostly_explained
+from .moves.alternative_starts import fewer, otherwise, what_the_torque_shows, what_was_passed_over
+from .moves.grid_refinement import honed
+from .moves.joint_solution import Joint, jointly
+from .moves.merge import one_for_two
+from .moves.replace import others_instead
+from .moves.simplify import simpler, without
+from .moves.trial_fits import Progress
+from .node import Way, after, holds, is_consistent, onwards, wanders, with_last, with_stages
 from .policy import POLICY
-from .quest import Quest, quest_of
-from .removed import removed_share
-from .screen import silent
-from .simpler import simpler, without
-from .stage import Search
-from .trying import Progress
-from .ways import Way, after, holds, is_consistent, onwards, wanders, with_last, with_stages
+from .problem import Quest, quest_of
+from .removed_share import removed_share
+from .screening.identifiability import disagreements, identifiability_of
+from .screening.screen import silent
+from .search_result import Search
+from .significance import stands_out
 
 
 class UnstableLoop(SimulationError):

@@ -5,11 +5,12 @@ from __future__ import annotations
 from workbench.core import Verdict
 from workbench.effects import effect_named
 
-from .evidence import Clues
-from .judging import contradicted, stands_out
+from .acceptance import contradicted
+from .evidence.residual_evidence import Clues
+from .moves.overestimated import TooMuch, too_much
 from .policy import POLICY
-from .stage import Search
-from .too_much import TooMuch, too_much
+from .search_result import Search
+from .significance import stands_out
 
 NAMED = ("missing_effect", "partly_explained")  #: verdicts with findings
 

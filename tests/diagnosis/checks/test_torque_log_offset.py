@@ -1,0 +1,45 @@
+"""A torque that was logged rows beside its command is said to be; what drives do themselves is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.diagnosis.rig import recordings
+from workbench.core import Recording
+from workbench.diagnosis.checks.torque_log_offset import shifted_lines
+from workbench.effects import load_model
+from workbench.rigs import HiddenEffect, degrade
+
+DELAY = load_model("leg").actuators.delay_s
+
+
+def shifted(recording: Recording, rows: int) -> Recording:
+    return recording.with_signals(torque_measured=np.roll(recording.signals["torque_measured"], rows, axis=0))
+
+
+@pytest.mark.parametrize(("rows", "words"), [(1, "1 row later"), (3, "3 rows later"), (-1, "1 row earlier")])
+def test_a_shifted_log_is_said_to_be_one(rows: int, words: str) -> None:
+    training, _ = recordings()
+    lines = shifted_lines([shifted(r, rows) for r in training], DELAY)
+    assert [words in line for line in lines] == [True, True]
+    assert ["hip" in lines[0], "knee" in lines[1]] == [True, True]
+
+
+@pytest.mark.parametrize(
+    "hidden",
+    [
+        (),
+        (HiddenEffect("current_loop_lag", "knee", parameters={"time_constant": 0.002}),),
+        (HiddenEffect("torque_saturation", "knee", parameters={"limit": 1.0}),),
+    ],
+    ids=["clean", "lag", "limit"],
+)
+def test_what_drives_do_is_no_shift(hidden: tuple[HiddenEffect, ...]) -> None:
+    training, _ = recordings(*hidden)
+    assert shifted_lines(training, DELAY) == []
+
+
+def test_without_both_torques_nothing_is_said() -> None:
+    training, _ = recordings()
+    assert shifted_lines([degrade(r, without=("torque_measured",)) for r in training], DELAY) == []

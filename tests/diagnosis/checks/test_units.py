@@ -1,0 +1,55 @@
+"""What a wrong unit makes as well is called that first, where nobody stated the unit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.planar_leg import moved, write_leg
+from workbench.core import EffectKey, Estimate, Finding, InputError, Recording
+from workbench.diagnosis.checks.units import doubted, refuse_unit
+from workbench.effects import load_model
+
+
+def guessed(*kinds: str, motion: float = 1.0, torque: float = 1.0) -> Recording:
+    r = moved()
+    scaled = {name: motion * r.signals[name] for name in ("position", "velocity", "position_reference")}
+    scaled |= {name: torque * r.signals[name] for name in ("torque_command", "torque_measured")}
+    return replace(r.with_signals(**scaled), guessed_units=kinds)
+
+
+@pytest.mark.parametrize(
+    ("motion", "torque", "kind", "named"),
+    [
+        (1 / (2 * np.pi), 1.0, "position", "revolutions and radians"),
+        (np.pi / 180, 1.0, "position", "degrees and radians"),
+        (1.0, 1000.0, "torque", "milli"),
+    ],
+)
+def test_weight_contradicts_a_guessed_unit(
+    tmp_path: Path, motion: float, torque: float, kind: str, named: str
+) -> None:
+    model = load_model(str(write_leg(tmp_path)))
+    wrong = guessed("position", "velocity", "torque", motion=motion, torque=torque)
+    with pytest.raises(InputError, match=f"perhaps the unit: `import` guessed that of {kind}.*{named}"):
+        refuse_unit(model, [wrong])
+    refuse_unit(model, [replace(wrong, guessed_units=())])  # a unit that somebody stated is believed
+    refuse_unit(model, [guessed("position", "velocity", "torque")])  # a right guess is no news
+
+
+def finding(gain: float) -> Finding:
+    return Finding(
+        EffectKey("torque_constant_error", "hip"), {"gain": Estimate(gain, 0.01, "1")}, 0.1, None, None, 0.96,
+        evidence=("what it removes",),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("gain", "doubt"), [(0.171, True), (9.8, True), (0.85, False), (1.3, False)])
+def test_a_finding_that_is_a_factor_between_units(gain: float, doubt: bool) -> None:
+    (found,) = doubted([finding(gain)], [guessed("position", "velocity", "torque")])
+    assert found.evidence[0].startswith("perhaps the unit") == doubt
+    assert found.evidence[-1] == "what it removes"
+    assert doubted([finding(gain)], [moved()]) == (finding(gain),)

@@ -1,0 +1,56 @@
+"""Bounded least squares from normal equations."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
+
+from workbench.diagnosis.fitting.bounded_least_squares import solve
+from workbench.diagnosis.fitting.normal_equations import normal
+
+
+@given(st.integers(0, 10_000), st.integers(1, 5), st.booleans())
+def test_agrees_with_least_squares_on_the_rows(seed: int, unknowns: int, bounded: bool) -> None:
+    random = np.random.default_rng(seed)
+    response = random.standard_normal((30, 2, 1, unknowns)) * 10.0 ** random.uniform(-4, 4, unknowns)
+    residual = random.standard_normal((30, 2, 1))
+    low = np.full(unknowns, -np.inf)
+    high = np.full(unknowns, np.inf)
+    if bounded:
+        low[0] = 0.0
+    equations = normal(response, residual)
+    rows, target = response.reshape(-1, unknowns), residual.ravel()
+    expected = lsq_linear(rows, target, (low, high)).x
+    found = solve(equations, low, high)
+    left = np.sum((target - rows @ found) ** 2)
+    assert np.all(found >= low)
+    assert left <= np.sum((target - rows @ expected) ** 2) * (1 + 1e-6)
+    assert np.isclose(equations.after(found), left)
+
+
+def test_what_the_data_do_not_see_stays_where_it_is() -> None:
+    random = np.random.default_rng(1)
+    seen = random.standard_normal((40, 2, 1, 1))
+    response = np.concatenate([seen, seen, np.zeros_like(seen)], axis=-1)
+    equations = normal(response, 3.0 * seen[..., 0])
+    free = np.full(3, np.inf)
+    found = solve(equations, -free, free)
+    assert np.isclose(found[0] + found[1], 3.0)
+    assert np.allclose(found[:2], 1.5, atol=1e-3)
+    assert found[2] == 0.0
+
+
+def test_an_effect_without_unknowns_needs_no_solution() -> None:
+    equations = normal(np.zeros((10, 2, 1, 0)), np.ones((10, 2, 1)))
+    assert solve(equations, np.zeros(0), np.zeros(0)).shape == (0,)
+    assert equations.square == 20.0
+
+
+def test_what_may_not_move_stays_however_large_it_is() -> None:
+    random = np.random.default_rng(2)
+    response = random.standard_normal((30, 2, 1, 2))
+    equations = normal(response, response @ [1.0, 2.0])
+    found = solve(equations, np.array([-np.inf, -4e4]), np.array([np.inf, -4e4]))
+    assert np.isclose(found[1], -4e4)

@@ -1,0 +1,52 @@
+"""Which of several explanations is taken."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from workbench.core import EffectKey
+from workbench.diagnosis.data import Data
+from workbench.diagnosis.moves.choice import choose, passed_over
+from workbench.diagnosis.screening.screen import Candidate
+from workbench.effects import load_model
+
+_PLAIN, _REFINED = EffectKey("coulomb_friction", "knee"), EffectKey("presliding_hysteresis", "knee")
+
+
+def taken(plain: float, refined: float, basics_first: bool) -> EffectKey:
+    """Of friction that leaves `plain` of 100, and its refinement, by itself the noise being 1."""
+    recordings = (SimpleNamespace(valid=np.ones(10, bool)),)
+    squares = np.ones((1, 2, 1))
+    data = Data(recordings, 1, None, squares, 0.0 * squares, (), np.full((2, 1), 0.5**0.5))  # type: ignore[arg-type]
+    helpful = [
+        (Candidate(key, np.zeros(0), {}, left), SimpleNamespace(judged=left, trained=left))
+        for key, left in ((_PLAIN, plain), (_REFINED, refined))
+    ]
+    return choose(helpful, (), 100.0, data, load_model("leg"), basics_first)[0].key  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("plain", "refined", "first", "else_first"),
+    [
+        (30.0, 15.0, _PLAIN, _REFINED),  # something else may be missing that makes the difference
+        (60.0, 15.0, _REFINED, _REFINED),
+        (1.1, 1.1, _PLAIN, _PLAIN),  # a tie is the simpler one's, whichever goes first
+    ],
+)
+def test_basic_effects_go_first_unless_told_otherwise(
+    plain: float, refined: float, first: EffectKey, else_first: EffectKey
+) -> None:
+    assert taken(plain, refined, basics_first=True) == first
+    assert taken(plain, refined, basics_first=False) == else_first
+
+
+def test_a_refinement_that_left_much_less_is_remembered() -> None:
+    assert passed_over(_PLAIN, [(_REFINED, 0.85), (_PLAIN, 0.70)]) == _REFINED
+    assert passed_over(_PLAIN, [(_REFINED, 0.83), (_PLAIN, 0.76)]) == _REFINED
+    assert not passed_over(_PLAIN, [(_REFINED, 0.75), (_PLAIN, 0.70)])
+    assert not passed_over(_REFINED, [(_REFINED, 0.70), (_PLAIN, 0.85)]), "it was the basic one that was left"
+    assert not passed_over(_PLAIN, [(EffectKey("viscous_damping", "hip"), 0.9), (_PLAIN, 0.70)])
+    assert not passed_over(_PLAIN, ())

@@ -1,0 +1,35 @@
+"""The size of a gap by the loop's own runs, where the torque told it only roughly."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.diagnosis.rig import applied, recordings, searched_from
+from workbench.core import EffectKey
+from workbench.diagnosis.data import gather
+from workbench.diagnosis.fitting.fit import fit
+from workbench.diagnosis.hypothesis import Hypothesis
+from workbench.diagnosis.moves.grid_refinement import honed
+from workbench.effects import load_model
+from workbench.rigs import HiddenEffect
+
+LEG = load_model("leg")
+
+
+def test_a_gap_is_brought_to_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    hidden = HiddenEffect("backlash", "hip", parameters={"gap": 0.014, "stiffness": 350.0})
+    rough = applied(LEG, EffectKey("backlash", "hip"), gap=0.0132, stiffness=310.0)
+    found = searched_from(monkeypatch, LEG, [hidden], rough, iterations=1)
+    assert found.consistent_after
+    (gap,) = found.final.hypothesis.free
+    assert gap.values["gap"] == pytest.approx(0.014, rel=0.02)
+    assert gap.values["stiffness"] == pytest.approx(350.0, rel=0.05)
+    assert gap.parameters["gap"].std > 0.0, "how well it is known has not changed by the search"
+
+
+def test_what_has_no_gap_is_left_alone() -> None:
+    training, held_out = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3}))
+    data, _ = gather(LEG, training, held_out, seed=0)
+    friction = applied(LEG, EffectKey("viscous_damping", "knee"), damping=0.28)
+    (found,) = fit([Hypothesis(LEG, (friction,))], data, 1)
+    assert found is not None and honed(found, data) is found

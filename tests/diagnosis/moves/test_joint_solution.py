@@ -1,0 +1,65 @@
+"""What is certain of slides although something else is missing: solved for all axes along the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.diagnosis.moves.test_shared_effects import gantry, played
+from workbench.core import Controller, Diagnosis, Recording
+from workbench.diagnosis import diagnose, improve
+
+_LOOP_UNKNOWN = Controller()
+
+
+def recorded(
+    coulomb: Sequence[float], damping: Sequence[float], hum: np.ndarray, *, loop: bool = True
+) -> list[Recording]:
+    runs = [played(f"r{k}", k, coulomb, damping, hum) for k in range(3)]
+    return runs if loop else [replace(r, controller=_LOOP_UNKNOWN) for r in runs]
+
+
+def diagnosed(coulomb: Sequence[float], hum: np.ndarray, *, loop: bool = True) -> Diagnosis:
+    runs = recorded(coulomb, [0.0] * len(coulomb), hum, loop=loop)
+    return diagnose(gantry(len(coulomb)), runs[:2], runs[2:])
+
+
+@pytest.mark.parametrize("loop", [True, False], ids=["loop known", "loop unknown"])
+def test_friction_is_certain_though_a_hum_stays_on_all_axes(loop: bool) -> None:
+    true = {"x": 1.5, "y": 0.8, "z": 0.4}
+    told = diagnosed(tuple(true.values()), 0.5 * np.array([1.5, 0.8, 0.4]), loop=loop)
+    assert told.verdict == "partly_explained"
+    assert {str(f.key) for f in told.findings} == {f"coulomb_friction@{a}" for a in true}
+    for finding in told.findings:
+        torque = finding.parameters["torque"]
+        assert torque.value == pytest.approx(true[str(finding.key.axis)], rel=0.1)
+    assert 0.05 < told.unexplained_fraction < 0.5
+
+
+def test_a_larger_stranger_on_one_axis_takes_nothing_from_the_others() -> None:
+    told = diagnosed((1.5, 0.8, 0.4, 0.2), np.array([0.0, 0.0, 0.0, 2.0]))
+    assert told.verdict == "partly_explained"
+    assert {f"coulomb_friction@{a}" for a in "xyz"} <= {str(f.key) for f in told.findings}
+    assert {f.key.effect for f in told.findings} == {"coulomb_friction"}
+    assert told.where[0].axis == "u"
+
+
+def test_a_hum_alone_has_no_name() -> None:
+    told = diagnosed((0.0, 0.0, 0.0), np.array([1.5, 0.8, 0.4]))
+    assert (told.verdict, told.findings) == ("unexplained", ())
+
+
+def test_friction_and_damping_are_solved_together_and_a_second_run_adds_nothing() -> None:
+    coulomb, damping = (1.5, 0.8, 0.4, 0.2), (6.0, 3.0, 1.5, 0.8)
+    runs = recorded(coulomb, damping, np.array([0.3, 0.1, 0.0, 0.0]), loop=False)
+    result, better = improve(gantry(4), runs[:2], runs[2:])
+    values = {str(s.key): next(iter(s.parameters.values())).value for s in result.steps}
+    for axis, torque, rate in zip("xyzu", coulomb, damping, strict=True):
+        assert values[f"coulomb_friction@{axis}"] == pytest.approx(torque, rel=0.1)
+        assert values[f"viscous_damping@{axis}"] == pytest.approx(rate, rel=0.1)
+    assert len(values) == 8
+    again, _ = improve(better, runs[:2], runs[2:])
+    assert again.steps == ()

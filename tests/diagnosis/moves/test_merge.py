@@ -1,0 +1,53 @@
+"""A load is named where inertia and weight were taken for it, and these where no load makes them."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.diagnosis.rig import applied, searched_from
+from workbench.core import EffectKey
+from workbench.effects import load_model
+from workbench.rigs import HiddenEffect
+
+LEG = load_model("leg")
+LOAD, SCALE = EffectKey("payload_mass", None), EffectKey("encoder_scale", "hip")
+INERTIA, WEIGHT = EffectKey("linkage_inertia", None), EffectKey("linkage_gravity", None)
+
+
+def test_a_load_in_place_of_its_inertia_and_its_weight(monkeypatch: pytest.MonkeyPatch) -> None:
+    hidden = (
+        HiddenEffect("payload_mass", parameters={"mass": 0.12}),
+        HiddenEffect("encoder_scale", "hip", parameters={"scale": 0.9}),
+    )
+    found = searched_from(
+        monkeypatch,
+        LEG,
+        hidden,
+        applied(LEG, INERTIA, M11=0.0037, M12=0.005, M22=0.0069),
+        applied(LEG, WEIGHT, g1=0.2, g2=0.28),
+        applied(LEG, SCALE, scale=0.9),
+    )
+    values = {a.key: a.values for a in found.final.hypothesis.free}
+    assert values.keys() == {LOAD, SCALE} and found.consistent_after
+    assert values[LOAD]["mass"] == pytest.approx(0.12, rel=0.01)
+    assert [stage.added for stage in found.stages] == [LOAD, SCALE], "where the first of the two was taken"
+    errors = [found.start_data.score(stage.fit.mean_squares) for stage in found.stages]
+    assert errors[0] > 2.0 * errors[1]
+    load, scale = found.stages
+    assert 0.0 < load.removed_share < 0.999 and scale.removed_share > 0.9, (
+        "each has its own share, not theirs"
+    )
+    assert load.ranking == ((LOAD, load.removed_share),)
+    assert load.folds == scale.folds == (1, 1)
+
+
+def test_inertia_and_weight_that_no_load_makes_stay(monkeypatch: pytest.MonkeyPatch) -> None:
+    values = {"M11": 0.004, "M12": 0.001, "M22": 0.003}, {"g1": 0.05, "g2": 0.3}
+    hidden = (
+        HiddenEffect("linkage_inertia", parameters=values[0]),
+        HiddenEffect("linkage_gravity", parameters=values[1]),
+    )
+    found = searched_from(
+        monkeypatch, LEG, hidden, applied(LEG, INERTIA, **values[0]), applied(LEG, WEIGHT, **values[1])
+    )
+    assert {a.key for a in found.final.hypothesis.free} == {INERTIA, WEIGHT}

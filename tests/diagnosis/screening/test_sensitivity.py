@@ -1,0 +1,35 @@
+"""By how much an unknown is moved whose slope is that of simulations."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.diagnosis.rig import applied, asked, recordings
+from workbench.core import EffectKey
+from workbench.diagnosis.screening.sensitivity import Scene, Trial
+from workbench.effects import load_model
+from workbench.models import Model
+
+LEG = load_model("leg")
+
+
+def changes(model: Model) -> list[float]:
+    """Of the weight's two coefficients, in a model with a gap."""
+    quest = asked(LEG, recordings()[0])
+    scene = Scene.of(model, quest.data, quest.start.simulated, len(quest.data.recordings))
+    weight = model.effects[-1]
+    trials = scene.derivatives(weight)
+    assert all(isinstance(t, Trial) for t in trials)
+    return [t.change for t in trials if isinstance(t, Trial)]
+
+
+def test_a_coefficient_next_to_nothing_is_moved_as_far_as_its_like() -> None:
+    """The slope of runs that part by themselves, over a step of next to nothing, says nothing."""
+    gap = applied(LEG, EffectKey("backlash", "knee"), gap=0.004, stiffness=400.0)
+    small, large = (
+        changes(
+            LEG.with_effect(gap).with_effect(applied(LEG, EffectKey("linkage_gravity", None), g1=g1, g2=0.2))
+        )
+        for g1 in (0.0, 0.1)
+    )
+    assert small == pytest.approx([0.006, 0.006]) and large == pytest.approx([0.006, 0.006])

@@ -1,0 +1,83 @@
+"""What no explanation may be, whatever it does for the data."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from workbench.core import EffectKey, Estimate
+from workbench.diagnosis.acceptance import spoils
+from workbench.diagnosis.data import Data
+from workbench.diagnosis.significance import stands_out, witnessed
+from workbench.effects import effect_named, load_model
+from workbench.models import AppliedEffect, Placement
+
+
+@pytest.mark.parametrize(
+    ("effect", "name", "value", "possible"),
+    [
+        ("torque_constant_error", "gain", 1.1, True),
+        ("torque_constant_error", "gain", None, False),  # its upper bound
+        ("encoder_scale", "scale", None, False),
+        ("coulomb_friction", "torque", 0.0, True),
+        ("viscous_damping", "damping", -0.02, True),  # all the damping that the model has
+    ],
+)
+def test_nothing_is_named_at_the_limit_of_what_can_be(
+    effect: str, name: str, value: float | None, possible: bool
+) -> None:
+    model, key = load_model("leg"), EffectKey(effect, "knee")
+    if value is None:
+        _, upper = effect_named(effect).bounds(model, Placement.of(model, key))
+        value = float(upper[0]) + 1.0
+    elif effect == "viscous_damping":
+        lower, _ = effect_named(effect).bounds(model, Placement.of(model, key))
+        value = float(lower[0])
+        assert value < 0.0
+    applied = AppliedEffect(key, {name: Estimate(value, 0.0, "")})
+    found = SimpleNamespace(hypothesis=SimpleNamespace(model=model, free=(applied,)))
+    assert witnessed(SimpleNamespace(motions=()), found) is possible  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters", "clear"),
+    [
+        ("coulomb_friction", {"torque": (0.2, 0.01)}, True),
+        ("coulomb_friction", {"torque": (0.02, 0.01)}, False),
+        ("torque_constant_error", {"gain": (1.01, 0.01)}, False),
+        ("torque_constant_error", {"gain": (0.9, 0.01)}, True),
+        ("current_loop_lag", {"time_constant": (5e-6, 2e-5)}, False),
+        ("current_loop_lag", {"time_constant": (1e-3, 2e-5)}, True),
+        # the order of a ripple says nothing where its size is none, nor does its phase
+        ("cogging", {"torque": (2e-4, 2e-4), "order": (12.0, 0.1), "phase": (3.0, 0.1)}, False),
+        ("cogging", {"torque": (0.2, 2e-3), "order": (12.0, 0.1), "phase": (0.0, 0.1)}, True),
+        ("backlash", {"gap": (0.01, 0.001), "stiffness": (400.0, 300.0)}, True),
+    ],
+)
+def test_what_may_be_nothing_is_not_named(
+    effect: str, parameters: dict[str, tuple[float, float]], clear: bool
+) -> None:
+    estimates = {k: Estimate(value, std, "") for k, (value, std) in parameters.items()}
+    assert stands_out(AppliedEffect(EffectKey(effect, "knee"), estimates)) is clear
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "spoilt"),
+    [
+        (1.0, 4.0, True),  # it was at the noise
+        (1.0, 2.0, False),
+        (2.0, 4.0, False),  # it lacked something before: other causes may still be missing
+    ],
+)
+def test_what_held_out_motion_had_right_may_not_be_lost(before: float, after: float, spoilt: bool) -> None:
+    recordings = tuple(SimpleNamespace(valid=np.ones(100, bool)) for _ in range(2))
+    squares = np.ones((2, 2, 1))
+    data = Data(recordings, 1, None, squares, 0.0 * squares, (), np.ones((2, 1)))  # type: ignore[arg-type]
+    current, found = (
+        SimpleNamespace(mean_squares=squares * [[[1.0]], [[times]]]) for times in (before, after)
+    )
+    assert spoils(found, current, data) is spoilt  # type: ignore[arg-type]
+    alone = Data(recordings[:1], 1, None, squares[:1], squares[:1], (), np.ones((2, 1)))  # type: ignore[arg-type]
+    assert not spoils(found, current, alone)  # type: ignore[arg-type]

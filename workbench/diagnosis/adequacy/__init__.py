@@ -1,0 +1,1 @@
+"""Whether an effect is certain although something else is unknown."""

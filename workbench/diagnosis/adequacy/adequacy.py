@@ -1,0 +1,183 @@
+"""Whether an effect is certain although something else is unknown: its law held against free functions.
+
+A law is adequate where it explains nearly as much of its axis's residual as a free smooth function of the
+law's own quantities does, and as the law with a size that varies freely with any other quantity (varying
+coefficients: T. Hastie and R. Tibshirani, J. R. Statist. Soc. B 55(4), 1993); and where its size stays what
+it is when a free smooth function of any other quantity is fitted beside it (partially linear regression:
+P. Robinson, Econometrica 56(4), 1988). What only correlates with the true cause fails the last, a torque of
+another law the first two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import EffectKey, Estimate
+from workbench.effects import effect_named
+from workbench.models import AppliedEffect, Placement, alike_axes
+
+from ..data import Data
+from ..evidence.shape import splines
+from ..hypothesis import Fit
+from ..policy import POLICY
+from ..screening.propagation import respond
+from ..screening.sensitivity import Scene
+from ..screening.torque_regression import kept_rows, needing
+from ..significance import INTERVAL
+from .free_functions import Adequacy, held
+from .masses import adequacy_of_mass, several
+
+_QUANTITIES = ("position", "speed", "acceleration", "load")
+
+
+@dataclass(frozen=True, eq=False)
+class _Axis:
+    """One coordinate: what laws do there (M, E), the residual of all (M,), quantities, rows' recordings."""
+
+    laws: np.ndarray
+    rest: np.ndarray
+    own: Mapping[str, np.ndarray]
+    others: Mapping[str, np.ndarray]
+    recording: np.ndarray
+
+
+def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
+    """Of each effect of which enough is seen: as a law of its axis, or of a mass that several axes move.
+
+    Args:
+        found: with all effects that were selected, along the measured motion.
+        start: without them.
+        data: recordings that are replayed along their measured motion.
+    """
+    scene = Scene.of(start.hypothesis.model, data, start.simulated, len(data.recordings))
+    applied = found.hypothesis.free
+    columns = [scene.total(a, a.values) for a in applied]
+    acts = respond([scene], [columns], data)[0]
+    out: dict[EffectKey, Adequacy] = {}
+    places = {(a.key.axis, a.key.location): Placement.of(scene.model, a.key) for a in applied if a.key.axis}
+    axes: dict[tuple[str | None, str], tuple[_Axis, list[EffectKey]]] = {}
+    for (name, location), place in places.items():
+        assert place is not None
+        here = [k for k, a in enumerate(applied) if (a.key.axis, a.key.location) == (name, location)]
+        axis = _axis(scene, found, data, [part[:, 1] for part in acts], here, place)
+        if len(axis.rest) >= POLICY.fewest_moving_rows:
+            axes[name, location] = axis, [applied[k].key for k in here]
+            out |= _of_axis(*axes[name, location])
+    for group in alike_axes(scene.model):
+        out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], applied, out)
+    for k, a in enumerate(applied):
+        # a body that was added is certain only where nothing else is wrong: masses of links do the same
+        if a.key.axis and not effect_named(a.key.effect).depends_on:
+            out[a.key] = adequacy_of_mass(several(scene, found, data, [part[:, 1] for part in acts], k))
+    return out
+
+
+def _axis(
+    scene: Scene, found: Fit, data: Data, acts: Sequence[np.ndarray], here: Sequence[int], place: Placement
+) -> _Axis:
+    """One coordinate of all recordings, on the rows that count there."""
+    laws, rest, own, others, which = [], [], [], [], []
+    motions = needing(scene)
+    for i, (motion, loop) in enumerate(zip(motions, scene.loops, strict=True)):
+        back = np.linalg.inv(loop.reading.to_actuator)
+        if place.location == "joint":
+            back = back @ scene.model.transmission
+        onto = back[:, place.index]
+        rows = kept_rows(scene, i)
+        rows = rows[loop.reading.counts[rows][:, np.abs(onto) > 1e-12].all(axis=1)]
+        scale = np.where(data.weight[1] > 0.0, 1.0 / np.where(data.weight[1] > 0.0, data.weight[1], 1.0), 0.0)
+        laws.append(np.einsum("knc,n->kc", acts[i][rows][:, :, here], scale * onto))
+        rest.append(data.residual(i, found.simulated[i])[rows, 1] @ onto)
+        position, speed, acceleration = motion.along(place)
+        load = motion.torque @ (scene.model.transmission if place.location == "joint" else np.eye(len(onto)))
+        known = dict(zip(_QUANTITIES, (position, speed, acceleration, load[:, place.index]), strict=True))
+        own.append({q: x[rows] for q, x in known.items()})
+        others.append(
+            {f"position {j}": motion.position[rows, j] for j in range(len(onto)) if j != place.index}
+        )
+        which.append(np.full(len(rows), i))
+    numbers = np.concatenate(which)
+    others_of = {q: np.concatenate([o[q] for o in others]) for q in others[0]}
+    return _Axis(
+        np.concatenate(laws),
+        np.concatenate(rest),
+        {q: np.concatenate([o[q] for o in own]) for q in _QUANTITIES},
+        {**others_of, "time": np.arange(len(numbers), dtype=float)},
+        numbers,
+    )
+
+
+def _together(
+    axes: Sequence[tuple[_Axis, list[EffectKey]]],
+    applied: Sequence[AppliedEffect],
+    alone: Mapping[EffectKey, Adequacy],
+) -> dict[EffectKey, Adequacy]:
+    """Of laws of joints that were built alike, held against free functions on all of them at once.
+
+    What is strange about one of them takes nothing from a law that holds on all, with one size on all.
+    """
+    values = {a.key: a.parameters for a in applied}
+    laws = [{effect_named(k.effect).depends_on for k in keys} - {()} for _, keys in axes]
+    out: dict[EffectKey, Adequacy] = {}
+    for own in set().union(*laws):
+        there = [axes[i] for i, found in enumerate(laws) if own in found]
+        keys = [k for _, keys in there for k in keys if effect_named(k.effect).depends_on == own]
+        doubted = [k for k in keys if not alone[k].holds]
+        if len(there) < 2 or not doubted or any(alone[k].size <= 0.0 for k in doubted):
+            continue
+        parts = [np.array([effect_named(k.effect).depends_on == own for k in keys]) for _, keys in there]
+        law = np.concatenate([a.laws[:, p].sum(axis=1) for (a, _), p in zip(there, parts, strict=True)])
+        rest = np.concatenate([a.laws[:, ~p].sum(axis=1) for (a, _), p in zip(there, parts, strict=True)])
+        known = {q: np.concatenate([a.own[q] for a, _ in there]) for q in _QUANTITIES}
+        joined = _Axis(
+            np.column_stack([law, rest]),
+            np.concatenate([a.rest for a, _ in there]),
+            known,
+            {},
+            np.concatenate([np.full(len(a.rest), i) for i, (a, _) in enumerate(there)]),
+        )
+        found = _of_law(joined, [own, ()], own)
+        out |= {k: found for k in doubted if found.holds and _agrees(k, keys, values, alone)}
+    return out
+
+
+def _agrees(
+    key: EffectKey,
+    alike: Sequence[EffectKey],
+    values: Mapping[EffectKey, Mapping[str, Estimate]],
+    alone: Mapping[EffectKey, Adequacy],
+) -> bool:
+    """Whether an effect has the size that it has on joints alike: what is strange may hide in its size."""
+    others = [values[k] for k in alike if k.effect == key.effect and k != key]
+    for name, own in values[key].items():
+        there = [o[name] for o in others]
+        if not there:
+            return False
+        deviation = np.hypot(own.std, np.median([o.std for o in there])) + alone[key].spread * abs(own.value)
+        if abs(own.value - np.median([o.value for o in there])) > INTERVAL * deviation:
+            return False
+    return True
+
+
+def _of_axis(axis: _Axis, keys: Sequence[EffectKey]) -> dict[EffectKey, Adequacy]:
+    """Of all effects at one coordinate; those of the same quantities are parts of one law."""
+    depends = [effect_named(k.effect).depends_on for k in keys]
+    found = {own: _of_law(axis, depends, own) for own in dict.fromkeys(d for d in depends if d)}
+    return {k: found[own] for k, own in zip(keys, depends, strict=True) if own}
+
+
+def _of_law(axis: _Axis, depends: Sequence[tuple[str, ...]], own: tuple[str, ...]) -> Adequacy:
+    """Of the law of some quantities, whose parts are columns of the laws of what each `depends` on."""
+    alike = np.array([d == own for d in depends])
+    related = np.array([bool(set(d) & set(own)) for d in depends])
+    law = axis.laws[:, alike].sum(axis=1)
+    beside = {**{q: x for q, x in axis.own.items() if q not in own}, **axis.others}
+    others = [splines([x], [x]) for x in beside.values() if np.ptp(x) > 0.0]
+    quantities = [axis.own[q] for q in own]
+    free = [(splines(quantities, quantities), axis.laws[:, related].sum(axis=1))]
+    free += [((law[:, None] * basis, penalty), law) for basis, penalty in others]
+    laws = np.column_stack([law, axis.laws[:, ~alike]])
+    return held(laws, axis.rest, free, others, axis.recording)

@@ -1,0 +1,72 @@
+"""Whether a mass is certain although something else is unknown: a law of all axes that move it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..data import Data
+from ..evidence.shape import splines
+from ..hypothesis import Fit
+from ..policy import POLICY
+from ..screening.sensitivity import Scene
+from ..screening.torque_regression import kept_rows
+from .free_functions import Adequacy, Free, held
+
+
+@dataclass(frozen=True, eq=False)
+class Several:
+    """The coordinates on which a law acts, row by row: laws (M, A, E), it first, rest and motion (M, A)."""
+
+    laws: np.ndarray
+    rest: np.ndarray
+    position: np.ndarray
+    speed: np.ndarray
+    acceleration: np.ndarray
+    recording: np.ndarray
+
+
+def several(scene: Scene, found: Fit, data: Data, acts: Sequence[np.ndarray], which: int) -> Several:
+    """What a mass asks of all drives that move it."""
+    rows = [kept_rows(scene, i) for i in range(len(scene.runs))]
+    columns = np.concatenate([part[own] for part, own in zip(acts, rows, strict=True)])
+    power = np.sum(columns[:, :, which] ** 2, axis=0)
+    axes = np.flatnonzero(power > POLICY.mass_acts * power.sum())
+    order = [which, *(k for k in range(columns.shape[2]) if k != which and columns[:, axes, k].any())]
+    rest = [
+        (data.residual(i, run)[own, 1] * data.weight[1])[:, axes]
+        for i, (run, own) in enumerate(zip(found.simulated, rows, strict=True))
+    ]
+    motions = list(zip(scene.motions, rows, strict=True))
+    return Several(
+        columns[:, axes][:, :, order],
+        np.concatenate(rest),
+        np.concatenate([m.position[own][:, axes] for m, own in motions]),
+        np.concatenate([m.velocity[own][:, axes] for m, own in motions]),
+        np.concatenate([m.acceleration[own][:, axes] for m, own in motions]),
+        np.concatenate([np.full(len(own), i) for i, own in enumerate(rows)]),
+    )
+
+
+def adequacy_of_mass(s: Several) -> Adequacy:
+    """Of a law of several coordinates, which their positions and accelerations decide together."""
+    count, axes = s.rest.shape
+    time = np.repeat(np.arange(count, dtype=float)[:, None], axes, axis=1)
+
+    def apart(values: np.ndarray) -> Free:
+        """A free function on each coordinate of its own quantity (M, A)."""
+        bases, penalties = zip(*(splines([x], [x]) for x in values.T), strict=True)
+        sizes = np.cumsum([0, *(b.shape[1] for b in bases)])
+        whole, penalty = np.zeros((count, axes, sizes[-1])), np.zeros((sizes[-1],) * 2)
+        for k, (basis, own) in enumerate(zip(bases, penalties, strict=True)):
+            part = slice(sizes[k], sizes[k + 1])
+            whole[:, k, part], penalty[part, part] = basis, own
+        return whole.reshape(count * axes, -1), penalty
+
+    law, rest = s.laws[:, :, 0].ravel(), s.rest.ravel()
+    varying = [apart(x) for x in (s.speed, time)]
+    free = [(apart(s.position), law), *(((law[:, None] * basis, p), law) for basis, p in varying)]
+    beside = [apart(x) for x in (s.speed, s.acceleration, time)]
+    return held(s.laws.reshape(count * axes, -1), rest, free, beside, np.repeat(s.recording, axes))

@@ -1,0 +1,47 @@
+"""A measured torque that stands some rows beside its command: loggers write what they read a row ago."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.core import Recording
+from workbench.effects import held
+
+from ..policy import POLICY
+
+
+def shifted_lines(recordings: Sequence[Recording], delay: float) -> list[str]:
+    """One line an axis whose measured torque is its command whole rows later, or earlier, than drives answer.
+
+    That is how a late drive looks too. But a drive's delay is in the motion as well, and is found; where it
+    is not, and the rest stays unexplained, the log is what to look at.
+
+    Args:
+        recordings: those fitted.
+        delay: from command to torque by the model [s].
+    """
+    pairs = [
+        (held(r.signals["torque_command"], r.period, delay)[0], r.signals["torque_measured"])
+        for r in recordings
+        if {"torque_command", "torque_measured"} <= set(r.signals) and len(r) > 4 * POLICY.shift_rows
+    ]
+    lines = []
+    for index, axis in enumerate(recordings[0].axes if pairs else ()):
+        shifts = range(-POLICY.shift_rows, POLICY.shift_rows + 1)
+        left = {s: sum(_off(asked[:, index], given[:, index], s) for asked, given in pairs) for s in shifts}
+        best = min(shifts, key=lambda s: left[s])
+        if best and left[best] < POLICY.shift_left * left[0]:
+            rows = f"{abs(best)} row{'s' * (abs(best) > 1)} {'later' if best > 0 else 'earlier'}"
+            lines.append(
+                f"the measured torque of {axis} is its command {rows} than the model's drives answer: if the "
+                "motion does not show that, the log is shifted"
+            )
+    return lines
+
+
+def _off(asked: np.ndarray, given: np.ndarray, shift: int) -> float:
+    """Squared difference of a torque from another, which is moved by whole rows; the same rows for all."""
+    rows = np.arange(POLICY.shift_rows, len(asked) - POLICY.shift_rows)
+    return float(np.nansum((given[rows] - asked[rows - shift]) ** 2))

@@ -1,0 +1,119 @@
+"""Experiments that a machine could be asked for, as designs and as the commands that make them."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.core import InputError, Recording
+from workbench.frf import Design, Limit, chirp, multisine, scale_to_limits
+from workbench.models import Model, find_model
+from workbench.recordings.velocity import derive_velocity
+from workbench.simulation import held_posture, holds, joint_limits, limits_of, predictor, whole_period
+
+from ..policy import POLICY
+
+_LENGTH_S = 6.0  # of each experiment
+
+
+@dataclass(frozen=True)
+class Option:
+    """An experiment that might tell: band [Hz], and amplitude as a share of what was recorded."""
+
+    kind: str
+    drive: str
+    f_min: float
+    f_max: float
+    share: float
+    posture: float = 0.5  # place in the range of the last joint
+
+
+def designed(model: Model, option: Option, recordings: Sequence[Recording]) -> tuple[Design, str]:
+    """An option for this machine, no harder than what was recorded, and the command that makes it."""
+    model, loop = in_a_loop(model, recordings)
+    rate = 1.0 / recordings[0].period
+    length = whole_period(model, _LENGTH_S, rate)
+    hold = held_posture(model, _posture(model, option.posture))
+    torque = np.max(
+        [_spread(r, ("torque_command", "torque_measured", "torque_feedforward")) for r in recordings], axis=0
+    )
+    travel = np.max([_spread(r, ("position",)) for r in recordings], axis=0)
+    size = option.share * (torque if option.drive == "torque" else np.sqrt(2.0) * travel)
+    size = [float(f"{s:.2g}") for s in np.maximum(size, 1e-6)]
+    band = {
+        "f_min_hz": option.f_min,
+        "f_max_hz": min(option.f_max, POLICY.resolved * rate),
+        "rate_hz": rate,
+        "hold": hold,
+    }
+    driven = "torque_feedforward" if option.drive == "torque" else "position_reference"
+    if option.kind == "multisine":
+        design = multisine(model.axes, **band, period_s=length, rms=size, driven=driven, periods=1)
+    else:
+        if not hold:
+            raise InputError("no loop follows a reference")
+        design = chirp(model.axes, **band, duration_s=length, amplitude=size, driven=driven)
+    limits: list[Limit] = limits_of(model, [max(_fastest(r) for r in recordings)])
+    scaled = scale_to_limits(design, predictor(model, limits), limits)
+    words = [
+        f"workbench excite {_opened_by(model)}{loop} -o next.toml",
+        f"--kind {option.kind} --drive {option.drive}",
+        f"--f-min {option.f_min:g} --f-max {band['f_max_hz']:g} --period {length:g}",
+        *(f"--amplitude {s * scaled.factor:.2g}" for s in size),
+    ]
+    if option.posture != 0.5:
+        words += [f"--posture {name}={value:.3g}" for name, value in _posture(model, option.posture).items()]
+    return scaled.design, " ".join(words)
+
+
+def in_a_loop(model: Model, recordings: Sequence[Recording]) -> tuple[Model, str]:
+    """The model, in the first loop that a recording states where it has none; and the option for that."""
+    if not holds(model):
+        for r in recordings:
+            closed = replace(model, controller=r.controller)
+            if r.source is not None and holds(closed):
+                return closed, f" --loop {shlex.quote(str(r.source))}"
+    return model, ""
+
+
+def _fastest(recording: Recording) -> float:
+    """The highest speed of any axis, derived as on loading where it was not recorded."""
+    speed = recording.get("velocity")
+    if speed is None:
+        speed = derive_velocity(recording.position, recording.period)
+    return float(np.nanmax(np.abs(speed)))
+
+
+def _opened_by(model: Model) -> str:
+    """What names the model on a command line: a shipped one's name, else its file."""
+    try:
+        shipped = find_model(model.name) == model.source
+    except InputError:
+        shipped = False
+    return model.name if shipped or model.source is None else shlex.quote(str(model.source))
+
+
+def _posture(model: Model, place: float) -> dict[str, float]:
+    """Position reference with the last joint at a place in its range; empty where it has none.
+
+    Raises:
+        InputError: a posture is asked of a machine without a range or loop in joint coordinates.
+    """
+    low, high = joint_limits(model)[-1]
+    if place == 0.5:
+        return {}
+    if not np.isfinite(low) or model.controller.coordinates != "joint":
+        raise InputError("no range to choose a posture from")
+    return {model.joints[-1]: float(low + place * (high - low))}
+
+
+def _spread(recording: Recording, names: Sequence[str]) -> np.ndarray:
+    """Standard deviation (n,) of the first of these signals that is there and moves."""
+    for name in names:
+        values = recording.get(name)
+        if values is not None and np.ptp(values) > 0:
+            return values.std(axis=0)
+    return np.zeros(len(recording.axes))

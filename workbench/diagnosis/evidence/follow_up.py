@@ -1,0 +1,78 @@
+"""The experiment that shows more of what stays unexplained, by where it sits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.core import InputError, Recording, Share, SimulationError
+from workbench.models import Model
+
+from ..policy import POLICY
+from .experiment_design import Option, designed
+
+_FASTEST_HZ = 30.0  # up to which speeds are passed
+
+_ADVICE = {
+    "speed": "pass these speeds both ways, hard and gently",
+    "position": "go to and fro across there, slowly",
+    "frequency": "excite this band by itself",
+    "time": "make the same run again: what comes back at that time goes with the motion, and what does not, "
+    "with time itself, such as a temperature or something from outside",
+}
+
+
+def look_closer(model: Model, where: Sequence[Share], recordings: Sequence[Recording]) -> str:
+    """One or two sentences: what to record where the rest sits, with the command that designs it.
+
+    Args:
+        model: the machine, with what is known of it.
+        where: shares of the rest, the largest first; none where nothing is known of its place.
+        recordings: what was recorded so far, which nothing proposed exceeds.
+    """
+    if not where:
+        return "Record slow sweeps, steady runs and a multisine, and keep one recording for judging."
+    most, rate = where[0], 1.0 / recordings[0].period
+    low, high = most.range
+    place = f"{most.quantity} {low:.3g} to {high:.3g} {most.unit} of {most.axis}"
+    said = f"The rest sits in the {most.signal} around {place}: {_ADVICE[most.quantity]}"
+    if most.quantity == "frequency" and low > POLICY.resolved * rate:
+        return f"{said}, with a log that is faster than its {rate:.4g} rows a second."
+    command = _command(model, most, recordings)
+    return f"{said}{f' ({command})' if command else ''}. Keep one recording for judging."
+
+
+def _command(model: Model, most: Share, recordings: Sequence[Recording]) -> str:
+    """What designs the experiment; nothing where this machine has no such one."""
+    option = _option(most, recordings)
+    if option is None:
+        return ""
+    try:
+        return designed(model, option, recordings)[1]
+    except (InputError, SimulationError):
+        return ""
+
+
+def _option(most: Share, recordings: Sequence[Recording]) -> Option | None:
+    low, high = most.range
+    if most.quantity == "frequency":
+        return Option("multisine", "torque", _short(max(0.8 * low, 0.2)), _short(max(1.25 * high, 1.0)), 1.0)
+    if most.quantity == "position":
+        return Option("chirp", "position", 0.1, 0.6, 1.0)
+    if most.quantity == "speed":
+        # harder than recorded, within limits: these speeds are to be passed
+        return Option("multisine", "torque", 0.2, _fast_enough(most, recordings), 1.5)
+    return None
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.2g}")
+
+
+def _fast_enough(most: Share, recordings: Sequence[Recording]) -> float:
+    """Frequency [Hz] at which motion as wide as what was recorded has twice the speeds in question."""
+    axis = recordings[0].axes.index(most.axis)
+    wide = np.sqrt(2.0) * max(float(r.position[:, axis].std()) for r in recordings)
+    fastest = max(abs(x) for x in most.range)
+    return _short(float(np.clip(2.0 * fastest / (2.0 * np.pi * max(wide, 1e-9)), 1.0, _FASTEST_HZ)))

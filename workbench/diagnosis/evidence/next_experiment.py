@@ -1,0 +1,148 @@
+"""What to measure next: the excitation on which two explanations would differ most."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.comparison import scored_signals
+from workbench.core import Comparison, EffectKey, Finding, InputError, SimulationError, Verdict
+from workbench.effects import effect_named
+from workbench.frf import Design
+from workbench.models import Model
+from workbench.simulation import Run, as_recording, simulate
+
+from ..data import Data
+from ..hypothesis import applied_effect
+from ..policy import POLICY
+from ..search_result import Search
+from .experiment_design import Option, designed, in_a_loop
+from .follow_up import look_closer
+
+_OPTIONS = (
+    Option("chirp", "position", 0.1, 1.0, 1.0),
+    Option("chirp", "position", 0.2, 8.0, 0.5),
+    Option("multisine", "torque", 0.2, 5.0, 1.5),
+    Option("multisine", "torque", 0.5, 60.0, 1.0),
+    Option("multisine", "torque", 0.5, 60.0, 1.0, posture=0.25),
+    Option("multisine", "torque", 0.5, 60.0, 1.0, posture=0.75),
+)
+
+
+def next_experiment(
+    verdict: Verdict, findings: Sequence[Finding], found: Search, after: Comparison
+) -> str | None:
+    """One or two sentences: which motion would settle what is open; None where nothing is."""
+    data_on_ground = found.final_data.replay.on_ground
+    for finding in findings:
+        stage = next(s for s in found.stages if s.added == finding.key)
+        rivals = finding.indistinguishable_from
+        if not rivals and (finding.probability >= POLICY.doubtful or found.adequacy):
+            continue  # where drives leave a rest, that is what to look at
+        models = {key: model for key, model in stage.others if key in rivals or not rivals}
+        if data_on_ground and (models or rivals):
+            rival = next(iter(models), None) or rivals[0]
+            return f"To tell {finding.key} from {rival} on the ground: {_ways(finding.key, rival)}."
+        if models:
+            rival = next(iter(models))
+            return tell_apart(stage.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)
+        if rivals:
+            return (
+                f"{finding.key} and {rivals[0]} are one thing in two names on this machine: no motion tells "
+                f"them apart. What shows its size best: {effect_named(finding.key.effect).reveal}."
+            )
+    if verdict == "unexplained" or (verdict != "consistent" and not found.consistent_after):
+        model = found.final.hypothesis.model if findings else found.model
+        return look_closer(model, after.where, found.start_data.recordings)
+    return None
+
+
+def _ways(key: EffectKey, rival: EffectKey) -> str:
+    """In which experiments two effects stand out; what one says within the other is said once."""
+    one, other = (effect_named(k.effect).reveal for k in (key, rival))
+    return max(one, other, key=len) if one in other or other in one else f"{one}; {other}"
+
+
+def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, data: Data) -> str:
+    """The experiment on which two fitted models differ most, as a command.
+
+    Args:
+        ours, theirs: models with the effect `key`, and with `rival` in its place.
+        key, rival: the effects.
+        data: what was recorded, and the noise floor.
+    """
+    tried = []
+    ours, _ = in_a_loop(ours, data.recordings)
+    for option in _OPTIONS:
+        try:
+            design, command = designed(ours, option, data.recordings)
+            tried.append((separation(ours, theirs, design, data), command))
+        except (InputError, SimulationError):
+            continue  # not on this machine: no loop that holds a posture, a limit that rest breaks already
+    ways = _ways(key, rival)
+    if not tried:
+        return f"To tell {key} from {rival}: {ways}."
+    ratio, command = max(tried)
+    if ratio < POLICY.told_apart:
+        return (
+            f"No excitation of the usual kinds tells {key} from {rival}: with the one true, the other would "
+            f"still score {ratio:.2f} times the noise floor ({command}). Try: {ways}."
+        )
+    return (
+        f"To tell {key} from {rival}: {command}. With the one true, the other would score {ratio:.2g} times "
+        "the noise floor there."
+    )
+
+
+def separation(ours: Model, theirs: Model, design: Design, data: Data) -> float:
+    """Error over the noise floor that `theirs` would have on an experiment if `ours` is true.
+
+    Its free parameters may follow, at the price that their deviations set: a weighted least-squares step on
+    derivatives by simulation.
+
+    Raises:
+        SimulationError: a model is unstable in the experiment.
+    """
+    recordings = [as_recording(ours, design, e) for e in range(len(design.trials))]
+    moved = _moved(theirs)
+    runs = simulate([Run(m, r) for m in (ours, theirs, *moved) for r in recordings])
+    names, floor = scored_signals(data.recordings[0]), np.sqrt(data.pool(data.floor))
+    weight = np.where(floor > 0, 1.0 / np.where(floor > 0, floor, 1.0), 0.0)
+
+    def signals(index: int) -> np.ndarray:
+        part = runs[index * len(recordings) : (index + 1) * len(recordings)]
+        stacked = np.concatenate([np.stack([r.signals[name] for name in names], axis=1) for r in part])
+        return (stacked * weight[: len(names)]).ravel()
+
+    base = signals(1)
+    difference = signals(0) - base
+    # columns in deviations, so that the prior is one
+    columns = np.stack([signals(2 + k) - base for k in range(len(moved))], axis=1) if moved else None
+    if columns is not None:
+        gram = columns.T @ columns + np.eye(len(moved))
+        change = np.linalg.solve(gram, columns.T @ difference)
+        # what earlier recordings say against such a change counts too
+        difference = np.concatenate([difference - columns @ change, change])
+    rows = sum(len(r) for r in recordings)
+    counted = rows * np.count_nonzero(weight[: len(names)])
+    return float(np.sqrt(1.0 + np.sum(difference**2) / max(counted, 1.0)))
+
+
+def _moved(model: Model) -> list[Model]:
+    """The model with each estimated parameter of its last effect one deviation away."""
+    if not model.effects:
+        return []
+    last = model.effects[-1]
+    out = []
+    for name, estimate in last.parameters.items():
+        if not (np.isfinite(estimate.std) and estimate.std > 0):
+            continue
+        changed = applied_effect(model, last, {**last.values, name: estimate.value + estimate.std})
+        effects = (
+            *model.effects[:-1],
+            replace(changed, parameters={**last.parameters, **changed.parameters}),
+        )
+        out.append(replace(model, effects=effects))
+    return out

@@ -1,0 +1,291 @@
+"""What the residual torque goes with: speed, its sign, load, position, reversals, acceleration, time, heat.
+
+Each relation alone is a least-squares fit of one quantity (or a sine and cosine of the position) to the
+residual torque; how much it explains is held against the same residual with its blocks shuffled, which keeps
+what neighbouring rows share and breaks the relation (P. Good, "Permutation, Parametric, and Bootstrap Tests
+of Hypotheses", 3rd ed. 2005). The largest share over all relations of each shuffle counts, so that asking
+many questions makes no answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.comparison import is_free
+from workbench.comparison.inverse import lowpass, torque_at_tap
+from workbench.core import Recording
+from workbench.core.units import torque_unit
+from workbench.effects import axis_units, compile_plant
+from workbench.models import Model
+from workbench.recordings import NoiseLevels
+from workbench.simulation import Track, required_torque, scored_torque, smooth_track
+
+from ..policy import POLICY
+
+_STEP_S = 0.01  # between the rows that are looked at
+_BLOCK_S = 1.0  # and shuffled in blocks of this
+_SHUFFLES = 199
+_AFTER_S = 0.06  # what counts as just after a reversal
+_ORDERS = range(1, 33)  # of a revolution
+
+
+@dataclass(frozen=True)
+class Relation:
+    """The residual torque of an axis going with one quantity.
+
+    Attributes:
+        quantity: in words.
+        size: the residual's change with it, `unit`.
+        share: of the residual's power that it explains.
+        p: chance that shuffled blocks show as large a share in any quantity.
+    """
+
+    quantity: str
+    size: float
+    unit: str
+    share: float
+    p: float
+
+
+@dataclass(frozen=True, eq=False)
+class Missing:
+    """The torque that a model lacks along what was measured, recordings one below the other.
+
+    Attributes:
+        torque: measured less required torque, (N, n), each recording's mean taken off [N m or N].
+        position, speed: of the motion, (N, n).
+        acceleration: of it, (N, n); load: the torque that the model needs for it, (N, n); both zero where
+            nothing drives it.
+        time: since the start of each recording, (N,) [s].
+        temperature: (N, n) [K], or None where one recording has none.
+        start: rows at which recordings start.
+        step: between rows [s].
+        axes, units: of the columns.
+    """
+
+    torque: np.ndarray
+    position: np.ndarray
+    speed: np.ndarray
+    acceleration: np.ndarray
+    load: np.ndarray
+    time: np.ndarray
+    temperature: np.ndarray | None
+    start: tuple[int, ...]
+    step: float
+    axes: tuple[str, ...]
+    units: tuple[str, ...]
+
+    def in_joints(self, transmission: np.ndarray) -> Missing:
+        """The same in joint coordinates: tau_s = J^T tau_p, q_p = J q_s (paper, Eq. 4)."""
+        back = np.linalg.inv(transmission).T
+        return replace(
+            self,
+            torque=self.torque @ transmission,
+            load=self.load @ transmission,
+            position=self.position @ back,
+            speed=self.speed @ back,
+            acceleration=self.acceleration @ back,
+        )
+
+
+def missing_torque(
+    model: Model, measured: Sequence[Recording], simulated: Sequence[Recording], levels: NoiseLevels
+) -> Missing | None:
+    """The torque residual by inverse dynamics, at a row every few milliseconds; actuator coordinates.
+
+    Args:
+        model: that lacks something.
+        measured: recordings; those without a torque are left out.
+        simulated: the model's run of each, which the motion is smoothed about.
+        levels: of the sensors' noise.
+
+    Returns:
+        None where no recording has a torque.
+    """
+    plant, parts, warm = compile_plant(model), [], []
+    for recording, run in zip(measured, simulated, strict=True):
+        if scored_torque(recording) is None or len(recording) < 100:
+            continue
+        to_actuator = recording.to_actuator(model.transmission)
+        # what nothing drives begins anew at each swing, and all its torque is load and inertia
+        free = is_free(recording)
+        about = None if free else run
+        track = smooth_track(recording, about, to_actuator, levels.position_std, levels.velocity_std)
+        tap = torque_at_tap(plant, recording, track, to_actuator)
+        stride = max(1, round(_STEP_S / recording.period))
+        edge = min(len(recording) // 10, int(0.1 / recording.period))
+        rows = slice(edge, len(recording) - edge, stride)
+        thin = Track(
+            *(lowpass(x, recording)[rows] for x in (track.position, track.velocity, track.acceleration))
+        )
+        needed = required_torque(plant, thin)
+        rest = lowpass(tap, recording)[rows] - needed
+        good = recording.valid[rows]
+        heat = recording.get("temperature")
+        warm.append(None if heat is None else heat[rows][good])
+        pushed, load = (np.zeros_like(needed) if free else x for x in (thin.acceleration, needed))
+        columns = (rest - rest[good].mean(axis=0), thin.position, thin.velocity, pushed, load)
+        parts.append((*(c[good] for c in columns), recording.time[rows][good], stride * recording.period))
+    if not parts:
+        return None
+    stacked = [np.concatenate([p[k] for p in parts]) for k in range(6)]
+    heated = None if any(w is None for w in warm) else np.concatenate([w for w in warm if w is not None])
+    start = np.cumsum([0, *(len(p[0]) for p in parts[:-1])])
+    return Missing(
+        *stacked,
+        temperature=heated,
+        start=tuple(int(k) for k in start),
+        step=parts[0][6],
+        axes=model.axes,
+        units=tuple(axis_units(model)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Column:
+    """A quantity along all recordings: what it is called and one or two columns (N, 1 or 2)."""
+
+    quantity: str
+    unit: str
+    values: np.ndarray
+
+
+def relations(missing: Missing, axis: str, *, seed: int = 0) -> tuple[Relation, ...]:
+    """The one or two quantities that the residual torque of an axis goes with most.
+
+    Args:
+        missing: see `missing_torque`.
+        axis: name.
+        seed: of the shuffles.
+
+    Returns:
+        At most two, the larger first; the second explains part of what the first leaves. Empty where
+        nothing stands out of shuffled blocks.
+    """
+    block = round(_BLOCK_S / missing.step)
+    k = missing.axes.index(axis)
+    count = len(missing.torque) // block * block
+    residual = missing.torque[:count, k]
+    if count < 12 * block or not np.any(residual):
+        return ()
+    made = [(c, _orthonormal(c.values[:count])) for c in _columns(missing, k)]
+    bases = [(c, b) for c, b in made if b is not None]
+    rng = np.random.default_rng(seed)
+    orders = np.array([rng.permutation(count // block) for _ in range(_SHUFFLES)])
+    found: list[Relation] = []
+    while len(found) < 2 and bases:
+        column, basis, share, p = _strongest(residual, bases, orders, block)
+        if p > POLICY.relation_chance or share < (POLICY.relation_second if found else POLICY.relation_first):
+            break
+        found.append(Relation(column.quantity, _size(column, residual, count), column.unit, share, p))
+        residual = residual - basis @ (basis.T @ residual)
+        # what goes with the first goes with the second as well: only what is new in it counts
+        bases = [(c, _without(b, basis)) for c, b in bases if c is not column]
+    return tuple(found)
+
+
+def relation_lines(axis: str, found: Sequence[Relation]) -> list[str]:
+    """One line each."""
+    return [
+        f"the residual torque of {axis} goes with {r.quantity}{_amount(r)}: {100 * r.share:.0f} % of "
+        f"{'its power' if k == 0 else 'what is left'} (block permutation p {_chance(r.p)})"
+        for k, r in enumerate(found)
+    ]
+
+
+def _amount(r: Relation) -> str:
+    return f", {r.size:.2g} {r.unit}" if np.isfinite(r.size) else ""
+
+
+def _chance(p: float) -> str:
+    return f"= {p:.2g}" if p > 1.5 / (_SHUFFLES + 1) else f"≤ {1 / (_SHUFFLES + 1):.2g}"
+
+
+def _strongest(
+    residual: np.ndarray, bases: Sequence[tuple[_Column, np.ndarray]], orders: np.ndarray, block: int
+) -> tuple[_Column, np.ndarray, float, float]:
+    """The quantity that explains most, its basis, its share, and the chance of such a share."""
+    power = float(residual @ residual)
+    owner = np.repeat(np.arange(len(bases)), [b.shape[1] for _, b in bases])
+    stacked = np.concatenate([b for _, b in bases], axis=1)
+    shares = np.bincount(owner, (stacked.T @ residual) ** 2, len(bases)) / power
+    best = int(np.argmax(shares))
+    # a shuffle of the residual's blocks against all quantities: blocks times their correlation
+    blocks = stacked.reshape(len(residual) // block, block, -1)
+    products = np.einsum("blc,al->bac", blocks, residual.reshape(-1, block))  # block of basis, of residual
+    places = np.arange(len(blocks))
+    largest = np.array(
+        [np.max(np.bincount(owner, products[places, order].sum(axis=0) ** 2, len(bases))) for order in orders]
+    )
+    chance = (1 + np.count_nonzero(largest / power >= shares[best])) / (1 + len(orders))
+    return bases[best][0], bases[best][1], float(shares[best]), float(chance)
+
+
+def _columns(m: Missing, k: int) -> list[_Column]:
+    """The quantities of one axis, each recording's mean taken off."""
+    unit = m.units[k]
+    torque = torque_unit(unit)
+    at, speed, load = m.position[:, k], m.speed[:, k], m.load[:, k]
+    sign = np.tanh(speed / (0.02 * float(np.sqrt(np.mean(speed**2))) + 1e-12))
+    per = f"{torque} per {torque}"
+    columns = [
+        _Column("the sign of speed", torque, sign[:, None]),
+        _Column("speed", f"{torque} s/{unit}", speed[:, None]),
+        _Column("the load", per, load[:, None]),
+        _Column("load times the sign of speed", per, (np.abs(load) * sign)[:, None]),
+        _Column("position", f"{torque}/{unit}", at[:, None]),
+        _Column("the time just after reversals", torque, _after_reversals(sign, m)[:, None]),
+        _Column("acceleration", f"{torque} s²/{unit}", m.acceleration[:, k, None]),
+        _Column("time", f"{torque}/s", m.time[:, None]),
+    ]
+    if unit == "rad":
+        columns += [
+            _Column(
+                f"position, {n} times a revolution", torque, np.stack([np.cos(n * at), np.sin(n * at)], 1)
+            )
+            for n in _ORDERS
+            if n * np.ptp(at) > POLICY.order_turn * 2 * np.pi
+        ]
+    if m.temperature is not None:
+        columns.append(_Column("temperature", f"{torque}/K", m.temperature[:, k, None]))
+    out = []
+    for c in columns:
+        parts = np.split(c.values, m.start[1:])
+        out.append(_Column(c.quantity, c.unit, np.concatenate([p - p.mean(axis=0) for p in parts])))
+    return out
+
+
+def _after_reversals(sign: np.ndarray, m: Missing) -> np.ndarray:
+    """The new sign for some steps after each change of it, else zero, (N,)."""
+    steps = max(1, round(_AFTER_S / m.step))
+    turned = np.flatnonzero(np.diff(np.sign(sign)) != 0) + 1
+    out = np.zeros(len(sign))
+    for k in turned:
+        out[k : k + steps] = np.sign(sign[k : k + steps])
+    return out
+
+
+def _orthonormal(values: np.ndarray) -> np.ndarray | None:
+    """An orthonormal basis of what columns span; None where they stand still."""
+    q, r = np.linalg.qr(values)
+    scale = np.abs(np.diag(r))
+    return q if scale.min() > 1e-9 * max(float(np.linalg.norm(values)), 1e-12) else None
+
+
+def _without(basis: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """What of a basis is new, orthonormal; zeros where nothing is."""
+    rest = basis - other @ (other.T @ basis)
+    keep = np.linalg.norm(rest, axis=0) > POLICY.relation_new
+    out = np.zeros_like(basis)
+    if keep.any():
+        out[:, keep] = np.linalg.qr(rest[:, keep])[0]
+    return out
+
+
+def _size(column: _Column, residual: np.ndarray, count: int) -> float:
+    """The residual's slope with the quantity, or the amplitude of a sine."""
+    slope = np.linalg.lstsq(column.values[:count], residual, rcond=None)[0]
+    return float(slope[0]) if len(slope) == 1 else float(np.hypot(*slope))

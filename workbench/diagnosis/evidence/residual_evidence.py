@@ -1,0 +1,171 @@
+"""The lines under a finding: what it removes, and what responses and residuals say of it by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from workbench.core import EffectKey, Shape, Share
+from workbench.effects import Door, effect_named
+from workbench.models import AppliedEffect, Model, rotors
+
+from ..adequacy.adequacy import Adequacy
+from ..checks.torque_log_offset import shifted_lines
+from ..data import Data
+from ..hypothesis import Fit
+from ..policy import POLICY
+from ..search_result import Stage
+from .frequency_response import Responses, distortion_lines, resonance_lines, response_lines, responses
+from .relations import Missing, missing_torque, relation_lines, relations
+from .shape import shapes
+
+#: Doors whose effects are torques on the mechanism; others shift what is commanded or read.
+_TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
+
+
+@dataclass(frozen=True)
+class Clues:
+    """What training recordings show beside the runs of a model that lacks something.
+
+    Nothing is computed before a line asks for it.
+    """
+
+    data: Data
+    fit: Fit
+
+    @property
+    def model(self) -> Model:
+        """The model that lacks something."""
+        return self.fit.hypothesis.model
+
+    @cached_property
+    def responses(self) -> Responses | None:
+        """Measured and modelled frequency response, if the recordings give one; none of short windows."""
+        if self.data.replay.on_ground:
+            return None
+        count = self.data.training
+        return responses(self.data.recordings[:count], self.fit.simulated[:count])
+
+    @cached_property
+    def missing(self) -> Missing | None:
+        """The torque that the model lacks, actuator coordinates; on the ground, its force would be part."""
+        if self.data.replay.on_ground:
+            return None
+        count = self.data.training
+        levels = self.data.replay.noise.levels
+        return missing_torque(self.model, self.data.recordings[:count], self.fit.simulated[:count], levels)
+
+    @cached_property
+    def shapes(self) -> tuple[Shape, ...]:
+        """The smooth function that removes most of each axis's missing torque, of those that remove much.
+
+        Of one quantity where a second adds nothing.
+        """
+        if self.missing is None:
+            return ()
+        best = []
+        for axis in self.missing.axes:
+            found = [s for s in shapes(self.missing, axis) if s.share >= POLICY.shape_share]
+            close = [s for s in found if s.share > found[0].share - POLICY.shape_same]
+            best += sorted(close, key=lambda s: (len(s.quantities), -s.share))[:1]
+        return tuple(sorted(best, key=lambda s: -s.share))
+
+    @property
+    def follows_positions(self) -> bool:
+        """Whether the missing torque of an axis is a smooth function of positions alone."""
+        return any(s.frequency is None and all("position" in q for q in s.quantities) for s in self.shapes)
+
+    def of_finding(self, key: EffectKey) -> list[str]:
+        """Lines that bear on one effect."""
+        effect, lines = effect_named(key.effect), []
+        if effect.trace is not None and self.responses is not None:
+            lines += response_lines(self.responses, key)
+        if effect.door in _TORQUES and self.missing is not None:
+            missing = self.missing
+            if key.location == "joint":
+                missing = missing.in_joints(self.model.transmission)
+            found = relations(missing, key.axis or _worst(missing))
+            if found and found[0].share >= POLICY.relation_beside:
+                lines += relation_lines(key.axis or _worst(missing), found)
+        return lines
+
+    def of_rest(self, where: Sequence[Share]) -> tuple[str, ...]:
+        """Lines on what no effect explains, on the axis where most of it sits.
+
+        Args:
+            where: shares of the rest, largest first.
+        """
+        lines = []
+        if not self.data.replay.on_ground:
+            delay = self.model.actuators.delay_s
+            lines += shifted_lines(self.data.recordings[: self.data.training], delay)
+        if self.responses is not None:
+            soft = resonance_lines(self.responses, None)
+            lines += [*soft, *(_without_rotor(self.model) if soft else ())]
+            lines += distortion_lines(self.responses, None)
+        if self.missing is not None:
+            known = [s.axis for s in where if s.axis in self.missing.axes]
+            axis = known[0] if known else _worst(self.missing)
+            lines += relation_lines(axis, relations(self.missing, axis))
+            lines += [
+                f"what {s.axis} lacks follows {s.name}: {100 * s.share:.0f} % of its power on blocks that "
+                "were left out; a shape, not a cause"
+                for s in self.shapes
+            ]
+        return tuple(lines)
+
+
+def finding_lines(stage: Stage, applied: AppliedEffect, found: Collection[EffectKey] = ()) -> tuple[str, ...]:
+    """What an effect removes, where, and beside which other explanation.
+
+    Args:
+        stage: at which it was accepted.
+        applied: the effect.
+        found: all effects of the final model, none of which is another explanation.
+    """
+    judged = stage.by_held_out
+    source = "held-out recordings" if judged else "data left out of the fit"
+    agree, of = stage.folds
+    removed = 100.0 * min(max(stage.removed_share, 0.0), 1.0)
+    lines = [
+        f"removes {removed:.1f} % of the squared error above the noise on {source}",
+        f"helps on {agree} of {of} {'held-out recordings' if judged else 'folds'}",
+    ]
+    known = {applied.key, *stage.rivals, *found}
+    others = [(k, s) for k, s in stage.ranking if k not in known]
+    if others:
+        key, share = others[0]
+        beside = f"simpler than {key}, which" if share > stage.removed_share else f"next best, {key},"
+        lines.append(f"{beside} removes {100 * min(max(share, 0.0), 1.0):.1f} %")
+    effect = effect_named(applied.key.effect)
+    stated = effect.stated_words(stage.fit.hypothesis.model)
+    return (*lines, *([stated] if stated else []), f"where to see it: {effect.shows}")
+
+
+def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:
+    """Why an effect is certain although something else is missing; none where that was not asked."""
+    if key not in adequacy:
+        return []
+    own, found = " and ".join(effect_named(key.effect).depends_on or ("position",)), adequacy[key]
+    share, spread = 100.0 * found.share, 100.0 * found.spread
+    return [
+        f"a free smooth function of {own} explains hardly more: this law reaches {share:.0f} % of it",
+        f"its size changes by {spread:.0f} % at most beside a free function of any other quantity",
+    ]
+
+
+def _worst(missing: Missing) -> str:
+    """The axis that lacks most torque."""
+    power = (missing.torque**2).sum(axis=0)
+    return missing.axes[int(power.argmax())]
+
+
+def _without_rotor(model: Model) -> list[str]:
+    """Why no spring could be tried behind a motor: what would stay on its other side?"""
+    inertia = dict(zip(model.axes, rotors(model)[0], strict=True))
+    bare = [axis for axis in model.driven if inertia[axis] == 0.0]
+    advice = (
+        "move the motor's part of the inertia into the armature of its joint, and a spring behind it is tried"
+    )
+    return [f"the model has no inertia on the motor's side of {', '.join(bare)}: {advice}"] if bare else []

@@ -1,0 +1,1 @@
+"""Parameters of effects by Gauss-Newton on simulations, and how certain they are."""

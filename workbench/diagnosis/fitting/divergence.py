@@ -1,0 +1,50 @@
+"""Runs that part by themselves: how far two of them come to lie from each other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from ..data import Data
+from ..hypothesis import Fit, Hypothesis, applied_effect
+
+
+def parting(found: Fit, data: Data) -> np.ndarray:
+    """Typical squared distance of runs whose parameters differ by what the fit leaves open.
+
+    A gap's runs follow their parameters for a while only: soon even the true ones give another motion than
+    the measured one, and no fit can be asked for less than two such runs differ. At either end of a gap's own
+    interval a run may land on another motion altogether, which the fit in the middle did not: the median of
+    all pairs is told nothing by that.
+
+    Args:
+        found: the fit; its model ran.
+        data: recordings.
+
+    Returns:
+        Per recording, (R, 2, n); zero where fewer than two of the runs are finite.
+    """
+    runs = [found.simulated, *data.run([h.model for h in _around(found.hypothesis)])]
+    apart = []
+    for one, other in combinations(runs, 2):
+        rows = [
+            data.residual(i, a) - data.residual(i, b) for i, (a, b) in enumerate(zip(one, other, strict=True))
+        ]
+        square = np.stack([np.mean(r**2, axis=0) for r in rows])
+        if np.isfinite(square).all():
+            apart.append(square)
+    return np.median(apart, axis=0) if apart else np.zeros_like(found.mean_squares)
+
+
+def _around(hypothesis: Hypothesis) -> list[Hypothesis]:
+    """Each parameter of each effect at either end of its interval."""
+    out = []
+    for k, applied in enumerate(hypothesis.free):
+        for name, estimate in applied.parameters.items():
+            for way in (-1.96, 1.96):
+                values = {**applied.values, name: estimate.value + way * estimate.std}
+                other = applied_effect(hypothesis.base, applied, values)
+                out.append(replace(hypothesis, free=(*hypothesis.free[:k], other, *hypothesis.free[k + 1 :])))
+    return out

@@ -1,0 +1,248 @@
+"""Fit hypotheses by simulating the closed loop: Gauss-Newton on many of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from workbench.core import Recording
+
+from ..data import Data
+from ..hypothesis import Fit, Hypothesis, moved, room
+from ..policy import POLICY
+from ..removed_share import removed_share
+from ..screening.propagation import respond
+from ..screening.sensitivity import Scene
+from .bounded_least_squares import solve
+from .delays import as_late_as_the_best
+from .normal_equations import Normal, normal, total
+from .uncertainty import covariance_of, with_deviations
+from .whole_row_delays import has_edges, over_the_edge
+
+_ITERATIONS = 6
+TOLERANCE = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
+_HEATS = 3  # simulations of each hypothesis in a race's first heats
+_AT_ONCE = 10_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
+_EDGES = 4  # simulations from which a fit is one that ends where it is best, and of those beyond a row's edge
+_OVERFLOW = 1e100  # noise levels of response to one unit; the square of much more is no number
+FINE_TOLERANCE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
+
+
+def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
+    """Training objective of hypotheses as they are; infinite where they do not run."""
+    squares = [data.mean_squares(runs) for runs in data.run([h.model for h in hypotheses])]
+    return np.array([data.objective(data.pool(s)) if np.isfinite(s).all() else np.inf for s in squares])
+
+
+@dataclass
+class _Work:
+    """One hypothesis on its way."""
+
+    tried: Hypothesis
+    best: Hypothesis
+    runs: tuple[Recording, ...] = ()
+    mean_squares: np.ndarray | None = None
+    value: float = np.inf
+    damping: float = 0.0
+    pieces: list[Normal] | None = None
+    unlike: list[Normal] = field(default_factory=list)
+    noise: np.ndarray | None = None
+    done: bool = False
+
+
+def fit(
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int = _ITERATIONS, enough: float = TOLERANCE
+) -> list[Fit | None]:
+    """Fit all hypotheses to the training recordings, simulating them side by side.
+
+    Args:
+        hypotheses: where to start from.
+        data: recordings, floor, weights.
+        iterations: most simulations of each.
+        enough: relative fall of the objective at which to stop.
+
+    Returns:
+        One fit a hypothesis; None where it never ran (unstable, or a body that cannot be).
+    """
+    works = _pursued(hypotheses, data, iterations, enough)
+    if iterations >= _EDGES:
+        works = [_over_the_edge(w, data, enough) for w in works]
+    _linearise([w for w in works if w.pieces is None and np.isfinite(w.value)], data)
+    return [_finish(w, data) for w in works]
+
+
+def _pursued(
+    hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = TOLERANCE
+) -> list[_Work]:
+    """Hypotheses as near to their best as so many simulations lead; not linearised where they end."""
+    works = [_Work(h, h) for h in hypotheses]
+    for turn in range(iterations):
+        best = min((w.value for w in works), default=np.inf)
+        for work in works:
+            # what is far behind after two tries needs no better estimate to lose
+            work.done |= turn > 1 and work.value > POLICY.fit_behind * best
+        active = [w for w in works if not w.done]
+        if not active:
+            break
+        _simulate(active, data, enough)
+        if turn == iterations - 1:
+            break
+        moving = [w for w in active if not w.done]
+        _linearise([w for w in moving if w.pieces is None], data)
+        for work in moving:
+            if not work.done:
+                _step(work, enough)
+    return works
+
+
+def _over_the_edge(work: _Work, data: Data, enough: float) -> _Work:
+    """Where noise does not explain a fit, a better one beyond the next row of a delay, if there is one."""
+    floor = data.objective(data.least())
+    if not has_edges(work.best) or not POLICY.delay_above * floor < work.value < np.inf:
+        return work
+    _linearise([work] if work.pieces is None else [], data)
+    if work.pieces is None:
+        return work
+    starts = over_the_edge(work.best, total(work.pieces), data.recordings[0].period)
+    return min([work, *_pursued(starts, data, _EDGES, enough)], key=lambda w: w.value)
+
+
+def race(
+    hypotheses: Sequence[Hypothesis], current: Fit, data: Data
+) -> tuple[list[Fit | None], list[float | None]]:
+    """Fit on the recordings where most of the error is; those still in the running go on to all of them.
+
+    Args:
+        hypotheses: what takes part.
+        current: the fit that they would replace.
+        data: recordings, floor, weights.
+
+    Returns:
+        Per hypothesis its fit to all recordings, None where it never ran or fell behind; and the share of the
+        squared error above the noise that it removed on the first recordings, None where it never ran.
+    """
+    telling = data.telling(current.mean_squares, POLICY.informative_share)
+    some = data.part(telling)
+    floor = some.objective(some.pool(some.floor))
+    before = some.objective(some.pool(current.mean_squares[list(telling)]))
+    first = _pursued(hypotheses, some, _HEATS)
+    most = POLICY.delay_left * before + (1.0 - POLICY.delay_left) * floor
+    first = _second_tries(first, _in_the_running(first, before, floor), some, most)
+    near = _in_the_running(first, before, floor)
+    shares = [removed_share(before, w.value, floor) if np.isfinite(w.value) else None for w in first]
+    running = {k: w.best for k, w in enumerate(first) if near[k]}
+    final = dict(zip(running, fit(list(running.values()), data), strict=True))
+    return [final.get(k) for k in range(len(first))], shares
+
+
+def _in_the_running(works: Sequence[_Work], before: float, floor: float) -> np.ndarray:
+    """Which of them (W,) have not fallen behind the best."""
+    left = np.array([w.value - floor for w in works])
+    limit = POLICY.race_behind * max(left.min(initial=np.inf), 0.0) + POLICY.race_noise * floor
+    limit += POLICY.race_excess * max(before - floor, 0.0)
+    return np.isfinite(left) & (left <= limit)
+
+
+def _second_tries(works: list[_Work], near: np.ndarray, data: Data, most: float) -> list[_Work]:
+    """Delays that fell behind, from where the best one has come; over a row's edge if they left no more."""
+    led = as_late_as_the_best([w.best for w in works], [w.value for w in works], near)
+    out = list(works)
+    for k, other in zip(led, _pursued(list(led.values()), data, _HEATS), strict=True):
+        out[k] = min(out[k], other, key=lambda w: w.value)
+    done = [near[k] or w.value > most for k, w in enumerate(out)]
+    return [w if d else _over_the_edge(w, data, TOLERANCE) for d, w in zip(done, out, strict=True)]
+
+
+def _simulate(works: list[_Work], data: Data, enough: float) -> None:
+    """Run what is to be tried; keep it where it is better, else shorten the next step."""
+    results = data.run([w.tried.model for w in works])
+    for work, runs in zip(works, results, strict=True):
+        mean_squares = data.mean_squares(runs)
+        value = data.objective(data.pool(mean_squares)) if np.isfinite(mean_squares).all() else np.inf
+        if value < work.value:
+            gain = (work.value - value) / work.value if np.isfinite(work.value) else 1.0
+            work.best, work.runs, work.mean_squares, work.value = work.tried, runs, mean_squares, value
+            work.pieces, work.damping = None, work.damping / 10.0 if work.damping > 1e-4 else 0.0
+            work.done = gain < enough
+        else:
+            _reject(work)
+
+
+def _reject(work: _Work) -> None:
+    if work.pieces is None or work.damping > 100.0:
+        work.done = True
+        return
+    work.damping = max(10.0 * work.damping, 0.1)
+
+
+def _linearise(works: list[_Work], data: Data) -> None:
+    """Normal equations about each hypothesis, per fold; of long recordings a few hypotheses at a time."""
+    size = sum(len(r) * len(r.axes) ** 2 for r in data.recordings[: data.training])
+    together = max(1, _AT_ONCE // size)
+    for first in range(0, len(works), together):
+        _linearise_together(works[first : first + together], data)
+
+
+def _linearise_together(works: list[_Work], data: Data) -> None:
+    scenes = [Scene.of(w.best.model, data, w.runs, data.training) for w in works]
+    columns = [[c for a in w.best.free for c in s.derivatives(a)] for w, s in zip(works, scenes, strict=True)]
+    responses = respond(scenes, columns, data)
+    for work, own in zip(works, responses, strict=True):
+        if not all(np.abs(r).max(initial=0.0) < _OVERFLOW for r in own):  # nor NaN
+            work.value, work.done = np.inf, True  # the loop about this motion runs away: nothing to follow
+            continue
+        residuals = [data.residual(i, work.runs[i]) * data.weight for i in range(data.training)]
+        work.pieces, work.unlike = (
+            [normal(own[f.recording][f.rows], residuals[f.recording][f.rows]) for f in folds]
+            for folds in (data.folds, data.unlike if any(data.repeats) else ())
+        )
+        work.noise = sum(
+            (scatter([draw[i] for draw in data.draws], own[i], data) for i in range(data.training)),
+            np.zeros((own[0].shape[-1],) * 2),
+        )
+
+
+def scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.ndarray:
+    """Covariance (C, C) of the right side that noise causes in one recording, from its draws."""
+    flat = response.reshape(draws[0].size, response.shape[-1])
+    hits = np.stack([flat.T @ (d * data.weight).reshape(-1) for d in draws])
+    return hits.T @ hits / len(hits)
+
+
+def _step(work: _Work, enough: float) -> None:
+    """The next values to try; done where they would change nothing."""
+    assert work.pieces is not None
+    whole = total(work.pieces)
+    low, high = room(work.best)
+    change = solve(whole, low, high, work.damping)
+    fall = whole.square - whole.after(change)
+    if len(change) == 0 or fall < enough * whole.square:
+        work.done = True
+        return
+    work.tried = moved(work.best, change)
+
+
+def _finish(work: _Work, data: Data) -> Fit | None:
+    if not np.isfinite(work.value):
+        return None
+    assert work.pieces is not None and work.mean_squares is not None and work.noise is not None
+    whole = total(work.pieces)
+    low, high = room(work.best)
+    changes = []
+    for piece in work.pieces:
+        rest = whole - piece
+        changes.append(solve(rest, low, high))
+    folds = np.array([p.after(c) / p.samples for p, c in zip(work.pieces, changes, strict=True)])
+    weights = np.array([p.samples for p in work.pieces])
+    judged = float(np.average(folds, weights=weights))
+    if data.held_out_judges:
+        judged = data.objective(data.pool(work.mean_squares, held_out=True))
+        folds = np.array([data.objective(ms) for ms in work.mean_squares[data.training :]])
+    # what is wrong with the model is the same in every copy of a motion, and would not show in their scatter
+    moves = [solve(whole - piece, low, high) for piece in work.unlike] or changes
+    covariance = covariance_of(whole, work.noise, np.array(moves), work.value, data)
+    return Fit(
+        with_deviations(work.best, covariance, data), work.runs, work.mean_squares, work.value, judged, folds
+    )

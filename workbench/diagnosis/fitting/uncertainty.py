@@ -1,0 +1,119 @@
+"""How far estimates may be off: noise, folds, rival fits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from workbench.core import Estimate
+from workbench.effects import Effect, effect_named
+from workbench.models import AppliedEffect
+
+from ..data import Data
+from ..hypothesis import Fit, Hypothesis, blocks
+from ..policy import POLICY
+from .normal_equations import Normal
+
+
+def widened(found: Fit, others: Sequence[Fit], share: float) -> Fit:
+    """Deviations no smaller than those of rival fits of the same effects.
+
+    They also cover a `share` of the way to the rivals' estimates.
+    """
+    free = []
+    for k, applied in enumerate(found.hypothesis.free):
+        parameters = {}
+        for name, estimate in applied.parameters.items():
+            rivals = [o.hypothesis.free[k].parameters[name] for o in others]
+            away = max(abs(r.value - estimate.value) for r in rivals)
+            least = max(estimate.std, *(r.std for r in rivals))
+            spread = float(np.hypot(least, share * away))
+            parameters[name] = replace(estimate, std=spread)
+        free.append(AppliedEffect(applied.key, parameters))
+    return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
+
+
+def moved_apart(found: Fit, own: Fit, others: Sequence[Fit]) -> Fit:
+    """Deviations that cover a share of the way from `own` to `others`, fits of one kind elsewhere."""
+    share = POLICY.rival_deviation
+    free = []
+    for k, applied in enumerate(found.hypothesis.free):
+        middle = own.hypothesis.free[k].parameters
+        parameters = {}
+        for name, estimate in applied.parameters.items():
+            rivals = [o.hypothesis.free[k].parameters[name].value for o in others]
+            away = max((abs(r - middle[name].value) for r in rivals), default=0.0)
+            parameters[name] = replace(estimate, std=float(np.hypot(estimate.std, share * away)))
+        free.append(AppliedEffect(applied.key, parameters))
+    return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
+
+
+def covariance_of(
+    total: Normal, noise: np.ndarray, changes: np.ndarray, value: float, data: Data
+) -> np.ndarray:
+    """Covariance of the unknowns: what noise does to them, and what leaving out a fold does.
+
+    At the noise floor the first is right. Above it the model is wrong somewhere, residuals are not
+    noise, and the jackknife over folds says how far estimates move.
+    """
+    if len(total.right) == 0:
+        return np.zeros((0, 0))
+    inverse = np.linalg.pinv(total.gram, rcond=1e-10)
+    from_noise = inverse @ noise @ inverse
+    excess = value / max(data.objective(data.pool(data.floor)), 1e-300)
+    if excess < POLICY.jackknife_from:
+        return from_noise
+    count = len(changes)
+    moves = changes - changes.mean(axis=0)
+    jackknife = (count - 1) / count * moves.T @ moves
+    return from_noise * excess + jackknife
+
+
+def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) -> Hypothesis:
+    """Standard deviations of the parameters by the delta method."""
+    free = []
+    floor = data.pool(data.floor)
+    for applied, block in blocks(hypothesis):
+        effect = effect_named(applied.key.effect)
+        coefficients, shape = effect.to_coefficients(applied.values)
+        unknowns = np.array([*coefficients, *(shape[name] for name in effect.nonlinear)])
+        own = covariance[block, block]
+
+        values = partial(_values, effect, len(coefficients))
+        middle = values(unknowns)
+        slopes = np.empty((len(middle), len(unknowns)))
+        for i in range(len(unknowns)):
+            step = 1e-4 * max(abs(unknowns[i]), 1e-6)
+            slopes[:, i] = (values(unknowns + step * (np.arange(len(unknowns)) == i)) - middle) / step
+        deviation = np.sqrt(np.maximum(np.diag(slopes @ own @ slopes.T), 0.0))
+        # a delay acts inside a step through means; dry friction sets in some way that no log shows whole
+        late = np.array(
+            [POLICY.delay_deviation * data.recordings[0].period * (p.unit == "s") for p in effect.parameters]
+        )
+        many = len(effect.parameters) > 1
+        soft = POLICY.onset_deviation_of_many if many else POLICY.onset_deviation
+        onset = soft * effect.dry * np.abs(middle)
+        neutral = np.array([p.neutral for p in effect.parameters])
+        share = POLICY.start_deviation if data.replay.on_ground else POLICY.model_deviation
+        fine = np.sqrt(late**2 + onset**2 + (share * (middle - neutral)) ** 2)
+        axis = applied.key.axis
+        noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]
+        blur = effect.blur(applied.values, *(float(x) for x in np.sqrt(noise)))
+        fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in effect.parameters]))
+        deviation = np.hypot(deviation, fine)
+        parameters = {
+            p.name: Estimate(float(middle[i]), float(deviation[i]), applied.parameters[p.name].unit)
+            for i, p in enumerate(effect.parameters)
+        }
+        free.append(AppliedEffect(applied.key, parameters))
+    return replace(hypothesis, free=tuple(free))
+
+
+def _values(effect: Effect, count: int, unknowns: np.ndarray) -> np.ndarray:
+    """Parameters of an effect from its `count` linear coefficients and its nonlinear parameters."""
+    shape = dict(zip(effect.nonlinear, unknowns[count:], strict=True))
+    named = effect.to_parameters(unknowns[:count], shape)
+    return np.array([named[p.name] for p in effect.parameters])

@@ -1,0 +1,79 @@
+"""What a fit leaves on data that were fitted and that were not, its noise floors, and the share explained."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .data import Data
+from .hypothesis import Fit
+from .policy import POLICY
+
+
+def floor_of_judging(data: Data) -> float:
+    """Judged error that a perfect model would have, of noise and of what right simulations differ by."""
+    return data.objective(data.least(held_out=data.held_out_judges))
+
+
+def floor_of_fitting(data: Data) -> float:
+    """Fitted error that a perfect model would have."""
+    return data.objective(data.least())
+
+
+def rejudged(old: Fit, data: Data) -> Fit:
+    """The same fit under new weights; its parameters stay, so folds are judged as they are."""
+    trained = data.objective(data.pool(old.mean_squares))
+    if data.held_out_judges:
+        folds = np.array([data.objective(ms) for ms in old.mean_squares[data.training :]])
+        judged = data.objective(data.pool(old.mean_squares, held_out=True))
+    else:
+        folds = np.array(
+            [
+                np.mean(
+                    np.sum(
+                        (data.residual(f.recording, old.simulated[f.recording])[f.rows] * data.weight) ** 2,
+                        (1, 2),
+                    )
+                )
+                for f in data.folds
+            ]
+        )
+        judged = trained
+    return replace(old, trained=trained, judged=judged, agreeing=folds)
+
+
+def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
+    """Share of the excess at the start that is gone at the end, of fitted or held-out data, the smaller.
+
+    `at_end` has the floor of the last model, whose runs noise may drive farther apart than the first's.
+    """
+    shares = []
+    for held_out in {False, data.held_out_judges}:
+        floor = data.pool(data.floor, held_out)
+        first, last = data.pool(start.mean_squares, held_out), data.pool(end.mean_squares, held_out)
+        before = data.objective(np.maximum(first - floor, 0.0))
+        rest = np.maximum(floor, at_end.pool(at_end.floor, held_out))
+        after = data.objective(np.maximum(last - POLICY.noise_slack * rest, 0.0))
+        shares.append(float(np.clip(1.0 - after / before, 0.0, 1.0)) if before > 0 else 0.0)
+    return min(shares)
+
+
+def mostly_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
+    """As `explained`, but the median over recordings, by their length: runs that part may end elsewhere.
+
+    Near a gap's resonance two motions can live side by side; on which one a recording lands, no model says.
+    """
+    worst = 1.0
+    for part in (slice(0, data.training), slice(data.training, None))[: 1 + data.held_out_judges]:
+        weight = data.weight**2
+        floor, rest = data.floor[part], np.maximum(data.floor, at_end.floor)[part]
+        before = np.sum(np.maximum(start.mean_squares[part] - floor, 0.0) * weight, axis=(1, 2))
+        last = np.maximum(end.mean_squares[part] - POLICY.noise_slack * rest, 0.0)
+        after = np.sum(last * weight, axis=(1, 2))
+        shares = 1.0 - after / np.maximum(before, 1e-12)
+        rows = np.array([int(np.sum(r.valid)) for r in data.recordings[part]])
+        order = np.argsort(shares)
+        middle = np.searchsorted(np.cumsum(rows[order]), 0.5 * rows.sum())
+        worst = min(worst, float(np.clip(shares[order][middle], 0.0, 1.0)))
+    return worst

@@ -1,0 +1,242 @@
+"""What else is missing where there is a gap, asked of the torque together with the gap.
+
+Torque that is missed for another reason moves the instants at which a gap seems to be crossed, and a gap that
+is missed bends what was identified through it: an inertia of the links that comes out too large hides half of
+it. One after the other, neither is found well enough for a closed loop to run with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from workbench.core import EffectKey, SimulationError
+from workbench.effects import Passage, compile_plant, effect_named, link_inertia
+from workbench.models import Model, Placement
+
+from ..fitting.refinement import with_candidates
+from ..hypothesis import Fit
+from ..policy import POLICY
+from ..screening.screen import Candidate, Entry, entries_of, limits_of
+from ..screening.sensitivity import Column, Scene
+from .pairs import may_stand_together
+
+_PROBE_STEP = 0.005  # of the load: the size of a torque in a difference
+_GAP_STEP = 0.01  # of a gap and its stiffness
+_TRIES = 12
+_OVERFLOW = 1e9  # N m or N: for what cannot be followed at all
+
+
+@dataclass(frozen=True)
+class _Torque:
+    """A torque of unit coefficient where a gap is.
+
+    Attributes:
+        at_motor: whether it acts ahead of the gap.
+        rows: torque (N,) along each motion.
+        limits: of its coefficient.
+    """
+
+    at_motor: bool
+    rows: tuple[np.ndarray, ...]
+    limits: tuple[float, float]
+
+    @cached_property
+    def size(self) -> float:
+        """Its root mean square."""
+        return float(np.sqrt(np.mean(np.concatenate(self.rows) ** 2)))
+
+
+@dataclass(frozen=True)
+class _Option:
+    """An effect with its torques, one a coefficient; None where a coefficient does nothing here."""
+
+    entry: Entry
+    torques: tuple[_Torque | None, ...]
+
+    @property
+    def active(self) -> tuple[_Torque, ...]:
+        """Those that do something."""
+        return tuple(t for t in self.torques if t is not None)
+
+    @property
+    def rank(self) -> tuple[int, int]:
+        """Simpler ones first."""
+        return effect_named(self.entry.key.effect).tier, len(self.active) + len(self.entry.shape)
+
+
+class _Gap:
+    """A gap and torques about it, along motions."""
+
+    def __init__(self, scene: Scene, gap: Candidate, training: int) -> None:
+        place = Placement.of(scene.model, gap.key)
+        assert place is not None
+        motions = scene.motions[:training]
+        self._pieces = [Passage.of(m, scene.model, place) for m in motions]
+        self._inertia = link_inertia(motions[0], scene.model, place)[0]
+        self._retardation = gap.shape.get("retardation", scene.model.flank_retardation_s)
+        self.load = float(np.sqrt(np.mean(np.concatenate([p.load for p in self._pieces]) ** 2)))
+
+    def left(self, torques: Sequence[_Torque], values: np.ndarray) -> np.ndarray:
+        """Torque that stays unforeseen (M,) with logarithms of gap and stiffness, then coefficients."""
+        gap, stiffness = np.exp(values[:2])
+        parts = []
+        for k, piece in enumerate(self._pieces):
+            for torque, value in zip(torques, values[2:], strict=True):
+                piece = piece.with_torque(value * torque.rows[k], torque.at_motor)
+            parts.append(piece.unforeseen_means(self._inertia, gap, stiffness, self._retardation))
+        left = np.nan_to_num(np.concatenate(parts), nan=_OVERFLOW, posinf=_OVERFLOW)
+        return np.clip(left, -_OVERFLOW, _OVERFLOW)
+
+    def sizes(self, torques: Sequence[_Torque]) -> np.ndarray:
+        """Changes (2 + k,) of unknowns that change about as much each."""
+        return np.array([_GAP_STEP, _GAP_STEP, *(_PROBE_STEP * self.load / t.size for t in torques)])
+
+    def slopes(
+        self, torques: Sequence[_Torque], values: np.ndarray, now: np.ndarray, first: int = 0
+    ) -> np.ndarray:
+        """Change (M, k) of what is left `now` by the unknowns from the `first` on, per `sizes`."""
+        steps = np.diag(self.sizes(torques))[first:]
+        return np.stack([self.left(torques, values + step) - now for step in steps], axis=1)
+
+    def fitted(self, torques: Sequence[_Torque], values: np.ndarray) -> np.ndarray:
+        """The values (2 + k,) that leave least, from some."""
+        sizes = self.sizes(torques)
+        limits = (
+            np.array([(-np.inf, np.inf), (-np.inf, np.inf), *(t.limits for t in torques)]) / sizes[:, None]
+        )
+        low, high = limits.T
+        start = np.clip(values / sizes, low, high)
+        found = least_squares(
+            lambda x: self.left(torques, x * sizes), start, bounds=(low, high), max_nfev=_TRIES
+        )
+        return found.x * sizes
+
+
+def beside_gap(scene: Scene, gap: Candidate, current: Fit, training: int) -> list[Candidate]:
+    """A gap with what else the torque lacks at its axis, the gap first and as it is beside the others.
+
+    Args:
+        scene: the model that lacks something, on recordings of which the first `training` are looked at.
+        gap: as it is where nothing else is missing.
+        current: the model's fit.
+        training: their number.
+
+    Returns:
+        The gap alone where nothing else is missing.
+    """
+    seen = _Gap(scene, gap, training)
+    taken = {a.key for a in current.hypothesis.added}
+    options = [o for o in _options(scene, gap.key, training) if o.entry.key not in taken]
+    chosen: list[_Option] = []
+    values = np.log([gap.shape["gap"], gap.shape["stiffness"]])
+    left = _square(seen.left((), values))
+    while len(chosen) < POLICY.gap_effects:
+        fitting = [o for o in options if all(may_stand_together(o.entry.key, c.entry.key) for c in chosen)]
+        new = _best(seen, fitting, _torques(chosen), values)
+        if new is None:
+            break
+        option, start = new
+        more = [*chosen, option]
+        better = seen.fitted(_torques(more), start)
+        now = _square(seen.left(_torques(more), better))
+        if now > POLICY.gap_effect_left * left:
+            break
+        if _can_be(with_candidates(scene, _candidates(more, better[2:], gap), current).model):
+            chosen, values, left = more, better, now
+        else:
+            options.remove(option)
+    if not chosen:
+        return [gap]
+    others = _candidates(chosen, values[2:], gap)
+    return [_again(scene, gap, others, current, training), *others]
+
+
+def _can_be(model: Model) -> bool:
+    """Whether bodies with such inertias can be."""
+    try:
+        compile_plant(model)
+    except SimulationError:
+        return False
+    return True
+
+
+def _options(scene: Scene, gap: EffectKey, training: int) -> list[_Option]:
+    """Effects that are torques at the axis of a gap."""
+    place = Placement.of(scene.model, gap)
+    assert place is not None
+    columns, entries = entries_of(scene)
+    least = 1e-9 * max(float(np.sqrt(np.mean(m.torque**2))) for m in scene.motions[:training])
+    options = []
+    for entry in entries:
+        at_motor = (entry.key.axis, entry.key.location) == (gap.axis, "actuator")
+        torques: list[_Torque | None] = []
+        for number, low, high in zip(entry.linear, *limits_of(scene, entry), strict=True):
+            torque = _Torque(at_motor, _on(columns[number], place.index, training), (low, high))
+            torques.append(torque if torque.size > least else None)
+        if entry.fixed is None and any(torques):
+            options.append(_Option(entry, tuple(torques)))
+    return options
+
+
+def _on(column: Column, index: int, training: int) -> tuple[np.ndarray, ...]:
+    return tuple(torque[:, index] for torque in column.torque[:training])
+
+
+def _best(
+    seen: _Gap, options: Sequence[_Option], torques: Sequence[_Torque], values: np.ndarray
+) -> tuple[_Option, np.ndarray] | None:
+    """The simplest option of those that leave about the least, and values to begin with; by slopes alone."""
+    now = seen.left(torques, values)
+    known = seen.slopes(torques, values, now)
+    judged: list[tuple[float, _Option, np.ndarray]] = []
+    for option in options:
+        all_torques = [*torques, *option.active]
+        start = np.append(values, np.zeros(len(option.active)))
+        slopes = np.hstack([known, seen.slopes(all_torques, start, now, len(values))])
+        change = np.linalg.lstsq(slopes, -now, rcond=None)[0]
+        moved = start + change * seen.sizes(all_torques)
+        within = zip(moved[len(values) :], option.active, strict=True)
+        if all(t.limits[0] <= x <= t.limits[1] for x, t in within):
+            judged.append((_square(now + slopes @ change), option, moved))
+    if not judged:
+        return None
+    enough = POLICY.gap_simpler * min(left for left, _, _ in judged)
+    _, option, moved = min((j for j in judged if j[0] <= enough), key=lambda j: (j[1].rank, j[0]))
+    return option, moved
+
+
+def _torques(chosen: Sequence[_Option]) -> list[_Torque]:
+    return [t for option in chosen for t in option.active]
+
+
+def _candidates(chosen: Sequence[_Option], coefficients: np.ndarray, gap: Candidate) -> list[Candidate]:
+    values = iter(coefficients)
+    return [
+        Candidate(
+            o.entry.key,
+            np.array([0.0 if t is None else next(values) for t in o.torques]),
+            o.entry.shape,
+            gap.judged,
+        )
+        for o in chosen
+    ]
+
+
+def _again(
+    scene: Scene, gap: Candidate, others: Sequence[Candidate], current: Fit, training: int
+) -> Candidate:
+    """The gap as it is in a model that has the others."""
+    model = with_candidates(scene, others, current).model
+    seen = Scene(model, scene.data, scene.runs[:training])
+    guesses = effect_named(gap.key.effect).guesses(seen.motions, model, Placement.of(model, gap.key))
+    shape: Mapping[str, float] = guesses[0][0] if guesses else gap.shape
+    return replace(gap, shape=shape)
+
+
+def _square(left: np.ndarray) -> float:
+    return float(left @ left)

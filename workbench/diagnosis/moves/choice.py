@@ -1,0 +1,141 @@
+"""Which of the explanations that are accepted is taken, and how far the others are behind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Protocol, TypeVar
+
+from workbench.core import EffectKey
+from workbench.effects import contains, effect_named
+from workbench.models import Model
+
+from ..acceptance import reached
+from ..data import Data
+from ..hypothesis import Fit
+from ..loss import floor_of_fitting, floor_of_judging
+from ..policy import POLICY
+from ..screening.screen import Candidate
+
+#: An effect in a place that was simulated, with its fit.
+Explanation = tuple[Candidate, Fit]
+#: An effect with what is left where it explains the data.
+Judged = tuple[EffectKey, float]
+
+
+def choose(
+    helpful: list[Explanation],
+    stated: Sequence[Candidate],
+    before: float,
+    data: Data,
+    model: Model,
+    basics_first: bool = True,
+) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
+    """The best explanation; of those as good, the one with fewest free parameters, and its rivals.
+
+    Inertia, damping and Coulomb friction go before others that explain somewhat more, if `basics_first`.
+    """
+    floor = floor_of_judging(data)
+    helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
+
+    def cost(c: Candidate) -> tuple[int, int, bool]:
+        effect = effect_named(c.key.effect)
+        return effect.free(model), effect.tier, effect.wanders
+
+    known = [(c, f) for c, f in helpful if c in stated]
+    done = [(c, f) for c, f in helpful if reached(f, data)]
+    top, most = min(((c, f.judged) for c, f in helpful), key=lambda cj: cj[1])
+
+    def only_form(c: Candidate) -> bool:
+        """Whether the best explanation is this one refined; from there a fit may not find back to it."""
+        return contains(top.key, c.key) and len(effect_named(top.key.effect).contains) == 1
+
+    basic = [
+        (c, f)
+        for c, f in helpful
+        if basics_first
+        and effect_named(c.key.effect).basic
+        and cost(c) <= cost(top)
+        and before - f.judged > POLICY.basic_share * (before - most)
+        and not (most < POLICY.near_noise * floor and f.judged > POLICY.far_worse * most)
+        and not (only_form(c) and f.judged - floor > POLICY.far_worse * max(most - floor, 0.0))
+    ]
+    pool = known or done or basic or helpful
+    best = min(f.judged for _, f in pool)
+    ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + POLICY.tie)]
+    ties.sort(key=lambda cf: (cost(cf[0]), cf[1].judged))
+    candidate, found = ties[0]
+    # whatever does as well is a rival, wherever it came from, unless it merely contains the choice
+    rivals = tuple(
+        c.key
+        for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
+        if c is not candidate
+        and f.judged <= found.judged * (1.0 + POLICY.tie)
+        and not contains(c.key, candidate.key)
+        and c not in stated
+    )
+    return candidate, found, rivals
+
+
+def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
+    """Whether a refinement explains what this one plainly leaves of the training, unseen by judging."""
+    floor, (special, found) = floor_of_fitting(data), one
+    return found.trained > POLICY.near_noise * floor and any(
+        contains(c.key, special.key)
+        and f.judged < POLICY.test_blind * found.judged
+        and f.trained < POLICY.near_noise * floor
+        and found.trained - floor > POLICY.far_worse * (f.trained - floor)
+        for c, f in all_
+    )
+
+
+def passed_over(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> EffectKey | None:
+    """What leaves much less than a basic effect that was taken, of the shares that each removes."""
+    others = [(share, key) for key, share in ranking if not effect_named(key.effect).basic]
+    if not others or not effect_named(added.effect).basic:
+        return None
+    most, best = max(others, key=lambda sk: sk[0])
+    left = 1.0 - dict(ranking).get(added, 1.0)
+    return best if left > POLICY.much_less * max(1.0 - most, 0.0) else None
+
+
+class Fitted(Protocol):
+    """Something with its fit."""
+
+    @property
+    def fit(self) -> Fit:
+        """Its fit."""
+        ...
+
+
+_F = TypeVar("_F", bound=Fitted)
+
+
+def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[_F]:
+    """By what they leave, but those that do as well as any by their number of parameters.
+
+    `worth`: share of the excess that more parameters have to remove to be better at all.
+    """
+    floor = floor_of_judging(data)
+    least = min((f.fit.judged for f in found), default=0.0)
+    enough = max((1.0 + POLICY.tie) * least, floor + (least - floor) / (1.0 - worth))
+
+    def rank(one: _F) -> tuple[bool, int, float]:
+        behind = one.fit.judged > enough and not reached(one.fit, data)
+        size = one.fit.hypothesis.size
+        return behind, 0 if behind else size, one.fit.judged
+
+    return sorted(found, key=rank)
+
+
+def behind(key: EffectKey, judged: float, others: Iterable[Judged]) -> tuple[Judged, ...]:
+    """How far other explanations are behind one: the least of their judged errors over its own, best first.
+
+    Forms of the same cause are left out.
+    """
+    apart = ((k, left / max(judged, 1e-12)) for k, left in others if not same_cause(k, key))
+    return tuple(sorted(apart, key=lambda kl: kl[1]))
+
+
+def same_cause(one: EffectKey, other: EffectKey) -> bool:
+    """Whether two effects are one, or forms of one."""
+    return one == other or contains(one, other) or contains(other, one)

@@ -1,0 +1,73 @@
+"""What the torque told of a gap only roughly, to where the closed loop runs best."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import effect_named
+from workbench.models import AppliedEffect, Placement
+
+from ..data import Data
+from ..fitting.fit import fit, values_of
+from ..hypothesis import Fit, Hypothesis, applied_effect
+from ..policy import POLICY
+
+_STEPS = (0.1, 0.04, 0.015)  # of each parameter, one after the other
+_ROUNDS = 3  # at each step, as long as something at its rim is better
+
+
+def honed(found: Fit, data: Data) -> Fit:
+    """The same effects, those whose runs part searched on a grid; as it was where nothing is better.
+
+    Runs that part have no slope to follow. Many of them side by side tell all the same where less is left, as
+    long as they part late. It has to hold on data that were not fitted too.
+
+    Args:
+        found: a fit.
+        data: recordings and weights.
+    """
+    loose = [a for a in found.hypothesis.free if effect_named(a.key.effect).wanders]
+    some = data.part(data.telling(found.mean_squares, POLICY.informative_share))
+    hypothesis = found.hypothesis
+    for applied in loose:
+        for step in _STEPS:
+            hypothesis = _downhill(hypothesis, applied.key, step, some)
+    if hypothesis is found.hypothesis:
+        return found
+    better = fit([hypothesis], data, 1)[0]
+    less = 1.0 - POLICY.tie
+    if better is None or better.judged > less * found.judged or better.trained > less * found.trained:
+        return found
+    return better
+
+
+def _downhill(hypothesis: Hypothesis, key: EffectKey, step: float, data: Data) -> Hypothesis:
+    """From one grid about the values to the next, while its best is not in the middle."""
+    for _ in range(_ROUNDS):
+        around = _around(hypothesis, next(a for a in hypothesis.free if a.key == key), step)
+        best = int(np.argmin(values_of(around, data)))
+        if best == 0:
+            break
+        hypothesis = around[best]
+    return hypothesis
+
+
+def _around(hypothesis: Hypothesis, applied: AppliedEffect, step: float) -> list[Hypothesis]:
+    """The hypothesis, and those with an effect's nonlinear values a step up and down."""
+    effect = effect_named(applied.key.effect)
+    bounds = effect.shape_bounds(hypothesis.base, Placement.of(hypothesis.base, applied.key))
+    out = [hypothesis]
+    for signs in product((-1.0, 0.0, 1.0), repeat=len(effect.nonlinear)):
+        if not any(signs):
+            continue
+        values = dict(applied.values)
+        for name, sign in zip(effect.nonlinear, signs, strict=True):
+            values[name] = float(np.clip(values[name] * (1.0 + step) ** sign, *bounds[name]))
+        moved = applied_effect(hypothesis.base, applied, values)
+        free = tuple(moved if a.key == applied.key else a for a in hypothesis.free)
+        out.append(replace(hypothesis, free=free))
+    return out

@@ -1,0 +1,137 @@
+"""What a model has too much of, which no effect can take away: the numbers of its file are to be mended.
+
+An effect adds what is missing. Where links are stated heavier or bearings rougher than they are, its nearest
+to the truth is nothing, and others that bend the same curves come to the fore. Along the measured motion
+inertia, damping and friction are linear, so that less than nothing can be tried there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.comparison import MeasuredMotion, followed
+from workbench.core import EffectKey
+from workbench.effects import effect_named, places
+from workbench.models import Placement
+from workbench.simulation import scored_torque
+
+from ..data import gather
+from ..fitting.bounded_least_squares import solve
+from ..fitting.normal_equations import Normal, total
+from ..loss import floor_of_judging
+from ..policy import POLICY
+from ..screening.screen import Entry, equations, judge, limits_of
+from ..screening.sensitivity import Column, Scene
+from ..search_result import Search
+
+_LINEAR = ("reflected_inertia", "viscous_damping", "coulomb_friction", "payload_mass")
+
+
+@dataclass(frozen=True)
+class TooMuch:
+    """What would explain the data if less than the model has could be added.
+
+    Attributes:
+        share: of the squared error above the noise that goes, on data left out of the fit.
+        parts: effect, how much of it, its deviation, and whether it would have to be less than nothing.
+        at_noise: whether hardly more than the noise stays.
+    """
+
+    share: float
+    parts: tuple[tuple[EffectKey, float, float, bool], ...]
+    at_noise: bool
+
+    def plainer_than(self, found: Search) -> bool:
+        """Whether it says hardly less than effects with more parameters.
+
+        Effects that leave nothing but noise have to have some more, and this must leave no more either.
+        """
+        more = found.final.hypothesis.size - len(self.parts)
+        if found.consistent_after:
+            return self.at_noise and more >= POLICY.too_much_fewer
+        same = isinstance(found.start_data.replay, MeasuredMotion)
+        return same and more >= 1 and 1.0 - self.share < POLICY.too_much_times * (1.0 - found.explained)
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """What to mend in the model's file, in words."""
+        told = [
+            f"{key} {value:+.3g} ± {2.0 * deviation:.2g} {effect_named(key.effect).parameters[0].unit}"
+            for key, value, deviation, _ in self.parts
+        ]
+        share = f"{100.0 * self.share:.0f} % of the squared error above the noise on data left out of the fit"
+        return (
+            f"the model has too much of something: {', '.join(told)} would take off {share}, and less than "
+            "nothing cannot be added; check the masses, inertias and damping in its file",
+        )
+
+
+def too_much(found: Search) -> TooMuch | None:
+    """Whether the model as given has too much of something, as the torque along the motion shows it."""
+    data = found.start_data
+    everything = data.recordings
+    if data.replay.on_ground or any(scored_torque(r) is None for r in everything):
+        return None
+    runs = followed(everything)
+    along, simulated = gather(found.model, runs[: data.training], runs[data.training :], 0)
+    along = along.heard(along.mean_squares(simulated.clean))
+    scene = Scene.of(found.model, along, simulated.clean, len(runs))
+    columns, entries = _columns(scene)
+    if not entries:
+        return None
+    pieces, held_out = equations(scene, [], columns, along, simulated.clean)
+    floor = floor_of_judging(along)
+    chosen: list[Entry] = []
+    before = excess = max(_judged(pieces, held_out, ()) - floor, 0.0)
+    while len(chosen) < len(entries):
+        tried = [(_judged(pieces, held_out, (*chosen, e)), e) for e in entries if e not in chosen]
+        least, best = min(tried, key=lambda t: t[0])
+        left = max(least - floor, 0.0)
+        if before - left < max(POLICY.too_much_gain * before, POLICY.too_much_least * excess):
+            break
+        chosen, before = [*chosen, best], left
+    if not chosen or excess <= 0.0 or before > (1.0 - POLICY.too_much_share) * excess:
+        return None
+    lower, upper = (np.concatenate(b) for b in zip(*(limits_of(scene, e) for e in chosen), strict=True))
+    index = [k for e in chosen for k in e.linear]
+    bounded = judge(pieces, held_out, index, (), (lower, upper))[0] - floor
+    values, deviations = _spread([p.pick(index) for p in pieces])
+    below = values < lower - POLICY.sure * deviations
+    if not below.any() or bounded < POLICY.too_much_times * before:
+        return None
+    parts = zip((e.key for e in chosen), values.tolist(), deviations.tolist(), below.tolist(), strict=True)
+    return TooMuch(1.0 - before / excess, tuple(parts), before + floor < POLICY.near_noise * floor)
+
+
+def _columns(scene: Scene) -> tuple[list[Column], list[Entry]]:
+    """What may be too much, everywhere, each with one column."""
+    columns: list[Column] = []
+    entries: list[Entry] = []
+    for key in places(scene.model):
+        if key.effect not in _LINEAR or key.location != "actuator":
+            continue
+        shapes = effect_named(key.effect).shapes(scene.motions, scene.model, Placement.of(scene.model, key))
+        linear, fixed = scene.columns(key, next(iter(shapes)))
+        if fixed is None and len(linear) == 1:
+            entries.append(Entry(key, {}, [len(columns)], None, 1.0))
+            columns += linear
+    return columns, entries
+
+
+def _judged(pieces: list[Normal], held_out: Normal | None, chosen: Sequence[Entry]) -> float:
+    index = [k for e in chosen for k in e.linear]
+    anywhere = np.full(len(index), -np.inf), np.full(len(index), np.inf)
+    return judge(pieces, held_out, index, (), anywhere)[0]
+
+
+def _spread(pieces: Sequence[Normal]) -> tuple[np.ndarray, np.ndarray]:
+    """The solution on all pieces, and its deviation as leaving out one after the other moves it."""
+    whole = total(pieces)
+    anywhere = np.full(len(whole.right), -np.inf), np.full(len(whole.right), np.inf)
+    parts = np.array([solve(whole - p, *anywhere) for p in pieces])
+    size = len(parts)
+    deviation = np.sqrt((size - 1) / size * np.sum((parts - parts.mean(axis=0)) ** 2, axis=0))
+    return solve(whole, *anywhere), deviation

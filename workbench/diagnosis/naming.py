@@ -1,0 +1,74 @@
+"""Effects and their special cases: which is named, and what is named beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.core import EffectKey, Recording
+from workbench.effects import Effect, contains, effect_named
+from workbench.models import Model, Placement
+from workbench.simulation import scored_torque
+
+from .data import Data
+from .fitting.fit import race
+from .fitting.refinement import with_candidate
+from .hypothesis import Fit
+from .loss import floor_of_judging
+from .moves.choice import Explanation
+from .policy import POLICY
+from .screening.compliance import pins_of
+from .screening.screen import Candidate
+from .screening.sensitivity import Scene
+
+
+def named_beside(
+    scene: Scene, candidates: Sequence[Candidate], chosen: Candidate, found: Fit, current: Fit, data: Data
+) -> list[Explanation]:
+    """Effects with the chosen one as a special case that explain all as well and are no refinement of it.
+
+    A special case always comes first; beside it they are named where motions do not settle which it is, as of
+    a limit that was reached at one speed only. Only effects that can say so are fitted.
+    """
+    wider = [c for c in candidates if contains(c.key, chosen.key) and _can_say(c)]
+    if not wider:
+        return []
+    fits, _ = race([with_candidate(scene, c, current) for c in wider], current, data)
+    return [
+        (c, f)
+        for c, f in zip(wider, fits, strict=True)
+        if f is not None
+        and f.judged <= found.judged * (1.0 + POLICY.tie)
+        and f.trained <= found.trained * (1.0 + POLICY.tie)
+        and _differs(scene, f)
+    ]
+
+
+def special_case(
+    scene: Scene, chosen: Candidate, found: Fit, helpful: Sequence[Explanation], data: Data
+) -> Explanation:
+    """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
+    if _can_say(chosen) and not _differs(scene, found):
+        enough = POLICY.chance_gain * max(found.judged, floor_of_judging(data))
+        special = [(c, f) for c, f in helpful if contains(chosen.key, c.key) and f.judged < enough]
+        return special[0] if special else (chosen, found)
+    return chosen, found
+
+
+def twins_of(model: Model, key: EffectKey, recordings: Sequence[Recording]) -> tuple[EffectKey, ...]:
+    """Effects and places that no data can tell from this one, or no log without a measured torque."""
+    effect = effect_named(key.effect)
+    twins = effect.twins if key.location == "actuator" else ()
+    if all(scored_torque(r) != "torque_measured" for r in recordings):
+        twins = (*twins, *effect.twins_by_command)
+    return (*(replace(key, effect=name) for name in twins), *pins_of(model, key))
+
+
+def _can_say(candidate: Candidate) -> bool:
+    return type(effect_named(candidate.key.effect)).differs is not Effect.differs
+
+
+def _differs(scene: Scene, fit: Fit) -> bool:
+    last = fit.hypothesis.free[-1]
+    place = Placement.of(fit.hypothesis.model, last.key)
+    return effect_named(last.key.effect).differs(scene.motions, place, last.values)

@@ -1,0 +1,128 @@
+"""What is searched for: the model and its recordings, and what all parts of a search ask of them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from workbench.comparison import ClosedLoop, MeasuredMotion, followed, with_torque_by_law
+from workbench.core import Recording, SimulationError
+from workbench.models import Model
+
+from .data import Data, gather
+from .hypothesis import Fit, Hypothesis
+from .loss import rejudged
+from .moves.trial_fits import Progress
+from .screening.linear_problem import Linear, is_too_large, linear_along, linear_of
+from .screening.screen import Candidate
+from .screening.sensitivity import Scene
+from .screening.stiction import candidates
+from .screening.torque_regression import Regression, regression_of
+
+_SCENES = 4  # that are kept: a way seldom has more places, and they hold every row
+
+
+@dataclass(frozen=True)
+class Quest:
+    """What is searched for and with what.
+
+    Attributes:
+        start: the model as it is.
+        data: the recordings with its noise.
+        limit: most effects to add one by one.
+        seed: of the noise simulations.
+        progress: told what is being done.
+        scenes: linearised loops of the last places where the search stood, newest first.
+    """
+
+    start: Fit
+    data: Data
+    limit: int
+    seed: int
+    progress: Progress
+    scenes: deque[Scene] = field(default_factory=lambda: deque(maxlen=_SCENES), repr=False)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The loops of the model as it is, linearised."""
+        model = self.start.hypothesis.model
+        return Scene.of(model, self.data, self.start.simulated, len(self.data.recordings))
+
+    @cached_property
+    def along(self) -> tuple[Data, Fit, Regression] | None:
+        """The recordings along their measured motion, the model there, and all effects as one problem.
+
+        None where nothing drives it there: neither a measured torque nor the law of a loop.
+        """
+        if not isinstance(self.data.replay, ClosedLoop):
+            there = (self.data, self.start) if isinstance(self.data.replay, MeasuredMotion) else None
+        else:
+            there = self._followed()
+        return None if there is None else (*there, regression_of(there[1], there[0]))
+
+    def _followed(self) -> tuple[Data, Fit] | None:
+        model, data = self.start.hypothesis.model, self.data
+        driven = with_torque_by_law(model, data.recordings)
+        if driven is None:
+            return None
+        along = followed(driven)
+        try:
+            fresh, runs = gather(model, along[: data.training], along[data.training :], self.seed)
+        except SimulationError:
+            return None
+        fresh = fresh.heard(fresh.mean_squares(runs.clean))
+        return fresh, starting_fit(model, fresh, runs.clean)
+
+    @property
+    def is_dear(self) -> bool:
+        """Whether loops of so many axes would have to be linearised for screening."""
+        return self.data.replay.simulates and self.start.hypothesis.model.size > self.limit
+
+    @cached_property
+    def linear(self) -> Linear | None:
+        """Every effect in every place as one linear problem, round the loops where these are not too large.
+
+        None where loops are too large and nothing drives the machine along its measured motion.
+        """
+        self.progress("asking what these recordings can tell apart")
+        measured = isinstance(self.data.replay, MeasuredMotion)
+        if measured or self.is_dear or is_too_large(self.scene, self.data):
+            return None if self.along is None else linear_along(self.along[2], self.along[0])
+        return linear_of(self.scene, self.data)
+
+    @cached_property
+    def screened(self) -> tuple[Candidate, ...]:
+        """Every effect in every place, as a first one."""
+        self.progress("screening effects")
+        known = None if self.linear is None else self.linear.equations
+        return candidates(self.scene, self.start, self.data, self.seed, known)
+
+
+def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
+    """The model as it is, as a fit of nothing."""
+    return evaluated(Hypothesis(model, ()), simulated, data)
+
+
+def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data) -> Fit:
+    """A hypothesis as it is, with its runs of all recordings."""
+    unjudged = Fit(hypothesis, tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0))
+    return rejudged(unjudged, data)
+
+
+def quest_of(
+    model: Model, data: Data, simulated: Sequence[Recording], limit: int, seed: int, progress: Progress
+) -> Quest:
+    """What is searched for in a model.
+
+    Args:
+        model: the model as it is.
+        data: its recordings, with its noise.
+        simulated: its runs without noise.
+        limit, seed, progress: as `Quest` has them.
+    """
+    data = data.heard(data.mean_squares(simulated))
+    return Quest(starting_fit(model, data, simulated), data, limit, seed, progress)

@@ -1,0 +1,93 @@
+"""What command and measured torque of a drive say of each other, whatever the loop around them does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import Door, contains, effect_named
+from workbench.models import Placement
+
+from ..hypothesis import Fit
+from ..policy import POLICY
+from .sensitivity import Scene
+
+if TYPE_CHECKING:
+    from .screen import Candidate
+
+
+#: What a drive's measured torque is off its command, and what a limit takes away of it, row by row.
+_Passed = tuple[np.ndarray, np.ndarray] | None
+
+
+def by_channel(scene: Scene, candidates: Iterable[Candidate], without: float) -> list[Candidate]:
+    """Limits as the logged command and the torque behind it judge them, where the loop's estimate is worse.
+
+    A loop that is far beyond a limit is not the linear one that screening closes about its motion: what the
+    limit took away would come back many times over. But the command that was logged is the true one. And of
+    two forms of a limit it may leave only one.
+
+    Args:
+        scene: the model that lacks something, on the recordings.
+        candidates: as screened.
+        without: judged error without any of them.
+    """
+    passed = {c.key: (c, _passed(scene, c.key, c.shape)) for c in candidates}
+
+    def refuted(key: EffectKey) -> bool:
+        kin = (other for other in passed if contains(other, key) or contains(key, other))
+        return any(_far_worse(passed[key][1], passed[other][1]) for other in kin)
+
+    return [_told(c, own, without) for key, (c, own) in passed.items() if not refuted(key)]
+
+
+def _told(candidate: Candidate, passed: _Passed, without: float) -> Candidate:
+    if passed is None:
+        return candidate
+    off, taken = passed
+    before, after = float(np.sum(off**2)), float(np.sum((off - taken) ** 2))
+    left = after / before if before > 0.0 else 1.0
+    if left >= POLICY.limit_left:
+        return candidate
+    return replace(candidate, judged=min(candidate.judged, left * without))
+
+
+def astray(scene: Scene, candidate: Candidate, found: Fit) -> bool:
+    """Whether a fit has left the values of a limit that the channel shows, by more than its noise.
+
+    A loop at its limit may throw runs about so much that noise rules what fits them best.
+    """
+    applied = next((a for a in found.hypothesis.free if a.key == candidate.key), None)
+    shapes = (candidate.shape, {**candidate.shape, **applied.values} if applied else candidate.shape)
+    read, fitted = (_passed(scene, candidate.key, shape) for shape in shapes)
+    if read is None or fitted is None:
+        return False
+    own, now = (float(np.sum((off - taken) ** 2)) for off, taken in (read, fitted))
+    return now - own > POLICY.sure**2 * own / len(read[0])
+
+
+def _far_worse(one: _Passed, other: _Passed) -> bool:
+    if one is None or other is None:
+        return False
+    limited = (one[1] != 0.0) | (other[1] != 0.0)
+    left, best = (float(np.sum((off - taken)[limited] ** 2)) for off, taken in (one, other))
+    return left > POLICY.far_worse * best
+
+
+def _passed(scene: Scene, key: EffectKey, shape: Mapping[str, float]) -> _Passed:
+    """None for what is no limit, and where no torque was measured; else all recordings' rows, (N,) each."""
+    effect, place = effect_named(key.effect), Placement.of(scene.model, key)
+    if effect.door is not Door.COMMAND or not effect.by_runs or place is None or not shape:
+        return None
+    off, taken = [], []
+    for motion in scene.motions:
+        tap = effect.response(motion, scene.model, place, shape).tap
+        if motion.line.measured is None or tap is None:
+            return None
+        off.append((motion.line.measured - motion.line.passed[0])[:, place.index])
+        taken.append(tap[:, place.index])
+    return np.concatenate(off), np.concatenate(taken)

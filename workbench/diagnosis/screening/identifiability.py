@@ -1,0 +1,122 @@
+"""What recordings can tell apart, before anything is searched: from what every effect would change in them.
+
+All effects in all places are columns of one linear problem about the model's runs. What noise does to an
+estimate follows from them, alone and beside any other effect (L. Ljung, System Identification, 1999, ch. 9).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from workbench.core import Disagreement, EffectKey, Estimate, Identifiability
+from workbench.effects import effect_named
+from workbench.models import AppliedEffect, Model
+
+from ..data import Data
+from ..fitting.uncertainty import with_deviations
+from ..hypothesis import Hypothesis, applied_effect
+from ..policy import POLICY
+from .linear_problem import Linear, columns_of
+from .screen import Entry
+
+_UNRELATED_TOLERANCE = 0.5  # correlation of columns below which two effects are never taken for each other
+
+
+def identifiability_of(
+    linear: Linear, model: Model, data: Data, silent: Sequence[EffectKey] = ()
+) -> Identifiability:
+    """Which effects the recordings can tell apart at a small size, and how well each would be known.
+
+    `silent`: effects of which they can tell nothing at all.
+    """
+    excited = [e for e in linear.entries if linear.shown(e) >= POLICY.significant]
+    groups = _groups(linear, excited)
+    alike = {key for group in groups for key in group}
+    return Identifiability(
+        separable=tuple(e.key for e in excited if e.key not in alike),
+        groups=groups,
+        not_excited=(*silent, *(e.key for e in linear.entries if linear.shown(e) < POLICY.significant)),
+        expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, model, data))),
+    )
+
+
+def _groups(linear: Linear, excited: Sequence[Entry]) -> tuple[tuple[EffectKey, ...], ...]:
+    """Effects of which one stands for the other, and the other for the one; those linked are one group."""
+    sets: dict[EffectKey, set[EffectKey]] = {e.key: {e.key} for e in excited}
+    for one, other in combinations(excited, 2):
+        related = linear.correlation(columns_of(one), columns_of(other)) >= _UNRELATED_TOLERANCE
+        if related and all(
+            linear.differs(a, b) < POLICY.significant for a, b in ((one, other), (other, one))
+        ):
+            joined = sets[one.key] | sets[other.key]
+            for key in joined:
+                sets[key] = joined
+    found = {frozenset(s) for s in sets.values() if len(s) > 1}
+    order = [e.key for e in excited]
+    return tuple(sorted((tuple(sorted(g, key=order.index)) for g in found), key=lambda g: order.index(g[0])))
+
+
+def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping[str, Estimate]:
+    """Of a small effect, fitted alone: its parameters with the deviations that noise gives them.
+
+    Nonlinear parameters are held where they are, but for those of effects that have no others.
+    """
+    effect = effect_named(entry.key.effect)
+    own, count = columns_of(entry), len(entry.linear)
+    covariance = np.zeros((count + len(effect.nonlinear),) * 2)
+    asked = [p.name for p in effect.parameters if p.name not in effect.nonlinear]
+    if count:
+        covariance[:count, :count] = linear.covariance(own)
+    elif len(effect.nonlinear) == 1:
+        asked = list(effect.nonlinear)
+        covariance[0, 0] = linear.covariance(own)[0, 0] * entry.shape[asked[0]] ** 2
+    coefficients = np.full(count, linear.small(entry))
+    values = effect.to_parameters(coefficients, entry.shape)
+    applied = applied_effect(model, AppliedEffect(entry.key), values)
+    (known,) = with_deviations(Hypothesis(model, (applied,)), covariance, data).free
+    return {name: known.parameters[name] for name in asked}
+
+
+def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, ...]:
+    """Of the effect that explains each recording best by itself: sizes that differ from one to another.
+
+    Args:
+        linear: all effects and the normal equations by recording.
+        names: of the recordings.
+    """
+    told = np.flatnonzero(linear.excess > linear.quiet).tolist()  # what is at the noise has nothing to say
+    tried = (
+        [_Apart.of(linear, e, told) for e in linear.entries if len(e.linear) == 1] if len(told) > 1 else []
+    )
+    best = min((t for t in tried if t is not None), key=lambda t: t.left.sum(), default=None)
+    if best is None or (best.left > (1.0 - POLICY.explained) * linear.excess[told]).any():
+        return ()
+    if np.ptp(best.sizes) < POLICY.disagreement * np.abs(best.sizes).max():
+        return ()
+    effect = effect_named(best.entry.key.effect)
+    (name,) = (p.name for p in effect.parameters if p.name not in effect.nonlinear)
+    values = [effect.to_parameters(np.array([x]), best.entry.shape)[name] for x in best.sizes]
+    return (Disagreement(tuple(names[i] for i in told), best.entry.key, tuple(map(float, values))),)
+
+
+@dataclass(frozen=True)
+class _Apart:
+    """An effect by recording: its sizes, and what each leaves above the noise."""
+
+    entry: Entry
+    sizes: np.ndarray
+    left: np.ndarray
+
+    @staticmethod
+    def of(linear: Linear, entry: Entry, told: list[int]) -> _Apart | None:
+        """None where a recording shows nothing of it."""
+        (k,) = entry.linear
+        gram = np.array([linear.own[i].gram[k, k] for i in told])
+        right = np.array([linear.own[i].right[k] for i in told])
+        if (gram <= 0.0).any():
+            return None
+        return _Apart(entry, right / gram, linear.excess[told] - right**2 / gram)

@@ -1,0 +1,132 @@
+"""Every effect in every place as columns of one linear problem, with what noise does to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import places
+
+from ..data import Data
+from ..fitting.fit import scatter
+from ..fitting.normal_equations import Normal, total
+from ..policy import POLICY
+from .screen import Entry, Equations, entries_of, equations_of, responses
+from .sensitivity import Scene
+from .torque_regression import Regression
+
+_SAME_TOLERANCE = 1e-9  # share of a column that others leave where they are the same
+
+
+class Linear:
+    """Every effect in the shape that shows best, and normal equations of all columns by training recording.
+
+    Attributes:
+        entries: one for each effect in each place.
+        own: normal equations of each recording.
+        quiet: squared residual of each that noise alone leaves, (R,).
+        equations: of all effects in all shapes as they travel round loops; None along a measured motion.
+    """
+
+    def __init__(
+        self,
+        entries: Sequence[Entry],
+        own: Sequence[Normal],
+        quiet: np.ndarray,
+        scattered: np.ndarray,
+        draws: int,
+        equations: Equations | None = None,
+    ) -> None:
+        """`scattered`: covariance of the right side by `draws` of the noise, which may miss directions."""
+        self.own, self.quiet, self.equations = tuple(own), quiet, equations
+        whole = total(self.own)
+        self._gram = whole.gram
+        white = whole.gram * quiet.sum() / max(whole.samples, 1)
+        self._noise = (draws * scattered + white) / (draws + 1)
+        best: dict[EffectKey, tuple[float, Entry]] = {}
+        for entry in entries:
+            shown = self.shown(entry)
+            if entry.key not in best or shown > best[entry.key][0]:
+                best[entry.key] = shown, entry
+        self.entries = tuple(entry for _, entry in best.values())
+
+    @property
+    def excess(self) -> np.ndarray:
+        """Squared residual of each recording above the noise, (R,)."""
+        return np.array([p.square for p in self.own]) - self.quiet
+
+    def small(self, entry: Entry) -> float:
+        """Coefficient of an effect of a share `small_effect` of the torque."""
+        return POLICY.small_effect / entry.strength
+
+    def covariance(self, index: Sequence[int]) -> np.ndarray:
+        """Of the coefficients of some columns that are fitted together, by noise alone."""
+        block = self._gram[np.ix_(index, index)]
+        size = np.sqrt(np.maximum(np.diag(block), 1e-300))
+        inverse = np.linalg.pinv(block / np.outer(size, size), rcond=1e-10, hermitian=True)
+        inverse = inverse / np.outer(size, size)
+        return inverse @ self._noise[np.ix_(index, index)] @ inverse
+
+    def shown(self, entry: Entry) -> float:
+        """In how many deviations a small effect shows, beyond its own simpler parts."""
+        own = columns_of(entry)
+        return self._beyond(own[-1], own[:-1], entry) if own else 0.0
+
+    def differs(self, entry: Entry, other: Entry) -> float:
+        """In how many deviations the part of a small effect shows that differs most from another effect."""
+        return max(self._beyond(k, columns_of(other), entry) for k in columns_of(entry))
+
+    def _beyond(self, column: int, others: Sequence[int], entry: Entry) -> float:
+        if entry.strength == 0.0 or self._gram[column, column] <= 0.0:
+            return 0.0
+        beside = [k for k in others if self._gram[k, k] > 0.0]
+        if beside:
+            block, cross = self._gram[np.ix_(beside, beside)], self._gram[beside, column]
+            same = cross @ np.linalg.lstsq(block, cross, rcond=1e-12)[0]
+            if same > (1.0 - _SAME_TOLERANCE) * self._gram[column, column]:
+                return 0.0
+        deviation = np.sqrt(self.covariance([*beside, column])[-1, -1])
+        return float(self.small(entry) / max(deviation, 1e-300))
+
+    def correlation(self, one: Sequence[int], other: Sequence[int]) -> float:
+        """The largest of any column of one effect with any of another, without sign."""
+        size = np.sqrt(np.maximum(np.outer(np.diag(self._gram)[one], np.diag(self._gram)[other]), 1e-300))
+        return float(np.max(np.abs(self._gram[np.ix_(one, other)]) / size, initial=0.0))
+
+
+def columns_of(entry: Entry) -> list[int]:
+    """The columns of an effect; of one without coefficients what it does as a whole."""
+    return entry.linear or ([entry.fixed] if entry.fixed is not None else [])
+
+
+def linear_of(scene: Scene, data: Data) -> Linear:
+    """All effects as they travel round the loops of the recordings."""
+    columns, entries = entries_of(scene)
+    changes = responses(scene, [], columns, data)
+    pieces, held_out = equations_of(changes, data, scene.runs)
+    each, white = range(data.training), data.weight**2
+    own = [total([p for p, f in zip(pieces, data.folds, strict=True) if f.recording == i]) for i in each]
+    spread = [scatter([draw[i] for draw in data.draws], changes[i], data) for i in each]
+    quiet = np.array([np.sum(data.floor[i] * white) * len(scene.runs[i]) for i in each])
+    known = Equations(tuple(entries), pieces, held_out)
+    return Linear(entries, own, quiet, np.sum(spread, axis=0), len(data.draws), known)
+
+
+def is_too_large(scene: Scene, data: Data) -> bool:
+    """Whether responses of all effects to all rows could not be held."""
+    values = sum(run.signals["position"].size for run in scene.runs[: data.training])
+    return 2 * values * len(places(scene.model)) > POLICY.pair_values
+
+
+def linear_along(problem: Regression, data: Data) -> Linear:
+    """All effects that are torques, along the measured motion of the training recordings."""
+    own: dict[int, Normal] = {}
+    quiet = np.zeros(data.training)
+    for fold, axes in zip(data.folds, problem.folds, strict=True):
+        piece = total(axes)
+        own[fold.recording] = own[fold.recording] + piece if fold.recording in own else piece
+        quiet[fold.recording] += sum(a.samples * f for a, f in zip(axes, problem.floor, strict=True))
+    white = sum(total([fold[k] for fold in problem.folds]).gram * f for k, f in enumerate(problem.floor))
+    return Linear(problem.entries, list(own.values()), quiet, np.asarray(white), 1)

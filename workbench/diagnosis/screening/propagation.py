@@ -1,0 +1,102 @@
+"""What unknowns change in the recorded signals, as it travels round the loops."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.comparison import scored_signals
+from workbench.core import Recording
+from workbench.simulation import Disturbance
+
+from ..data import Data
+from .sensitivity import Column, Scene, Trial
+
+
+def respond(
+    scenes: Sequence[Scene], columns: Sequence[Sequence[Column | Trial]], data: Data
+) -> list[list[np.ndarray]]:
+    """Send columns round the loops of their scenes; all scenes march together, as do all trials.
+
+    Args:
+        scenes: S of them.
+        columns: per scene, the columns; padded to the same number inside.
+        data: for the weights.
+
+    Returns:
+        Per scene and recording the weighted change of the scored signals, (N, 2, n, C).
+    """
+    linear = [[c for c in own if isinstance(c, Column)] for own in columns]
+    marched = _marched(scenes, linear, data)
+    tried = _tried(scenes, [[c for c in own if isinstance(c, Trial)] for own in columns], data)
+    out = []
+    for s, own in enumerate(columns):
+        first = [k for k, c in enumerate(own) if isinstance(c, Column)]
+        second = [k for k, c in enumerate(own) if isinstance(c, Trial)]
+        rows = []
+        for i, run in enumerate(scenes[s].runs):
+            whole = marched[s][i][..., : len(first)]
+            if second:
+                whole = np.zeros((len(run), 2, len(run.axes), len(own)))
+                whole[..., first], whole[..., second] = marched[s][i][..., : len(first)], tried[s][i]
+            whole = whole * data.weight[:, :, None]
+            whole[~data.recordings[i].valid] = 0.0
+            rows.append(whole)
+        out.append(rows)
+    return out
+
+
+def _marched(
+    scenes: Sequence[Scene], columns: Sequence[Sequence[Column]], data: Data
+) -> list[list[np.ndarray]]:
+    """Position and torque, (N, 2, n, C) per scene and recording, as small changes travel."""
+    width = max((len(c) for c in columns), default=0)
+    loops, disturbances = [], []
+    for scene, own in zip(scenes, columns, strict=True):
+        for i, motion in enumerate(scene.motions if own else ()):
+            torque = np.zeros((width, *motion.position.shape))
+            for k, column in enumerate(own):
+                torque[k] = column.torque[i]
+            taps, commands, readings = (
+                {k: part for k, c in enumerate(own) if (part := getattr(c, name)[i]) is not None}
+                for name in ("tap", "command", "reading")
+            )
+            data.effort.add(data.recordings[i : i + 1], columns=width)
+            loops.append(scene.loops[i])
+            disturbances.append(Disturbance(torque, taps, commands, readings))
+    flat = iter(data.replay.propagate(loops, disturbances) if loops else ())
+    return [
+        [np.stack(next(flat), axis=1) for _ in scene.motions] if own else [_empty(r) for r in scene.runs]
+        for scene, own in zip(scenes, columns, strict=True)
+    ]
+
+
+def _empty(run: Recording) -> np.ndarray:
+    return np.zeros((len(run), 2, len(run.axes), 0))
+
+
+def _tried(scenes: Sequence[Scene], trials: Sequence[Sequence[Trial]], data: Data) -> list[list[np.ndarray]]:
+    """The same by differences of simulations, all in one batch; what does not run changes nothing."""
+    asked = [t.model for own in trials for t in own]
+    runs = data.run(asked, len(scenes[0].runs)) if asked else []
+    made = iter([r for own in runs for r in own])
+    out = []
+    for scene, own in zip(scenes, trials, strict=True):
+        slopes = [
+            [_difference(next(made), run, data.recordings[i]) / t.change for i, run in enumerate(scene.runs)]
+            for t in own
+        ]
+        rows = range(len(scene.runs))
+        out.append(
+            [np.stack([s[i] for s in slopes], axis=-1) if own else _empty(scene.runs[i]) for i in rows]
+        )
+    return out
+
+
+def _difference(moved: Recording, run: Recording, measured: Recording) -> np.ndarray:
+    """Change of the scored signals, (N, 2, n)."""
+    out = np.zeros((len(run), 2, len(run.axes)))
+    for k, name in enumerate(scored_signals(measured)):
+        out[:, k] = moved.signals[name] - run.signals[name]
+    return out if np.isfinite(out).all() else np.zeros_like(out)

@@ -1,0 +1,229 @@
+"""What each unknown would change: torques, commands and readings along the motions that were made."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from workbench.core import EffectKey, Recording
+from workbench.effects import Effect, Motion, Plant, compile_plant, effect_named
+from workbench.models import AppliedEffect, Model, Placement, own_friction
+from workbench.simulation import on_all_cores
+
+from ..data import Data
+from ..hypothesis import applied_effect
+from ..policy import POLICY
+
+_PROBE_STEP = 0.03  # of an unknown: the step of a difference of simulations
+
+
+Part = tuple[np.ndarray | None, ...]
+
+
+@dataclass(frozen=True)
+class Column:
+    """One unknown along every recording, in actuator coordinates; None where it changes nothing.
+
+    `torque` on the mechanism (N, n), `tap` and `command` (N, n), `reading` (2, N, n), as in `Disturbance`.
+    """
+
+    torque: tuple[np.ndarray, ...]
+    tap: Part
+    command: Part
+    reading: Part
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One unknown whose derivative is that of simulations: a model with a little more of it, and how much."""
+
+    model: Model
+    change: float
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A model on the first recordings of some data, with its runs of them.
+
+    What the motions were and how the loops answer is worked out when it is asked for: simulations that are
+    held against each other need neither.
+
+    Attributes:
+        model: what ran.
+        data: recordings and how they are replayed; weights are not looked at.
+        runs: of the model, one for each of the first recordings.
+        gives_way: what `giving` found here, by what it was asked.
+    """
+
+    model: Model
+    data: Data
+    runs: tuple[Recording, ...]
+    gives_way: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    @staticmethod
+    def of(model: Model, data: Data, simulated: Sequence[Recording], count: int) -> Scene:
+        """The first `count` recordings of `data` with a model's runs of them."""
+        return Scene(model, data, tuple(simulated[:count]))
+
+    @cached_property
+    def _plant(self) -> Plant:
+        return compile_plant(self.model)
+
+    @cached_property
+    def motions(self) -> tuple[Motion, ...]:
+        """The motions that were made, one a recording."""
+
+        def one(index: int, run: Recording) -> Motion:
+            return self.data.replay.motion(self._plant, index, run)
+
+        return tuple(on_all_cores(one, range(len(self.runs)), self.runs))
+
+    @cached_property
+    def loops(self) -> tuple[Any, ...]:
+        """How small changes travel along them."""
+
+        def one(index: int, motion: Motion) -> Any:
+            return self.data.replay.loop(self._plant, index, motion)
+
+        return tuple(on_all_cores(one, range(len(self.runs)), self.motions))
+
+    @property
+    def bends(self) -> bool:
+        """Whether links and motors are apart, so that a torque on the links is not one on the motors."""
+        return any(effect_named(e.key.effect).splits for e in self.model.effects)
+
+    @cached_property
+    def sticks(self) -> bool:
+        """Whether dry friction holds a coordinate for long: small torques do not move it then.
+
+        A loop linearised about such a motion does not know that, and points elsewhere.
+        """
+        stated = (*own_friction(self.model), *self.model.effects)
+        dry = [e.key for e in stated if effect_named(e.key.effect).dry]
+        for place in filter(None, (Placement.of(self.model, key) for key in dry)):
+            moved = [np.abs(np.diff(m.along(place)[0])) / m.step for m in self.motions]
+            if np.mean(np.concatenate(moved) < self.model.sliding_speed) > POLICY.sticking_rows:
+                return True
+        return False
+
+    def columns(
+        self, key: EffectKey, shape: Mapping[str, float], motions: Sequence[Motion] | None = None
+    ) -> tuple[list[Column], Column | None]:
+        """All linear columns of an effect and its fixed part, evaluating it once a recording.
+
+        `motions` stand in for the scene's own.
+        """
+        place, motions = Placement.of(self.model, key), self.motions if motions is None else motions
+        responses = [effect_named(key.effect).response(m, self.model, place, shape) for m in motions]
+        linear = [
+            Column(
+                tuple(r.columns[i] for r in responses),
+                tuple(None for _ in responses),
+                tuple(None if r.commands is None else r.commands[i] for r in responses),
+                tuple(None if r.readings is None else r.readings[i] for r in responses),
+            )
+            for i in range(len(responses[0].columns))
+        ]
+        if responses[0].offset is None and responses[0].reading is None:
+            return linear, None
+        none = [np.zeros_like(m.position) for m in motions]
+        fixed = Column(
+            tuple(zero if r.offset is None else r.offset for zero, r in zip(none, responses, strict=True)),
+            tuple(r.tap for r in responses),
+            tuple(None for _ in responses),
+            tuple(r.reading for r in responses),
+        )
+        return linear, fixed
+
+    def total(
+        self, applied: AppliedEffect, values: Mapping[str, float], motions: Sequence[Motion] | None = None
+    ) -> Column:
+        """What an effect with given parameter values does."""
+        effect = effect_named(applied.key.effect)
+        coefficients, shape = effect.to_coefficients(values)
+        linear, fixed = self.columns(applied.key, shape, motions)
+        return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
+
+    def derivatives(self, applied: AppliedEffect) -> list[Column | Trial]:
+        """Derivative of what an installed effect does by each coefficient, then each nonlinear parameter.
+
+        The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
+        """
+        effect = effect_named(applied.key.effect)
+        behind = effect.on_links or applied.key.location == "joint"
+        if effect.by_runs or (behind and self.bends) or self.sticks or self.data.replay.on_ground:
+            return [*self._trials(applied)]
+        place = Placement.of(self.model, applied.key)
+        motions = [effect.before(m, place, applied.values) for m in self.motions]
+        coefficients, shape = effect.to_coefficients(applied.values)
+        out: list[Column | Trial] = [*self.columns(applied.key, shape, motions)[0]]
+        limits = effect.shape_bounds(self.model, place)
+        for name in effect.nonlinear:
+            step = max(0.05 * abs(shape[name]), 1e-12)
+            if name == "time":
+                step = 0.2 * motions[0].step
+            low = max(shape[name] - step, limits[name][0])
+            high = min(shape[name] + step, limits[name][1])
+            pair = [
+                self.total(applied, effect.to_parameters(coefficients, {**shape, name: value}), motions)
+                for value in (low, high)
+            ]
+            slope = combine(pair, [-1.0 / (high - low), 1.0 / (high - low)])
+            out.append(replace(slope, tap=tuple(None for _ in slope.tap)))
+        return out
+
+    def _trials(self, applied: AppliedEffect) -> list[Trial]:
+        """One model for each unknown of an effect, moved by `_PROBE_STEP` of it to where there is room."""
+        effect, place = effect_named(applied.key.effect), Placement.of(self.model, applied.key)
+        coefficients, shape = effect.to_coefficients(applied.values)
+        lower, upper = effect.bounds(self.model, place)
+        limits = effect.shape_bounds(self.model, place)
+        names = effect.nonlinear
+        low = np.array([*lower, *(limits[name][0] for name in names)])
+        high = np.array([*upper, *(limits[name][1] for name in names)])
+        now = np.array([*coefficients, *(shape[name] for name in names)])
+        least = np.maximum(effect.least(shape), _PROBE_STEP * _alike(effect, now))
+        out = []
+        for i, value in enumerate(now):
+            change = least[i]
+            change = change if value + change <= high[i] or value - change < low[i] else -change
+            moved = now + change * (np.arange(len(now)) == i)
+            count = len(coefficients)
+            own = dict(zip(names, map(float, moved[count:]), strict=True))
+            changed = applied_effect(self.model, applied, effect.to_parameters(moved[:count], own))
+            effects = tuple(changed if e is applied else e for e in self.model.effects)
+            out.append(Trial(replace(self.model, effects=effects), change))
+        return out
+
+
+def _alike(effect: Effect, values: np.ndarray) -> np.ndarray:
+    """Size of each unknown (k,); of coefficients in one unit the largest: nothing has no size of its own."""
+    units = [p.unit for p in effect.parameters if p.name not in effect.nonlinear]
+    sizes = np.abs(values)
+    for unit in set(units):
+        same = np.flatnonzero([u == unit for u in units])
+        sizes[same] = sizes[same].max()
+    return sizes
+
+
+def combine(columns: Sequence[Column], factors: Sequence[float]) -> Column:
+    """Linear combination of columns."""
+
+    def mixed(parts: Sequence[Part]) -> Part:
+        out: list[np.ndarray | None] = []
+        for own in zip(*parts, strict=True):
+            there = [f * p for f, p in zip(factors, own, strict=True) if p is not None]
+            out.append(np.sum(there, axis=0) if there else None)
+        return tuple(out)
+
+    torque = mixed([c.torque for c in columns])
+    return Column(
+        tuple(t for t in torque if t is not None),
+        mixed([c.tap for c in columns]),
+        mixed([c.command for c in columns]),
+        mixed([c.reading for c in columns]),
+    )

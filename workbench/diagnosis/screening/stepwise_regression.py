@@ -1,0 +1,184 @@
+"""Forward selection with removal on the torque along measured motions: many effects on many axes together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, groupby
+
+import numpy as np
+
+from workbench.effects import contains, effect_named
+
+from ..moves.pairs import may_stand_together
+from ..policy import POLICY
+from .screen import Candidate, Entry
+from .torque_regression import Chosen, Regression, Solution
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What is chosen, in its order, with the fit of all of it."""
+
+    chosen: Chosen
+    solution: Solution
+
+    def candidates(self) -> list[Candidate]:
+        """Each effect with its coefficients."""
+        out, first = [], 0
+        for entry in self.chosen:
+            own = self.solution.coefficients[first : first + len(entry.linear)]
+            out.append(Candidate(entry.key, own, entry.shape, float(self.solution.judged.sum())))
+            first += len(entry.linear)
+        return out
+
+
+def selected(problem: Regression) -> Selection:
+    """Effects added as long as one removes enough of what an axis lacks, without those that became needless.
+
+    Inertia, damping and Coulomb friction at one place also come in twos and threes: alone, friction takes up
+    the damping that is missing beside it. Of what explains nearly as much as the best, the fewest parameters
+    come first.
+    """
+    now, met = Selection((), problem.solved(())), set[frozenset[Entry]]()
+    while frozenset(now.chosen) not in met:
+        met.add(frozenset(now.chosen))
+        grown = _grown(now, problem)
+        now = _without_needless(grown, problem)
+        if len(now.chosen) == len(grown.chosen):
+            break
+    return now
+
+
+def _grown(now: Selection, problem: Regression) -> Selection:
+    """With all that helps, one after the other."""
+    proposals = [*((e,) for e in problem.entries), *_sets_of_basics(problem.entries)]
+    acts = {p: frozenset().union(*map(problem.axes_of, p)) for p in proposals}
+    gains: dict[Chosen, np.ndarray] = {}
+    while True:
+        for new in proposals:
+            if new not in gains and fits_in(new, now.chosen):
+                gains[new] = _gain(problem.solved(_with(now.chosen, new)), now.solution, problem)
+        helpful = {p: g for p, g in gains.items() if (g > _least(p)).any() and g.sum() > 0.0}
+        new = _next(helpful)
+        while new and _only_refines(new, now, problem):
+            proposals.remove(new)  # whatever comes on other axes
+            del helpful[new], gains[new]
+            new = _next(helpful)
+        if new is None:
+            return now
+        chosen = _with(now.chosen, new)
+        now = Selection(chosen, problem.solved(chosen))
+        # what acts on none of its axes gains as before
+        gains = {p: g for p, g in gains.items() if not acts[p] & acts[new] and fits_in(p, chosen)}
+
+
+def _next(helpful: Mapping[Chosen, np.ndarray]) -> Chosen | None:
+    """Of what helps the axis that gains most the fewest parameters that gain nearly as much.
+
+    Basic effects go before others that gain somewhat more.
+    """
+    if not helpful:
+        return None
+    top = max(helpful.values(), key=lambda g: g.max())
+    axis, most = int(top.argmax()), float(top.max())
+    basic = [p for p, g in helpful.items() if _basic(p) and g[axis] > POLICY.basic_share * most]
+    pool = basic or list(helpful)
+    most = max(helpful[p][axis] for p in pool)
+    near = [p for p in pool if helpful[p][axis] >= POLICY.explained * most]
+    return min(near, key=lambda p: (_cost(p), -helpful[p][axis]))
+
+
+def _only_refines(new: Chosen, now: Selection, problem: Regression) -> bool:
+    """Whether special cases of an effect, which are there, explain nearly all that it does.
+
+    Where it leads to the noise it is more than they are. Friction that sets in softly is still Coulomb
+    friction as long as the rest has other causes.
+    """
+    parts = [e for e in now.chosen if any(contains(n.key, e.key) for n in new)]
+    own = [k for k in problem.own if any(contains(n.key, k) for n in new)]
+    if not parts and not own:
+        return False
+    chosen = _with(now.chosen, new)
+    bare = problem.solved(tuple(e for e in now.chosen if e not in parts), without=own)
+    found = problem.solved(chosen)
+    whole, special = (_gain(s, bare, problem) for s in (found, now.solution))
+    axis = int(whole.argmax())
+    at_noise = found.judged[axis] < POLICY.at_noise * problem.judging_floor[axis]
+    return bool(special[axis] > POLICY.basic_share * whole[axis] and not at_noise)
+
+
+def _basic(new: Chosen) -> bool:
+    return all(effect_named(e.key.effect).basic for e in new)
+
+
+def _with(chosen: Chosen, new: Chosen) -> Chosen:
+    """With further effects, in place of those that these have as special cases."""
+    return (*(e for e in chosen if not any(contains(n.key, e.key) for n in new)), *new)
+
+
+def fits_in(new: Chosen, chosen: Chosen) -> bool:
+    """Whether none of some new effects is there already, in this or in another form."""
+    return all(
+        n.key != e.key and not contains(e.key, n.key) and (contains(n.key, e.key) or _apart(n, e))
+        for n in new
+        for e in chosen
+    )
+
+
+def _apart(one: Entry, other: Entry) -> bool:
+    return may_stand_together(one.key, other.key)
+
+
+def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
+    """Basic effects at one place, in twos and threes."""
+    basic = [e for e in entries if effect_named(e.key.effect).basic and e.key.axis is not None]
+    basic.sort(key=lambda e: (str(e.key.axis), e.key.location))
+    places = [list(own) for _, own in groupby(basic, lambda e: (e.key.axis, e.key.location))]
+    return [s for own in places for size in (2, 3) for s in combinations(own, size)]
+
+
+def _gain(found: Solution, before: Solution, problem: Regression) -> np.ndarray:
+    """Share of what each axis lacks beyond the noise that is gone, fitted or judged, the smaller, (n,).
+
+    Axes where noise is all there is gain nothing.
+    """
+    pairs = (
+        (before.validated, found.validated, problem.floor),
+        (before.judged, found.judged, problem.judging_floor),
+    )
+    # an axis that does not count has no floor
+    least = 1e-300
+    gains = [
+        (old - new) / np.maximum(old - floor, np.maximum(1e-3 * floor, least)) for old, new, floor in pairs
+    ]
+    gain = np.min(gains, axis=0)
+    reached = [old < POLICY.at_noise * floor for old, _, floor in pairs]
+    return np.where(np.all(reached, axis=0), np.minimum(gain, 0.0), gain)
+
+
+def _least(new: Chosen) -> float:
+    """The least gain on an axis for which effects are added."""
+    return POLICY.effect_gain if _basic(new) else POLICY.later_gain
+
+
+def _cost(new: Chosen) -> tuple[int, int]:
+    """Free parameters, refinements."""
+    effects = [effect_named(e.key.effect) for e in new]
+    return sum(len(e.parameters) for e in effects), sum(e.tier for e in effects)
+
+
+def _without_needless(now: Selection, problem: Regression) -> Selection:
+    """Without effects that the others together have made needless, the most needless first."""
+    while now.chosen:
+        rest = [tuple(e for e in now.chosen if e is not out) for out in now.chosen]
+        fewer = [Selection(r, problem.solved(r)) for r in rest]
+        lost = [
+            float((_gain(now.solution, f.solution, problem) / _least((out,))).max())
+            for out, f in zip(now.chosen, fewer, strict=True)
+        ]
+        k = int(np.argmin(lost))
+        if lost[k] > 1.0:
+            break
+        now = fewer[k]
+    return now

@@ -1,0 +1,77 @@
+"""What dry friction is, read along the measured motion, where it holds the machine for long.
+
+While friction holds, a torque changes nothing, and a loop that is linearised says the opposite. Along the
+motion that was measured it is seen plainly: rows that stand still do not count, the others tell the torque.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.comparison import followed
+from workbench.core import Recording
+from workbench.effects import effect_named, places
+
+from ..data import Data, gather
+from ..hypothesis import Fit
+from ..loss import floor_of_judging, rejudged
+from ..policy import POLICY
+from .screen import Candidate, Equations, screen
+from .sensitivity import Scene
+
+
+def stands_long(recordings: Sequence[Recording]) -> bool:
+    """Whether an axis stands still for a good part of recordings, whatever holds it."""
+    change = np.concatenate([np.abs(np.diff(r.position, axis=0)) for r in recordings])
+    still = change < POLICY.still_step * np.sqrt(np.mean(change**2, axis=0))
+    return bool((np.mean(still, axis=0) > POLICY.still_rows).any())
+
+
+def candidates(
+    scene: Scene, current: Fit, data: Data, seed: int, whole: Equations | None = None
+) -> tuple[Candidate, ...]:
+    """Every effect screened in the loop, dry friction along the measured motion where that says more.
+
+    The loop is asked alone where machines do not stand for long, where torque was not recorded, and where it
+    explains the data anyway.
+
+    Args:
+        scene: the loops linearised.
+        current: the model that lacks something.
+        data: its recordings.
+        seed: of the noise simulations.
+        whole: the equations of all effects, where they are known.
+
+    Returns:
+        Best first.
+    """
+    in_loop = screen(scene, data, current.simulated, current.hypothesis.free, whole=whole)[0]
+    known = all({"torque_measured", "torque_command"} & set(r.signals) for r in data.recordings)
+    floor = floor_of_judging(data)
+    left = min((c.judged - floor for c in in_loop), default=0.0)
+    explained = left < POLICY.still_explained * (current.judged - floor)
+    if explained or data.replay.on_ground or not known or not stands_long(data.recordings):
+        return tuple(in_loop)
+    model, runs = current.hypothesis.model, followed(data.recordings)
+    along, simulated = gather(model, runs[: data.training], runs[data.training :], seed)
+    along = along.heard(along.mean_squares(simulated.clean))
+    before = rejudged(
+        replace(current, simulated=simulated.clean, mean_squares=along.mean_squares(simulated.clean)), along
+    )
+    moving = Scene.of(model, along, before.simulated, len(runs))
+    floor_along = floor_of_judging(along)
+    scale = (current.judged - floor) / max(before.judged - floor_along, 1e-12)
+
+    def better(own: Candidate, other: Candidate) -> Candidate:
+        """The one that leaves less of what is lacking: noise along the motion is not that of the loop."""
+        judged = floor + scale * max(other.judged - floor_along, 0.0)
+        return replace(other, judged=judged) if judged < own.judged else own
+
+    others = {key for key in places(model) if not effect_named(key.effect).dry}
+    found, _ = screen(moving, along, before.simulated, current.hypothesis.free, left_out=others)
+    seen = {c.key: c for c in found if c.key not in others}
+    best = (better(c, seen[c.key]) if c.key in seen else c for c in in_loop)
+    return tuple(sorted(best, key=lambda c: c.judged))

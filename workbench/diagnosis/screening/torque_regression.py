@@ -1,0 +1,265 @@
+"""The torque that a model lacks along measured motions, as linear in all effects on all axes at once.
+
+Along a motion that was measured, the torque that a machine needs is linear in nearly all parameters of nearly
+all effects (the identification model of Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990):
+no simulation is needed to screen them, however many are missing together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import Door, Motion, effect_named, places
+from workbench.models import Placement
+
+from ..data import Data
+from ..fitting.bounded_least_squares import solve
+from ..fitting.normal_equations import Normal, total
+from ..hypothesis import Fit
+from .propagation import respond
+from .screen import Entry, limits_of, sizes_of, strength_of
+from .sensitivity import Column, Scene
+
+_BLOCK = 64  # columns that are filtered together
+_PER_CYCLE = 4  # rows kept per cycle of the filter's corner frequency: behind it nothing is faster
+#: What acts on the motion; what shifts commands or readings is no torque.
+_DOORS = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
+
+
+Chosen = tuple[Entry, ...]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A set of effects with the coefficients that fit the training recordings.
+
+    Attributes:
+        coefficients: of the set, (C,).
+        validated: mean square left on blocks that were left out of the fit, per axis (n,).
+        judged: the same on held-out recordings; `validated` where these do not judge.
+    """
+
+    coefficients: np.ndarray
+    validated: np.ndarray
+    judged: np.ndarray
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Weighted residual torque and columns along the motions, as normal equations of folds and axes.
+
+    Attributes:
+        scene: the model and its motions.
+        entries: effects in their places and shapes, each with the numbers of its columns.
+        own: effects that the model states, each with the number of the column of what it does.
+        folds: per fold and axis.
+        held_out: per axis; None where held-out recordings do not judge.
+        floor, judging_floor: mean squares that noise leaves, per axis (n,).
+        limits: physical bounds of each entry's coefficients.
+    """
+
+    scene: Scene
+    entries: tuple[Entry, ...]
+    own: Mapping[EffectKey, int]
+    folds: tuple[tuple[Normal, ...], ...]
+    held_out: tuple[Normal, ...] | None
+    floor: np.ndarray
+    judging_floor: np.ndarray
+    limits: Mapping[Entry, tuple[np.ndarray, np.ndarray]]
+    _parts: dict[Chosen, Solution] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @cached_property
+    def _axes(self) -> tuple[Normal, ...]:
+        return tuple(total(own) for own in zip(*self.folds, strict=True))
+
+    @cached_property
+    def _acts(self) -> dict[Entry, frozenset[int]]:
+        there = [np.diag(axis.gram) > 0.0 for axis in self._axes]
+        return {e: frozenset(k for k, t in enumerate(there) if t[e.linear].any()) for e in self.entries}
+
+    def axes_of(self, entry: Entry) -> frozenset[int]:
+        """The axes on which an effect acts."""
+        return self._acts[entry]
+
+    def _limits(self, chosen: Sequence[Entry]) -> tuple[np.ndarray, np.ndarray]:
+        limits = [(np.zeros(0), np.zeros(0)), *(self.limits[e] for e in chosen)]
+        return np.concatenate([low for low, _ in limits]), np.concatenate([high for _, high in limits])
+
+    def left(self, chosen: Sequence[Entry]) -> np.ndarray:
+        """Mean square that a set of effects leaves on what it is fitted to, per axis (n,)."""
+        index = [k for e in chosen for k in e.linear]
+        low, high = self._limits(chosen)
+        axes = [axis.pick(index) for axis in self._axes]
+        coefficients = solve(total(axes), low, high)
+        return np.array([axis.after(coefficients) / axis.samples for axis in axes])
+
+    def solved(self, chosen: Sequence[Entry], without: Sequence[EffectKey] = ()) -> Solution:
+        """The fit of a set of effects, within their physical bounds, judged on what it was not fitted to.
+
+        `without`: effects that the model states and that are taken out of it. Effects that share no axis, not
+        through others either, are solved apart.
+        """
+        if without:
+            return self._solved(tuple(chosen), range(len(self.floor)), without)
+        bare = self._part((), range(len(self.floor)))
+        left, judged = bare.validated.copy(), bare.judged.copy()
+        found = {e: np.zeros(len(e.linear)) for e in chosen}  # what acts on no axis stays nothing
+        for axes, own in self._apart([e for e in chosen if self.axes_of(e)]):
+            part = self._part(own, axes)
+            left[axes], judged[axes] = part.validated, part.judged
+            ends = np.cumsum([len(e.linear) for e in own])[:-1]
+            found |= dict(zip(own, np.split(part.coefficients, ends), strict=True))
+        return Solution(np.concatenate([np.zeros(0), *(found[e] for e in chosen)]), left, judged)
+
+    def _apart(self, chosen: Sequence[Entry]) -> list[tuple[list[int], Chosen]]:
+        """Groups of effects that act on no axis in common, with their axes."""
+        groups: list[tuple[set[int], set[Entry]]] = []
+        for entry in chosen:
+            axes, own = set(self.axes_of(entry)), {entry}
+            for group in [g for g in groups if g[0] & axes]:
+                groups.remove(group)
+                axes, own = axes | group[0], own | group[1]
+            groups.append((axes, own))
+        return [(sorted(axes), tuple(e for e in chosen if e in own)) for axes, own in groups]
+
+    def _part(self, chosen: Chosen, axes: Sequence[int]) -> Solution:
+        """The fit of effects on all of their axes, remembered."""
+        if chosen not in self._parts:
+            self._parts[chosen] = self._solved(chosen, axes, ())
+        return self._parts[chosen]
+
+    def _solved(self, chosen: Chosen, axes: Sequence[int], without: Sequence[EffectKey]) -> Solution:
+        """The fit on some axes, all that the effects act on; `validated` and `judged` of these."""
+        index = [k for e in chosen for k in e.linear]
+        low, high = self._limits(chosen)
+        out = [self.own[key] for key in without]
+
+        def of(pieces: Sequence[Normal]) -> list[Normal]:
+            return [_taken_out(pieces[k], out).pick(index) for k in axes]
+
+        folds = [of(fold) for fold in self.folds]
+        wholes = [total(fold) for fold in folds]
+        whole = total(wholes)
+        coefficients = solve(whole, low, high)
+        left = np.zeros(len(axes))
+        for fold, own in zip(folds, wholes, strict=True):
+            rest = solve(whole - own, low, high)
+            left += [axis.after(rest) for axis in fold]
+        left *= len(axes) / whole.samples
+        if self.held_out is None:
+            return Solution(coefficients, left, left)
+        judged = [axis.after(coefficients) / axis.samples for axis in of(self.held_out)]
+        return Solution(coefficients, left, np.array(judged))
+
+
+def _taken_out(piece: Normal, columns: Sequence[int]) -> Normal:
+    """With what these columns explain back in the residual."""
+    for k in columns:
+        square = piece.square + 2.0 * piece.right[k] + piece.gram[k, k]
+        piece = Normal(piece.gram, piece.right + piece.gram[:, k], float(square), piece.samples)
+    return piece
+
+
+def regression_of(start: Fit, data: Data) -> Regression:
+    """All effects that are torques along the motion, in all places and shapes.
+
+    Args:
+        start: the model as it is.
+        data: recordings that are replayed along their measured motion, and weights.
+    """
+    model = start.hypothesis.model
+    scene = Scene.of(model, data, start.simulated, len(data.recordings))
+    columns: list[Column] = []
+    entries, motions, sizes = [], needing(scene), sizes_of(scene)
+    for key in places(model):
+        effect, place = effect_named(key.effect), Placement.of(model, key)
+        acts = effect.door in _DOORS and not effect.splits and not effect.of_ground
+        if not acts or effect.free(model) == 0 or not data.replay.shows(key.effect):
+            continue
+        if effect.door is Door.MOTOR and _is_a_gain(key, scene):
+            continue
+        for shape in effect.shapes(scene.motions, model, place):
+            linear, fixed = scene.columns(key, shape, motions)
+            if fixed is None and linear:
+                numbers = list(range(len(columns), len(columns) + len(linear)))
+                entries.append(Entry(key, shape, numbers, None, strength_of(linear, sizes)))
+                columns += linear
+    own: dict[EffectKey, int] = {}
+    for applied in model.effects:
+        effect = effect_named(applied.key.effect)
+        if effect.door in _DOORS and not effect.splits and not effect.by_runs and effect.parameters:
+            own[applied.key] = len(columns)
+            columns.append(scene.total(applied, applied.values))
+    rows = [kept_rows(scene, i) for i in range(len(scene.runs))]
+    parts = [respond([scene], [columns[k : k + _BLOCK]], data)[0] for k in range(0, len(columns), _BLOCK)]
+    pieces = [
+        np.concatenate([part[i][own, 1] for part in parts], axis=-1) if parts else np.zeros((len(own), 0))
+        for i, own in enumerate(rows)
+    ]
+    residuals = [
+        (data.residual(i, run) * data.weight)[own, 1]
+        for i, (own, run) in enumerate(zip(rows, scene.runs, strict=True))
+    ]
+    folds = []
+    for fold in data.folds:
+        i, whole = fold.recording, np.zeros(len(scene.runs[fold.recording]), bool)
+        whole[fold.rows] = True
+        folds.append(_by_axis(pieces[i][whole[rows[i]]], residuals[i][whole[rows[i]]]))
+    judging = range(data.training, len(rows)) if data.held_out_judges else ()
+    held = [_by_axis(pieces[i], residuals[i]) for i in judging]
+    return Regression(
+        scene,
+        tuple(entries),
+        own,
+        tuple(folds),
+        tuple(total(own) for own in zip(*held, strict=True)) if held else None,
+        data.least()[1] * data.weight[1] ** 2,
+        data.least(data.held_out_judges)[1] * data.weight[1] ** 2,
+        {entry: limits_of(scene, entry) for entry in entries},
+    )
+
+
+def kept_rows(scene: Scene, index: int) -> np.ndarray:
+    """Rows of a recording that hold all that the filter lets through, (M,)."""
+    corner = scene.loops[index].reading.corner_hz
+    step = max(1, int(1.0 / (_PER_CYCLE * corner * scene.data.recordings[index].period)))
+    return np.arange(0, len(scene.data.recordings[index]), step)
+
+
+def needing(scene: Scene) -> list[Motion]:
+    """The motions with the torque that the model needs for them in place of that measured.
+
+    What is made of a measured torque explains it by itself wherever the model needs little.
+    """
+    out = []
+    for motion, run, loop in zip(scene.motions, scene.runs, scene.loops, strict=True):
+        reading = loop.reading
+        lacking = reading.recording.signals[reading.name] - run.signals[reading.name]
+        out.append(replace(motion, torque=motion.torque - lacking @ np.linalg.inv(reading.to_actuator)))
+    return out
+
+
+def _is_a_gain(key: EffectKey, scene: Scene) -> bool:
+    """Whether an effect scales the torque that was measured: less of that leaves less of any residual too."""
+    effect, place = effect_named(key.effect), Placement.of(scene.model, key)
+    idle = replace(scene.motions[0], torque=np.zeros_like(scene.motions[0].torque))
+    (shape, *_) = effect.shapes(scene.motions[:1], scene.model, place)
+    return not np.any(effect.response(idle, scene.model, place, shape).columns)
+
+
+def _by_axis(columns: np.ndarray, residual: np.ndarray) -> tuple[Normal, ...]:
+    """Normal equations of each axis, from columns (N, n, C), most of which act on one, and (N, n)."""
+    out = []
+    for k in range(residual.shape[1]):
+        x, y = columns[:, k], residual[:, k]
+        there = np.flatnonzero(np.any(x, axis=0))
+        gram, right = np.zeros((x.shape[1],) * 2), np.zeros(x.shape[1])
+        own = x[:, there]
+        gram[np.ix_(there, there)], right[there] = own.T @ own, own.T @ y
+        out.append(Normal(gram, right, float(y @ y), len(y)))
+    return tuple(out)

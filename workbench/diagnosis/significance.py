@@ -1,0 +1,71 @@
+"""Whether an effect of a fit can be named: its estimate is significant, and the motions identify it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.effects import Parameter, effect_named
+from workbench.models import AppliedEffect, Model, Placement
+
+from .hypothesis import Fit
+from .policy import POLICY
+from .screening.sensitivity import Column, Scene, combine
+
+INTERVAL = 1.96  #: deviations of the 95 % interval that is reported
+
+
+def witnessed(scene: Scene, found: Fit) -> bool:
+    """Whether the recorded motions show each effect whole enough to be named, none larger than can be."""
+    model = found.hypothesis.model
+    return all(
+        effect_named(a.key.effect).witnessed(scene.motions, Placement.of(model, a.key), a.values)
+        and not _at_its_limit(model, a)
+        for a in found.hypothesis.free
+    )
+
+
+def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
+    """Whether an effect would have to be larger than physics allows: then it stands in for another."""
+    effect = effect_named(applied.key.effect)
+    coefficients, _ = effect.to_coefficients(applied.values)
+    lower, upper = effect.bounds(model, Placement.of(model, applied.key))
+    # what grows without limit ends at nothing, which a machine may well have
+    limits = np.where(np.isfinite(upper) & (np.array([lower, upper]) != 0.0), [lower, upper], np.nan)
+    return bool(np.isclose(coefficients, limits, rtol=1e-6, atol=0.0).any())
+
+
+def stands_out(applied: AppliedEffect, deviations: float | None = None) -> bool:
+    """Whether an estimate is clearly another than what has no effect.
+
+    One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
+    may change at which instant a signal is read.
+    """
+    return clearness(applied) > (POLICY.significant if deviations is None else deviations)
+
+
+def clearness(applied: AppliedEffect) -> float:
+    """How many deviations the clearest of its sizes is from what has no effect."""
+    estimates = [(applied.parameters[p.name], p.neutral) for p in sizes_of(applied)]
+    return max((abs(e.value - none) / max(e.std, 1e-300) for e, none in estimates), default=0.0)
+
+
+def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
+    """The parameters that say how large an effect is, not where or in which shape; all where none does."""
+    effect = effect_named(applied.key.effect)
+    turns = [p.name for p in effect.parameters if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
+    sizes = [p for p in effect.parameters if p.name not in (*effect.nonlinear, *turns)]
+    return sizes or effect.parameters
+
+
+def cancels(scene: Scene, found: Fit) -> bool:
+    """Whether effects mostly undo each other: two smooth curves that mimic a third, not two causes."""
+    totals = [scene.total(a, a.values) for a in found.hypothesis.free]
+    if len(totals) < 2:
+        return False
+
+    def size(column: Column) -> float:
+        return float(np.sqrt(sum(np.sum(t**2) for t in column.torque)))
+
+    return sum(map(size, totals)) > POLICY.cancelling * size(combine(totals, [1.0] * len(totals)))
