@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from workbench.diagnosis.identifiability import disagreements
+from workbench.diagnosis.quest import quest_of
 
 from tests.bench_arm import FAST, NUMBERS, SLOW, bench_arm, logged
 from workbench.core import Diagnosis, EffectKey, Recording
 from workbench.diagnosis import diagnose, fit_effect
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.identifiability import disagreements
-from workbench.diagnosis.quest import quest_of
 from workbench.effects import load_model
 from workbench.models import Model
 
