@@ -16,7 +16,7 @@ from .torque_regression import Regression
 def rivals_of(
     problem: Regression, chosen: Sequence[Entry], entry: Entry
 ) -> tuple[tuple[tuple[EffectKey, float], ...], tuple[EffectKey, ...]]:
-    """Other effects in place of one: what they leave on its axis over what it leaves, and which tie.
+    """Other effects that stand for one: what they leave on its axis over what it leaves, and which tie.
 
     Args:
         problem: the linear problem.
@@ -30,8 +30,19 @@ def rivals_of(
     for other in problem.entries:
         if same_cause(other.key, entry.key) or axis not in problem.axes_of(other):
             continue
-        if fits_in((other,), others):
+        if fits_in((other,), others) and _stands_for(problem, chosen, entry, other):
             now = float(problem.left((*others, other))[axis])
             least[other.key] = min(now, least.get(other.key, now))
     found = behind(entry.key, float(left[axis]), least.items())
     return found, tuple(key for key, times in found if times <= 1.0 + POLICY.tie)
+
+
+def _stands_for(problem: Regression, chosen: Sequence[Entry], entry: Entry, other: Entry) -> bool:
+    """Whether beside another effect one has little left to explain of what it explains without.
+
+    Where much stays unknown, what explains another part of it removes as much, and is no other name for it.
+    """
+    others = tuple(e for e in chosen if e is not entry)
+    alone = problem.left(others).sum() - problem.left(tuple(chosen)).sum()
+    beside = problem.left((*others, other)).sum() - problem.left((*chosen, other)).sum()
+    return bool(beside <= POLICY.exchange_left * alone)
