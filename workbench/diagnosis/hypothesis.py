@@ -17,12 +17,12 @@ class Hypothesis:
 
     base: Model
     free: tuple[AppliedEffect, ...]
-    stated: tuple[AppliedEffect, ...] = ()
+    parameter_free: tuple[AppliedEffect, ...] = ()
 
     @property
     def added(self) -> tuple[AppliedEffect, ...]:
         """All effects over the base."""
-        return (*self.stated, *self.free)
+        return (*self.parameter_free, *self.free)
 
     @property
     def size(self) -> int:
@@ -50,17 +50,17 @@ class Fit:
         hypothesis: with the estimates and their deviations.
         simulated: its runs of all recordings.
         mean_squares: (R, 2, n).
-        trained: weighted mean square on the training data.
-        judged: the same on held-out data, or across folds with each fold left out of the fit.
-        agreeing: per fold (or held-out recording) weighted mean square, to be held against another's.
+        training_loss: weighted mean square on the training data.
+        test_loss: the same on held-out data, or across folds with each fold left out of the fit.
+        fold_losses: per fold (or held-out recording) weighted mean square, to be held against another's.
     """
 
     hypothesis: Hypothesis
     simulated: tuple[Recording, ...]
     mean_squares: np.ndarray
-    trained: float
-    judged: float
-    agreeing: np.ndarray
+    training_loss: float
+    test_loss: float
+    fold_losses: np.ndarray
 
 
 def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
@@ -74,7 +74,7 @@ def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
     return out
 
 
-def room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
+def step_bounds(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
     """How far each unknown may move: to its physical bound, nonlinear ones by as much as a step may.
 
     What begins beyond a bound has to come back by as much.

@@ -9,7 +9,7 @@ from workbench.core import Recording
 from .policy import POLICY
 
 
-def repeat_of(recording: Recording) -> int | None:
+def motion_period(recording: Recording) -> int | None:
     """Rows after which the motion of all axes repeats itself, None where it does not.
 
     It has to be there twice, whole.

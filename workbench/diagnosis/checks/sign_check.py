@@ -15,7 +15,7 @@ from ..policy import POLICY
 _REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the joint in the model"
 
 
-def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
+def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -> None:
     """Refuse recordings whose torque the model explains as soon as columns of one axis are turned round.
 
     That takes seconds where the loops take minutes, and needs no command.
@@ -33,7 +33,9 @@ def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
     )  # fmt: skip
 
 
-def refuse_mirrored(model: Model, recordings: Sequence[Recording], error: float, floor: float) -> None:
+def refuse_wrong_sign_in_loop(
+    model: Model, recordings: Sequence[Recording], error: float, floor: float
+) -> None:
     """Refuse recordings of which the model explains most as soon as one axis is turned round.
 
     Where weight and inertia are the same either way, so is the error, and nothing is said.

@@ -11,7 +11,7 @@ from ..data import Data
 from ..hypothesis import Fit, Hypothesis, applied_effect
 
 
-def parting(found: Fit, data: Data) -> np.ndarray:
+def divergence(found: Fit, data: Data) -> np.ndarray:
     """Typical squared distance of runs whose parameters differ by what the fit leaves open.
 
     A gap's runs follow their parameters for a while only: soon even the true ones give another motion than
@@ -43,8 +43,8 @@ def _around(hypothesis: Hypothesis) -> list[Hypothesis]:
     out = []
     for k, applied in enumerate(hypothesis.free):
         for name, estimate in applied.parameters.items():
-            for way in (-1.96, 1.96):
-                values = {**applied.values, name: estimate.value + way * estimate.std}
+            for deviations in (-1.96, 1.96):
+                values = {**applied.values, name: estimate.value + deviations * estimate.std}
                 other = applied_effect(hypothesis.base, applied, values)
                 out.append(replace(hypothesis, free=(*hypothesis.free[:k], other, *hypothesis.free[k + 1 :])))
     return out

@@ -20,7 +20,7 @@ _STEPS = (0.1, 0.04, 0.015)  # of each parameter, one after the other
 _ROUNDS = 3  # at each step, as long as something at its rim is better
 
 
-def honed(found: Fit, data: Data) -> Fit:
+def refined_on_grid(found: Fit, data: Data) -> Fit:
     """The same effects, those whose runs part searched on a grid; as it was where nothing is better.
 
     Runs that part have no slope to follow. Many of them side by side tell all the same where less is left, as
@@ -30,8 +30,8 @@ def honed(found: Fit, data: Data) -> Fit:
         found: a fit.
         data: recordings and weights.
     """
-    loose = [a for a in found.hypothesis.free if effect_named(a.key.effect).wanders]
-    some = data.part(data.telling(found.mean_squares, POLICY.informative_share))
+    loose = [a for a in found.hypothesis.free if effect_named(a.key.effect).diverges]
+    some = data.part(data.most_informative(found.mean_squares, POLICY.informative_share))
     hypothesis = found.hypothesis
     for applied in loose:
         for step in _STEPS:
@@ -40,7 +40,11 @@ def honed(found: Fit, data: Data) -> Fit:
         return found
     better = fit([hypothesis], data, 1)[0]
     less = 1.0 - POLICY.tie
-    if better is None or better.judged > less * found.judged or better.trained > less * found.trained:
+    if (
+        better is None
+        or better.test_loss > less * found.test_loss
+        or better.training_loss > less * found.training_loss
+    ):
         return found
     return better
 

@@ -27,11 +27,11 @@ _RELATED = 0.5  # correlation of columns below which two effects are never taken
 
 
 def identifiability_of(
-    linear: Linear, model: Model, data: Data, silent: Sequence[EffectKey] = ()
+    linear: Linear, model: Model, data: Data, unobservable: Sequence[EffectKey] = ()
 ) -> Identifiability:
     """Which effects the recordings can tell apart at a small size, and how well each would be known.
 
-    `silent`: effects of which they can tell nothing at all.
+    `unobservable`: effects of which they can tell nothing at all.
     """
     excited = [e for e in linear.entries if linear.shown(e) >= POLICY.significant]
     groups = _groups(linear, excited)
@@ -39,7 +39,7 @@ def identifiability_of(
     return Identifiability(
         separable=tuple(e.key for e in excited if e.key not in alike),
         groups=groups,
-        not_excited=(*silent, *(e.key for e in linear.entries if linear.shown(e) < POLICY.significant)),
+        not_excited=(*unobservable, *(e.key for e in linear.entries if linear.shown(e) < POLICY.significant)),
         expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, model, data))),
     )
 

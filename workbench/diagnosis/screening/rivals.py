@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from workbench.core import EffectKey
 
-from ..moves.choice import behind, same_cause
+from ..moves.choice import loss_ratios, same_cause
 from ..policy import POLICY
 from .screen import Entry
 from .stepwise_regression import fits_in
@@ -14,24 +14,24 @@ from .torque_regression import Regression
 
 
 def rivals_of(
-    problem: Regression, chosen: Sequence[Entry], entry: Entry
+    regression: Regression, chosen: Sequence[Entry], entry: Entry
 ) -> tuple[tuple[tuple[EffectKey, float], ...], tuple[EffectKey, ...]]:
     """Other effects in place of one: what they leave on its axis over what it leaves, and which tie.
 
     Args:
-        problem: the linear problem.
+        regression: the linear problem.
         chosen: all effects of the solution.
         entry: one of them.
     """
     others = tuple(e for e in chosen if e is not entry)
-    left, without = problem.left(tuple(chosen)), problem.left(others)
+    left, without = regression.left(tuple(chosen)), regression.left(others)
     axis = int((without - left).argmax())
     least: dict[EffectKey, float] = {}
-    for other in problem.entries:
-        if same_cause(other.key, entry.key) or axis not in problem.axes_of(other):
+    for other in regression.entries:
+        if same_cause(other.key, entry.key) or axis not in regression.axes_of(other):
             continue
         if fits_in((other,), others):
-            now = float(problem.left((*others, other))[axis])
+            now = float(regression.left((*others, other))[axis])
             least[other.key] = min(now, least.get(other.key, now))
-    found = behind(entry.key, float(left[axis]), least.items())
+    found = loss_ratios(entry.key, float(left[axis]), least.items())
     return found, tuple(key for key, times in found if times <= 1.0 + POLICY.tie)
