@@ -1,4 +1,4 @@
-"""The rules by which an explanation is accepted, judged on data that were not fitted."""
+"""Rules that accept a fit in place of another, on data that were not fitted."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .removed_share import removed_share
 
 
 def holdout_insensitive(current: Fit, data: Data) -> bool:
-    """Whether training shows so much more of what is lacking that held-out motion cannot judge it."""
+    """Whether training shows so much more excess error that held-out motion cannot test it."""
     if not data.tests_on_holdout:
         return False
     training_loss, held_out = (
@@ -23,7 +23,7 @@ def holdout_insensitive(current: Fit, data: Data) -> bool:
 
 
 def unchanged_on_holdout(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether an effect explains much of the training and nothing of held-out motion."""
+    """Whether an effect explains much of the training error and does not change the held-out error."""
     before, after = (data.score(f.mean_squares, True) for f in (current, found))
     floor = data.objective(data.pool(data.floor))
     removed = current.training_loss - found.training_loss
@@ -67,7 +67,7 @@ def improves_residual(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
 
 
 def improves_an_axis(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether a fit lowers the whole error of one axis, fitted and judged."""
+    """Whether a fit lowers the total error of one axis, in training and test."""
     better = np.ones(len(data.recordings[0].axes), bool)
     for held_out in {False, data.tests_on_holdout}:
         before, after, floor = (
@@ -84,13 +84,13 @@ def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
 
 
 def explains_most(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
-    """Whether no more than a share is `left` of a rest that is plain to see, fitted and judged."""
+    """Whether a clear excess falls to a share `left` of it, in training and test."""
     left = 1.0 - POLICY.most_of_excess if left is None else left
     return _is_plain(current, data) and halves_excess(found, current, data, left)
 
 
 def _is_plain(current: Fit, data: Data) -> bool:
-    """Whether a rest is plain to see, fitted and judged, however small in the whole."""
+    """Whether the excess is clear, in training and test, however small beside the total error."""
     most = POLICY.near_noise
     return current.training_loss > most * training_noise_floor(
         data
@@ -98,9 +98,9 @@ def _is_plain(current: Fit, data: Data) -> bool:
 
 
 def halves_excess(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
-    """Whether no more than a share is `left` of what is above the noise, fitted and judged.
+    """Whether the excess above the noise falls to a share `left` of it, in training and test.
 
-    An exchange that leaves more than half mends nothing; one that leaves less was of a stand-in.
+    A replacement that leaves more than half is no improvement; one that leaves less replaced a wrong effect.
     """
     left = POLICY.exchange_left if left is None else left
     pairs = (
@@ -111,7 +111,7 @@ def halves_excess(found: Fit, current: Fit, data: Data, left: float | None = Non
 
 
 def near_noise_floor(found: Fit, data: Data) -> bool:
-    """Whether hardly more than the noise is left, fitted and judged."""
+    """Whether hardly more than the noise is left, in training and test."""
     most = POLICY.near_noise
     return found.training_loss < most * training_noise_floor(
         data
@@ -119,9 +119,9 @@ def near_noise_floor(found: Fit, data: Data) -> bool:
 
 
 def at_noise_floor(found: Fit, data: Data, times: float | None = None) -> bool:
-    """Whether the noise explains the rest: `times` its error judged, and not much more fitted.
+    """Whether the noise explains the rest: a test loss of at most `times` its floor, and a low training loss.
 
-    Held-out motion that hardly shows what is lacking is explained by anything.
+    Held-out motion that hardly shows what is missing is explained by anything.
     """
     times = POLICY.at_noise if times is None else times
     fitted = found.training_loss < POLICY.near_noise * training_noise_floor(data)
@@ -142,12 +142,12 @@ def improves(found: Fit, current: Fit, excess: float) -> bool:
 
 
 def explains_training(found: Fit, current: Fit, excess: float) -> bool:
-    """Whether most of what was lacking on what was fitted is gone."""
+    """Whether most of the excess training loss is gone."""
     return current.training_loss - found.training_loss > POLICY.most_of_excess * excess
 
 
 def contradicts_holdout(found: Fit, data: Data) -> bool:
-    """Whether held-out motion is plainly another than the one foretold."""
+    """Whether the held-out error is far above that of a perfect model."""
     return data.held_out and _off_held_out(found, data) > POLICY.holdout_contradicts
 
 
@@ -159,7 +159,7 @@ def _off_held_out(found: Fit, data: Data) -> float:
 
 
 def degrades_holdout(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether held-out motion that showed nothing of what is lacking is no longer foretold."""
+    """Whether the held-out error, at the noise before, is far above it now."""
     return contradicts_holdout(found, data) and _off_held_out(current, data) < POLICY.holdout_informative
 
 

@@ -1,4 +1,4 @@
-"""What a diagnosis looks at: recordings for fitting and for judging, sensor noise, folds, weights."""
+"""Data of a diagnosis: recordings for training and test, noise floor, folds, weights."""
 
 from __future__ import annotations
 
@@ -72,11 +72,11 @@ class Data:
 
     @property
     def tests_on_holdout(self) -> bool:
-        """Whether held-out recordings judge; else folds of the training recordings do."""
+        """Whether the test loss is that of held-out recordings; else it is cross-validated on folds."""
         return self.held_out and not self.holdout_uninformative
 
     def with_holdout_checked(self, mean_squares: np.ndarray) -> Data:
-        """The same data, judged by held-out recordings only if a model's error there is above the noise."""
+        """The same data, tested on held-out recordings only if the model's error there exceeds the noise."""
         if not self.held_out:
             return self
         error = self.objective(self.pool(mean_squares, held_out=True))
@@ -84,14 +84,14 @@ class Data:
         return replace(self, holdout_uninformative=error < POLICY.holdout_informative * floor)
 
     def cross_validated(self) -> Data:
-        """The same data, judged by folds of the training recordings whatever the held-out ones say."""
+        """The same data, cross-validated on folds of the training recordings."""
         return replace(self, holdout_uninformative=True)
 
     @property
     def folds(self) -> tuple[Fold, ...]:
         """Training recordings, those that are a large part of all in contiguous blocks.
 
-        What only one long recording shows is judged by a part of it from the others.
+        What only one long recording shows is tested on another part of it.
         """
         rows = [len(r) for r in self.recordings[: self.training]]
         out: list[Fold] = []
@@ -103,7 +103,7 @@ class Data:
 
     @property
     def phase_folds(self) -> tuple[Fold, ...]:
-        """The folds, of motion that repeats itself by its phase: no piece has copies in the others."""
+        """The folds; those of a periodic motion are split by phase, so that none is a copy of another."""
         out: list[Fold] = []
         for i, period in enumerate(self.motion_periods[: self.training]):
             own = [f for f in self.folds if f.recording == i]
@@ -127,7 +127,7 @@ class Data:
         )
 
     def most_informative(self, mean_squares: np.ndarray, share: float) -> tuple[int, ...]:
-        """The fewest training recordings that hold this share of the error above the noise."""
+        """Indices of the fewest training recordings that have this share of the error above the noise."""
         counts = np.array([np.sum(r.valid) for r in self.recordings[: self.training]])
         above = np.maximum(mean_squares - self.floor, 0.0)[: self.training]
         excess = counts * np.sum(above * self.weight**2, axis=(1, 2))
@@ -192,7 +192,7 @@ class Data:
     def reweighed(self, mean_squares: np.ndarray, tolerance: float | None = None) -> Data:
         """The same data with weights for an error of this size, `tolerance` of which counts as noise.
 
-        Where a model cannot reach the noise, a signal with little noise would rule alone.
+        Where a model cannot reach the noise floor, a signal with little noise would dominate.
         """
         tolerance = POLICY.weighing_tolerance if tolerance is None else tolerance
         floor, error = self.pool(self.floor), self.pool(mean_squares)

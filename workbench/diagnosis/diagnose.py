@@ -127,7 +127,7 @@ def _held_out_floor(data: Data) -> float | None:
 
 
 def _model_settings(found: SearchResult) -> dict[str, float]:
-    """What was found of the model's own properties on the way to the findings."""
+    """Properties of the model that were fitted together with the findings, where they changed."""
     given, end = found.model, found.final.hypothesis.model
     pairs = {
         "sliding_speed": (given.sliding_speed, end.sliding_speed),

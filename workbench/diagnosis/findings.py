@@ -72,9 +72,9 @@ def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
 
 
 def _before(found: SearchResult, index: int) -> Fit:
-    """The fit that a stage's effect was added to.
+    """The fit before a step added its effect.
 
-    That is the one before, unless it had in one effect what this stage has a part of: then the last without.
+    That is the previous fit; if that had a refinement of which this step has a part, the last fit without it.
     """
     fits = [found.start, *(step.fit for step in found.steps)]
     step = found.steps[index]
@@ -124,7 +124,7 @@ def ranking_of(found: SearchResult) -> tuple[tuple[EffectKey, float], ...]:
 def step_of(
     step: AcceptedStep, found: SearchResult, on_holdout: bool, evidence: Mapping[EffectKey, tuple[str, ...]]
 ) -> Step:
-    """A stage as a step of an improvement, with the evidence of the finding where there is some.
+    """An accepted step as a step of an improvement, with the evidence of the finding where there is some.
 
     Errors are those of the model at that step; parameters those of the last model, where it still has the
     effect.

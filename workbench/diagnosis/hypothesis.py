@@ -1,4 +1,4 @@
-"""What is believed while it is being tried: a model with effects, and how well it fits."""
+"""Hypotheses (a model with effects) and their fits."""
 
 from __future__ import annotations
 
@@ -51,8 +51,8 @@ class Fit:
         simulated: its runs of all recordings.
         mean_squares: (R, 2, n).
         training_loss: weighted mean square on the training data.
-        test_loss: the same on held-out data, or across folds with each fold left out of the fit.
-        fold_losses: per fold (or held-out recording) weighted mean square, to be held against another's.
+        test_loss: the same on held-out data, or cross-validated on folds.
+        fold_losses: test loss of each fold (or held-out recording), (F,).
     """
 
     hypothesis: Hypothesis
@@ -75,9 +75,9 @@ def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
 
 
 def step_bounds(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-    """How far each unknown may move: to its physical bound, nonlinear ones by as much as a step may.
+    """Bounds (C,) of one step: up to the physical bounds, and up to the longest step of nonlinear unknowns.
 
-    What begins beyond a bound has to come back by as much.
+    An unknown that starts outside its bound has to return.
     """
     low, high = [np.zeros(0)], [np.zeros(0)]
     for applied, _ in blocks(hypothesis):

@@ -12,17 +12,17 @@ from .policy import POLICY
 
 
 def test_noise_floor(data: Data) -> float:
-    """Judged error that a perfect model would have, of noise and of what right simulations differ by."""
+    """Test loss of a perfect model: from noise, and from how much correct simulations differ."""
     return data.objective(data.least(held_out=data.tests_on_holdout))
 
 
 def training_noise_floor(data: Data) -> float:
-    """Fitted error that a perfect model would have."""
+    """Training loss of a perfect model."""
     return data.objective(data.least())
 
 
 def rescored(old: Fit, data: Data) -> Fit:
-    """The same fit under new weights; its parameters stay, so folds are judged as they are."""
+    """The same fit with losses under the weights of `data`; its parameters stay, also on folds."""
     training_loss = data.objective(data.pool(old.mean_squares))
     if data.tests_on_holdout:
         folds = np.array([data.objective(ms) for ms in old.mean_squares[data.training :]])
@@ -60,7 +60,7 @@ def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
 
 
 def median_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
-    """As `explained`, but the median over recordings, by their length: runs that part may end elsewhere.
+    """As `explained`, but the median over recordings, by their length, for trajectories that diverge.
 
     Near a gap's resonance two motions can live side by side; on which one a recording lands, no model says.
     """

@@ -1,4 +1,4 @@
-"""Effects and their special cases: which is named, and what is named beside it."""
+"""Naming: an effect or its special case, and what is named beside it."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def special_case(
 
 
 def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]) -> tuple[EffectKey, ...]:
-    """Effects and places that no data can tell from this one, or no log without a measured torque."""
+    """Effects and places that no data can distinguish from this one, or no log without measured torque."""
     effect = effect_named(key.effect)
     twins = effect.twins if key.location == "actuator" else ()
     if all(scored_torque(r) != "torque_measured" for r in recordings):

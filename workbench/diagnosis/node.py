@@ -1,4 +1,4 @@
-"""The way of a search: one effect after the other, each with its own noise."""
+"""Nodes of the search, and forward selection from one node to the next."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Keys = frozenset[EffectKey]
 
 @dataclass(frozen=True)
 class Node:
-    """Where a search stands: the fit, the data with its noise, how it came there, whether noise is left."""
+    """A node of the search: fit, data with noise floor, accepted steps, whether noise explains the rest."""
 
     current: Fit
     data: Data
@@ -47,11 +47,11 @@ def forward_selection(
     basics_first: bool = True,
     visited: Collection[Keys] = (),
 ) -> Node:
-    """One effect after the other from where the search stands.
+    """The node after forward selection from `node`: one effect a step while one is accepted.
 
-    `allow_divergence`: also where runs part by themselves; by how much they do is asked at the end.
+    `allow_divergence`: go on where trajectories diverge; the divergence is then measured at the end.
     `basics_first`: inertia, damping and Coulomb friction before others that explain somewhat more.
-    `visited`: sets of effects from which the way on is known; it ends there.
+    `visited`: sets of effects whose continuation is known; the selection ends there.
     """
     take = partial(next_step, progress=problem.progress, basics_first=basics_first)
     current, data, steps, done = node.current, node.data, list(node.steps), node.done
@@ -66,7 +66,7 @@ def forward_selection(
         )
         step = take(linearisation, screened, current, data, later=bool(steps))
         if step is None and holdout_insensitive(current, data):
-            # held-out motion may never reach what is lacking, a limit for one
+            # held-out motion may never show what is missing (a torque limit, for one)
             progress("judging by the recordings that show most")
             by_folds = data.cross_validated()
             screened, _ = screen(linearisation, by_folds, current.simulated, current.hypothesis.free)
@@ -82,7 +82,7 @@ def forward_selection(
         fresh, runs = _refloor(step.fit, data, problem.seed, wide=not allow_divergence)
         steps.append(replace(step, data=fresh, runs=runs))
         current = rescored(step.fit, fresh)
-        # what is left of runs that part by themselves says nothing of a further effect
+        # the residual of diverging trajectories says nothing about a further effect
         data, done = fresh, is_consistent(fresh, current.mean_squares)
         if diverges(current) and not allow_divergence:
             break
@@ -95,13 +95,13 @@ def effect_keys(found: Fit) -> Keys:
 
 
 def screened_at(current: Fit, data: Data, problem: Problem) -> tuple[Linearisation, Sequence[Candidate]]:
-    """The loops linearised about where the search stands, and every effect screened there."""
+    """The linearisation about the current fit, and every effect screened there."""
     linearisation = linearisation_at(current, data, problem)
     return linearisation, candidates(linearisation, current, data, problem.seed)
 
 
 def linearisation_at(current: Fit, data: Data, problem: Problem) -> Linearisation:
-    """The loops linearised about where the search stands; the same where another way comes back to it."""
+    """The linearisation about the current fit, from the cache where the same runs were linearised before."""
     if not current.hypothesis.added:
         return problem.linearisation
     for linearisation in problem.linearisations:
@@ -113,7 +113,7 @@ def linearisation_at(current: Fit, data: Data, problem: Problem) -> Linearisatio
 
 
 def node_after(steps: tuple[AcceptedStep, ...], problem: Problem) -> Node:
-    """Where a search stood after its first stages, or before any."""
+    """The node after some first steps; the start where there are none."""
     if not steps:
         return Node(problem.start, problem.data)
     data = steps[-1].data
@@ -121,7 +121,7 @@ def node_after(steps: tuple[AcceptedStep, ...], problem: Problem) -> Node:
 
 
 def explains_data(node: Node, problem: Problem) -> bool:
-    """Whether what was found explains the data."""
+    """Whether the effects of a node explain the data."""
     if node.done or not node.steps:
         return node.done
     ends = problem.data, problem.start, node.current, node.data
@@ -130,7 +130,7 @@ def explains_data(node: Node, problem: Problem) -> bool:
 
 
 def with_steps(node: Node, found: Sequence[AcceptedStep], seed: int, *, wide: bool = True) -> Node:
-    """The search after further stages, each with the noise of its own model."""
+    """The node after further steps, each with the noise floor of its own model."""
     data, steps = node.data, list(node.steps)
     for step in found:
         data, runs = _refloor(step.fit, data, seed, wide=wide)
@@ -140,7 +140,7 @@ def with_steps(node: Node, found: Sequence[AcceptedStep], seed: int, *, wide: bo
 
 
 def with_last_step(node: Node, last: AcceptedStep, seed: int) -> Node:
-    """The search with another form of its last stage, and the noise of that."""
+    """The node with another last step, and the noise floor of that."""
     return with_steps(replace(node, steps=node.steps[:-1]), (last,), seed)
 
 
@@ -155,14 +155,14 @@ def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = Tru
 
 
 def diverges(found: Fit) -> bool:
-    """Whether its runs part by themselves."""
+    """Whether trajectories of the fitted model diverge for small parameter changes."""
     return any(effect_named(a.key.effect).diverges for a in found.hypothesis.free)
 
 
 def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated | None]:
-    """The noise of a model's own runs; `wide`: and how far these part by themselves.
+    """Data with the noise floor of the fitted model (`wide`: at least its divergence), and its runs.
 
-    Where noise is more than its loop stands, it is judged by the noise of the model before, and has no runs.
+    Where its loop is unstable under noise, the floor of the model before is kept, and there are no runs.
     """
     try:
         fresh, simulated = data.of_model(found.hypothesis.model, seed)

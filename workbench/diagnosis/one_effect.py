@@ -28,7 +28,7 @@ def fit_effect(
     seed: int = 0,
     progress: Progress = lambda text: None,
 ) -> tuple[AppliedEffect, Model]:
-    """Fit one effect to recordings; nothing is judged.
+    """Fit one effect to recordings, without any test.
 
     Args:
         model: what it is added to; nothing else in it changes.

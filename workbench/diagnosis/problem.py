@@ -1,4 +1,4 @@
-"""What is searched for: the model and its recordings, and what all parts of a search ask of them."""
+"""The problem: a model and its recordings, with what all parts of a search derive from them."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .screening.torque_regression import Regression, regression_of
 
-_KEPT_LINEARISATIONS = 4  # that are kept: a way seldom has more places, and they hold every row
+_KEPT_LINEARISATIONS = 4  # cached: a search seldom returns to older ones, and each holds every row
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What is searched for and with what.
+    """A model and its recordings, and how to search.
 
     Attributes:
         start: the model as it is.
@@ -36,7 +36,7 @@ class Problem:
         limit: most effects to add one by one.
         seed: of the noise simulations.
         progress: told what is being done.
-        linearisations: linearised loops of the last places where the search stood, newest first.
+        linearisations: of the last nodes, newest first.
     """
 
     start: Fit
@@ -81,7 +81,7 @@ class Problem:
 
     @property
     def is_expensive(self) -> bool:
-        """Whether loops of so many axes would have to be linearised for screening."""
+        """Whether screening in the loop is expensive: more axes than effects may be added."""
         return self.data.replay.simulates and self.start.hypothesis.model.size > self.limit
 
     @cached_property
@@ -118,7 +118,7 @@ def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data
 def problem_of(
     model: Model, data: Data, simulated: Sequence[Recording], limit: int, seed: int, progress: Progress
 ) -> Problem:
-    """What is searched for in a model.
+    """The problem of a model on recordings.
 
     Args:
         model: the model as it is.

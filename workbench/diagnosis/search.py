@@ -1,4 +1,4 @@
-"""Forward selection of effects with removal, judged on data that were not fitted."""
+"""The search: forward selection, alternative starts, and moves that replace, merge and simplify."""
 
 from __future__ import annotations
 
@@ -58,17 +58,16 @@ def search(
     *,
     only_jointly: bool = False,
 ) -> SearchResult:
-    """Add effects one at a time until noise explains the rest or nothing helps.
+    """The result of a search for missing effects: it ends at the noise floor or where nothing helps.
 
-    Where that leaves the data unexplained there are other ways to begin, of which more is asked in the end:
-    by what the training recordings show, where held-out motion shows little; and with two effects at once,
-    since the best first step of a pair may be neither of them.
+    Effects are added one at a time. Where that leaves the data unexplained, alternative starts are tried,
+    which must explain more in the end.
 
     Args:
         model: where to start.
         training: recordings for fitting.
-        held_out: recordings for judging; without them, or where they show nothing of what is lacking,
-            folds of the training data judge.
+        held_out: recordings for testing; without them, or where they are not informative, cross-validation
+            on folds of the training data takes their place.
         seed: of the noise simulations.
         limit: most effects to add one by one; None: as many as the policy has.
         progress: told what is being done.
@@ -117,7 +116,7 @@ def search(
 
 
 def _told(problem: Problem) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
-    """What the recordings can tell apart, and which of them disagree; nothing where that cannot be asked."""
+    """Identifiability and disagreement of the recordings; nothing where there is no linear problem."""
     if problem.linear is None:
         return None, ()
     linear, data, names = problem.linear, problem.data, [r.name for r in problem.data.recordings]
@@ -133,7 +132,7 @@ def _only_jointly(start: Node, problem: Problem) -> tuple[Node, JointSolution | 
 
 
 def _explained(problem: Problem) -> tuple[Node, JointSolution | None]:
-    """What is missing, and the joint solution where that is the answer.
+    """The last node, and the joint solution where that is the answer.
 
     All axes and effects are solved together along the measured motion where no single effect explains the
     recordings. That is the answer where more is missing than can be added one by one; where plain causes lead
@@ -161,13 +160,13 @@ def _explained(problem: Problem) -> tuple[Node, JointSolution | None]:
 
 
 def _are_several(joint: JointSolution) -> bool:
-    """Whether so much is certain, on more than one axis, that it does not stand for one other cause."""
+    """Whether several effects on more than one axis are certain, too many to approximate one other cause."""
     keys = [step.added for step in joint.node.steps]
     return not joint.node.done and len(keys) >= POLICY.certain_effects and len({k.axis for k in keys}) > 1
 
 
 def _is_plain(joint: JointSolution) -> bool:
-    """Whether numbers of drives and links alone lead to the noise, which nothing else stands behind."""
+    """Whether corrections of drive and link parameters alone reach the noise floor."""
     keys = [step.added for step in joint.node.steps]
     return joint.node.done and len(keys) > 1 and all(k.axis and _is_number(k.effect) for k in keys)
 
@@ -178,12 +177,12 @@ def _is_number(effect: str) -> bool:
 
 
 def _is_simpler(one: Node, other: Node) -> bool:
-    """Whether a way that leads to the noise takes fewer parameters than another."""
+    """Whether a node at the noise floor has fewer parameters than another."""
     return one.done and one.current.hypothesis.size < other.current.hypothesis.size
 
 
 def _is_long(problem: Problem) -> bool:
-    """Whether single effects are too dear or too few to begin with: no loop, or more axes than effects."""
+    """Whether to start with the joint solution: no loop, or more axes than effects may be added."""
     return isinstance(problem.data.replay, MeasuredMotion) or problem.is_expensive
 
 
@@ -194,7 +193,7 @@ def _one_may_do(problem: Problem) -> bool:
 
 
 def _one_by_one(node: Node, problem: Problem) -> Node:
-    """One effect after the other, or from other beginnings where that leads nowhere."""
+    """The node after forward selection, or an alternative start, and the moves that improve it."""
     node = _refined_on_grid(forward_selection(node, problem), problem)
     if not explains_data(node, problem) and problem.limit > 1:
         other = alternative_starts(node, problem)
@@ -208,7 +207,7 @@ def _one_by_one(node: Node, problem: Problem) -> Node:
 
 
 def _refined_on_grid(node: Node, problem: Problem) -> Node:
-    """With gaps of the size with which loops run best."""
+    """The node with backlash refined on a grid."""
     if not diverges(node.current) or node.data.budget.spent:
         return node
     problem.progress("trying sizes of the gap")
@@ -219,7 +218,7 @@ def _refined_on_grid(node: Node, problem: Problem) -> Node:
 
 
 def _plain(node: Node, problem: Problem) -> Node:
-    """Without last effects that may be none; what they explained stays unexplained."""
+    """The node without insignificant last effects; what they explained stays unexplained."""
     steps = node.steps
     while steps:
         last = next(a for a in steps[-1].fit.hypothesis.added if a.key == steps[-1].added)
@@ -232,7 +231,7 @@ def _plain(node: Node, problem: Problem) -> Node:
 
 
 def _simplified(node: Node, seed: int, progress: Progress) -> Node:
-    """Once all causes are there, without earlier ones that may be none, and simpler forms of the others."""
+    """The node without insignificant earlier effects, and with special cases where they fit as well."""
     for step in node.steps[:-1]:
         last = node.steps[-1]
         rest = without(step, node.current, node.data) if step.added != last.added else None

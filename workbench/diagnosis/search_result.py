@@ -1,4 +1,4 @@
-"""What a search finds: the effects it accepted one by one, and the way from start to end."""
+"""The result of a search: accepted steps from start to end."""
 
 from __future__ import annotations
 
@@ -18,22 +18,21 @@ from .screening.screen import Candidate
 
 @dataclass(frozen=True)
 class AcceptedStep:
-    """One accepted effect.
+    """One accepted effect, with the fit that has it.
 
     Attributes:
         added: the effect.
         fit: model with it and all earlier ones, refitted.
         data: recordings with the noise floor of that model.
-        removed_share: share of the squared error above the noise, as it was before, that it removed (see
-            `removed.removed_share`).
-        indistinguishable: effects that do as well, with the number of free parameters no smaller.
+        removed_share: share of the excess squared error before that it removed (`removed_share`).
+        indistinguishable: effects that fit as well, with no fewer free parameters.
         others: models with the best other explanations in place of it, best first.
         dropped: earlier effects that it made needless.
         ranking: the same share of every simulated candidate by itself, best first.
-        loss_ratios: other explanations with their judged error over this one's, best first.
-        folds: (agreeing, all).
-        by_holdout: whether held-out recordings judged.
-        runs: the model's runs, without and with noise; filled in when the stage is accepted.
+        loss_ratios: other explanations with their test loss over this one's, best first.
+        folds: number of folds that improved, and of all.
+        by_holdout: whether the test loss was that of held-out recordings.
+        runs: the model's runs, without and with noise; filled in when the step is accepted.
     """
 
     added: EffectKey
@@ -50,7 +49,7 @@ class AcceptedStep:
     runs: Simulated | None = None
 
     def indistinguishable_at(self, end: Fit) -> tuple[EffectKey, ...]:
-        """What does as well and was not found beside it, in any form: that would be no other name for it."""
+        """Indistinguishable effects, without those that are in the final fit in any form."""
         return tuple(key for key in self.indistinguishable if not has_cause(end, key))
 
 

@@ -17,7 +17,7 @@ INTERVAL = 1.96  #: deviations of the 95 % interval that is reported
 
 
 def identifiable(linearisation: Linearisation, found: Fit) -> bool:
-    """Whether the recorded motions show each effect whole enough to be named, none larger than can be."""
+    """Whether the motions identify each free effect, and none is at its physical bound."""
     model = found.hypothesis.model
     return all(
         effect_named(a.key.effect).identifiable(linearisation.motions, Placement.of(model, a.key), a.values)
@@ -27,7 +27,7 @@ def identifiable(linearisation: Linearisation, found: Fit) -> bool:
 
 
 def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
-    """Whether an effect would have to be larger than physics allows: then it stands in for another."""
+    """Whether an effect is at its physical bound: then it approximates another cause."""
     effect = effect_named(applied.key.effect)
     coefficients, _ = effect.to_coefficients(applied.values)
     lower, upper = effect.bounds(model, Placement.of(model, applied.key))
@@ -37,7 +37,7 @@ def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
 
 
 def is_significant(applied: AppliedEffect, deviations: float | None = None) -> bool:
-    """Whether an estimate is clearly another than what has no effect.
+    """Whether an estimate differs significantly from its neutral value.
 
     One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
     may change at which instant a signal is read.
@@ -46,7 +46,7 @@ def is_significant(applied: AppliedEffect, deviations: float | None = None) -> b
 
 
 def significance(applied: AppliedEffect) -> float:
-    """How many deviations the clearest of its sizes is from what has no effect."""
+    """How many standard deviations the clearest parameter is from its neutral value."""
     estimates = [(applied.parameters[p.name], p.neutral) for p in sizes_of(applied)]
     return max((abs(e.value - none) / max(e.std, 1e-300) for e, none in estimates), default=0.0)
 
@@ -60,7 +60,7 @@ def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
 
 
 def cancel_each_other(linearisation: Linearisation, found: Fit) -> bool:
-    """Whether effects mostly undo each other: two smooth curves that mimic a third, not two causes."""
+    """Whether effects mostly cancel each other: two smooth curves that imitate a third, not two causes."""
     totals = [linearisation.total(a, a.values) for a in found.hypothesis.free]
     if len(totals) < 2:
         return False

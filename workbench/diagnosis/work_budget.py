@@ -1,4 +1,4 @@
-"""How much a search has simulated, and when that is enough."""
+"""The work budget of a search: simulated steps and linear solves, and their limit."""
 
 from __future__ import annotations
 

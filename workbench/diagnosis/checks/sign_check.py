@@ -1,4 +1,4 @@
-"""An axis of which columns have the other sign than the model's: its law may hold, its physics do not."""
+"""The sign check: axes whose columns have the opposite sign of the model's."""
 
 from __future__ import annotations
 

@@ -23,9 +23,9 @@ from .whole_row_delays import across_row_edge, has_whole_row_delay
 
 _ITERATIONS = 6
 TOLERANCE = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
-_FIRST_ITERATIONS = 3  # simulations of each hypothesis in a race's first heats
+_FIRST_ITERATIONS = 3  # simulations of each hypothesis in the first round of successive halving
 _AT_ONCE = 10_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
-_EDGES = 4  # simulations from which a fit is one that ends where it is best, and of those beyond a row's edge
+_EDGES = 4  # simulations from which a fit counts as converged, and of fits across the edge of a row
 _OVERFLOW = 1e100  # noise levels of response to one unit; the square of much more is no number
 FINE_TOLERANCE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
@@ -38,7 +38,7 @@ def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
 
 @dataclass
 class _Work:
-    """One hypothesis on its way."""
+    """The state of fitting one hypothesis."""
 
     tried: Hypothesis
     best: Hypothesis
@@ -76,12 +76,12 @@ def fit(
 def _iterated(
     hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = TOLERANCE
 ) -> list[_Work]:
-    """Hypotheses as near to their best as so many simulations lead; not linearised where they end."""
+    """Hypotheses after some Gauss-Newton iterations; not linearised at their last values."""
     works = [_Work(h, h) for h in hypotheses]
     for turn in range(iterations):
         best = min((w.value for w in works), default=np.inf)
         for work in works:
-            # what is far behind after two tries needs no better estimate to lose
+            # a much worse one is given up after two iterations
             work.done |= turn > 1 and work.value > POLICY.fit_behind * best
         active = [w for w in works if not w.done]
         if not active:
@@ -98,7 +98,7 @@ def _iterated(
 
 
 def _across_row_edge(work: _Work, data: Data, enough: float) -> _Work:
-    """Where noise does not explain a fit, a better one beyond the next row of a delay, if there is one."""
+    """The fit, or a better one across the edge of a row of a delay, where noise does not explain it."""
     floor = data.objective(data.least())
     if not has_whole_row_delay(work.best) or not POLICY.delay_above * floor < work.value < np.inf:
         return work
@@ -112,16 +112,16 @@ def _across_row_edge(work: _Work, data: Data, enough: float) -> _Work:
 def successive_halving(
     hypotheses: Sequence[Hypothesis], current: Fit, data: Data
 ) -> tuple[list[Fit | None], list[float | None]]:
-    """Fit on the recordings where most of the error is; those still in the running go on to all of them.
+    """Fits by successive halving: first on the most informative recordings, the best then on all.
 
     Args:
-        hypotheses: what takes part.
+        hypotheses: to be compared.
         current: the fit that they would replace.
         data: recordings, floor, weights.
 
     Returns:
-        Per hypothesis its fit to all recordings, None where it never ran or fell behind; and the share of the
-        squared error above the noise that it removed on the first recordings, None where it never ran.
+        Per hypothesis its fit to all recordings, None where it never ran or was given up; and the share of
+        the squared error above the noise that it removed on the first recordings, None where it never ran.
     """
     most_informative = data.most_informative(current.mean_squares, POLICY.informative_share)
     some = data.part(most_informative)
@@ -138,7 +138,7 @@ def successive_halving(
 
 
 def _still_competing(works: Sequence[_Work], before: float, floor: float) -> np.ndarray:
-    """Which of them (W,) have not fallen behind the best."""
+    """Which of them (W,) are close enough to the best to go on."""
     left = np.array([w.value - floor for w in works])
     limit = POLICY.race_behind * max(left.min(initial=np.inf), 0.0) + POLICY.race_noise * floor
     limit += POLICY.race_excess * max(before - floor, 0.0)
@@ -146,7 +146,7 @@ def _still_competing(works: Sequence[_Work], before: float, floor: float) -> np.
 
 
 def _retried_delays(works: list[_Work], near: np.ndarray, data: Data, most: float) -> list[_Work]:
-    """Delays that fell behind, from where the best one has come; over a row's edge if they left no more."""
+    """Fits with poor delays restarted at the delay of the best one, or across the edge of a row."""
     led = retry_at_best_delay([w.best for w in works], [w.value for w in works], near)
     out = list(works)
     for k, other in zip(led, _iterated(list(led.values()), data, _FIRST_ITERATIONS), strict=True):
@@ -156,7 +156,7 @@ def _retried_delays(works: list[_Work], near: np.ndarray, data: Data, most: floa
 
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
-    """Run what is to be tried; keep it where it is better, else shorten the next step."""
+    """Simulate the tried values; keep them where they are better, else raise the damping."""
     results = data.run([w.tried.model for w in works])
     for work, runs in zip(works, results, strict=True):
         mean_squares = data.mean_squares(runs)
@@ -193,7 +193,7 @@ def _linearise_together(works: list[_Work], data: Data) -> None:
     responses = propagate_sensitivities(linearisations, columns, data)
     for work, own in zip(works, responses, strict=True):
         if not all(np.abs(r).max(initial=0.0) < _OVERFLOW for r in own):  # nor NaN
-            work.value, work.done = np.inf, True  # the loop about this motion runs away: nothing to follow
+            work.value, work.done = np.inf, True  # the loop about this motion is unstable: no direction
             continue
         residuals = [data.residual(i, work.runs[i]) * data.weight for i in range(data.training)]
         work.pieces, work.phase_folds = (
@@ -242,7 +242,7 @@ def _finish(work: _Work, data: Data) -> Fit | None:
     if data.tests_on_holdout:
         test_loss = data.objective(data.pool(work.mean_squares, held_out=True))
         folds = np.array([data.objective(ms) for ms in work.mean_squares[data.training :]])
-    # what is wrong with the model is the same in every copy of a motion, and would not show in their scatter
+    # model error is the same in every period of a motion, and would not show in their scatter
     moves = [solve(whole - piece, low, high) for piece in work.phase_folds] or changes
     covariance = covariance_of(whole, work.noise, np.array(moves), work.value, data)
     return Fit(

@@ -1,4 +1,4 @@
-"""From a candidate to a finished fit: what it replaces, how friction sets in, what becomes needless."""
+"""From a candidate to a final fit: what it replaces, the sliding speed of friction, what becomes needless."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _ROUNDS = 5  # of a last fit, at most
 
 
 def with_candidate(linearisation: Linearisation, candidate: Candidate, current: Fit) -> Hypothesis:
-    """The current model with a candidate; effects that it contains in the same place make room for it."""
+    """The current model with a candidate, which replaces its special cases in the same place."""
     effect = effect_named(candidate.key.effect)
     base, free = current.hypothesis.base, current.hypothesis.free
     free = tuple(
@@ -62,11 +62,10 @@ def with_candidates(linearisation: Linearisation, chosen: Sequence[Candidate], c
 
 
 def tune_sliding_speed(found: Fit, data: Data, floor: float) -> Fit:
-    """Let the data say how dry friction sets in, where the rest could be due to that.
+    """The fit with its sliding speed tuned on a grid, where the residual could be due to it.
 
-    The sliding speed is a property of the contact that no catalogue lists. A grid finds it on the recordings
-    where most of the rest is; how far the parameters move there from one grid point to the next is what its
-    shape leaves open, and widens intervals.
+    The sliding speed [rad/s] is a property of the contact, not of an effect. The grid is evaluated on the
+    most informative recordings; how far parameters move between grid points widens their intervals.
     """
     dry = any(effect_named(a.key.effect).dry for a in found.hypothesis.free)
     if (
@@ -90,9 +89,9 @@ def tune_sliding_speed(found: Fit, data: Data, floor: float) -> Fit:
 
 
 def converged(found: Fit, data: Data) -> Fit:
-    """The same effects with their parameters to the last digit that noise leaves.
+    """The same effects, fitted until converged.
 
-    A later effect must not win by what a fit that stopped halfway had still to gain.
+    A later effect must not win by what an unfinished fit had still to gain.
     """
     free = found.hypothesis.free
     if not free or any(effect_named(a.key.effect).diverges for a in free):
@@ -109,9 +108,9 @@ def converged(found: Fit, data: Data) -> Fit:
 
 
 def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, tuple[EffectKey, ...]]:
-    """Drop effects that the new one made needless, as long as judging does not suffer.
+    """The fit without effects that the new one made needless, and their keys.
 
-    Where all is noise already it may, if what was fitted does not.
+    An effect is dropped where the test loss stays within a tie, or, at the noise floor, the training loss.
     """
     slack, noise = 1.0 + POLICY.drop_ties * POLICY.tie, POLICY.drop_in_noise * test_noise_floor(data)
     dropped: tuple[EffectKey, ...] = ()

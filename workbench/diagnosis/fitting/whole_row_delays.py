@@ -1,4 +1,4 @@
-"""Delays that the log shows in whole rows alone: over the edge of a row, where no slope leads."""
+"""Delays that the log resolves in whole rows only: fits across the edge of a row, where derivatives fail."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _is_a_command_s(applied: AppliedEffect) -> bool:
 
 
 def across_row_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> list[Hypothesis]:
-    """The hypothesis with a delay on the near side of the rows before and after, all else solved for it.
+    """Hypotheses with a delay just inside the rows before and after, all other unknowns solved for it.
 
     A torque that is held from row to row and late by three rows and a bit is logged as if it were late by
     four. How much a bit is, the motion alone tells. A fit that has come a little over a whole row, which is

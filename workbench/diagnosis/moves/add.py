@@ -1,4 +1,4 @@
-"""One step of the search: which effect to add now."""
+"""The move that adds one effect: which of the screened and fitted candidates is accepted now."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ class _Choice:
     Attributes:
         candidate: what was screened.
         found: its fit, as it was simulated beside the others.
-        kept: the same polished, without what it made needless.
-        indistinguishable: effects that do as well, those that no data can tell from it included.
+        kept: the same fit, converged, without effects that it made needless.
+        indistinguishable: effects that fit as well, including those that no data can distinguish from it.
         needless: effects that were found before, which it contains or replaces.
         explanations: all candidates that may be named, with their fits.
     """
@@ -62,14 +62,14 @@ def next_step(
     provisional: bool = False,
     basics_first: bool = True,
 ) -> AcceptedStep | None:
-    """The effect to add now, or None where nothing helps.
+    """The next accepted step, or None where no candidate is accepted.
 
     What the model file itself states (its drives' inertia behind the transmission, a linkage that was
     identified) has no free parameter and cannot overfit: it comes first. Then basic effects, then
     refinements, unless simpler ones have reached the noise.
 
-    Boldly, an effect is taken that explains most of what was fitted, whatever the folds say: causes that are
-    still missing may set them against it. Only what such a step leads to can justify it.
+    A `provisional` step takes the effect that explains most of the training error, whatever the folds say:
+    causes that are still missing may turn folds against it. Only the result of later steps can justify it.
     """
     fitted = {a.key for a in current.hypothesis.free}
     new = tuple(c for c in candidates if c.key not in fitted)
@@ -85,7 +85,7 @@ def next_step(
 def _helpful(
     tried: TrialFits, at: SearchState, enough: Callable[[Fit, Fit, float], bool]
 ) -> list[Explanation]:
-    """What may be named: it explains enough, lowers the error, and the motions show it."""
+    """Candidates that may be named: they explain enough, lower the error, and are identifiable."""
     better = [
         (c, f)
         for c, f in tried.fits
@@ -95,7 +95,7 @@ def _helpful(
 
 
 def _choice(helpful: list[Explanation], at: SearchState, basics_first: bool) -> _Choice:
-    """The best of what helps, with what does as well and without what it makes needless."""
+    """The best candidate, with those that fit as well, and without effects that it makes needless."""
     candidate, found, indistinguishable = choose(
         helpful, at.parameter_free, at.current.test_loss, at.data, at.linearisation.model, basics_first
     )
@@ -111,7 +111,7 @@ def _choice(helpful: list[Explanation], at: SearchState, basics_first: bool) -> 
 
 
 def _step(choice: _Choice, tried: TrialFits, at: SearchState) -> AcceptedStep:
-    """The record of the step."""
+    """The accepted step of a choice."""
     before, kept, data = at.current, choice.kept, at.data
     left = {a.key for a in kept.hypothesis.added}
     return AcceptedStep(
@@ -139,7 +139,7 @@ def _step(choice: _Choice, tried: TrialFits, at: SearchState) -> AcceptedStep:
 
 
 def _stands_for_itself(other: Candidate, choice: _Choice) -> bool:
-    """Whether it is another explanation than the chosen one, not a part of it nor the same with more."""
+    """Whether a candidate is neither special case nor refinement of the chosen one."""
     return (
         other is not choice.candidate
         and (other.key in choice.indistinguishable or not contains(other.key, choice.key))

@@ -1,4 +1,4 @@
-"""How else to begin a search, where one effect after the other leads nowhere."""
+"""Other starts of the search, for data that forward selection from the nominal model does not explain."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ from .trial_fits import Progress
 
 
 def alternative_starts(node: Node, problem: Problem) -> Node:
-    """The first of the other ways that leads to the noise; `node` where none does.
+    """The first alternative start that leads to the noise floor; `node` where none does.
 
-    With what the torque shows to give way, where that leaves next to nothing of it; by what the training
-    recordings show, where held-out motion shows little; with the same cause on every axis, each of which has
-    its share; with two effects at once, since the best first step of a pair may be neither of them; with a
-    refinement that a basic effect went before; with what the torque shows less plainly to give way; and
-    boldly on from where the first way ended.
+    In this order: a compliance that explains nearly all of the inverse-dynamics residual; an effect chosen on
+    training recordings, where the holdout is insensitive; one effect shared by all axes; two effects at once,
+    since the best first step of a pair may be neither of them; an inverse-dynamics start; a refinement in
+    place of a basic effect; a compliance that explains less; and a provisional step from where forward
+    selection ended.
     """
     start, data = problem.start, problem.data
     plain = _accepted_compliance(node, problem)
@@ -80,9 +80,9 @@ def alternative_starts(node: Node, problem: Problem) -> Node:
 
 
 def with_compliance_from_torque(node: Node, problem: Problem) -> Node:
-    """With what plainly gives way, where much more than noise is left; `node` where that is no better.
+    """The node of a search that starts from a clear compliance; `node` where that is not much better.
 
-    Most of what a gap leaves may be explained by inertia in its place.
+    It is tried where much more than noise is left: inertia alone can explain most of what backlash causes.
     """
     if node.done or near_noise_floor(node.current, node.data):
         return node
@@ -91,10 +91,10 @@ def with_compliance_from_torque(node: Node, problem: Problem) -> Node:
 
 
 def retry_with_refinement(node: Node, problem: Problem) -> Node:
-    """With a refinement that a basic effect went before, where much more than noise is left; else `node`.
+    """The node of a search that takes a refinement where a basic effect was taken; `node` if not much better.
 
-    An inertia and a weight explain most of what a torque constant and an encoder's offset do. What came later
-    all the same needs no other beginning.
+    It is tried where much more than noise is left: an inertia and a weight explain most of what a wrong
+    torque constant and an encoder offset cause. Refinements that were found later anyway are not retried.
     """
     if node.done or near_noise_floor(node.current, node.data):
         return node
@@ -103,9 +103,9 @@ def retry_with_refinement(node: Node, problem: Problem) -> Node:
 
 
 def _accepted_compliance(node: Node, problem: Problem) -> Node | None:
-    """From the first place on a way where the torque shows something to give way that leaves nothing of it.
+    """The node from the earliest step at which a compliance explains the inverse-dynamics residual, or None.
 
-    Later ones have more that is true, as friction that hides a gap, and more that only stands for the rest.
+    Later steps have more true causes (friction that hides backlash), and more that only approximate others.
     """
     for count in range(len(node.steps) + 1):
         plain = _by_torque(node_after(node.steps[:count], problem), problem, 0.0, POLICY.torque_first)
@@ -116,9 +116,9 @@ def _accepted_compliance(node: Node, problem: Problem) -> Node | None:
 
 
 def _without_stand_ins(ended: Node, begun: Node, problem: Problem) -> Node:
-    """Without effects of several that it began with at once, which those found later have made needless.
+    """The node without effects of its start that effects found later have made needless.
 
-    Rotors on the axes of an arm stand in for a load at its end, until the load itself is found.
+    Rotor inertias on the axes of an arm approximate a load at its end, until the load itself is found.
     """
     if len(begun.steps) < 2 or len(ended.steps) == len(begun.steps):
         return ended
@@ -133,7 +133,7 @@ def _without_stand_ins(ended: Node, begun: Node, problem: Problem) -> Node:
 
 
 def _leaps(node: Node, problem: Problem) -> Iterator[Node]:
-    """Ways of which nothing but their end can tell whether they are right."""
+    """Nodes after a provisional step; only where they end shows whether they are right."""
     tried: set[tuple[Keys, EffectKey]] = set()
     yield from _refined(node, problem, tried)
     plainly = partial(_by_torque, node_after((), problem), problem, POLICY.torque_first, POLICY.torque_plain)
@@ -148,9 +148,9 @@ def _leaps(node: Node, problem: Problem) -> Iterator[Node]:
 def _refined(
     node: Node, problem: Problem, tried: set[tuple[Keys, EffectKey]], known: Keys = frozenset()
 ) -> Iterator[Node]:
-    """From the first step that took a basic effect, though a refinement left much less, with that one.
+    """The node that repeats the search from the first basic effect that left much more than a refinement did.
 
-    No step is taken again that is among `tried`, to which it is added, nor for a refinement of those `known`.
+    Steps in `tried` are not repeated (new ones are added to it), nor are refinements in `known` tried.
     """
     if problem.data.budget.spent:
         return
@@ -167,9 +167,10 @@ def _refined(
 
 
 def with_fewer_parameters(node: Node, problem: Problem) -> Node:
-    """Two causes with fewer parameters in place of those found one by one; `node` where none explain as well.
+    """The node of two effects with fewer parameters that explain as much as all that were found; else `node`.
 
-    Where what was found first had rivals, what came after may only mend the choice.
+    It is tried where an earlier effect was indistinguishable from others: later effects may only correct a
+    wrong choice.
     """
     size = node.current.hypothesis.size
     few = len(node.steps) < 2 or size < 3
@@ -185,15 +186,15 @@ def with_fewer_parameters(node: Node, problem: Problem) -> Node:
 
 
 def _doubtful(step: AcceptedStep, node: Node, problem: Problem) -> bool:
-    """Whether another cause did as well, not only the same machine in other words."""
+    """Whether another cause fits as well, other than the equivalent place at the joint."""
     model = problem.start.hypothesis.model
     return bool(other_causes(model, step.added, step.indistinguishable_at(node.current)))
 
 
 def _allowing_divergence(node: Node, problem: Problem, *, basics_first: bool = True) -> Node:
-    """Onwards also where runs part by themselves, unless hardly more than noise is left.
+    """The node after forward selection that does not stop at diverging trajectories.
 
-    By how much they part is asked of the last model.
+    Nothing is added where hardly more than noise is left. The divergence of the last model widens its floor.
     """
     near = bool(node.steps) and near_noise_floor(node.current, node.data)
     other = (
@@ -205,9 +206,9 @@ def _allowing_divergence(node: Node, problem: Problem, *, basics_first: bool = T
 
 
 def _provisional_step(node: Node, problem: Problem) -> Node | None:
-    """From where the search stands, the effect that explains most of the rest of the training recordings.
+    """The node with the effect that explains most of the remaining training error; None where there is none.
 
-    Where several causes are missing, one of them alone may raise the error on held-out motion.
+    Where several causes are missing, one of them alone may raise the error on held-out recordings.
     """
     current, by_folds = node.current, node.data.cross_validated()
     if near_noise_floor(current, node.data):
@@ -222,9 +223,9 @@ def _provisional_step(node: Node, problem: Problem) -> Node | None:
 
 
 def _by_torque(at: Node, problem: Problem, least: float, most: float) -> Node | None:
-    """On from where a search stands with what the torque shows to give way, and no closed loop yet.
+    """The node with a compliance that explains the inverse-dynamics residual, not confirmed in the loop.
 
-    `least`, `most`: what it leaves of the torque that is lacking there.
+    `least`, `most`: bounds of the share of the residual torque that it leaves.
     """
     if at.data.budget.spent:
         return None
@@ -236,7 +237,7 @@ def _by_torque(at: Node, problem: Problem, least: float, most: float) -> Node | 
 def _by_training(
     linearisation: Linearisation, data: Data, start: Fit, progress: Progress
 ) -> tuple[AcceptedStep, ...]:
-    """A first effect as the training recordings judge it, where they show much more than held-out motion."""
+    """A first step chosen by cross-validation, where the holdout is insensitive; else none."""
     if not holdout_insensitive(start, data):
         return ()
     progress("beginning with what the training recordings show")
@@ -247,7 +248,7 @@ def _by_training(
 
 
 def _sure(node: Node, problem: Problem) -> bool:
-    """Whether what was found leaves noise and little else: more than is asked of the usual way."""
+    """Whether a node explains nearly all: alternative starts must explain more than forward selection."""
     return explains_data(node, problem) and (
         node.done
         or near_noise_floor(node.current, node.data)

@@ -1,8 +1,8 @@
-"""What else is missing where there is a gap, asked of the torque together with the gap.
+"""Effects beside backlash, fitted together with it to the residual torque of inverse dynamics.
 
-Torque that is missed for another reason moves the instants at which a gap seems to be crossed, and a gap that
-is missed bends what was identified through it: an inertia of the links that comes out too large hides half of
-it. One after the other, neither is found well enough for a closed loop to run with it.
+Missing torque of another cause shifts the instants at which backlash seems to be crossed, and missing
+backlash biases what was identified through it: too large a link inertia hides half of it. One after the
+other, neither is found well enough for a closed loop to run.
 """
 
 from __future__ import annotations
@@ -120,16 +120,16 @@ class _Gap:
 def beside_backlash(
     linearisation: Linearisation, gap: Candidate, current: Fit, training: int
 ) -> list[Candidate]:
-    """A gap with what else the torque lacks at its axis, the gap first and as it is beside the others.
+    """Backlash and the other effects missing at its axis; backlash first, with its values beside the others.
 
     Args:
         linearisation: of the model so far; the first `training` of its recordings are used.
-        gap: as it is where nothing else is missing.
+        gap: backlash fitted alone.
         current: the model's fit.
         training: their number.
 
     Returns:
-        The gap alone where nothing else is missing.
+        Backlash alone where nothing else is missing.
     """
     seen = _Gap(linearisation, gap, training)
     taken = {a.key for a in current.hypothesis.added}

@@ -1,4 +1,4 @@
-"""Which of the explanations that are accepted is taken, and how far the others are behind."""
+"""Which of the accepted explanations is chosen, and how much worse the others are (loss ratios)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def choose(
     model: Model,
     basics_first: bool = True,
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
-    """The best explanation; of those as good, the one with fewest free parameters, and its rivals.
+    """The best explanation and those indistinguishable from it; among equals the fewest parameters win.
 
     Inertia, damping and Coulomb friction go before others that explain somewhat more, if `basics_first`.
     """
@@ -46,7 +46,7 @@ def choose(
     top, most = min(((c, f.test_loss) for c, f in helpful), key=lambda cj: cj[1])
 
     def only_form(c: Candidate) -> bool:
-        """Whether the best explanation is this one refined; from there a fit may not find back to it."""
+        """Whether the best explanation is a refinement of this one, whose fit may not find back to it."""
         return contains(top.key, c.key) and len(effect_named(top.key.effect).contains) == 1
 
     basic = [
@@ -64,7 +64,7 @@ def choose(
     ties = [(c, f) for c, f in pool if f.test_loss <= best * (1.0 + POLICY.tie)]
     ties.sort(key=lambda cf: (cost(cf[0]), cf[1].test_loss))
     candidate, found = ties[0]
-    # whatever does as well is a rival, wherever it came from, unless it merely contains the choice
+    # every candidate that fits as well is indistinguishable, unless it merely contains the choice
     indistinguishable = tuple(
         c.key
         for c, f in sorted(helpful, key=lambda cf: cf[1].test_loss)
@@ -77,7 +77,7 @@ def choose(
 
 
 def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
-    """Whether a refinement explains what this one plainly leaves of the training, unseen by judging."""
+    """Whether a refinement explains the training error that this one leaves, at the same test loss."""
     floor, (special, found) = training_noise_floor(data), one
     return found.training_loss > POLICY.near_noise * floor and any(
         contains(c.key, special.key)
@@ -89,7 +89,7 @@ def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
 
 
 def better_refinement(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> EffectKey | None:
-    """What leaves much less than a basic effect that was taken, of the shares that each removes."""
+    """The refinement that leaves much less than the basic effect that was taken; None where there is none."""
     others = [(share, key) for key, share in ranking if not effect_named(key.effect).basic]
     if not others or not effect_named(added.effect).basic:
         return None
@@ -111,7 +111,7 @@ _F = TypeVar("_F", bound=Fitted)
 
 
 def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[_F]:
-    """By what they leave, but those that do as well as any by their number of parameters.
+    """Explanations sorted by test loss; those within a tie of the best by number of parameters.
 
     `worth`: share of the excess that more parameters have to remove to be better at all.
     """
@@ -128,7 +128,7 @@ def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[
 
 
 def loss_ratios(key: EffectKey, test_loss: float, others: Iterable[EffectLoss]) -> tuple[EffectLoss, ...]:
-    """How far other explanations are behind one: the least of their judged errors over its own, best first.
+    """Test losses of other explanations over that of one, best first.
 
     Forms of the same cause are left out.
     """

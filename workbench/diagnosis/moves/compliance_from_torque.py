@@ -1,4 +1,4 @@
-"""What gives way as the torque shows it, and no closed loop as long as something else is missing too."""
+"""A compliance accepted from the inverse-dynamics residual, without closed-loop confirmation."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ from ..significance import identifiable
 from .beside_backlash import beside_backlash
 from .choice import loss_ratios
 
-_ROUNDS = 12  # of a fit of a gap with others: the slopes of runs that part are rough
-_FEW = 3  # of a fit on the way there
+_ROUNDS = 12  # of a fit of backlash with others: derivatives of diverging trajectories are rough
+_FEW = 3  # iterations of an intermediate fit
 
 
 def compliance_from_torque(
@@ -36,22 +36,22 @@ def compliance_from_torque(
     least: float = 0.0,
     most: float | None = None,
 ) -> tuple[AcceptedStep, ...]:
-    """The spring or gap that leaves little of the torque that is lacking, as the torque has it.
+    """Steps with the spring or backlash that explains most of the inverse-dynamics residual; else none.
 
-    Its closed loop does not run as the measured one while anything else is missing, least of all with a gap,
-    whose runs part: no simulation tells by itself that it is there. What else is missing where a gap is comes
-    with it.
+    The closed loop does not follow the measurement while anything else is missing, least of all with
+    backlash, whose trajectories diverge: no simulation confirms it by itself. Effects that are missing beside
+    backlash come with it.
 
     Args:
-        linearisation: the model that lacks something.
+        linearisation: of the model so far.
         data: its recordings.
         start: the model as it is, with what was found of it.
         progress: told what is being done.
-        least, most: share of the torque that is lacking, between which it must leave of it; `most` is what is
-            plain by the policy, unless it is given.
+        least, most: bounds of the share of the residual torque that it leaves; `most` is by default that of
+            the policy.
 
     Returns:
-        A stage each, whose data and runs are not its own yet; none where nothing is plain.
+        One step an effect, without its own data and runs; none where no compliance explains enough.
     """
     known = compliance_candidates(linearisation, data.training, 1.0, start.hypothesis.free)
     most = POLICY.torque_plain if most is None else most
@@ -77,7 +77,7 @@ def compliance_from_torque(
             indistinguishable=equivalents_at_joint(linearisation.model, candidate.key),
             others=(),
             dropped=(),
-            ranking=((candidate.key, removed),),  # what others leave of the torque is no share of this
+            ranking=((candidate.key, removed),),  # losses of others are not of this kind
             loss_ratios=close if candidate is chosen[0] else (),
             folds=(int(np.sum(found.fold_losses < earlier.fold_losses)), len(found.fold_losses)),
             by_holdout=data.tests_on_holdout,
@@ -89,7 +89,7 @@ def compliance_from_torque(
 def _fits(
     linearisation: Linearisation, chosen: Sequence[Candidate], start: Fit, data: Data
 ) -> list[Fit] | None:
-    """Of the first candidate, the first two, and so on; None where all of them do not run."""
+    """Fits of the first candidate, the first two, and so on; None where all together do not run."""
     fits: list[Fit | None] = []
     before = start
     rounds = (*(_FEW for _ in chosen[1:]), _ROUNDS) if len(chosen) > 1 else (1,)
@@ -98,7 +98,7 @@ def _fits(
         fits += fit([hypothesis], data, most)
         before = fits[-1] or before
     last = fits[-1]
-    # on the way there a loop may not run; what it leads to does
+    # an intermediate loop may not run although the final one does
     return None if last is None else [f or last for f in fits]
 
 

@@ -1,4 +1,4 @@
-"""What the torque told of a gap only roughly, to where the closed loop runs best."""
+"""Refinement of backlash on a grid, where trajectories diverge and have no derivatives to follow."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from ..hypothesis import Fit, Hypothesis, applied_effect
 from ..policy import POLICY
 
 _STEPS = (0.1, 0.04, 0.015)  # of each parameter, one after the other
-_ROUNDS = 3  # at each step, as long as something at its rim is better
+_ROUNDS = 3  # at each step, as long as the best is on the rim of the grid
 
 
 def refined_on_grid(found: Fit, data: Data) -> Fit:
-    """The same effects, those whose runs part searched on a grid; as it was where nothing is better.
+    """The fit with parameters of diverging effects refined on a grid; the same fit where nothing is better.
 
-    Runs that part have no slope to follow. Many of them side by side tell all the same where less is left, as
-    long as they part late. It has to hold on data that were not fitted too.
+    Many runs side by side show where less is left, as long as they diverge late. The test loss has to fall
+    too.
 
     Args:
         found: a fit.
@@ -50,7 +50,7 @@ def refined_on_grid(found: Fit, data: Data) -> Fit:
 
 
 def _downhill(hypothesis: Hypothesis, key: EffectKey, step: float, data: Data) -> Hypothesis:
-    """From one grid about the values to the next, while its best is not in the middle."""
+    """The hypothesis after moving the grid to its best point, until that is in the middle."""
     for _ in range(_ROUNDS):
         around = _around(hypothesis, next(a for a in hypothesis.free if a.key == key), step)
         best = int(np.argmin(values_of(around, data)))

@@ -1,4 +1,4 @@
-"""A beginning that no loop closes: what the torque along the measured motion lacks."""
+"""A start from inverse dynamics: effects of the residual torque along the measured motion."""
 
 from __future__ import annotations
 
@@ -16,16 +16,15 @@ from ..search_result import AcceptedStep
 
 
 def inverse_dynamics_start(problem: Problem) -> tuple[AcceptedStep, ...]:
-    """Effects that explain the torque along the measured motion, fitted in the closed loop from there.
+    """Steps with effects that explain the torque along the measured motion, then fitted in the closed loop.
 
-    A pendulum that swings freely on a cart swings on where its friction is missing: the model's run soon is
-    another motion than the measured one, and small changes to it tell nothing. Along the measured motion the
-    friction is plain.
+    A pendulum that swings freely on a cart swings on where its friction is missing: the simulated motion soon
+    differs from the measured one, and its sensitivities say nothing. Along the measured motion the friction
+    is identifiable.
 
     Returns:
-        One stage an effect, whose data and runs are not its own yet; none where that was asked already, where
-        a loop holds every axis to the motion that was measured, where no torque was recorded, or where it
-        lacks nothing.
+        One step an effect, without its own data and runs. None where that replay was used already, a loop
+        holds every axis to its reference, no torque was recorded, or nothing is missing.
     """
     recordings, model = problem.data.recordings, problem.start.hypothesis.model
     if not any(_swings(r) for r in recordings):
@@ -50,13 +49,13 @@ def _swings(recording: Recording) -> bool:
 
 
 def _in_the_loop(node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
-    """The stages of a way along the motion, each fitted in the loops of the quest."""
+    """Steps found along the motion, each fitted in the loops of the problem."""
     if not node.steps:
         return ()
     fits = fit([step.fit.hypothesis for step in node.steps], problem.data)
     if fits[-1] is None:
         return ()
     last = converged(fits[-1], problem.data)
-    # on the way there a loop may not run; what it leads to does
+    # an intermediate loop may not run although the final one does
     steps = [replace(s, fit=f or last, data=problem.data) for s, f in zip(node.steps, fits, strict=True)]
     return (*steps[:-1], replace(steps[-1], fit=last))

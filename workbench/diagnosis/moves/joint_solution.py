@@ -1,4 +1,4 @@
-"""All that is missing on all axes, solved jointly along the measured motion, and which of it is certain."""
+"""Effects on all axes, solved jointly along the measured motion, and which of them are certain."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from ..significance import INTERVAL, is_significant, significance
 
 @dataclass(frozen=True)
 class JointSolution:
-    """What the joint solution comes to.
+    """A joint solution.
 
     Attributes:
-        node: the search after the effects that are certain, or after all where these reach the noise.
+        node: with the effects that are certain; with all effects where these are at the noise floor.
         adequacy: how each of them stands against free functions; empty where all is explained.
-        near: what helps as well and is not certain.
-        size: number of effects that it takes in all.
+        near: effects that help and are not certain.
+        size: number of all selected effects.
     """
 
     node: Node
@@ -148,7 +148,7 @@ def _steps(
 
 
 def _in_the_loop(steps: Sequence[AcceptedStep], problem: Problem) -> Node | None:
-    """The stages in the replay that the quest asks for; None where the error does not fall there."""
+    """The steps in the replay of the problem; None where the error does not fall there."""
     data = problem.data
     if not isinstance(data.replay, MeasuredMotion):
         runs = data.run([s.fit.hypothesis.model for s in steps])

@@ -1,4 +1,4 @@
-"""One effect in place of two that have many parameters together, or of two delays."""
+"""The move that merges two effects with many parameters, or two delays, into one."""
 
 from __future__ import annotations
 
@@ -28,14 +28,13 @@ from ..significance import identifiable
 
 
 def merge_effects(node: Node, problem: Problem) -> Node:
-    """One cause with at most half the parameters that explains as much as two; `node` where there is none.
+    """The node with one effect of at most half the parameters in place of two; else `node`.
 
-    A load at the foot is inertia and weight of the linkage at once, and passes for both as long as a third
-    cause is missing. Five parameters that are what one would make them are no chance. Of two delays, which
-    have one each, one is tried that is as late as both.
+    A payload at the foot changes inertia and weight of the linkage together, and is taken for both while a
+    third cause is missing. Two delays are merged into one of their total length.
     """
     if diverges(node.current) or not explains_data(node, problem):
-        return node  # what explains less has no name
+        return node  # what explains less is not named
     for pair in combinations(node.current.hypothesis.free, 2):
         if node.data.budget.spent:
             break
@@ -55,7 +54,7 @@ def merge_effects(node: Node, problem: Problem) -> Node:
 def _in_place_of(
     pair: tuple[AppliedEffect, AppliedEffect], node: Node, problem: Problem
 ) -> tuple[EffectKey, Fit] | None:
-    """The effect that does, with its fit beside all others."""
+    """The effect that replaces both, with its fit beside all others; None where none fits as well."""
     current, data = node.current, node.data
     one, other = pair
     problem.progress(f"asking whether one cause will do for {one.key} and {other.key}")
@@ -77,7 +76,7 @@ def _in_place_of(
 def _as_late_as_both(
     pair: tuple[AppliedEffect, AppliedEffect], node: Node, problem: Problem
 ) -> tuple[EffectKey, Fit] | None:
-    """One delay in place of two that does, with its fit beside all others."""
+    """The delay that replaces both, with its fit beside all others; None where it does not fit as well."""
     current, data = node.current, node.data
     one, other = pair
     problem.progress(f"asking whether one delay will do for {one.key} and {other.key}")
@@ -105,7 +104,7 @@ def _as_good(
 def _steps(
     found: tuple[EffectKey, Fit], pair: tuple[AppliedEffect, AppliedEffect], node: Node, start: Fit
 ) -> tuple[AcceptedStep, ...]:
-    """The way as it would have been with that cause where the first of the two was found."""
+    """The steps as they would have been with that effect where the first of the two was found."""
     (one, fitted), data = found, node.data
     last, gone = converged(fitted, data), {a.key for a in pair}
     instead = [one if step.added in gone else step.added for step in node.steps]

@@ -1,4 +1,4 @@
-"""What a model has too much of, which no effect can take away: the numbers of its file are to be mended.
+"""Overestimated parameters: numbers of the model that are too large, which no effect can reduce.
 
 An effect adds what is missing. Where links are stated heavier or bearings rougher than they are, its nearest
 to the truth is nothing, and others that bend the same curves come to the fore. Along the measured motion
@@ -32,7 +32,7 @@ _LINEAR = ("reflected_inertia", "viscous_damping", "coulomb_friction", "payload_
 
 @dataclass(frozen=True)
 class Overestimated:
-    """What would explain the data if less than the model has could be added.
+    """A reduction of parameters of the model that would explain the data.
 
     Attributes:
         share: of the squared error above the noise that goes, on data left out of the fit.
@@ -70,7 +70,7 @@ class Overestimated:
 
 
 def overestimated(found: SearchResult) -> Overestimated | None:
-    """Whether the model as given has too much of something, as the torque along the motion shows it."""
+    """Overestimated parameters of the model, from the torque along the motion; None where there are none."""
     data = found.start_data
     everything = data.recordings
     if data.replay.on_ground or any(scored_torque(r) is None for r in everything):

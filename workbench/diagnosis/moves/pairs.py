@@ -1,4 +1,4 @@
-"""Two effects at once, where one after the other led nowhere."""
+"""The move that adds two effects at once, where forward selection finds neither."""
 
 from __future__ import annotations
 
@@ -42,19 +42,19 @@ class _Fitted:
 def best_pair(
     linearisation: Linearisation, data: Data, start: Fit, progress: Callable[[str], None]
 ) -> tuple[AcceptedStep, AcceptedStep] | None:
-    """The pair that explains most, each of the two needed; None where there is none that explains much.
+    """Two steps with the pair of effects that explains most, both needed; None where no pair explains much.
 
     Every pair in every place and shape is solved on one linearisation of the loop; the best are simulated
     and fitted. There are thousands, so that more than the usual should be asked of what they lead to.
 
     Args:
-        linearisation: the model that lacks something.
+        linearisation: of the model so far.
         data: its recordings.
         start: the model as it is.
         progress: told what is being done.
 
     Returns:
-        Two stages, the one that does more by itself first; their data and runs are not their own yet.
+        Two steps, the effect that explains more by itself first; without their own data and runs.
     """
     progress("looking for two causes at once")
     pairs = _screened(linearisation, data, start)[: POLICY.pairs_simulated]
@@ -80,7 +80,7 @@ def best_pair(
 
 
 def _needs_both(both: Fit, alone: Fit, data: Data) -> bool:
-    """Whether one leaves plainly more than both: in the whole, or on an axis, as where a third is missing."""
+    """Whether one effect leaves clearly more than both, in total, or on one axis where a third is missing."""
     return explains_most(both, alone, data) or improves_an_axis(both, alone, data)
 
 

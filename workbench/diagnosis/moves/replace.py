@@ -1,4 +1,4 @@
-"""Other causes in place of one that was taken while others were still missing."""
+"""The move that replaces an effect chosen while other causes were missing."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from .choice import EffectLoss, Explanation, loss_ratios
 
 
 def replace_effects(node: Node, problem: Problem) -> Node:
-    """Others in place of causes beside which they did nearly as well; `node` where none does much better.
+    """The node with effects replaced by others of nearly the same loss; `node` where none is much better.
 
-    While a delay is missing, a spring in the pin passes for one at the drive: only where all other causes are
-    there can it be told which one it is. In place of the last cause, others may lead on to one more. Asked
-    where nearly all is explained and yet more than noise is left: what explains less has no wrong name.
+    While a delay is missing, a spring in the joint is taken for one at the drive: they can be distinguished
+    only once all other causes are in the model. A replacement of the last effect may need one more effect.
+    It is tried where nearly all is explained and more than noise is left: what explains less is not named.
     """
     share = explained(problem.data, problem.start, node.current, node.data)
     if not node.steps or share < POLICY.explained or diverges(node.current):
@@ -51,7 +51,7 @@ def replace_effects(node: Node, problem: Problem) -> Node:
 
 
 def _in_its_place(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
-    """Stages with another cause each in place of one, all others kept, best first."""
+    """Steps with one effect replaced, each by another one and with all others kept, best first."""
     current, data = node.current, node.data
     keys = [
         key
@@ -82,7 +82,7 @@ def _in_its_place(step: AcceptedStep, node: Node, problem: Problem) -> tuple[Acc
 def _step(
     explanation: Explanation, left: Sequence[EffectLoss], step: AcceptedStep, rest: Fit, node: Node
 ) -> AcceptedStep:
-    """One cause in place of another; `left`: what each of these leaves."""
+    """The step of one replacement; `left`: test loss of each candidate."""
     (candidate, found), data = explanation, node.data
     found = converged(found, data)
     floor = test_noise_floor(data)

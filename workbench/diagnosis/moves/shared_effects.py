@@ -1,4 +1,4 @@
-"""One cause on every axis: joints that were built alike lack the same things."""
+"""The move that adds one effect to all axes: joints of one design have the same effects."""
 
 from __future__ import annotations
 
@@ -50,26 +50,26 @@ def shared_effects(
     start: Fit,
     progress: Callable[[str], None],
 ) -> tuple[AcceptedStep, ...]:
-    """The effects, one or a few that go together, which explain most when all axes have them.
+    """Steps with one effect (or a few that belong together) on all axes that need it.
 
-    Where each of many axes has a share of what is lacking, none explains enough by itself. Axes that do
-    well without are left out again.
+    Where each of many axes has a share of the error, no single effect explains enough by itself. Axes that
+    fit as well without are left out again.
 
     Args:
         screened: every effect in every place, as a first one.
-        linearisation: the model that lacks something.
+        linearisation: of the model so far.
         data: its recordings.
         start: the model as it is.
         progress: told what is being done.
 
     Returns:
-        One stage an effect and axis, what does most first; their data and runs are not their own yet.
+        One step an effect and axis, the largest first; without their own data and runs.
         Empty where nothing explains much.
     """
     if linearisation.model.size < 2:
         return ()
     progress("looking for one cause on every axis")
-    if holdout_insensitive(start, data):  # held-out motion that shows little cannot judge
+    if holdout_insensitive(start, data):  # an insensitive holdout cannot test
         data = data.cross_validated()
         start = rescored(start, data)
     sets = _promising(screened, linearisation, data, start)[: POLICY.sets_simulated]
@@ -91,9 +91,9 @@ def shared_effects(
 
 
 def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None) -> Fit:
-    """The fit with only those effects without any of which more would be left than the whole fit leaves.
+    """The fit with only those effects whose removal raises the loss.
 
-    `doubted`: of which it is asked; all where it is left out.
+    `doubted`: the effects to test; by default all.
     """
     found = whole
     while len(found.hypothesis.free) > 1:
@@ -117,7 +117,7 @@ def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None)
 def _promising(
     screened: Sequence[Candidate], linearisation: Linearisation, data: Data, start: Fit
 ) -> list[tuple[tuple[str, ...], list[Candidate]]]:
-    """Sets of effects by what they leave on the linearised loop, with each axis's share of it."""
+    """Sets of effects by their loss on the linearised loop, with the loss of each axis."""
     at_drives = {
         (c.key.effect, c.key.axis): c
         for c in screened
@@ -157,14 +157,14 @@ def _promising(
 
 
 def _excess(start: Fit, data: Data) -> dict[str, float]:
-    """Judged error above the noise, by axis."""
+    """Test loss above the noise, by axis (n,)."""
     part = data.tests_on_holdout
     above = np.maximum(data.pool(start.mean_squares, part) - data.least(part), 0.0)
     return dict(zip(data.recordings[0].axes, np.sum(above * data.weight**2, axis=0).tolist(), strict=True))
 
 
 def _least(candidates: Mapping[tuple[str, str], Candidate], names: Sequence[str], axis: str) -> float:
-    """Judged error that the best of these effects would leave by itself on one axis."""
+    """Test loss that the best of these effects would leave by itself on one axis."""
     return min((candidates[n, axis].test_loss for n in names if (n, axis) in candidates), default=np.inf)
 
 
@@ -184,7 +184,7 @@ def _columns(
 
 
 def _steps(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> tuple[AcceptedStep, ...]:
-    """The effects one after the other, what does most by itself first."""
+    """Steps of the effects, the one that explains most by itself first."""
     whole = best.fit.hypothesis
     singles = fit([replace(whole, free=(a,)) for a in whole.free], data, iterations=2)
     left = [np.inf if s is None else s.test_loss for s in singles]

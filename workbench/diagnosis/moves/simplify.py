@@ -1,4 +1,4 @@
-"""Whether, once all causes are there, a simpler form of one of them will do."""
+"""The move that simplifies: special cases in place of a refinement, and effects that became needless."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ Progress = Callable[[str], None]
 def simplify(
     step: AcceptedStep, current: Fit, data: Data, progress: Progress, *, last: bool = False
 ) -> tuple[AcceptedStep, ...]:
-    """Simpler effects in place of one that was chosen while other causes were missing; none where that fails.
+    """Steps with special cases in place of a refinement that was chosen early; none where they fit worse.
 
-    What a refinement had more than its special case may have been the shape of what came later. And one that
-    has two special cases may have been both of them, neither of which did enough by itself.
+    The refinement may have fitted the shape of a cause that was found later. One that has two special cases
+    may have stood for both, neither of which was enough by itself.
 
     Args:
         step: the effect in question, as it was found.
         current: the last fit, with it and all that came later.
         data: recordings, with the noise floor of that model.
         progress: told what is being done.
-        last: nothing came after it, so that special cases one by one lost against it already.
+        last: it is the last step, so that its special cases one by one were worse already.
 
     Returns:
-        The stages in its place, one or two; their `data` and `runs` are not their own yet.
+        One or two steps; without their own data and runs.
     """
     given_up = next((a for a in current.hypothesis.free if a.key == step.added), None)
     special = effect_named(given_up.key.effect).contains if given_up else ()
@@ -66,10 +66,10 @@ def simplify(
 
 
 def without(step: AcceptedStep, current: Fit, data: Data) -> Fit | None:
-    """The fit without a cause that now may be none, or that has shrunk to little and does nothing.
+    """The fit without an effect that became insignificant, or small and useless; None where it is needed.
 
-    None where it is needed. What shrank once another cause came was mostly that one's: a little that is left
-    of it fills the gap between that cause's law and the machine's.
+    An effect that shrank when another was added had mostly stood for that one; its small remainder absorbs
+    the model error of the later effect.
     """
     applied = next((a for a in current.hypothesis.free if a.key == step.added), None)
     if applied is None:
@@ -92,7 +92,7 @@ def without(step: AcceptedStep, current: Fit, data: Data) -> Fit | None:
 
 
 def _shrunk(step: AcceptedStep, applied: AppliedEffect) -> bool:
-    """Whether little is left of the size with which a cause was taken."""
+    """Whether an effect is much smaller now than in the step that added it."""
     taken = next((a for a in step.fit.hypothesis.free if a.key == step.added), applied)
     sizes = sizes_of(applied)
     return all(
@@ -102,7 +102,7 @@ def _shrunk(step: AcceptedStep, applied: AppliedEffect) -> bool:
 
 
 def _enough(now: float, without: float) -> float:
-    """Judged error up to which less will do: a tie, or no loss beside what the effect explains."""
+    """Test loss up to which a simpler model is accepted: a tie, or little of what the effect explains."""
     return max(
         (1.0 + POLICY.tie) * now,
         min((1.0 + POLICY.simpler_loss) * now, now + POLICY.simpler_unseen * (without - now)),
@@ -112,10 +112,10 @@ def _enough(now: float, without: float) -> float:
 def _steps(
     step: AcceptedStep, given_up: EffectKey, chosen: Sequence[Candidate], fits: tuple[Fit, Fit], data: Data
 ) -> tuple[AcceptedStep, ...]:
-    """The effects one after the other, in place of a stage; `fits` without any of them, and with all."""
+    """Steps of the special cases in place of one step; `fits`: without any of them, and with all."""
     rest, found = fits
     keys = [c.key for c in chosen]
-    twins = effect_named(given_up.effect).twins  # what stood beside it only stood in for the rest of it
+    twins = effect_named(given_up.effect).twins  # equivalents of the refinement are none of its special case
     indistinguishable = tuple(k for k in step.indistinguishable if k not in keys and k.effect not in twins)
     last = replace(step, added=keys[-1], fit=found, dropped=(given_up,), indistinguishable=indistinguishable)
     if len(keys) == 1:

@@ -1,4 +1,4 @@
-"""Which screened effects are simulated for the next step, in which order, and how well they fit."""
+"""Which screened effects are fitted for the next step, in which order, and how well they fit."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class SearchState:
-    """Where a search stands that looks for its next effect.
+    """The state of a search that looks for its next effect.
 
     Attributes:
-        linearisation: the loops linearised there.
+        linearisation: of the loops about the current fit.
         candidates: screened effects that the model does not have, best first.
         current: the fit so far.
         data: recordings and weights.
@@ -49,17 +49,17 @@ class SearchState:
 
     @cached_property
     def floor(self) -> float:
-        """Judged error that a perfect model would have."""
+        """Test loss of a perfect model."""
         return test_noise_floor(self.data)
 
     @cached_property
     def excess(self) -> float:
-        """Judged error above that floor."""
+        """Test loss above that floor."""
         return max(self.current.test_loss - self.floor, 1e-12)
 
     @cached_property
     def parameter_free(self) -> tuple[Candidate, ...]:
-        """What the model file itself states, so that nothing of it has to be fitted."""
+        """Candidates without free parameters, which the model file states."""
         return tuple(
             c
             for c in self.candidates
@@ -67,13 +67,13 @@ class SearchState:
         )
 
     def parameter_free_helps(self, fits: Sequence[Explanation]) -> bool:
-        """Whether something helps that the model file states."""
+        """Whether a parameter-free candidate improves the fit."""
         return any(c in self.parameter_free for c, f in fits if improves(f, self.current, self.excess))
 
 
 @dataclass(frozen=True)
 class TrialFits:
-    """What simulations said.
+    """Fits of candidates.
 
     Attributes:
         fits: candidates with their fits, tier after tier, each best first.
@@ -89,9 +89,10 @@ class TrialFits:
 
 
 def try_in_order(at: SearchState) -> TrialFits:
-    """Simulate what the file states, then basic effects, refinements, and springs and gaps, as far as needed.
+    """Fits of parameter-free candidates, then basic effects, refinements, and compliances, as far as needed.
 
-    Whatever has reached the noise ends it. What is stated makes refinements and springs needless if it helps.
+    A fit at the noise floor ends it. A parameter-free candidate that helps makes refinements and
+    compliances needless.
     """
     simple, refined = _free_tiers(at)
     tried = TrialFits()
@@ -122,7 +123,7 @@ def _free_tiers(at: SearchState) -> tuple[list[Candidate], list[Candidate]]:
 
 
 def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> TrialFits:
-    """What lets motors and links move apart; dear to simulate, and seldom asked for where all is rigid."""
+    """Fits of springs and backlash, which are expensive to simulate and seldom needed."""
     at.progress("looking for springs and gaps")
     best = min((f.test_loss for _, f in rigid), default=np.inf)
     late = compliance_candidates(
@@ -152,14 +153,14 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> TrialFits:
 
 
 def _as_read(candidate: Candidate, found: Fit, at: SearchState) -> Fit:
-    """A fit, or the values that the drive's channel shows, where fitting has led away from them."""
+    """The fit, or the values from the command path, where fitting has moved far away from them."""
     if not off_command_path(at.linearisation, candidate, found):
         return found
     return fit([with_candidate(at.linearisation, candidate, at.current)], at.data, 1)[0] or found
 
 
 def _with_sliding_speed(tier: TrialFits, at: SearchState) -> TrialFits:
-    """A tier's fits, those that may be chosen with the way in which their friction sets in."""
+    """Fits of a tier; those that may be chosen have their sliding speed tuned."""
     if not tier.fits:
         return tier
     close = POLICY.onset_close * tier.fits[0][1].training_loss

@@ -1,4 +1,4 @@
-"""What command and measured torque of a drive say of each other, whatever the loop around them does."""
+"""The command path of a drive: measured torque against logged command, independent of the loop."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _Passed = tuple[np.ndarray, np.ndarray] | None
 def by_command_path(
     linearisation: Linearisation, candidates: Iterable[Candidate], without: float
 ) -> list[Candidate]:
-    """Limits as the logged command and the torque behind it judge them, where the loop's estimate is worse.
+    """Candidates with limits estimated from command and measured torque, where the loop's estimate is worse.
 
     A loop that is far beyond a limit is not the linear one that screening closes about its motion: what the
     limit took away would come back many times over. But the command that was logged is the true one. And of
@@ -36,7 +36,7 @@ def by_command_path(
     Args:
         linearisation: the model that lacks something, on the recordings.
         candidates: as screened.
-        without: judged error without any of them.
+        without: test loss without any of them.
     """
     passed = {c.key: (c, _passed(linearisation, c.key, c.shape)) for c in candidates}
 
@@ -59,7 +59,7 @@ def _told(candidate: Candidate, passed: _Passed, without: float) -> Candidate:
 
 
 def off_command_path(linearisation: Linearisation, candidate: Candidate, found: Fit) -> bool:
-    """Whether a fit has left the values of a limit that the channel shows, by more than its noise.
+    """Whether a fit has moved away from the values of a limit that the command path shows, beyond noise.
 
     A loop at its limit may throw runs about so much that noise rules what fits them best.
     """

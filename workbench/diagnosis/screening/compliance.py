@@ -1,4 +1,4 @@
-"""Springs, gaps and a soft base: what the torque along the motion says before any loop is closed."""
+"""Compliance candidates (springs, backlash, soft base) from the inverse-dynamics residual."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _SPRING = "joint_compliance"
 def compliance_candidates(
     linearisation: Linearisation, training: int, test_loss: float, found_before: Sequence[AppliedEffect] = ()
 ) -> list[Candidate]:
-    """Effects that let motors, links and base move apart, as far as they explain the lacking torque.
+    """Compliances that explain part of the residual torque, best first.
 
     Args:
         linearisation: of the model so far; the first `training` of its recordings are used.
         training: their number.
-        test_loss: what the model leaves now, for the candidates' own.
-        found_before: effects of the model whose parameters may follow. A spring among them was fitted to the
-            softness of all, so that another one is asked for together with it.
+        test_loss: of the model so far; a candidate's own is its share of it.
+        found_before: effects of the model whose parameters may change. A spring among them was fitted to the
+            total compliance, so that another one is fitted together with it.
     """
     springs = tuple(a for a in found_before if a.key.effect == _SPRING)
     asked = training, *(a.key for a in springs)
@@ -39,7 +39,7 @@ def compliance_candidates(
 
 
 def _shares(linearisation: Linearisation, training: int, springs: Sequence[AppliedEffect]) -> list[Candidate]:
-    """The same with the share of the lacking torque that each leaves."""
+    """Candidates whose `test_loss` is the share of the residual torque that they leave."""
     motions = [_relieved(m, linearisation.model) for m in linearisation.motions[:training]]
 
     def asked(key: EffectKey) -> list[Candidate]:
@@ -60,7 +60,7 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
     ]
     found = [candidate for some in on_all_cores(asked, asked_of) for candidate in some]
     found.sort(key=lambda c: c.test_loss)
-    # what a gap passes on is drawn to the torque, so that it leaves less than a spring that is there
+    # backlash is fitted to the torque more flexibly, so that it leaves less than a true spring
     return [
         c
         for c in found
@@ -72,7 +72,7 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
 def _beside(
     springs: Sequence[AppliedEffect], key: EffectKey, linearisation: Linearisation, training: int
 ) -> list[Candidate]:
-    """One more spring, with the stiffness that the others have beside it."""
+    """A candidate of one more spring, with the stiffness of the others beside it; else none."""
     keys = {a.key for a in springs}
     rigid = replace(
         linearisation.model, effects=tuple(e for e in linearisation.model.effects if e.key not in keys)
@@ -92,7 +92,7 @@ def _beside(
 
 
 def _relieved(motion: Motion, model: Model) -> Motion:
-    """A motion that needs less torque by what gives way in the model already: inverse dynamics are rigid."""
+    """The motion without the torque of the model's own compliances: inverse dynamics are rigid."""
     for effect, place, shape in giving_way(model):
         offset = effect.response(motion, model, place, shape).offset
         motion = replace(motion, required=_less(motion, offset / motion.gain))
@@ -104,10 +104,10 @@ def _less(motion: Motion, torque: np.ndarray) -> Callable[[Model], np.ndarray]:
 
 
 def equivalent_at_drive(model: Model, key: EffectKey) -> EffectKey | None:
-    """The place at the drive that is the same machine as this pin: where only one drive turns the pin.
+    """The equivalent place at the drive of a place at the joint, if one drive alone turns it; else None.
 
-    Of a linkage that the model has, crank and coupler are behind a spring at the drive and ahead of one in
-    the pin.
+    With a linkage in the model they differ: its crank and coupler are on the link side of a spring at the
+    drive, and on the motor side of one at the joint.
     """
     if key.axis is None or key.location != "joint" or not effect_named(key.effect).splits:
         return None
@@ -119,12 +119,12 @@ def equivalent_at_drive(model: Model, key: EffectKey) -> EffectKey | None:
 
 
 def equivalents_at_joint(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
-    """Places at pins that are the same machine as this one at a drive."""
+    """Places at the joint that are equivalent to this one at a drive."""
     pin = EffectKey(key.effect, key.axis, "joint")
     return (pin,) if key.location == "actuator" and equivalent_at_drive(model, pin) == key else ()
 
 
 def other_causes(model: Model, key: EffectKey, keys: Iterable[EffectKey]) -> tuple[EffectKey, ...]:
-    """Those that are another cause than this one, and not the same machine in other words."""
+    """Those of `keys` that are another cause, not an equivalent of `key` at the joint."""
     same = equivalents_at_joint(model, key)
     return tuple(other for other in keys if other not in same)

@@ -1,4 +1,4 @@
-"""What unknowns change in the recorded signals, as it travels round the loops."""
+"""Sensitivities of the recorded signals to unknowns, propagated round the loops."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ def propagate_sensitivities(
     columns: Sequence[Sequence[SensitivityColumn | FiniteDifference]],
     data: Data,
 ) -> list[list[np.ndarray]]:
-    """Send columns round the loops of their scenes; all scenes march together, as do all trials.
+    """Weighted sensitivities of the scored signals, of all linearisations in one batch.
 
     Args:
         linearisations: S of them.
-        columns: per scene, the columns; padded to the same number inside.
+        columns: of each linearisation.
         data: for the weights.
 
     Returns:
-        Per scene and recording the weighted change of the scored signals, (N, 2, n, C).
+        Per linearisation and recording (N, 2, n, C): position and torque, over their deviations.
     """
     linear = [[c for c in own if isinstance(c, SensitivityColumn)] for own in columns]
     propagated = _propagated(linearisations, linear, data)
@@ -54,7 +54,7 @@ def propagate_sensitivities(
 def _propagated(
     linearisations: Sequence[Linearisation], columns: Sequence[Sequence[SensitivityColumn]], data: Data
 ) -> list[list[np.ndarray]]:
-    """Position and torque, (N, 2, n, C) per scene and recording, as small changes travel."""
+    """Position and torque, (N, 2, n, C) per linearisation and recording, unweighted."""
     width = max((len(c) for c in columns), default=0)
     loops, disturbances = [], []
     for linearisation, own in zip(linearisations, columns, strict=True):
@@ -85,7 +85,7 @@ def _empty(run: Recording) -> np.ndarray:
 def _tried(
     linearisations: Sequence[Linearisation], trials: Sequence[Sequence[FiniteDifference]], data: Data
 ) -> list[list[np.ndarray]]:
-    """The same by differences of simulations, all in one batch; what does not run changes nothing."""
+    """The same by finite differences of simulations, in one batch; zero for models that do not run."""
     asked = [t.model for own in trials for t in own]
     runs = data.run(asked, len(linearisations[0].runs)) if asked else []
     made = iter([r for own in runs for r in own])

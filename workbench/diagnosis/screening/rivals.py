@@ -1,4 +1,4 @@
-"""What else would explain the torque as well in place of one effect, beside all others."""
+"""Other effects that explain the torque as well as one effect does, beside all others."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .torque_regression import Regression
 def rivals_of(
     regression: Regression, chosen: Sequence[Entry], entry: Entry
 ) -> tuple[tuple[tuple[EffectKey, float], ...], tuple[EffectKey, ...]]:
-    """Other effects in place of one: what they leave on its axis over what it leaves, and which tie.
+    """Loss ratios of other effects in place of one, on its axis, and those indistinguishable from it.
 
     Args:
         regression: the linear problem.

@@ -1,4 +1,4 @@
-"""Every effect in every place, judged by what it would explain, from one linearisation of the loop."""
+"""Screening: the test loss that every effect in every place would have, from one linearisation."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .command_path import by_command_path
 from .propagation import propagate_sensitivities
 from .sensitivity import Linearisation, SensitivityColumn
 
-_BLOCK = 64  # columns that march together; only those of one effect are held against each other
+_BLOCK = 64  # columns propagated together; only those of one effect are compared with each other
 _MOVED = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)  # m, of a foot: values to begin with
 _HELD = 4_000_000  # numbers of a column times columns, of more than a block of which long data get fewer
 
@@ -33,8 +33,8 @@ class Candidate:
         key: which, where.
         coefficients: linear coefficients, (k,).
         shape: nonlinear parameters.
-        test_loss: weighted mean square that it would leave on data it was not fitted on.
-        beside: nonlinear parameters of effects of the model, as they are with this one beside them.
+        test_loss: predicted weighted mean square on data that were not fitted.
+        beside: nonlinear parameters of the model's own effects, when this one is added.
     """
 
     key: EffectKey
@@ -46,7 +46,7 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An effect of one shape: where its columns stand in a block, and what one unit does."""
+    """An effect of one shape: the numbers of its columns, and the effect of one unit."""
 
     key: EffectKey
     shape: Mapping[str, float]
@@ -64,7 +64,7 @@ def screen(
     left_out: Container[EffectKey] = (),
     whole: Equations | None = None,
 ) -> tuple[list[Candidate], float]:
-    """Judge all effects that could be added to the scene's model.
+    """All effects that could be added to the linearised model, with their predicted test loss.
 
     Args:
         linearisation: model, motions and loops on all recordings of `data`.
@@ -75,7 +75,7 @@ def screen(
         whole: the equations of all effects where they are known; only without `free` and `left_out`.
 
     Returns:
-        Candidates, best first, and the judged error without any of them (parameters of `free` refitted).
+        Candidates, best first, and the test loss without any of them (parameters of `free` refitted).
     """
     following = [c for applied in free for c in linearisation.derivatives(applied)]
     kept, known = list(range(len(following))), propagate_sensitivities([linearisation], [following], data)[0]
@@ -106,7 +106,7 @@ def screen(
 
 
 def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
-    """Contacts with the ground, by simulating what the measured forces say of them, and where feet are.
+    """Candidates of ground contact and foot position, from measured forces, by simulation.
 
     They are no torque along a motion. Where forces were not recorded, these effects are in
     `unobservable_effects`.
@@ -135,7 +135,7 @@ def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
 
 
 def unobservable_effects(linearisation: Linearisation, data: Data) -> list[EffectKey]:
-    """Effects of which this kind of replay, or the forces on the ground, can tell nothing."""
+    """Effects that this kind of replay, or the recorded ground forces, cannot show."""
     out = []
     for key in places(linearisation.model):
         effect = effect_named(key.effect)

@@ -1,4 +1,4 @@
-"""What each unknown would change: torques, commands and readings along the motions that were made."""
+"""Sensitivity columns: what each unknown changes in torques, commands and readings along the motions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Part = tuple[np.ndarray | None, ...]
 
 @dataclass(frozen=True)
 class SensitivityColumn:
-    """One unknown along every recording, in actuator coordinates; None where it changes nothing.
+    """The column of one unknown in every recording, in actuator coordinates; None where it changes nothing.
 
     `torque` on the mechanism (N, n), `tap` and `command` (N, n), `reading` (2, N, n), as in `Disturbance`.
     """
@@ -39,7 +39,7 @@ class SensitivityColumn:
 
 @dataclass(frozen=True)
 class FiniteDifference:
-    """One unknown whose derivative is that of simulations: a model with a little more of it, and how much."""
+    """One unknown with a derivative by simulation: a model with a little more of it, and how much more."""
 
     model: Model
     change: float
@@ -47,16 +47,15 @@ class FiniteDifference:
 
 @dataclass(frozen=True)
 class Linearisation:
-    """A model on the first recordings of some data, with its runs of them.
+    """A model linearised about its runs of the first recordings.
 
-    What the motions were and how the loops answer is worked out when it is asked for: simulations that are
-    held against each other need neither.
+    Motions and loops are computed when first used: finite differences of simulations need neither.
 
     Attributes:
         model: what ran.
         data: recordings and how they are replayed; weights are not looked at.
         runs: of the model, one for each of the first recordings.
-        compliances: what `giving` found here, by what it was asked.
+        compliances: results of `compliance.compliance_candidates` here, by arguments.
     """
 
     model: Model
@@ -75,7 +74,7 @@ class Linearisation:
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
-        """The motions that were made, one a recording."""
+        """The simulated (or measured) motion of each recording."""
 
         def one(index: int, run: Recording) -> Motion:
             return self.data.replay.motion(self._plant, index, run)
@@ -84,7 +83,7 @@ class Linearisation:
 
     @cached_property
     def loops(self) -> tuple[Any, ...]:
-        """How small changes travel along them."""
+        """The linearised loop of each recording."""
 
         def one(index: int, motion: Motion) -> Any:
             return self.data.replay.loop(self._plant, index, motion)
@@ -93,14 +92,14 @@ class Linearisation:
 
     @property
     def bends(self) -> bool:
-        """Whether links and motors are apart, so that a torque on the links is not one on the motors."""
+        """Whether the model has compliances, so that a torque on the links is not one on the motors."""
         return any(effect_named(e.key.effect).splits for e in self.model.effects)
 
     @cached_property
     def sticks(self) -> bool:
-        """Whether dry friction holds a coordinate for long: small torques do not move it then.
+        """Whether dry friction holds a coordinate at rest for long.
 
-        A loop linearised about such a motion does not know that, and points elsewhere.
+        Small torques do not move it then, and a loop linearised about such a motion is wrong.
         """
         known = (*own_friction(self.model), *self.model.effects)
         dry = [e.key for e in known if effect_named(e.key.effect).dry]
@@ -115,7 +114,7 @@ class Linearisation:
     ) -> tuple[list[SensitivityColumn], SensitivityColumn | None]:
         """All linear columns of an effect and its fixed part, evaluating it once a recording.
 
-        `motions` stand in for the scene's own.
+        `motions`: in place of those of the model.
         """
         place, motions = Placement.of(self.model, key), self.motions if motions is None else motions
         responses = [effect_named(key.effect).response(m, self.model, place, shape) for m in motions]
@@ -142,14 +141,14 @@ class Linearisation:
     def total(
         self, applied: AppliedEffect, values: Mapping[str, float], motions: Sequence[Motion] | None = None
     ) -> SensitivityColumn:
-        """What an effect with given parameter values does."""
+        """The column of an effect with given parameter values."""
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(values)
         linear, fixed = self.columns(applied.key, shape, motions)
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
     def derivatives(self, applied: AppliedEffect) -> list[SensitivityColumn | FiniteDifference]:
-        """Derivative of what an installed effect does by each coefficient, then each nonlinear parameter.
+        """Derivatives of an effect of the model by each coefficient, then each nonlinear parameter.
 
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """
@@ -177,7 +176,7 @@ class Linearisation:
         return out
 
     def _trials(self, applied: AppliedEffect) -> list[FiniteDifference]:
-        """One model for each unknown of an effect, moved by `_PROBE_STEP` of it to where there is room."""
+        """Finite differences of each unknown of an effect, by `_PROBE_STEP` of it, within its bounds."""
         effect, place = effect_named(applied.key.effect), Placement.of(self.model, applied.key)
         coefficients, shape = effect.to_coefficients(applied.values)
         lower, upper = effect.bounds(self.model, place)

@@ -34,7 +34,7 @@ class Selection:
 
 
 def selected(regression: Regression) -> Selection:
-    """Effects added as long as one removes enough of what an axis lacks, without those that became needless.
+    """The selection by adding effects while one removes enough on an axis, and removing needless ones.
 
     Inertia, damping and Coulomb friction at one place also come in twos and threes: alone, friction takes up
     the damping that is missing beside it. Of what explains nearly as much as the best, the fewest parameters
@@ -139,7 +139,7 @@ def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
 
 
 def _gain(found: Solution, before: Solution, regression: Regression) -> np.ndarray:
-    """Share of what each axis lacks beyond the noise that is gone, fitted or judged, the smaller, (n,).
+    """Share of the excess of each axis that is removed, the smaller of training and test, (n,).
 
     Axes where noise is all there is gain nothing.
     """

@@ -1,4 +1,4 @@
-"""What dry friction is, read along the measured motion, where it holds the machine for long.
+"""Dry friction screened along the measured motion, where it holds the machine at rest for long.
 
 While friction holds, a torque changes nothing, and a loop that is linearised says the opposite. Along the
 motion that was measured it is seen plainly: rows that stand still do not count, the others tell the torque.
@@ -33,14 +33,14 @@ def has_long_standstill(recordings: Sequence[Recording]) -> bool:
 def candidates(
     linearisation: Linearisation, current: Fit, data: Data, seed: int, whole: Equations | None = None
 ) -> tuple[Candidate, ...]:
-    """Every effect screened in the loop, dry friction along the measured motion where that says more.
+    """Every effect screened in the loop; dry friction along the measured motion, where that explains more.
 
-    The loop is asked alone where machines do not stand for long, where torque was not recorded, and where it
+    Screening in the loop is enough where machines are seldom at rest, torque was not recorded, or some effect
     explains the data anyway.
 
     Args:
         linearisation: the loops linearised.
-        current: the model that lacks something.
+        current: the fit so far.
         data: its recordings.
         seed: of the noise simulations.
         whole: the equations of all effects, where they are known.
@@ -66,7 +66,7 @@ def candidates(
     scale = (current.test_loss - floor) / max(before.test_loss - floor_along, 1e-12)
 
     def better(own: Candidate, other: Candidate) -> Candidate:
-        """The one that leaves less of what is lacking: noise along the motion is not that of the loop."""
+        """The candidate with the smaller excess; noise along the motion differs from that in the loop."""
         test_loss = floor + scale * max(other.test_loss - floor_along, 0.0)
         return replace(other, test_loss=test_loss) if test_loss < own.test_loss else own
 

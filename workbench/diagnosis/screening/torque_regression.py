@@ -1,4 +1,4 @@
-"""The torque that a model lacks along measured motions, as linear in all effects on all axes at once.
+"""Inverse-dynamics regression: the residual torque along measured motions, linear in all effects at once.
 
 Along a motion that was measured, the torque that a machine needs is linear in nearly all parameters of nearly
 all effects (the identification model of Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990):
@@ -99,7 +99,7 @@ class Regression:
         return np.array([axis.after(coefficients) / axis.samples for axis in axes])
 
     def solved(self, chosen: Sequence[Entry], without: Sequence[EffectKey] = ()) -> Solution:
-        """The fit of a set of effects, within their physical bounds, judged on what it was not fitted to.
+        """The fit of a set of effects, within their physical bounds, with its loss on other data.
 
         `without`: effects that the model states and that are taken out of it. Effects that share no axis, not
         through others either, are solved apart.
