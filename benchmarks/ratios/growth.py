@@ -80,13 +80,13 @@ def _catalogue(repeats: int) -> Row:
     model, recordings = load_model("leg"), VirtualLeg(seed=1).run([chirp("knee", duration=2.0)])
     data, simulated = gather(model, recordings, (), 0)
     start = starting_fit(model, data, simulated.clean)
-    scene = sensitivity.Scene.of(model, data, start.simulated, len(recordings))
-    places = len({entry.key for entry in entries_of(scene)[1]})
+    linearisation = sensitivity.Linearisation.of(model, data, start.simulated, len(recordings))
+    places = len({entry.key for entry in entries_of(linearisation)[1]})
     replay = replay_of(model, recordings)
     found = []
     for _ in range(repeats + 1):
         begun = time.process_time()
-        fresh = sensitivity.Scene.of(model, data, start.simulated, len(recordings))
+        fresh = sensitivity.Linearisation.of(model, data, start.simulated, len(recordings))
         screen(fresh, data, start.simulated, ())
         screened = time.process_time()
         replay.run([model] * places)

@@ -20,7 +20,7 @@ from workbench.core import Recording
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.problem import starting_fit
 from workbench.diagnosis.screening.screen import screen
-from workbench.diagnosis.screening.sensitivity import Scene
+from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.effects import load_model
 from workbench.models import Model
 from workbench.recordings import load_recording, save_recording
@@ -48,19 +48,18 @@ def test_a_ratio_is_that_of_the_work() -> None:
 def test_the_whole_catalogue_is_screened_in_the_time_of_a_few_simulations(recording: Recording) -> None:
     model = load_model("leg")
     data, simulated = gather(model, [recording], (), 0)
-    data = data.heard(data.mean_squares(simulated.clean))
+    data = data.with_holdout_checked(data.mean_squares(simulated.clean))
     start = starting_fit(model, data, simulated.clean)
 
     def screened() -> int:
-        scene = Scene.of(model, data, start.simulated, 1)
-        return len(screen(scene, data, start.simulated, ())[0])
+        linearisation = Linearisation.of(model, data, start.simulated, 1)
+        return len(screen(linearisation, data, start.simulated, ())[0])
 
     places = screened()
     few = runs(replay_of(model, [recording]), model, 10)
     assert places > 50
-    assert (
-        10 * times_as_long(screened, few, 3).median < 0.7 * places
-    )  # about 0.25; by differences more than 1
+    # about 0.25; by differences more than 1
+    assert 10 * times_as_long(screened, few, 3).median < 0.7 * places
 
 
 def test_a_comparison_takes_hardly_longer_than_its_simulations(recording: Recording) -> None:

@@ -10,7 +10,7 @@ import pytest
 from tests.planar_leg import TORQUE, moved, turned, write_leg
 from workbench.comparison import shifted_axes
 from workbench.core import InputError, Recording
-from workbench.diagnosis.mirrored import refuse_turned
+from workbench.diagnosis.checks.sign_check import refuse_wrong_sign_of_torque
 from workbench.effects import load_model
 from workbench.models import Model
 
@@ -33,7 +33,7 @@ def test_the_zero_of_an_encoder_is_elsewhere(leg: Model, by: tuple[float, float]
     back = np.array([found.by.get(axis, 0.0) for axis in log.axes]) + by
     np.testing.assert_allclose(np.exp(1j * back), 1.0, atol=1e-9)
     with pytest.raises(InputError, match="another zero"):
-        refuse_turned(leg, [log])
+        refuse_wrong_sign_of_torque(leg, [log])
 
 
 def test_neither_a_right_log_nor_a_wrong_sign_is_moved(leg: Model) -> None:

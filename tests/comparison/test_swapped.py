@@ -8,7 +8,7 @@ import pytest
 from tests.planar_leg import MOTION, TORQUE, moved, turned, write_leg
 from workbench.comparison import swapped_axes
 from workbench.core import InputError, Recording
-from workbench.diagnosis.mirrored import refuse_turned
+from workbench.diagnosis.checks.sign_check import refuse_wrong_sign_of_torque
 from workbench.effects import load_model
 from workbench.models import Model
 
@@ -26,7 +26,7 @@ def test_all_columns_of_two_axes_are_exchanged(leg: Model) -> None:
     found = swapped_axes(leg, [exchanged(moved())])
     assert found is not None and set(found.axes) == {"hip", "knee"} and found.after < 0.02
     with pytest.raises(InputError, match="is swapped"):
-        refuse_turned(leg, [exchanged(moved())])
+        refuse_wrong_sign_of_torque(leg, [exchanged(moved())])
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2, 1.0])

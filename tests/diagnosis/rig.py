@@ -12,9 +12,9 @@ from workbench.diagnosis import search
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis, applied_effect
-from workbench.diagnosis.node import Way, with_stages
-from workbench.diagnosis.problem import Quest, starting_fit
-from workbench.diagnosis.search_result import Search, Stage
+from workbench.diagnosis.node import Node, with_steps
+from workbench.diagnosis.problem import Problem, starting_fit
+from workbench.diagnosis.search_result import AcceptedStep, SearchResult
 from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep, validation
 
@@ -38,10 +38,10 @@ SPRING_AND_DELAY = (
 )
 
 
-def asked(model: Model, training: Sequence[Recording], held_out: Sequence[Recording] = ()) -> Quest:
+def asked(model: Model, training: Sequence[Recording], held_out: Sequence[Recording] = ()) -> Problem:
     """What a search is asked of these recordings."""
     data, runs = gather(model, training, held_out, seed=0)
-    return Quest(starting_fit(model, data, runs.clean), data, 6, 0, lambda text: None)
+    return Problem(starting_fit(model, data, runs.clean), data, 6, 0, lambda text: None)
 
 
 def applied(model: Model, key: EffectKey, **values: float) -> AppliedEffect:
@@ -54,19 +54,21 @@ def searched_from(
     model: Model,
     hidden: Sequence[HiddenEffect],
     *steps: AppliedEffect,
-    behind: tuple[tuple[EffectKey, float], ...] = (),
+    loss_ratios: tuple[tuple[EffectKey, float], ...] = (),
     iterations: int = 8,
-) -> Search:
-    """What a search makes of these steps, handed to it as those it took; `behind` the first of them."""
+) -> SearchResult:
+    """What a search makes of these steps, handed to it as those it took; `loss_ratios` the first of them."""
 
-    def onwards(way: Way, quest: Quest, **_: Any) -> Way:
-        stages = []
+    def forward_selection(node: Node, problem: Problem, **_: Any) -> Node:
+        accepted = []
         for k, step in enumerate(steps):
-            (found,) = fit([Hypothesis(model, steps[: k + 1])], way.data, iterations)
+            (found,) = fit([Hypothesis(model, steps[: k + 1])], node.data, iterations)
             assert found is not None
-            close = () if k else behind
-            stages.append(Stage(step.key, found, way.data, 1.0, (), (), (), (), close, (1, 1), True))
-        return with_stages(way, tuple(stages), quest.seed)
+            close = () if k else loss_ratios
+            accepted.append(
+                AcceptedStep(step.key, found, node.data, 1.0, (), (), (), (), close, (1, 1), True)
+            )
+        return with_steps(node, tuple(accepted), problem.seed)
 
-    monkeypatch.setattr(search, "onwards", onwards)
+    monkeypatch.setattr(search, "forward_selection", forward_selection)
     return search.search(model, *recordings(*hidden))

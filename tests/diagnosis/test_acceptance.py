@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis.acceptance import spoils
+from workbench.diagnosis.acceptance import degrades_holdout
 from workbench.diagnosis.data import Data
-from workbench.diagnosis.significance import stands_out, witnessed
+from workbench.diagnosis.significance import identifiable, is_significant
 from workbench.effects import effect_named, load_model
 from workbench.models import AppliedEffect, Placement
 
@@ -38,7 +38,7 @@ def test_nothing_is_named_at_the_limit_of_what_can_be(
         assert value < 0.0
     applied = AppliedEffect(key, {name: Estimate(value, 0.0, "")})
     found = SimpleNamespace(hypothesis=SimpleNamespace(model=model, free=(applied,)))
-    assert witnessed(SimpleNamespace(motions=()), found) is possible  # type: ignore[arg-type]
+    assert identifiable(SimpleNamespace(motions=()), found) is possible  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_what_may_be_nothing_is_not_named(
     effect: str, parameters: dict[str, tuple[float, float]], clear: bool
 ) -> None:
     estimates = {k: Estimate(value, std, "") for k, (value, std) in parameters.items()}
-    assert stands_out(AppliedEffect(EffectKey(effect, "knee"), estimates)) is clear
+    assert is_significant(AppliedEffect(EffectKey(effect, "knee"), estimates)) is clear
 
 
 @pytest.mark.parametrize(
@@ -78,6 +78,6 @@ def test_what_held_out_motion_had_right_may_not_be_lost(before: float, after: fl
     current, found = (
         SimpleNamespace(mean_squares=squares * [[[1.0]], [[times]]]) for times in (before, after)
     )
-    assert spoils(found, current, data) is spoilt  # type: ignore[arg-type]
+    assert degrades_holdout(found, current, data) is spoilt  # type: ignore[arg-type]
     alone = Data(recordings[:1], 1, None, squares[:1], squares[:1], (), np.ones((2, 1)))  # type: ignore[arg-type]
-    assert not spoils(found, current, alone)  # type: ignore[arg-type]
+    assert not degrades_holdout(found, current, alone)  # type: ignore[arg-type]

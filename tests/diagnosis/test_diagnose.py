@@ -104,32 +104,32 @@ def test_what_follows_a_stranger_is_added_only_when_asked_for() -> None:
     """Two springs follow one between the axes to the noise; what they leave goes with both positions."""
     hidden = HiddenEffect("cross_spring", parameters={"stiffness": 0.69, "rest": -0.158})
     training, held_out = recordings(hidden)
-    way, better = improve(load_model("leg"), training, held_out, nearest=True)
-    found = way.diagnosis
+    node, better = improve(load_model("leg"), training, held_out, nearest=True)
+    found = node.diagnosis
     assert found is not None
     assert (found.verdict, found.findings) == ("unexplained", ())
     assert found.shapes[0].share > 0.95
     assert found.shapes[0].quantities == ("position", "the position of hip")
     assert any("a shape, not a cause" in line for line in found.evidence)
-    assert (way.verdict, way.nearest, better.name) == ("unexplained", True, "leg_nearest")
-    assert [a.key for a in better.effects[-len(way.steps) :]] == [s.key for s in way.steps]
-    assert way.holdout_error_after is not None and way.holdout_error_before is not None
-    assert way.holdout_error_after < 0.3 * way.holdout_error_before
-    assert wb.compare(better, training).error == pytest.approx(way.error_after, rel=1e-6)
-    assert way.held_out is not None
-    before, after = way.held_out
+    assert (node.verdict, node.nearest, better.name) == ("unexplained", True, "leg_nearest")
+    assert [a.key for a in better.effects[-len(node.steps) :]] == [s.key for s in node.steps]
+    assert node.holdout_error_after is not None and node.holdout_error_before is not None
+    assert node.holdout_error_after < 0.3 * node.holdout_error_before
+    assert wb.compare(better, training).error == pytest.approx(node.error_after, rel=1e-6)
+    assert node.held_out is not None
+    before, after = node.held_out
     assert [e.recording.name for e in after.recordings] == [r.name for r in held_out]
-    assert before.error == pytest.approx(way.holdout_error_before, rel=1e-6)
-    assert after.error == pytest.approx(way.holdout_error_after, rel=1e-6)
+    assert before.error == pytest.approx(node.holdout_error_before, rel=1e-6)
+    assert after.error == pytest.approx(node.holdout_error_after, rel=1e-6)
 
 
 def test_what_only_held_out_motion_shows_is_no_consistent_model() -> None:
     friction = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.4})
     (training, _), (_, held_out) = recordings(), recordings(friction)
-    way, _ = improve(load_model("leg"), training, held_out)
-    found = way.diagnosis
+    node, _ = improve(load_model("leg"), training, held_out)
+    found = node.diagnosis
     assert found is not None
-    assert (way.verdict, found.verdict, way.steps, found.findings) == ("unexplained", "unexplained", (), ())
+    assert (node.verdict, found.verdict, node.steps, found.findings) == ("unexplained", "unexplained", (), ())
     assert "fit these, and hold others out" in found.evidence[0]
 
 

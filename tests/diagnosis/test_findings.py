@@ -9,18 +9,30 @@ import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis.findings import _probability, near_line, step_of
-from workbench.diagnosis.search_result import Stage
+from workbench.diagnosis.search_result import AcceptedStep
 
 _HIP, _KNEE = EffectKey("coulomb_friction", "hip"), EffectKey("coulomb_friction", "knee")
 _DAMPED = EffectKey("viscous_damping", "hip")
 
 
-def told(*added: EffectKey, rivals: tuple[EffectKey, ...]) -> tuple[float, tuple[EffectKey, ...]]:
+def told(*added: EffectKey, indistinguishable: tuple[EffectKey, ...]) -> tuple[float, tuple[EffectKey, ...]]:
     """The chance of friction on the hip, and what looks the same, where the final model has `added`."""
     free = tuple(SimpleNamespace(key=k, parameters={}) for k in added)
     fit: Any = SimpleNamespace(hypothesis=SimpleNamespace(added=free), mean_squares=None)
     none: Any = None
-    stage = Stage(_HIP, fit, none, 1.0, rivals, (), (), (), tuple((k, 1.0) for k in rivals), (1, 1), True)
+    step = AcceptedStep(
+        _HIP,
+        fit,
+        none,
+        1.0,
+        indistinguishable,
+        (),
+        (),
+        (),
+        tuple((k, 1.0) for k in indistinguishable),
+        (1, 1),
+        True,
+    )
     found: Any = SimpleNamespace(
         model=None,
         final=fit,
@@ -29,12 +41,12 @@ def told(*added: EffectKey, rivals: tuple[EffectKey, ...]) -> tuple[float, tuple
         adequacy={},
         start_data=SimpleNamespace(score=lambda *_, **__: 0.0),
     )
-    step = step_of(stage, found, False, {_HIP: ("a line",)})
-    return _probability(stage, found), step.indistinguishable_from
+    shown = step_of(step, found, False, {_HIP: ("a line",)})
+    return _probability(step, found), shown.indistinguishable_from
 
 
 def test_what_does_as_well_makes_a_name_doubtful() -> None:
-    chance, alike = told(_HIP, rivals=(_DAMPED,))
+    chance, alike = told(_HIP, indistinguishable=(_DAMPED,))
     assert chance == pytest.approx(0.784)
     assert alike == (_DAMPED,)
 
@@ -43,7 +55,7 @@ def test_what_does_as_well_makes_a_name_doubtful() -> None:
     "form", ["coulomb_friction", "stribeck_friction"], ids=["the same", "a form of the same"]
 )
 def test_a_second_cause_is_no_other_name_for_the_first(form: str) -> None:
-    chance, alike = told(_HIP, _KNEE, rivals=(EffectKey(form, "knee"),))
+    chance, alike = told(_HIP, _KNEE, indistinguishable=(EffectKey(form, "knee"),))
     assert chance == pytest.approx(0.98)
     assert alike == ()
 

@@ -41,15 +41,15 @@ def test_long_recordings_are_judged_in_pieces(lengths: list[int], pieces: list[i
 
 
 def test_pieces_of_a_motion_that_repeats_itself_are_no_copies_of_each_other() -> None:
-    data = replace(made([100, 90], 2), repeats=(20, None))
-    pieces = [f for f in data.unlike if f.recording == 0]
+    data = replace(made([100, 90], 2), motion_periods=(20, None))
+    pieces = [f for f in data.phase_folds if f.recording == 0]
     phases = [set(np.arange(100)[f.rows] % 20) for f in pieces]
     assert len(pieces) == 3 and not set.intersection(*phases)
     assert sorted(np.concatenate([np.arange(100)[f.rows] for f in pieces])) == list(range(100))
-    assert [f for f in data.unlike if f.recording == 1] == [f for f in data.folds if f.recording == 1]
+    assert [f for f in data.phase_folds if f.recording == 1] == [f for f in data.folds if f.recording == 1]
 
 
 def test_repeats_belong_to_the_recordings_that_are_chosen() -> None:
     replay: Any = SimpleNamespace(only=lambda chosen: None)
-    data = replace(made([100, 90, 80], 3), repeats=(20, None, 30), replay=replay)
-    assert data.part([2, 1]).repeats == (30, None)
+    data = replace(made([100, 90, 80], 3), motion_periods=(20, None, 30), replay=replay)
+    assert data.part([2, 1]).motion_periods == (30, None)

@@ -7,8 +7,8 @@ import pytest
 from workbench.core import EffectKey
 from workbench.diagnosis import diagnose
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.screening.screen import screen, silent
-from workbench.diagnosis.screening.sensitivity import Scene
+from workbench.diagnosis.screening.screen import screen, unobservable_effects
+from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect, Plate, VirtualLeg, plate_experiments
 
@@ -50,7 +50,7 @@ def test_nothing_is_found_where_nothing_is_hidden_and_no_slip_tells_no_friction(
 def test_in_the_air_no_contact_is_a_candidate() -> None:
     hidden = HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.2})
     data, simulated = gather(MODEL, recorded(hidden), (), seed=0)
-    scene = Scene.of(MODEL, data, simulated.clean, len(data.recordings))
-    candidates, _ = screen(scene, data, simulated.clean, ())
+    linearisation = Linearisation.of(MODEL, data, simulated.clean, len(data.recordings))
+    candidates, _ = screen(linearisation, data, simulated.clean, ())
     assert not {c.key for c in candidates} & CONTACTS
-    assert set(silent(scene, data)) >= CONTACTS
+    assert set(unobservable_effects(linearisation, data)) >= CONTACTS

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.core import Recording
-from workbench.diagnosis.motion_period import repeat_of
+from workbench.diagnosis.motion_period import motion_period
 
 T = 0.005 * np.arange(4000)
 NOISE = 1e-3 * np.random.default_rng(0).standard_normal((len(T), 2))
@@ -27,11 +27,11 @@ def periodic(period: float) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("period", [0.5, 5.5, 9.9])
 def test_the_period_of_all_axes_together_is_found(period: float) -> None:
-    assert repeat_of(moved(*periodic(period))) == pytest.approx(period / 0.005, abs=2)
+    assert motion_period(moved(*periodic(period))) == pytest.approx(period / 0.005, abs=2)
 
 
 def test_an_axis_that_is_held_says_nothing() -> None:
-    assert repeat_of(moved(*periodic(5.5), NOISE[:, 0])) == pytest.approx(1100, abs=2)
+    assert motion_period(moved(*periodic(5.5), NOISE[:, 0])) == pytest.approx(1100, abs=2)
 
 
 @pytest.mark.parametrize(
@@ -47,4 +47,4 @@ def test_an_axis_that_is_held_says_nothing() -> None:
     ],
 )
 def test_what_does_not_repeat_has_no_period(motion: tuple[np.ndarray, ...]) -> None:
-    assert repeat_of(moved(*motion)) is None
+    assert motion_period(moved(*motion)) is None

@@ -18,9 +18,9 @@ from workbench.diagnosis.fitting.refinement import with_candidate
 from workbench.diagnosis.hypothesis import Fit, applied_effect
 from workbench.diagnosis.naming import named_beside
 from workbench.diagnosis.problem import starting_fit
-from workbench.diagnosis.screening.command_path import astray
+from workbench.diagnosis.screening.command_path import off_command_path
 from workbench.diagnosis.screening.screen import Candidate, screen
-from workbench.diagnosis.screening.sensitivity import Scene
+from workbench.diagnosis.screening.sensitivity import Linearisation
 
 _LINE, _LIMIT = EffectKey("speed_torque_limit", "m"), EffectKey("torque_saturation", "m")
 
@@ -37,13 +37,13 @@ def positions_of(log: Recording) -> Recording:
     return replace(log, signals={n: x for n, x in log.signals.items() if n != "torque_measured"})
 
 
-def screened(folder: Path, runs: list[Recording]) -> tuple[Scene, Data, Fit, Sequence[Candidate]]:
+def screened(folder: Path, runs: list[Recording]) -> tuple[Linearisation, Data, Fit, Sequence[Candidate]]:
     """The rotor without limits on its logs, and what might be missing."""
     model = wb.load_model(str(folder / "rotor.xml"))
     data, simulated = gather(model, runs, (), 0)
     start = starting_fit(model, data, simulated.clean)
-    scene = Scene.of(model, data, start.simulated, len(runs))
-    return scene, data, start, screen(scene, data, start.simulated, ())[0]
+    linearisation = Linearisation.of(model, data, start.simulated, len(runs))
+    return linearisation, data, start, screen(linearisation, data, start.simulated, ())[0]
 
 
 @pytest.mark.parametrize(
@@ -76,14 +76,14 @@ def test_a_line_that_explains_as_much_is_named_beside_if_it_falls(
     runs = [stepped(tmp_path, seed, **limits) for seed in range(2)]
     if "stall" in limits:  # else the channel would have settled it
         runs = [positions_of(r) for r in runs]
-    scene, data, start, candidates = screened(tmp_path, runs)
+    linearisation, data, start, candidates = screened(tmp_path, runs)
     chosen = next(c for c in candidates if c.key == _LIMIT)
-    [found] = fit([with_candidate(scene, chosen, start)], data)
+    [found] = fit([with_candidate(linearisation, chosen, start)], data)
     assert found is not None
 
-    def beside(judged: float) -> list[EffectKey]:
-        as_if = replace(found, judged=judged, trained=judged)
-        return [c.key for c, _ in named_beside(scene, candidates, chosen, as_if, start, data)]
+    def beside(test_loss: float) -> list[EffectKey]:
+        as_if = replace(found, test_loss=test_loss, training_loss=test_loss)
+        return [c.key for c, _ in named_beside(linearisation, candidates, chosen, as_if, start, data)]
 
     assert beside(np.inf) == ([] if "limit" in limits else [_LINE])
     assert beside(0.0) == []  # what explains less is not named, whatever it is
@@ -100,11 +100,13 @@ def test_the_torque_behind_a_command_leaves_one_form_of_a_limit(tmp_path: Path) 
 
 
 def test_a_fit_that_leaves_what_the_channel_shows_is_known(tmp_path: Path) -> None:
-    scene, data, start, candidates = screened(tmp_path, [stepped(tmp_path, 0, stall=0.6, fastest=15.0)])
+    linearisation, data, start, candidates = screened(
+        tmp_path, [stepped(tmp_path, 0, stall=0.6, fastest=15.0)]
+    )
     line = next(c for c in candidates if c.key == _LINE)
-    [found] = fit([with_candidate(scene, line, start)], data, 1)
-    assert found is not None and not astray(scene, line, found)
+    [found] = fit([with_candidate(linearisation, line, start)], data, 1)
+    assert found is not None and not off_command_path(linearisation, line, found)
     (own,) = found.hypothesis.free
     values = {**own.values, "no_load_speed": 1.25 * own.values["no_load_speed"]}
-    other = replace(found.hypothesis, free=(applied_effect(scene.model, own, values),))
-    assert astray(scene, line, replace(found, hypothesis=other))
+    other = replace(found.hypothesis, free=(applied_effect(linearisation.model, own, values),))
+    assert off_command_path(linearisation, line, replace(found, hypothesis=other))

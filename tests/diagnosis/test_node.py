@@ -9,7 +9,7 @@ import pytest
 from workbench.core import EffectKey
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis
-from workbench.diagnosis.node import scene_at
+from workbench.diagnosis.node import linearisation_at
 from workbench.diagnosis.screening import compliance
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
@@ -22,16 +22,18 @@ SOFT = HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 91.0, "
 
 def test_where_a_search_comes_back_to_nothing_is_worked_out_again(monkeypatch: pytest.MonkeyPatch) -> None:
     training, _ = recordings(SOFT)
-    quest = asked(LEG, training[:1])
+    problem = asked(LEG, training[:1])
     tried = [
         Hypothesis(LEG, (applied(LEG, EffectKey("viscous_damping", "knee"), damping=d),)) for d in (0.1, 0.2)
     ]
-    one, other = fit(tried, quest.data, 1)
+    one, other = fit(tried, problem.data, 1)
     assert one is not None and other is not None
-    here = scene_at(one, quest.data, quest)
-    assert scene_at(replace(one, trained=0.0), quest.data, quest) is here
-    assert scene_at(other, quest.data, quest) is not here
-    first = compliance.what_gives_way(here, 1, 1.0, one.hypothesis.free)
+    here = linearisation_at(one, problem.data, problem)
+    assert linearisation_at(replace(one, training_loss=0.0), problem.data, problem) is here
+    assert linearisation_at(other, problem.data, problem) is not here
+    first = compliance.compliance_candidates(here, 1, 1.0, one.hypothesis.free)
     monkeypatch.setattr(compliance, "_shares", lambda *_: pytest.fail("asked a second time"))
-    again = compliance.what_gives_way(scene_at(one, quest.data, quest), 1, 100.0, one.hypothesis.free)
-    assert first and [(c.key, c.judged) for c in again] == [(c.key, 100.0 * c.judged) for c in first]
+    again = compliance.compliance_candidates(
+        linearisation_at(one, problem.data, problem), 1, 100.0, one.hypothesis.free
+    )
+    assert first and [(c.key, c.test_loss) for c in again] == [(c.key, 100.0 * c.test_loss) for c in first]

@@ -13,8 +13,8 @@ import pytest
 import workbench.diagnosis
 from workbench.core import EffectKey, Estimate
 from workbench.diagnosis.policy import POLICY, Policy, trial
-from workbench.diagnosis.significance import stands_out
-from workbench.diagnosis.work_budget import Effort
+from workbench.diagnosis.significance import is_significant
+from workbench.diagnosis.work_budget import WorkBudget
 from workbench.models import AppliedEffect
 
 from .rig import recordings
@@ -54,14 +54,14 @@ def test_other_modules_have_no_numbers_but_those_of_numerics(module: str) -> Non
 def test_decisions_follow_a_trial() -> None:
     size = AppliedEffect(EffectKey("coulomb_friction", "knee"), {"torque": Estimate(0.35, 0.1, "N*m")})
     training, _ = recordings(seed=1)
-    most = Effort.for_search(training).most
-    assert stands_out(size)
+    most = WorkBudget.for_search(training).most
+    assert is_significant(size)
     with trial(significant=4.0, budget_steps=2.0 * most) as policy:
         assert policy.significant == POLICY.significant == 4.0
-        assert not stands_out(size)
-        assert Effort.for_search(training).most == 2.0 * most
-    assert stands_out(size)
-    assert Effort.for_search(training).most == most
+        assert not is_significant(size)
+        assert WorkBudget.for_search(training).most == 2.0 * most
+    assert is_significant(size)
+    assert WorkBudget.for_search(training).most == most
 
 
 def test_what_a_trial_changed_comes_back_whatever_happens() -> None:

@@ -6,8 +6,8 @@ import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis.evidence.residual_evidence import finding_lines
-from workbench.diagnosis.loss import floor_of_judging
-from workbench.diagnosis.moves.add import next_stage
+from workbench.diagnosis.loss import test_noise_floor as noise_floor
+from workbench.diagnosis.moves.add import next_step
 from workbench.diagnosis.removed_share import removed_share, removed_shares
 from workbench.diagnosis.screening.screen import screen
 from workbench.effects import load_model
@@ -30,17 +30,17 @@ def test_it_is_of_what_stands_above_the_noise() -> None:
 
 def test_a_step_its_ranking_and_its_evidence_have_the_same_share() -> None:
     hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.02})
-    quest = asked(load_model("leg"), *recordings(hidden))
-    screened, _ = screen(quest.scene, quest.data, quest.start.simulated, ())
-    stage = next_stage(quest.scene, screened, quest.start, quest.data, quest.progress)
-    assert stage is not None and stage.added == FRICTION
-    before, floor = quest.start.judged, floor_of_judging(quest.data)
-    assert stage.removed_share == pytest.approx((before - stage.fit.judged) / (before - floor))
-    assert stage.removed_share > 1.0 - stage.fit.judged / before, (
+    problem = asked(load_model("leg"), *recordings(hidden))
+    screened, _ = screen(problem.linearisation, problem.data, problem.start.simulated, ())
+    step = next_step(problem.linearisation, screened, problem.start, problem.data, problem.progress)
+    assert step is not None and step.added == FRICTION
+    before, floor = problem.start.test_loss, noise_floor(problem.data)
+    assert step.removed_share == pytest.approx((before - step.fit.test_loss) / (before - floor))
+    assert step.removed_share > 1.0 - step.fit.test_loss / before, (
         "the noise is no error that could be removed"
     )
-    assert dict(stage.ranking)[FRICTION] == pytest.approx(stage.removed_share, abs=0.01), "but for polishing"
-    (applied,) = stage.fit.hypothesis.added
-    shown = 100.0 * min(stage.removed_share, 1.0)
-    told = finding_lines(stage, applied)[0]
+    assert dict(step.ranking)[FRICTION] == pytest.approx(step.removed_share, abs=0.01), "but for polishing"
+    (applied,) = step.fit.hypothesis.added
+    shown = 100.0 * min(step.removed_share, 1.0)
+    told = finding_lines(step, applied)[0]
     assert told.startswith(f"removes {shown:.1f} % of the squared error above the noise")

@@ -10,12 +10,12 @@ import pytest
 
 import workbench.diagnosis.search as search
 from workbench.core import EffectKey, Estimate
-from workbench.diagnosis import node
+from workbench.diagnosis import node as node_module
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
 from workbench.diagnosis.moves import simplify
-from workbench.diagnosis.node import Way, onwards
-from workbench.diagnosis.work_budget import Effort
+from workbench.diagnosis.node import Node, forward_selection
+from workbench.diagnosis.work_budget import WorkBudget
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
 from workbench.rigs import HiddenEffect
@@ -23,33 +23,31 @@ from workbench.rigs import HiddenEffect
 from .rig import applied, asked, recordings, searched_from
 
 
-def stage(effect: str, before: tuple[AppliedEffect, ...], **parameters: tuple[float, float]) -> Any:
+def step(effect: str, before: tuple[AppliedEffect, ...], **parameters: tuple[float, float]) -> Any:
     """One more effect, with its estimates."""
     key = EffectKey(effect, "knee")
     own = AppliedEffect(key, {k: Estimate(value, std, "") for k, (value, std) in parameters.items()})
-    hypothesis = SimpleNamespace(added=(*before, own), free=(*before, own), stated=())
+    hypothesis = SimpleNamespace(added=(*before, own), free=(*before, own), parameter_free=())
     return SimpleNamespace(added=key, fit=SimpleNamespace(hypothesis=hypothesis), data=f"with {effect}")
 
 
 def test_last_effects_that_may_be_none_are_taken_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(node, "rejudged", lambda fit, data: fit)
-    friction = stage("coulomb_friction", (), torque=(0.2, 0.01))
-    ripple = stage(
+    monkeypatch.setattr(node_module, "rescored", lambda fit, data: fit)
+    friction = step("coulomb_friction", (), torque=(0.2, 0.01))
+    ripple = step(
         "cogging", friction.fit.hypothesis.added, torque=(2e-4, 2e-4), order=(7.0, 0.1), phase=(3.0, 0.1)
     )
-    lag = stage("current_loop_lag", (), time_constant=(5e-6, 2e-5))
+    lag = step("current_loop_lag", (), time_constant=(5e-6, 2e-5))
     start, first, end = SimpleNamespace(), SimpleNamespace(), SimpleNamespace()
-    quest = SimpleNamespace(start=start, data=first)
+    problem = SimpleNamespace(start=start, data=first)
 
-    def plain(*stages: Any) -> Way:
-        return search._plain(Way(end, end, stages, done=True), quest)  # type: ignore[arg-type]
+    def plain(*steps: Any) -> Node:
+        return search._plain(Node(end, end, steps, done=True), problem)  # type: ignore[arg-type]
 
     kept = plain(friction, ripple)
-    assert (
-        kept.stages == (friction,) and kept.current is friction.fit and kept.data == "with coulomb_friction"
-    )
+    assert kept.steps == (friction,) and kept.current is friction.fit and kept.data == "with coulomb_friction"
     assert not kept.done
-    assert plain(lag) == Way(start, first)  # type: ignore[arg-type]
+    assert plain(lag) == Node(start, first)  # type: ignore[arg-type]
     assert plain(friction).current is end, "what stands out stays as it was"
 
 
@@ -57,12 +55,12 @@ def test_a_search_ends_where_it_has_been(monkeypatch: pytest.MonkeyPatch) -> Non
     def begun(text: str) -> None:
         raise AssertionError(f"went on: {text}")
 
-    friction = stage("coulomb_friction", (), torque=(0.2, 0.01))
-    way = Way(friction.fit, SimpleNamespace(effort=Effort()))  # type: ignore[arg-type]
-    quest: Any = SimpleNamespace(start=None, progress=begun, limit=6)
-    assert onwards(way, quest, met=[frozenset({friction.added})]) == way
+    friction = step("coulomb_friction", (), torque=(0.2, 0.01))
+    node = Node(friction.fit, SimpleNamespace(budget=WorkBudget()))  # type: ignore[arg-type]
+    problem: Any = SimpleNamespace(start=None, progress=begun, limit=6)
+    assert forward_selection(node, problem, visited=[frozenset({friction.added})]) == node
     with pytest.raises(AssertionError, match="went on"):
-        onwards(way, quest, met=[frozenset()])
+        forward_selection(node, problem, visited=[frozenset()])
 
 
 def test_what_may_be_none_once_all_causes_are_there_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -73,8 +71,8 @@ def test_what_may_be_none_once_all_causes_are_there_is_left_out(monkeypatch: pyt
     found = searched_from(monkeypatch, leg, [hidden], ripple, viscous)
     (kept,) = found.final.hypothesis.free
     assert kept.key == viscous.key and kept.values["damping"] == pytest.approx(0.3, rel=0.01)
-    assert found.stages[-1].dropped == (ripple.key,)
-    last, data = found.stages[-1], found.stages[-1].data
+    assert found.steps[-1].dropped == (ripple.key,)
+    last, data = found.steps[-1], found.steps[-1].data
     assert simplify.without(last, found.final, data) is None
     # nor is an effect left out that may be none by its size, and without which much more is left
     unsure = replace(kept, parameters={"damping": Estimate(0.3, 0.2, "N*m*s/rad")})
@@ -86,10 +84,10 @@ def test_what_shrank_once_its_true_cause_came_is_left_out_however_sharp_it_is() 
     leg = load_model("leg")
     friction, damping = (EffectKey(name, "knee") for name in ("coulomb_friction", "viscous_damping"))
     hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.2})
-    quest = asked(leg, recordings(hidden)[0])
+    problem = asked(leg, recordings(hidden)[0])
     first = applied(leg, damping, damping=0.05)
-    (before,) = fit([Hypothesis(leg, (first,))], quest.data)
-    (both,) = fit([Hypothesis(leg, (first, applied(leg, friction, torque=0.19)))], quest.data)
+    (before,) = fit([Hypothesis(leg, (first,))], problem.data)
+    (both,) = fit([Hypothesis(leg, (first, applied(leg, friction, torque=0.19)))], problem.data)
     assert before and both
 
     def taken(size: float) -> Any:
@@ -103,10 +101,12 @@ def test_what_shrank_once_its_true_cause_came_is_left_out_however_sharp_it_is() 
         return replace(both, hypothesis=replace(both.hypothesis, free=free))
 
     alone = before.hypothesis.free[0].values["damping"]
-    rest = simplify.without(taken(alone), left(0.1 * alone), quest.data)
+    rest = simplify.without(taken(alone), left(0.1 * alone), problem.data)
     assert rest is not None
     (kept,) = rest.hypothesis.free
     assert kept.key == friction and kept.values["torque"] == pytest.approx(0.2, rel=0.01)
-    assert simplify.without(taken(alone), left(0.5 * alone), quest.data) is None, "what is as large as it was"
-    good = replace(left(0.1 * alone), judged=0.9 * rest.judged, trained=0.9 * rest.trained)
-    assert simplify.without(taken(alone), good, quest.data) is None, "what is needed"
+    assert simplify.without(taken(alone), left(0.5 * alone), problem.data) is None, (
+        "what is as large as it was"
+    )
+    good = replace(left(0.1 * alone), test_loss=0.9 * rest.test_loss, training_loss=0.9 * rest.training_loss)
+    assert simplify.without(taken(alone), good, problem.data) is None, "what is needed"

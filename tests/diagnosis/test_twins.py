@@ -8,7 +8,7 @@ import pytest
 
 from tests.simulation.make import leg_experiment
 from workbench.core import EffectKey, Recording
-from workbench.diagnosis.naming import twins_of
+from workbench.diagnosis.naming import equivalents_of
 from workbench.effects import load_model
 from workbench.simulation import Run, simulate
 
@@ -30,13 +30,15 @@ def test_delays_are_one_thing_where_the_torque_was_not_measured(
     log: Recording, late: str, other: str
 ) -> None:
     silent = replace(log, signals={k: v for k, v in log.signals.items() if k != "torque_measured"})
-    assert twins_of(LEG, EffectKey(late, None), [silent]) == (EffectKey(other, None),)
+    assert equivalents_of(LEG, EffectKey(late, None), [silent]) == (EffectKey(other, None),)
     assert (
-        twins_of(LEG, EffectKey(late, None), [log])
-        == twins_of(LEG, EffectKey(late, None), [log, silent])
+        equivalents_of(LEG, EffectKey(late, None), [log])
+        == equivalents_of(LEG, EffectKey(late, None), [log, silent])
         == ()
     )
 
 
 def test_unequal_friction_is_friction_and_a_bias_in_any_log(log: Recording) -> None:
-    assert EffectKey("torque_bias", "hip") in twins_of(LEG, EffectKey("asymmetric_friction", "hip"), [log])
+    assert EffectKey("torque_bias", "hip") in equivalents_of(
+        LEG, EffectKey("asymmetric_friction", "hip"), [log]
+    )

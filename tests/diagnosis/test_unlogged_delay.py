@@ -13,8 +13,8 @@ from tests.rotor import pushed, wandering
 from workbench.core import EffectKey, Recording
 from workbench.diagnosis import diagnose
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.screening.propagation import respond
-from workbench.diagnosis.screening.sensitivity import Scene
+from workbench.diagnosis.screening.propagation import propagate_sensitivities
+from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.effects import load_model
 
 from .rig import applied
@@ -60,8 +60,10 @@ def test_a_delay_moves_what_the_loop_asks_for_and_not_the_noise_of_the_torque(tm
 
     data, _ = gather(model, [recording], [], seed=0)
     (now,), (then,) = data.run([late(0.003), late(0.003 + more)])
-    scene = Scene.of(late(0.003), data, (now,), 1)
-    ((slope,),) = respond([scene], [scene.derivatives(applied(model, DELAY, time=0.003))], data)
+    linearisation = Linearisation.of(late(0.003), data, (now,), 1)
+    ((slope,),) = propagate_sensitivities(
+        [linearisation], [linearisation.derivatives(applied(model, DELAY, time=0.003))], data
+    )
     moved = (then.position - now.position)[:, 0] / more * data.weight[0, 0]
     foretold = slope[:, 0, 0, 0]
     assert np.linalg.norm(foretold - moved) < 0.15 * np.linalg.norm(moved)

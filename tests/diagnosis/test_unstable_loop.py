@@ -60,11 +60,11 @@ def test_what_keeps_a_loop_stable_is_found_where_the_model_cannot_run_in_it(wris
     logs, judging = [turned(1), turned(2)], turned(3)
     with pytest.raises(SimulationError, match="unstable"):
         wb.compare(wrist, logs)
-    way, better = wb.improve(wrist, logs, [judging])
-    found = {s.key.effect: s.parameters for s in way.steps}
+    node, better = wb.improve(wrist, logs, [judging])
+    found = {s.key.effect: s.parameters for s in node.steps}
     assert found["coulomb_friction"]["torque"].value == pytest.approx(_RUBBING, rel=0.1)
     assert found["reflected_inertia"]["inertia"].value == pytest.approx(_ROTOR, rel=0.25)
-    assert any("unstable in the loop" in note for note in way.notes)
+    assert any("unstable in the loop" in note for note in node.notes)
     assert wb.compare(better, [judging]).error < 0.5, "it runs in the loop now"
 
 

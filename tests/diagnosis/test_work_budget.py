@@ -9,7 +9,7 @@ import pytest
 
 from workbench.diagnosis import diagnose
 from workbench.diagnosis.policy import trial
-from workbench.diagnosis.work_budget import Effort
+from workbench.diagnosis.work_budget import WorkBudget
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -26,18 +26,18 @@ def test_work_is_counted_in_steps_of_coordinates() -> None:
     seldom = replace(one, time=one.time * 10.0)
     counts = []
     for recording in (one, seldom):
-        count = Effort()
+        count = WorkBudget()
         count.add((recording,), 3)
         counts.append(count.done)
     assert counts[0] == 3 * len(one) * 2
     assert counts[1] == pytest.approx(10 * counts[0]), "between rows far apart there are steps too"
-    assert not Effort().spent
-    assert Effort(most=1.0, done=2.0).spent
+    assert not WorkBudget().spent
+    assert WorkBudget(most=1.0, done=2.0).spent
 
 
 def test_more_data_may_take_more_work() -> None:
     training, _ = recordings(seed=1)
-    assert Effort.for_search(training).most < Effort.for_search(training * 50).most
+    assert WorkBudget.for_search(training).most < WorkBudget.for_search(training * 50).most
 
 
 def test_a_search_that_ends_early_says_so_and_is_the_same_again() -> None:

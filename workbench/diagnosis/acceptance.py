@@ -1,4 +1,4 @@
-"""The rules by which an explanation is accepted, judged on data that were not fitted."""
+"""Rules that accept a fit in place of another, on data that were not fitted."""
 
 from __future__ import annotations
 
@@ -6,32 +6,32 @@ import numpy as np
 
 from .data import Data
 from .hypothesis import Fit
-from .loss import floor_of_fitting, floor_of_judging
+from .loss import test_noise_floor, training_noise_floor
 from .policy import POLICY
 from .removed_share import removed_share
 
 
-def overshadowed(current: Fit, data: Data) -> bool:
-    """Whether training shows so much more of what is lacking that held-out motion cannot judge it."""
-    if not data.held_out_judges:
+def holdout_insensitive(current: Fit, data: Data) -> bool:
+    """Whether training shows so much more excess error that held-out motion cannot test it."""
+    if not data.tests_on_holdout:
         return False
-    trained, held_out = (
+    training_loss, held_out = (
         data.objective(data.pool(current.mean_squares, part)) / data.objective(data.pool(data.floor, part))
         for part in (False, True)
     )
-    return trained > POLICY.holdout_insensitive * held_out
+    return training_loss > POLICY.holdout_insensitive * held_out
 
 
-def unseen_on_held_out(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether an effect explains much of the training and nothing of held-out motion."""
+def unchanged_on_holdout(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether an effect explains much of the training error and does not change the held-out error."""
     before, after = (data.score(f.mean_squares, True) for f in (current, found))
     floor = data.objective(data.pool(data.floor))
-    removed = current.trained - found.trained
+    removed = current.training_loss - found.training_loss
     unseen = abs(after - before) < POLICY.holdout_unchanged * before
-    return unseen and removed > POLICY.later_gain * (current.trained - floor)
+    return unseen and removed > POLICY.later_gain * (current.training_loss - floor)
 
 
-def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
+def too_little_left(current: Fit, start: Fit, data: Data) -> bool:
     """Whether even a perfect further effect could not lower the whole error by enough."""
     if _is_plain(current, data):
         return False
@@ -42,7 +42,7 @@ def as_good_as_done(current: Fit, start: Fit, data: Data) -> bool:
     return bool(np.sqrt(plain.objective(floor)) > (1.0 - POLICY.later_fall) * np.sqrt(plain.objective(now)))
 
 
-def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
+def improves_residual(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     """Whether an effect after the first lowers the whole error, not only what the first left of its own.
 
     What a first effect leaves is its own shape as often as a second one. A cause that is there explains most
@@ -53,7 +53,7 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
         return True
     plain = data.reweighed(start.mean_squares, POLICY.later_tolerance)
     removed = {}
-    for held_out in {False, data.held_out_judges}:
+    for held_out in {False, data.tests_on_holdout}:
         before, after, floor = (
             plain.objective(plain.pool(ms, held_out))
             for ms in (current.mean_squares, found.mean_squares, plain.floor)
@@ -66,10 +66,10 @@ def helps_later(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     return min(removed.values()) > least
 
 
-def helps_an_axis(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether a fit lowers the whole error of one axis, fitted and judged."""
+def improves_an_axis(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether a fit lowers the total error of one axis, in training and test."""
     better = np.ones(len(data.recordings[0].axes), bool)
-    for held_out in {False, data.held_out_judges}:
+    for held_out in {False, data.tests_on_holdout}:
         before, after, floor = (
             np.sum(data.pool(ms, held_out) * data.weight**2, axis=0)
             for ms in (current.mean_squares, found.mean_squares, data.floor)
@@ -84,62 +84,70 @@ def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
 
 
 def explains_most(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
-    """Whether no more than a share is `left` of a rest that is plain to see, fitted and judged."""
+    """Whether a clear excess falls to a share `left` of it, in training and test."""
     left = 1.0 - POLICY.most_of_excess if left is None else left
-    return _is_plain(current, data) and mends(found, current, data, left)
+    return _is_plain(current, data) and halves_excess(found, current, data, left)
 
 
 def _is_plain(current: Fit, data: Data) -> bool:
-    """Whether a rest is plain to see, fitted and judged, however small in the whole."""
+    """Whether the excess is clear, in training and test, however small beside the total error."""
     most = POLICY.near_noise
-    return current.trained > most * floor_of_fitting(data) and current.judged > most * floor_of_judging(data)
+    return current.training_loss > most * training_noise_floor(
+        data
+    ) and current.test_loss > most * test_noise_floor(data)
 
 
-def mends(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
-    """Whether no more than a share is `left` of what is above the noise, fitted and judged.
+def halves_excess(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
+    """Whether the excess above the noise falls to a share `left` of it, in training and test.
 
-    An exchange that leaves more than half mends nothing; one that leaves less was of a stand-in.
+    A replacement that leaves more than half is no improvement; one that leaves less replaced a wrong effect.
     """
     left = POLICY.exchange_left if left is None else left
     pairs = (
-        (current.trained, found.trained, floor_of_fitting(data)),
-        (current.judged, found.judged, floor_of_judging(data)),
+        (current.training_loss, found.training_loss, training_noise_floor(data)),
+        (current.test_loss, found.test_loss, test_noise_floor(data)),
     )
     return all(after - floor < left * (before - floor) for before, after, floor in pairs)
 
 
-def nearly_at_floor(found: Fit, data: Data) -> bool:
-    """Whether hardly more than the noise is left, fitted and judged."""
+def near_noise_floor(found: Fit, data: Data) -> bool:
+    """Whether hardly more than the noise is left, in training and test."""
     most = POLICY.near_noise
-    return found.trained < most * floor_of_fitting(data) and found.judged < most * floor_of_judging(data)
+    return found.training_loss < most * training_noise_floor(
+        data
+    ) and found.test_loss < most * test_noise_floor(data)
 
 
-def reached(found: Fit, data: Data, times: float | None = None) -> bool:
-    """Whether the noise explains the rest: `times` its error judged, and not much more fitted.
+def at_noise_floor(found: Fit, data: Data, times: float | None = None) -> bool:
+    """Whether the noise explains the rest: a test loss of at most `times` its floor, and a low training loss.
 
-    Held-out motion that hardly shows what is lacking is explained by anything.
+    Held-out motion that hardly shows what is missing is explained by anything.
     """
     times = POLICY.at_noise if times is None else times
-    fitted = found.trained < POLICY.near_noise * floor_of_fitting(data)
-    return fitted and found.judged < times * floor_of_judging(data)
+    fitted = found.training_loss < POLICY.near_noise * training_noise_floor(data)
+    return fitted and found.test_loss < times * test_noise_floor(data)
 
 
-def helps(found: Fit, current: Fit, excess: float) -> bool:
+def improves(found: Fit, current: Fit, excess: float) -> bool:
     """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
     # a recording that does not show the effect says neither yes nor no
-    shown = np.abs(current.agreeing - found.agreeing) > POLICY.recording_shows * np.mean(current.agreeing)
-    better = found.agreeing < current.agreeing
+    shown = np.abs(current.fold_losses - found.fold_losses) > POLICY.recording_shows * np.mean(
+        current.fold_losses
+    )
+    better = found.fold_losses < current.fold_losses
     agree = np.mean(better[shown]) if shown.any() else np.mean(better)
-    return bool(current.judged - found.judged > POLICY.effect_gain * excess and agree > POLICY.fold_majority)
+    return bool(
+        current.test_loss - found.test_loss > POLICY.effect_gain * excess and agree > POLICY.fold_majority
+    )
 
 
-def explains_fitted(found: Fit, current: Fit, excess: float) -> bool:
-    """Whether most of what was lacking on what was fitted is gone."""
-    return current.trained - found.trained > POLICY.most_of_excess * excess
+def explains_training(found: Fit, current: Fit, excess: float) -> bool:
+    """Whether most of the excess training loss is gone."""
+    return current.training_loss - found.training_loss > POLICY.most_of_excess * excess
 
 
-def contradicted(found: Fit, data: Data) -> bool:
-    """Whether held-out motion is plainly another than the one foretold."""
+def contradicts_holdout(found: Fit, data: Data) -> bool:
+    """Whether the held-out error is far above that of a perfect model."""
     return data.held_out and _off_held_out(found, data) > POLICY.holdout_contradicts
 
 
@@ -150,14 +158,14 @@ def _off_held_out(found: Fit, data: Data) -> float:
     )
 
 
-def spoils(found: Fit, current: Fit, data: Data) -> bool:
-    """Whether held-out motion that showed nothing of what is lacking is no longer foretold."""
-    return contradicted(found, data) and _off_held_out(current, data) < POLICY.holdout_informative
+def degrades_holdout(found: Fit, current: Fit, data: Data) -> bool:
+    """Whether the held-out error, at the noise before, is far above it now."""
+    return contradicts_holdout(found, data) and _off_held_out(current, data) < POLICY.holdout_informative
 
 
 def lowers_error(found: Fit, current: Fit, data: Data) -> bool:
     """Whether the reported error falls, on what was fitted and on what was not."""
-    if spoils(found, current, data):
+    if degrades_holdout(found, current, data):
         return False
-    parts = {False, data.held_out_judges}
+    parts = {False, data.tests_on_holdout}
     return all(data.score(found.mean_squares, p) < data.score(current.mean_squares, p) for p in parts)

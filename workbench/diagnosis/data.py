@@ -1,4 +1,4 @@
-"""What a diagnosis looks at: recordings for fitting and for judging, sensor noise, folds, weights."""
+"""Data of a diagnosis: recordings for training and test, noise floor, folds, weights."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from workbench.comparison import (
 from workbench.core import Recording
 from workbench.models import Model
 
-from .motion_period import repeat_of
+from .motion_period import motion_period
 from .policy import POLICY
-from .work_budget import Effort
+from .work_budget import WorkBudget
 
 _BLOCKS = 5  # contiguous folds of a lone recording; a recording of half of all rows has half as many
 _NOISY = 6  # runs of each recording that a noise floor takes
@@ -48,9 +48,10 @@ class Data:
         draws: noisy minus noise-free runs that `floor` is the mean of, per draw and recording,
             (N, 2, n) each; used for the scatter of estimates.
         weight: one over the deviation that residuals are divided by, (2, n); 0 for absent signals.
-        silent: whether held-out recordings show nothing of what the model lacks, so that folds judge.
-        effort: what was simulated so far, one count for all data of a search.
-        repeats: rows after which the motion of each recording repeats itself, None where it does not.
+        holdout_uninformative: whether the held-out error is at the noise from the start, so that
+            cross-validation on folds takes its place.
+        budget: work done so far and its limit, one count for all data of a search.
+        motion_periods: rows after which the motion of each recording repeats itself, None where it does not.
     """
 
     recordings: tuple[Recording, ...]
@@ -60,9 +61,9 @@ class Data:
     immaterial: np.ndarray
     draws: tuple[tuple[np.ndarray, ...], ...]
     weight: np.ndarray
-    silent: bool = False
-    effort: Effort = field(default_factory=Effort)
-    repeats: tuple[int | None, ...] = ()
+    holdout_uninformative: bool = False
+    budget: WorkBudget = field(default_factory=WorkBudget)
+    motion_periods: tuple[int | None, ...] = ()
 
     @property
     def held_out(self) -> bool:
@@ -70,27 +71,27 @@ class Data:
         return self.training < len(self.recordings)
 
     @property
-    def held_out_judges(self) -> bool:
-        """Whether held-out recordings judge; else folds of the training recordings do."""
-        return self.held_out and not self.silent
+    def tests_on_holdout(self) -> bool:
+        """Whether the test loss is that of held-out recordings; else it is cross-validated on folds."""
+        return self.held_out and not self.holdout_uninformative
 
-    def heard(self, mean_squares: np.ndarray) -> Data:
-        """The same data, judged by held-out recordings only if a model's error there is above the noise."""
+    def with_holdout_checked(self, mean_squares: np.ndarray) -> Data:
+        """The same data, tested on held-out recordings only if the model's error there exceeds the noise."""
         if not self.held_out:
             return self
         error = self.objective(self.pool(mean_squares, held_out=True))
         floor = self.objective(self.pool(self.floor, held_out=True))
-        return replace(self, silent=error < POLICY.holdout_informative * floor)
+        return replace(self, holdout_uninformative=error < POLICY.holdout_informative * floor)
 
-    def unheard(self) -> Data:
-        """The same data, judged by folds of the training recordings whatever the held-out ones say."""
-        return replace(self, silent=True)
+    def cross_validated(self) -> Data:
+        """The same data, cross-validated on folds of the training recordings."""
+        return replace(self, holdout_uninformative=True)
 
     @property
     def folds(self) -> tuple[Fold, ...]:
         """Training recordings, those that are a large part of all in contiguous blocks.
 
-        What only one long recording shows is judged by a part of it from the others.
+        What only one long recording shows is tested on another part of it.
         """
         rows = [len(r) for r in self.recordings[: self.training]]
         out: list[Fold] = []
@@ -101,10 +102,10 @@ class Data:
         return tuple(out)
 
     @property
-    def unlike(self) -> tuple[Fold, ...]:
-        """The folds, of motion that repeats itself by its phase: no piece has copies in the others."""
+    def phase_folds(self) -> tuple[Fold, ...]:
+        """The folds; those of a periodic motion are split by phase, so that none is a copy of another."""
         out: list[Fold] = []
-        for i, period in enumerate(self.repeats[: self.training]):
+        for i, period in enumerate(self.motion_periods[: self.training]):
             own = [f for f in self.folds if f.recording == i]
             if period and len(own) > 1:
                 phase = np.arange(len(self.recordings[i])) % period * len(own) // period
@@ -122,11 +123,11 @@ class Data:
             floor=self.floor[list(chosen)],
             immaterial=self.immaterial[list(chosen)],
             draws=tuple(tuple(draw[i] for i in chosen) for draw in self.draws),
-            repeats=tuple(self.repeats[i] for i in chosen if self.repeats),
+            motion_periods=tuple(self.motion_periods[i] for i in chosen if self.motion_periods),
         )
 
-    def telling(self, mean_squares: np.ndarray, share: float) -> tuple[int, ...]:
-        """The fewest training recordings that hold this share of the error above the noise."""
+    def most_informative(self, mean_squares: np.ndarray, share: float) -> tuple[int, ...]:
+        """Indices of the fewest training recordings that have this share of the error above the noise."""
         counts = np.array([np.sum(r.valid) for r in self.recordings[: self.training]])
         above = np.maximum(mean_squares - self.floor, 0.0)[: self.training]
         excess = counts * np.sum(above * self.weight**2, axis=(1, 2))
@@ -136,7 +137,7 @@ class Data:
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """`Replay.run`, counted."""
-        self.effort.add(self.recordings[:first], len(models))
+        self.budget.add(self.recordings[:first], len(models))
         return self.replay.run(models, first)
 
     def of_model(self, model: Model, seed: int) -> tuple[Data, Simulated]:
@@ -145,10 +146,10 @@ class Data:
         Raises:
             SimulationError: the model is unstable in a recording's loop.
         """
-        self.effort.add(self.recordings, _NOISY)
+        self.budget.add(self.recordings, _NOISY)
         simulated = self.replay.with_noise(model, seed)
         fresh = floor_of(self.replay, self.training, simulated)
-        return replace(fresh, effort=self.effort, repeats=self.repeats), simulated
+        return replace(fresh, budget=self.budget, motion_periods=self.motion_periods), simulated
 
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
         """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
@@ -191,7 +192,7 @@ class Data:
     def reweighed(self, mean_squares: np.ndarray, tolerance: float | None = None) -> Data:
         """The same data with weights for an error of this size, `tolerance` of which counts as noise.
 
-        Where a model cannot reach the noise, a signal with little noise would rule alone.
+        Where a model cannot reach the noise floor, a signal with little noise would dominate.
         """
         tolerance = POLICY.weighing_tolerance if tolerance is None else tolerance
         floor, error = self.pool(self.floor), self.pool(mean_squares)
@@ -211,11 +212,11 @@ def gather(
     """
     replay = replay_of(model, (*training, *held_out))
     simulated = replay.with_noise(model, seed)
-    repeats = tuple(repeat_of(r) for r in replay.recordings)
+    motion_periods = tuple(motion_period(r) for r in replay.recordings)
     data = replace(
         floor_of(replay, len(training), simulated),
-        effort=Effort.for_search(training, replay.simulates),
-        repeats=repeats,
+        budget=WorkBudget.for_search(training, replay.simulates),
+        motion_periods=motion_periods,
     )
     return data.reweighed(data.mean_squares(simulated.clean)), simulated
 

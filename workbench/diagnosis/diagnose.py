@@ -14,12 +14,12 @@ from workbench.models import Model
 from .checks.units import doubted
 from .data import Data
 from .evidence.next_experiment import next_experiment
-from .evidence.residual_evidence import Clues
+from .evidence.residual_evidence import ResidualEvidence
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
 from .moves.trial_fits import Progress
 from .policy import POLICY
 from .rounds import Rounds, comparisons, part_of, rounds
-from .search_result import Search
+from .search_result import SearchResult
 from .verdict import NAMED, verdict_of
 
 _NO_PAYLOAD = (
@@ -61,16 +61,16 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
     if len(found) > 1:
         whole = last.consistent_after or rest <= 1.0 - POLICY.explained
         verdict = "missing_effect" if whole else "partly_explained"
-    before, *judging = comparisons(first.model, first.start_runs, first)
-    after, *judged = before, *judging
-    if named and last.stages[-1].runs is not None:
-        after, *judged = comparisons(last.final.hypothesis.model, last.stages[-1].runs, last)
+    before, *holdout_before = comparisons(first.model, first.start_runs, first)
+    after, *holdout_after = before, *holdout_before
+    if named and last.steps[-1].runs is not None:
+        after, *holdout_after = comparisons(last.final.hypothesis.model, last.steps[-1].runs, last)
     each = [(f, findings_of(f)) for f in found] if named else []
     recordings = first.start_data.recordings
     findings = doubted(tuple(finding for _, own in each for finding in own), recordings)
     ends = [(replace(f, consistent_after=last.consistent_after), own) for f, own in each or [(first, ())]]
     advice = (next_experiment(verdict, own, f, after) for f, own in ends)
-    clues = _clues_of_rest(verdict, last)
+    clues = _evidence_of_rest(verdict, last)
     return Diagnosis(
         model=first.model.name,
         verdict=verdict,
@@ -92,12 +92,12 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         shapes=clues.shapes if clues else (),
         before=before,
         after=after,
-        held_out=(judging[0], judged[0]) if judging else None,
-        settled=_settled(first) if named else {},
+        held_out=(holdout_before[0], holdout_after[0]) if holdout_before else None,
+        settled=_model_settings(first) if named else {},
         holdout_noise_error=_held_out_floor(last.final_data if named else first.start_data),
         near=near_findings(last),
         stopped=last.stopped,
-        work=sum(f.start_data.effort.done for f in found),
+        work=sum(f.start_data.budget.done for f in found),
         identifiability=first.identifiability,
         disagreeing=first.disagreeing,
         notes=(
@@ -115,7 +115,7 @@ def _rest(verdict: Verdict, found: Rounds) -> float:
     return float(np.prod([1.0 - f.explained for f in found])) if verdict in NAMED else 1.0
 
 
-def _softness(found: Search) -> tuple[str, ...]:
+def _softness(found: SearchResult) -> tuple[str, ...]:
     data = found.start_data
     fitted = data.replay.only(range(data.training))
     note = softness_note(found.model, fitted, part_of(found.start_runs, slice(0, data.training)))
@@ -126,8 +126,8 @@ def _held_out_floor(data: Data) -> float | None:
     return data.score(data.floor, held_out=True) if data.held_out else None
 
 
-def _settled(found: Search) -> dict[str, float]:
-    """What was found of the model's own properties on the way to the findings."""
+def _model_settings(found: SearchResult) -> dict[str, float]:
+    """Properties of the model that were fitted together with the findings, where they changed."""
     given, end = found.model, found.final.hypothesis.model
     pairs = {
         "sliding_speed": (given.sliding_speed, end.sliding_speed),
@@ -137,9 +137,9 @@ def _settled(found: Search) -> dict[str, float]:
     return {name: float(new) for name, (old, new) in pairs.items() if new != old}
 
 
-def _clues_of_rest(verdict: Verdict, found: Search) -> Clues | None:
+def _evidence_of_rest(verdict: Verdict, found: SearchResult) -> ResidualEvidence | None:
     """What shows the part that stays unexplained; None where noise explains it."""
     named = verdict in NAMED
     if found.consistent_before or (named and found.consistent_after):
         return None
-    return Clues(found.start_data, found.final if named else found.start)
+    return ResidualEvidence(found.start_data, found.final if named else found.start)

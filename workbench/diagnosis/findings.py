@@ -12,38 +12,38 @@ from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
 from workbench.effects import effect_named
 from workbench.models import AppliedEffect, Model, Placement
 
-from .evidence.residual_evidence import Clues, adequacy_lines, finding_lines
+from .evidence.residual_evidence import ResidualEvidence, adequacy_lines, finding_lines
 from .hypothesis import Fit
-from .loss import floor_of_judging
+from .loss import test_noise_floor
 from .policy import POLICY
 from .removed_share import removed_share
 from .screening.compliance import other_causes
-from .search_result import Search, Stage, has_cause
-from .significance import stands_out
+from .search_result import AcceptedStep, SearchResult, has_cause
+from .significance import is_significant
 
 
-def findings_of(found: Search) -> tuple[Finding, ...]:
+def findings_of(found: SearchResult) -> tuple[Finding, ...]:
     """Effects of the final model, the one that explains most first."""
-    judged = found.start_data.held_out
+    on_holdout = found.start_data.held_out
     findings = []
     keys = {applied.key for applied in found.final.hypothesis.added}
     for applied in found.final.hypothesis.added:
-        index = next(k for k, s in enumerate(found.stages) if s.added == applied.key)
-        stage, previous = found.stages[index], _before(found, index)
+        index = next(k for k, s in enumerate(found.steps) if s.added == applied.key)
+        step, previous = found.steps[index], _before(found, index)
         score = found.start_data.score
         findings.append(
             Finding(
                 key=applied.key,
                 parameters=dict(applied.parameters),
-                error_after=score(stage.fit.mean_squares),
-                holdout_error_before=score(previous.mean_squares, held_out=True) if judged else None,
-                holdout_error_after=score(stage.fit.mean_squares, held_out=True) if judged else None,
-                probability=_probability(stage, found),
-                indistinguishable_from=stage.rivals_of(found.final),
+                error_after=score(step.fit.mean_squares),
+                holdout_error_before=score(previous.mean_squares, held_out=True) if on_holdout else None,
+                holdout_error_after=score(step.fit.mean_squares, held_out=True) if on_holdout else None,
+                probability=_probability(step, found),
+                indistinguishable_from=step.indistinguishable_at(found.final),
                 evidence=(
-                    *finding_lines(stage, applied, keys),
+                    *finding_lines(step, applied, keys),
                     *adequacy_lines(applied.key, found.adequacy),
-                    *Clues(found.start_data, previous).of_finding(applied.key),
+                    *ResidualEvidence(found.start_data, previous).of_finding(applied.key),
                 ),
                 **_corrected(found.model, applied),
             )
@@ -51,11 +51,11 @@ def findings_of(found: Search) -> tuple[Finding, ...]:
     return tuple(findings)
 
 
-def near_findings(found: Search) -> tuple[Finding, ...]:
+def near_findings(found: SearchResult) -> tuple[Finding, ...]:
     """What lowers the error beside the findings, and is not certain enough to be named."""
     score = found.start_data.score
-    judged = found.start_data.held_out
-    after = score(found.final.mean_squares, held_out=True) if judged else None
+    on_holdout = found.start_data.held_out
+    after = score(found.final.mean_squares, held_out=True) if on_holdout else None
     return tuple(
         Finding(a.key, dict(a.parameters), score(found.final.mean_squares), after, None, 0.0)
         for a in found.near
@@ -71,20 +71,20 @@ def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
     return {"model_value": own, "total": replace(more, value=own + more.value)}
 
 
-def _before(found: Search, index: int) -> Fit:
-    """The fit that a stage's effect was added to.
+def _before(found: SearchResult, index: int) -> Fit:
+    """The fit before a step added its effect.
 
-    That is the one before, unless it had in one effect what this stage has a part of: then the last without.
+    That is the previous fit; if that had a refinement of which this step has a part, the last fit without it.
     """
-    fits = [found.start, *(stage.fit for stage in found.stages)]
-    stage = found.stages[index]
-    if fits[index].judged > stage.fit.judged:
+    fits = [found.start, *(step.fit for step in found.steps)]
+    step = found.steps[index]
+    if fits[index].test_loss > step.fit.test_loss:
         return fits[index]
-    own = {a.key for a in stage.fit.hypothesis.added} - {stage.added}
+    own = {a.key for a in step.fit.hypothesis.added} - {step.added}
     return next(f for f in reversed(fits[: index + 1]) if own >= {a.key for a in f.hypothesis.added})
 
 
-def _probability(stage: Stage, found: Search) -> float:
+def _probability(step: AcceptedStep, found: SearchResult) -> float:
     """Chance that the name is right: by the distance of the next explanation and what stays unexplained.
 
     An explanation 10 % worse leaves about a fifth to doubt. Of those that do as well the simplest is named,
@@ -92,58 +92,64 @@ def _probability(stage: Stage, found: Search) -> float:
     `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more). What counts as
     a rival does not count as the next explanation besides.
     """
-    rivals = other_causes(found.model, stage.added, stage.rivals_of(found.final))
-    others = (left for key, left in stage.behind if key not in rivals and not has_cause(found.final, key))
+    indistinguishable = other_causes(found.model, step.added, step.indistinguishable_at(found.final))
+    others = (
+        left
+        for key, left in step.loss_ratios
+        if key not in indistinguishable and not has_cause(found.final, key)
+    )
     next_best = min(others, default=np.inf)
     close = float(np.exp(-POLICY.next_best_decay * max(next_best - 1.0, 0.0)))
     alone = 1.0 - POLICY.next_best_doubt * close
-    sure = found.adequacy.get(stage.added)
+    sure = found.adequacy.get(step.added)
     whole = 1.0 if found.consistent_after else sure.share if sure else found.explained
-    return float(min(alone, POLICY.surest) * whole / (1.0 + POLICY.rival_doubt * len(rivals) ** 2))
+    return float(min(alone, POLICY.surest) * whole / (1.0 + POLICY.rival_doubt * len(indistinguishable) ** 2))
 
 
-def ranking_of(found: Search) -> tuple[tuple[EffectKey, float], ...]:
+def ranking_of(found: SearchResult) -> tuple[tuple[EffectKey, float], ...]:
     """`removed_share` of each effect by itself: simulated where it was, else as screened."""
     if found.consistent_before or not found.screened:
         return ()
-    simulated = found.stages[0].ranking if found.stages else ()
+    simulated = found.steps[0].ranking if found.steps else ()
     done = {key for key, _ in simulated}
-    start, floor = found.start.judged, floor_of_judging(found.start_data)
+    start, floor = found.start.test_loss, test_noise_floor(found.start_data)
     rest = [
-        (c.key, float(np.clip(removed_share(start, c.judged, floor), 0.0, 1.0)))
+        (c.key, float(np.clip(removed_share(start, c.test_loss, floor), 0.0, 1.0)))
         for c in found.screened
         if c.key not in done
     ]
     return tuple(sorted((*simulated, *rest), key=lambda r: -r[1])[:12])
 
 
-def step_of(stage: Stage, found: Search, judged: bool, evidence: Mapping[EffectKey, tuple[str, ...]]) -> Step:
-    """A stage as a step of an improvement, with the evidence of the finding where there is some.
+def step_of(
+    step: AcceptedStep, found: SearchResult, on_holdout: bool, evidence: Mapping[EffectKey, tuple[str, ...]]
+) -> Step:
+    """An accepted step as a step of an improvement, with the evidence of the finding where there is some.
 
     Errors are those of the model at that step; parameters those of the last model, where it still has the
     effect.
     """
-    added = (*found.final.hypothesis.added, *stage.fit.hypothesis.added)
-    applied = next(a for a in added if a.key == stage.added)
+    added = (*found.final.hypothesis.added, *step.fit.hypothesis.added)
+    applied = next(a for a in added if a.key == step.added)
     score = found.start_data.score
     return Step(
-        key=stage.added,
+        key=step.added,
         parameters=dict(applied.parameters),
-        error=score(stage.fit.mean_squares),
-        holdout_error=score(stage.fit.mean_squares, held_out=True) if judged else None,
-        indistinguishable_from=stage.rivals_of(found.final),
-        evidence=evidence.get(stage.added) or finding_lines(stage, applied),
-        removed=stage.dropped,
+        error=score(step.fit.mean_squares),
+        holdout_error=score(step.fit.mean_squares, held_out=True) if on_holdout else None,
+        indistinguishable_from=step.indistinguishable_at(found.final),
+        evidence=evidence.get(step.added) or finding_lines(step, applied),
+        removed=step.dropped,
     )
 
 
-def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
+def near_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
     """A line on what takes off most of the excess, but not so much that it could be named.
 
     What takes off less has no name, but that there is something is told.
     """
     added = found.final.hypothesis.added
-    if verdict != "unexplained" or found.explained < POLICY.something or not all(map(stands_out, added)):
+    if verdict != "unexplained" or found.explained < POLICY.something or not all(map(is_significant, added)):
         return ()
     if found.explained < POLICY.near_named:
         return (
@@ -158,7 +164,7 @@ def near_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
     )
 
 
-def refuting_line(verdict: Verdict, found: Search) -> tuple[str, ...]:
+def refuting_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
     """A line on held-out recordings that show what those that were fitted do not."""
     data = found.start_data
     if verdict != "unexplained" or not found.consistent_before:
@@ -180,7 +186,7 @@ def _value(name: str, estimate: Estimate) -> str:
     return f"{name} {estimate.value:.3g} ± {2 * estimate.std:.2g} {unit}".strip()
 
 
-def cut_short_line(found: Search) -> tuple[str, ...]:
+def cut_short_line(found: SearchResult) -> tuple[str, ...]:
     """That there may be more to find, where a search ended because it had simulated enough."""
     if found.stopped != "budget":
         return ()

@@ -1,4 +1,4 @@
-"""What is believed while it is being tried: a model with effects, and how well it fits."""
+"""Hypotheses (a model with effects) and their fits."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ class Hypothesis:
 
     base: Model
     free: tuple[AppliedEffect, ...]
-    stated: tuple[AppliedEffect, ...] = ()
+    parameter_free: tuple[AppliedEffect, ...] = ()
 
     @property
     def added(self) -> tuple[AppliedEffect, ...]:
         """All effects over the base."""
-        return (*self.stated, *self.free)
+        return (*self.parameter_free, *self.free)
 
     @property
     def size(self) -> int:
@@ -50,17 +50,17 @@ class Fit:
         hypothesis: with the estimates and their deviations.
         simulated: its runs of all recordings.
         mean_squares: (R, 2, n).
-        trained: weighted mean square on the training data.
-        judged: the same on held-out data, or across folds with each fold left out of the fit.
-        agreeing: per fold (or held-out recording) weighted mean square, to be held against another's.
+        training_loss: weighted mean square on the training data.
+        test_loss: the same on held-out data, or cross-validated on folds.
+        fold_losses: test loss of each fold (or held-out recording), (F,).
     """
 
     hypothesis: Hypothesis
     simulated: tuple[Recording, ...]
     mean_squares: np.ndarray
-    trained: float
-    judged: float
-    agreeing: np.ndarray
+    training_loss: float
+    test_loss: float
+    fold_losses: np.ndarray
 
 
 def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
@@ -74,10 +74,10 @@ def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
     return out
 
 
-def room(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-    """How far each unknown may move: to its physical bound, nonlinear ones by as much as a step may.
+def step_bounds(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
+    """Bounds (C,) of one step: up to the physical bounds, and up to the longest step of nonlinear unknowns.
 
-    What begins beyond a bound has to come back by as much.
+    An unknown that starts outside its bound has to return.
     """
     low, high = [np.zeros(0)], [np.zeros(0)]
     for applied, _ in blocks(hypothesis):

@@ -47,10 +47,10 @@ def improve(
     first, last = found[0], found[-1]
     diagnosis = diagnosis_of(found)
     named = diagnosis.verdict in NAMED
-    added = bool(first.stages) and (named or (nearest and not refuted(first)))
+    added = bool(first.steps) and (named or (nearest and not refuted(first)))
     after, held = diagnosis.after, diagnosis.held_out
-    if added and not named and first.stages[-1].runs is not None:
-        after, *judging = comparisons(first.final.hypothesis.model, first.stages[-1].runs, first)
+    if added and not named and first.steps[-1].runs is not None:
+        after, *judging = comparisons(first.final.hypothesis.model, first.steps[-1].runs, first)
         held = (held[0], judging[0]) if held else None
     before, end = first.start, last.final if added else first.start
     judges = first.start_data.held_out
@@ -79,4 +79,4 @@ def improve(
 
 
 def _steps(found: Rounds, evidence: dict) -> tuple[Step, ...]:
-    return tuple(step_of(s, f, f.start_data.held_out, evidence) for f in found for s in f.stages)
+    return tuple(step_of(s, f, f.start_data.held_out, evidence) for f in found for s in f.steps)

@@ -11,22 +11,22 @@ from .hypothesis import Fit
 from .policy import POLICY
 
 
-def floor_of_judging(data: Data) -> float:
-    """Judged error that a perfect model would have, of noise and of what right simulations differ by."""
-    return data.objective(data.least(held_out=data.held_out_judges))
+def test_noise_floor(data: Data) -> float:
+    """Test loss of a perfect model: from noise, and from how much correct simulations differ."""
+    return data.objective(data.least(held_out=data.tests_on_holdout))
 
 
-def floor_of_fitting(data: Data) -> float:
-    """Fitted error that a perfect model would have."""
+def training_noise_floor(data: Data) -> float:
+    """Training loss of a perfect model."""
     return data.objective(data.least())
 
 
-def rejudged(old: Fit, data: Data) -> Fit:
-    """The same fit under new weights; its parameters stay, so folds are judged as they are."""
-    trained = data.objective(data.pool(old.mean_squares))
-    if data.held_out_judges:
+def rescored(old: Fit, data: Data) -> Fit:
+    """The same fit with losses under the weights of `data`; its parameters stay, also on folds."""
+    training_loss = data.objective(data.pool(old.mean_squares))
+    if data.tests_on_holdout:
         folds = np.array([data.objective(ms) for ms in old.mean_squares[data.training :]])
-        judged = data.objective(data.pool(old.mean_squares, held_out=True))
+        test_loss = data.objective(data.pool(old.mean_squares, held_out=True))
     else:
         folds = np.array(
             [
@@ -39,8 +39,8 @@ def rejudged(old: Fit, data: Data) -> Fit:
                 for f in data.folds
             ]
         )
-        judged = trained
-    return replace(old, trained=trained, judged=judged, agreeing=folds)
+        test_loss = training_loss
+    return replace(old, training_loss=training_loss, test_loss=test_loss, fold_losses=folds)
 
 
 def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
@@ -49,7 +49,7 @@ def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
     `at_end` has the floor of the last model, whose runs noise may drive farther apart than the first's.
     """
     shares = []
-    for held_out in {False, data.held_out_judges}:
+    for held_out in {False, data.tests_on_holdout}:
         floor = data.pool(data.floor, held_out)
         first, last = data.pool(start.mean_squares, held_out), data.pool(end.mean_squares, held_out)
         before = data.objective(np.maximum(first - floor, 0.0))
@@ -59,13 +59,13 @@ def explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
     return min(shares)
 
 
-def mostly_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
-    """As `explained`, but the median over recordings, by their length: runs that part may end elsewhere.
+def median_explained(data: Data, start: Fit, end: Fit, at_end: Data) -> float:
+    """As `explained`, but the median over recordings, by their length, for trajectories that diverge.
 
     Near a gap's resonance two motions can live side by side; on which one a recording lands, no model says.
     """
     worst = 1.0
-    for part in (slice(0, data.training), slice(data.training, None))[: 1 + data.held_out_judges]:
+    for part in (slice(0, data.training), slice(data.training, None))[: 1 + data.tests_on_holdout]:
         weight = data.weight**2
         floor, rest = data.floor[part], np.maximum(data.floor, at_end.floor)[part]
         before = np.sum(np.maximum(start.mean_squares[part] - floor, 0.0) * weight, axis=(1, 2))

@@ -1,4 +1,4 @@
-"""Whether a recorded motion repeats itself: then a piece of it has copies in all other pieces."""
+"""The period of a recorded motion: its folds must not be copies of each other."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from workbench.core import Recording
 from .policy import POLICY
 
 
-def repeat_of(recording: Recording) -> int | None:
-    """Rows after which the motion of all axes repeats itself, None where it does not.
+def motion_period(recording: Recording) -> int | None:
+    """Period in rows of the motion of all axes; None where it is not periodic.
 
-    It has to be there twice, whole.
+    The recording has two whole periods at least.
     """
     q = recording.position - recording.position.mean(axis=0)
     rows = len(q)

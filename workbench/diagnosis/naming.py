@@ -1,4 +1,4 @@
-"""Effects and their special cases: which is named, and what is named beside it."""
+"""Naming: an effect or its special case, and what is named beside it."""
 
 from __future__ import annotations
 
@@ -11,19 +11,24 @@ from workbench.models import Model, Placement
 from workbench.simulation import scored_torque
 
 from .data import Data
-from .fitting.fit import race
+from .fitting.fit import successive_halving
 from .fitting.refinement import with_candidate
 from .hypothesis import Fit
-from .loss import floor_of_judging
+from .loss import test_noise_floor
 from .moves.choice import Explanation
 from .policy import POLICY
-from .screening.compliance import pins_of
+from .screening.compliance import equivalents_at_joint
 from .screening.screen import Candidate
-from .screening.sensitivity import Scene
+from .screening.sensitivity import Linearisation
 
 
 def named_beside(
-    scene: Scene, candidates: Sequence[Candidate], chosen: Candidate, found: Fit, current: Fit, data: Data
+    linearisation: Linearisation,
+    candidates: Sequence[Candidate],
+    chosen: Candidate,
+    found: Fit,
+    current: Fit,
+    data: Data,
 ) -> list[Explanation]:
     """Effects with the chosen one as a special case that explain all as well and are no refinement of it.
 
@@ -33,42 +38,42 @@ def named_beside(
     wider = [c for c in candidates if contains(c.key, chosen.key) and _can_say(c)]
     if not wider:
         return []
-    fits, _ = race([with_candidate(scene, c, current) for c in wider], current, data)
+    fits, _ = successive_halving([with_candidate(linearisation, c, current) for c in wider], current, data)
     return [
         (c, f)
         for c, f in zip(wider, fits, strict=True)
         if f is not None
-        and f.judged <= found.judged * (1.0 + POLICY.tie)
-        and f.trained <= found.trained * (1.0 + POLICY.tie)
-        and _differs(scene, f)
+        and f.test_loss <= found.test_loss * (1.0 + POLICY.tie)
+        and f.training_loss <= found.training_loss * (1.0 + POLICY.tie)
+        and _differs(linearisation, f)
     ]
 
 
 def special_case(
-    scene: Scene, chosen: Candidate, found: Fit, helpful: Sequence[Explanation], data: Data
+    linearisation: Linearisation, chosen: Candidate, found: Fit, helpful: Sequence[Explanation], data: Data
 ) -> Explanation:
     """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
-    if _can_say(chosen) and not _differs(scene, found):
-        enough = POLICY.chance_gain * max(found.judged, floor_of_judging(data))
-        special = [(c, f) for c, f in helpful if contains(chosen.key, c.key) and f.judged < enough]
+    if _can_say(chosen) and not _differs(linearisation, found):
+        enough = POLICY.chance_gain * max(found.test_loss, test_noise_floor(data))
+        special = [(c, f) for c, f in helpful if contains(chosen.key, c.key) and f.test_loss < enough]
         return special[0] if special else (chosen, found)
     return chosen, found
 
 
-def twins_of(model: Model, key: EffectKey, recordings: Sequence[Recording]) -> tuple[EffectKey, ...]:
-    """Effects and places that no data can tell from this one, or no log without a measured torque."""
+def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]) -> tuple[EffectKey, ...]:
+    """Effects and places that no data can distinguish from this one, or no log without measured torque."""
     effect = effect_named(key.effect)
     twins = effect.twins if key.location == "actuator" else ()
     if all(scored_torque(r) != "torque_measured" for r in recordings):
         twins = (*twins, *effect.twins_by_command)
-    return (*(replace(key, effect=name) for name in twins), *pins_of(model, key))
+    return (*(replace(key, effect=name) for name in twins), *equivalents_at_joint(model, key))
 
 
 def _can_say(candidate: Candidate) -> bool:
     return type(effect_named(candidate.key.effect)).differs is not Effect.differs
 
 
-def _differs(scene: Scene, fit: Fit) -> bool:
+def _differs(linearisation: Linearisation, fit: Fit) -> bool:
     last = fit.hypothesis.free[-1]
     place = Placement.of(fit.hypothesis.model, last.key)
-    return effect_named(last.key.effect).differs(scene.motions, place, last.values)
+    return effect_named(last.key.effect).differs(linearisation.motions, place, last.values)

@@ -1,4 +1,4 @@
-"""The way of a search: one effect after the other, each with its own noise."""
+"""Nodes of the search, and forward selection from one node to the next."""
 
 from __future__ import annotations
 
@@ -13,133 +13,135 @@ from workbench.comparison.consistent import consistent
 from workbench.core import EffectKey, SimulationError
 from workbench.effects import effect_named
 
-from .acceptance import as_good_as_done, helps_later, overshadowed, unseen_on_held_out
+from .acceptance import holdout_insensitive, improves_residual, too_little_left, unchanged_on_holdout
 from .data import Data
-from .fitting.divergence import parting
+from .fitting.divergence import divergence
 from .hypothesis import Fit
-from .loss import explained, mostly_explained, rejudged
-from .moves.add import next_stage
+from .loss import explained, median_explained, rescored
+from .moves.add import next_step
 from .policy import POLICY
-from .problem import Quest
+from .problem import Problem
 from .screening.screen import Candidate, screen
-from .screening.sensitivity import Scene
+from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
-from .search_result import Stage
+from .search_result import AcceptedStep
 
 Keys = frozenset[EffectKey]
 
 
 @dataclass(frozen=True)
-class Way:
-    """Where a search stands: the fit, the data with its noise, how it came there, whether noise is left."""
+class Node:
+    """A node of the search: fit, data with noise floor, accepted steps, whether noise explains the rest."""
 
     current: Fit
     data: Data
-    stages: tuple[Stage, ...] = ()
+    steps: tuple[AcceptedStep, ...] = ()
     done: bool = False
 
 
-def onwards(
-    way: Way,
-    quest: Quest,
+def forward_selection(
+    node: Node,
+    problem: Problem,
     *,
-    through: bool = False,
+    allow_divergence: bool = False,
     basics_first: bool = True,
-    met: Collection[Keys] = (),
-) -> Way:
-    """One effect after the other from where the search stands.
+    visited: Collection[Keys] = (),
+) -> Node:
+    """The node after forward selection from `node`: one effect a step while one is accepted.
 
-    `through`: also where runs part by themselves; by how much they do is asked at the end.
+    `allow_divergence`: go on where trajectories diverge; the divergence is then measured at the end.
     `basics_first`: inertia, damping and Coulomb friction before others that explain somewhat more.
-    `met`: sets of effects from which the way on is known; it ends there.
+    `visited`: sets of effects whose continuation is known; the selection ends there.
     """
-    take = partial(next_stage, progress=quest.progress, basics_first=basics_first)
-    current, data, stages, done = way.current, way.data, list(way.stages), way.done
-    start, progress = quest.start, quest.progress
-    most = len(stages) + quest.limit
-    while not done and len(stages) < most and not (stages and as_good_as_done(current, start, data)):
-        if keys_of(current) in met or data.effort.spent:
+    take = partial(next_step, progress=problem.progress, basics_first=basics_first)
+    current, data, steps, done = node.current, node.data, list(node.steps), node.done
+    start, progress = problem.start, problem.progress
+    most = len(steps) + problem.limit
+    while not done and len(steps) < most and not (steps and too_little_left(current, start, data)):
+        if effect_keys(current) in visited or data.budget.spent:
             break
-        progress(f"screening effects, step {len(stages) + 1}")
-        scene, screened = screened_at(current, data, quest) if stages else (quest.scene, quest.screened)
-        stage = take(scene, screened, current, data, later=bool(stages))
-        if stage is None and overshadowed(current, data):
-            # held-out motion may never reach what is lacking, a limit for one
+        progress(f"screening effects, step {len(steps) + 1}")
+        linearisation, screened = (
+            screened_at(current, data, problem) if steps else (problem.linearisation, problem.screened)
+        )
+        step = take(linearisation, screened, current, data, later=bool(steps))
+        if step is None and holdout_insensitive(current, data):
+            # held-out motion may never show what is missing (a torque limit, for one)
             progress("judging by the recordings that show most")
-            deaf = data.unheard()
-            screened, _ = screen(scene, deaf, current.simulated, current.hypothesis.free)
-            stage = take(scene, screened, rejudged(current, deaf), deaf, later=bool(stages))
-            if stage is not None and not unseen_on_held_out(stage.fit, current, data):
-                stage = None
-        if stage is None:
+            by_folds = data.cross_validated()
+            screened, _ = screen(linearisation, by_folds, current.simulated, current.hypothesis.free)
+            step = take(linearisation, screened, rescored(current, by_folds), by_folds, later=bool(steps))
+            if step is not None and not unchanged_on_holdout(step.fit, current, data):
+                step = None
+        if step is None:
             break
-        costless = any(a.key == stage.added for a in stage.fit.hypothesis.stated)
-        if stages and not costless and not helps_later(stage.fit, current, start, stage.data):
+        costless = any(a.key == step.added for a in step.fit.hypothesis.parameter_free)
+        if steps and not costless and not improves_residual(step.fit, current, start, step.data):
             break
-        progress(f"found {stage.added}; simulating the noise")
-        fresh, runs = _refloor(stage.fit, data, quest.seed, wide=not through)
-        stages.append(replace(stage, data=fresh, runs=runs))
-        current = rejudged(stage.fit, fresh)
-        # what is left of runs that part by themselves says nothing of a further effect
+        progress(f"found {step.added}; simulating the noise")
+        fresh, runs = _refloor(step.fit, data, problem.seed, wide=not allow_divergence)
+        steps.append(replace(step, data=fresh, runs=runs))
+        current = rescored(step.fit, fresh)
+        # the residual of diverging trajectories says nothing about a further effect
         data, done = fresh, is_consistent(fresh, current.mean_squares)
-        if wanders(current) and not through:
+        if diverges(current) and not allow_divergence:
             break
-    return Way(current, data, tuple(stages), done)
+    return Node(current, data, tuple(steps), done)
 
 
-def keys_of(found: Fit) -> Keys:
+def effect_keys(found: Fit) -> Keys:
     """Its effects."""
     return frozenset(a.key for a in found.hypothesis.added)
 
 
-def screened_at(current: Fit, data: Data, quest: Quest) -> tuple[Scene, Sequence[Candidate]]:
-    """The loops linearised about where the search stands, and every effect screened there."""
-    scene = scene_at(current, data, quest)
-    return scene, candidates(scene, current, data, quest.seed)
+def screened_at(current: Fit, data: Data, problem: Problem) -> tuple[Linearisation, Sequence[Candidate]]:
+    """The linearisation about the current fit, and every effect screened there."""
+    linearisation = linearisation_at(current, data, problem)
+    return linearisation, candidates(linearisation, current, data, problem.seed)
 
 
-def scene_at(current: Fit, data: Data, quest: Quest) -> Scene:
-    """The loops linearised about where the search stands; the same where another way comes back to it."""
+def linearisation_at(current: Fit, data: Data, problem: Problem) -> Linearisation:
+    """The linearisation about the current fit, from the cache where the same runs were linearised before."""
     if not current.hypothesis.added:
-        return quest.scene
-    for scene in quest.scenes:
-        if all(a is b for a, b in zip(scene.runs, current.simulated, strict=True)):
-            return scene
-    scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
-    quest.scenes.appendleft(scene)
-    return scene
+        return problem.linearisation
+    for linearisation in problem.linearisations:
+        if all(a is b for a, b in zip(linearisation.runs, current.simulated, strict=True)):
+            return linearisation
+    linearisation = Linearisation.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+    problem.linearisations.appendleft(linearisation)
+    return linearisation
 
 
-def after(stages: tuple[Stage, ...], quest: Quest) -> Way:
-    """Where a search stood after its first stages, or before any."""
-    if not stages:
-        return Way(quest.start, quest.data)
-    data = stages[-1].data
-    return Way(rejudged(stages[-1].fit, data), data, stages)
+def node_after(steps: tuple[AcceptedStep, ...], problem: Problem) -> Node:
+    """The node after some first steps; the start where there are none."""
+    if not steps:
+        return Node(problem.start, problem.data)
+    data = steps[-1].data
+    return Node(rescored(steps[-1].fit, data), data, steps)
 
 
-def holds(way: Way, quest: Quest) -> bool:
-    """Whether what was found explains the data."""
-    if way.done or not way.stages:
-        return way.done
-    ends = quest.data, quest.start, way.current, way.data
-    shares = [explained(*ends), mostly_explained(*ends) if wanders(way.current) else 0.0]
+def explains_data(node: Node, problem: Problem) -> bool:
+    """Whether the effects of a node explain the data."""
+    if node.done or not node.steps:
+        return node.done
+    ends = problem.data, problem.start, node.current, node.data
+    shares = [explained(*ends), median_explained(*ends) if diverges(node.current) else 0.0]
     return max(shares) >= POLICY.explained
 
 
-def with_stages(way: Way, found: Sequence[Stage], seed: int, *, wide: bool = True) -> Way:
-    """The search after further stages, each with the noise of its own model."""
-    data, stages = way.data, list(way.stages)
-    for stage in found:
-        data, runs = _refloor(stage.fit, data, seed, wide=wide)
-        stages.append(replace(stage, data=data, runs=runs))
-    current = rejudged(stages[-1].fit, data)
-    return Way(current, data, tuple(stages), is_consistent(data, current.mean_squares))
+def with_steps(node: Node, found: Sequence[AcceptedStep], seed: int, *, wide: bool = True) -> Node:
+    """The node after further steps, each with the noise floor of its own model."""
+    data, steps = node.data, list(node.steps)
+    for step in found:
+        data, runs = _refloor(step.fit, data, seed, wide=wide)
+        steps.append(replace(step, data=data, runs=runs))
+    current = rescored(steps[-1].fit, data)
+    return Node(current, data, tuple(steps), is_consistent(data, current.mean_squares))
 
 
-def with_last(way: Way, last: Stage, seed: int) -> Way:
-    """The search with another form of its last stage, and the noise of that."""
-    return with_stages(replace(way, stages=way.stages[:-1]), (last,), seed)
+def with_last_step(node: Node, last: AcceptedStep, seed: int) -> Node:
+    """The node with another last step, and the noise floor of that."""
+    return with_steps(replace(node, steps=node.steps[:-1]), (last,), seed)
 
 
 def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = True) -> bool:
@@ -152,20 +154,20 @@ def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = Tru
     return consistent(pooled, draws, error, floors, allowed, by_signal=by_signal)
 
 
-def wanders(found: Fit) -> bool:
-    """Whether its runs part by themselves."""
-    return any(effect_named(a.key.effect).wanders for a in found.hypothesis.free)
+def diverges(found: Fit) -> bool:
+    """Whether trajectories of the fitted model diverge for small parameter changes."""
+    return any(effect_named(a.key.effect).diverges for a in found.hypothesis.free)
 
 
 def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated | None]:
-    """The noise of a model's own runs; `wide`: and how far these part by themselves.
+    """Data with the noise floor of the fitted model (`wide`: at least its divergence), and its runs.
 
-    Where noise is more than its loop stands, it is judged by the noise of the model before, and has no runs.
+    Where its loop is unstable under noise, the floor of the model before is kept, and there are no runs.
     """
     try:
         fresh, simulated = data.of_model(found.hypothesis.model, seed)
     except SimulationError:
-        return data.reweighed(found.mean_squares).heard(found.mean_squares), None
-    if wide and wanders(found):
-        fresh = replace(fresh, floor=np.maximum(fresh.floor, parting(found, data)))
-    return fresh.reweighed(found.mean_squares).heard(found.mean_squares), simulated
+        return data.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), None
+    if wide and diverges(found):
+        fresh = replace(fresh, floor=np.maximum(fresh.floor, divergence(found, data)))
+    return fresh.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), simulated

@@ -11,11 +11,11 @@ from workbench.models import AppliedEffect, Model
 
 from .data import gather
 from .fitting.fit import fit
-from .fitting.refinement import polished, with_candidate
-from .moves.grid_refinement import honed
+from .fitting.refinement import converged, with_candidate
+from .moves.grid_refinement import refined_on_grid
 from .problem import starting_fit
-from .screening.compliance import what_gives_way
-from .screening.sensitivity import Scene
+from .screening.compliance import compliance_candidates
+from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .search import Progress
 
@@ -28,7 +28,7 @@ def fit_effect(
     seed: int = 0,
     progress: Progress = lambda text: None,
 ) -> tuple[AppliedEffect, Model]:
-    """Fit one effect to recordings; nothing is judged.
+    """Fit one effect to recordings, without any test.
 
     Args:
         model: what it is added to; nothing else in it changes.
@@ -48,12 +48,12 @@ def fit_effect(
     progress("simulating the model and its noise")
     data, simulated = gather(model, recordings, (), seed)
     start = starting_fit(model, data, simulated.clean)
-    scene = Scene.of(model, data, start.simulated, len(data.recordings))
+    linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
     progress(f"looking for values of {key} to start from")
     tried = (
-        what_gives_way(scene, data.training, start.judged)
+        compliance_candidates(linearisation, data.training, start.test_loss)
         if effect_named(key.effect).splits
-        else candidates(scene, start, data, seed)
+        else candidates(linearisation, start, data, seed)
     )
     candidate = next((c for c in tried if c.key == key), None)
     if candidate is None:
@@ -61,14 +61,14 @@ def fit_effect(
             f"{key} explains nothing of what these recordings lack",
             remedy="choose another effect, or recordings in which it would show",
         )
-    hypothesis = with_candidate(scene, candidate, start)
-    if hypothesis.stated:
-        return hypothesis.stated[-1], hypothesis.model
+    hypothesis = with_candidate(linearisation, candidate, start)
+    if hypothesis.parameter_free:
+        return hypothesis.parameter_free[-1], hypothesis.model
     progress(f"fitting {key}")
     found = fit([hypothesis], data)[0]
     if found is None:
         raise InputError(f"the model does not run with {key}", remedy="choose another effect")
-    if effect_named(key.effect).wanders:
+    if effect_named(key.effect).diverges:
         progress(f"trying sizes of {key}")
-    found = honed(polished(found, data), data)
+    found = refined_on_grid(converged(found, data), data)
     return found.hypothesis.free[-1], found.hypothesis.model

@@ -1,4 +1,4 @@
-"""What is searched for: the model and its recordings, and what all parts of a search ask of them."""
+"""The problem: a model and its recordings, with what all parts of a search derive from them."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from workbench.models import Model
 
 from .data import Data, gather
 from .hypothesis import Fit, Hypothesis
-from .loss import rejudged
+from .loss import rescored
 from .moves.trial_fits import Progress
 from .screening.linear_problem import Linear, is_too_large, linear_along, linear_of
 from .screening.screen import Candidate
-from .screening.sensitivity import Scene
+from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .screening.torque_regression import Regression, regression_of
 
-_SCENES = 4  # that are kept: a way seldom has more places, and they hold every row
+_KEPT_LINEARISATIONS = 4  # cached: a search seldom returns to older ones, and each holds every row
 
 
 @dataclass(frozen=True)
-class Quest:
-    """What is searched for and with what.
+class Problem:
+    """A model and its recordings, and how to search.
 
     Attributes:
         start: the model as it is.
@@ -36,7 +36,7 @@ class Quest:
         limit: most effects to add one by one.
         seed: of the noise simulations.
         progress: told what is being done.
-        scenes: linearised loops of the last places where the search stood, newest first.
+        linearisations: of the last nodes, newest first.
     """
 
     start: Fit
@@ -44,13 +44,15 @@ class Quest:
     limit: int
     seed: int
     progress: Progress
-    scenes: deque[Scene] = field(default_factory=lambda: deque(maxlen=_SCENES), repr=False)
+    linearisations: deque[Linearisation] = field(
+        default_factory=lambda: deque(maxlen=_KEPT_LINEARISATIONS), repr=False
+    )
 
     @cached_property
-    def scene(self) -> Scene:
+    def linearisation(self) -> Linearisation:
         """The loops of the model as it is, linearised."""
         model = self.start.hypothesis.model
-        return Scene.of(model, self.data, self.start.simulated, len(self.data.recordings))
+        return Linearisation.of(model, self.data, self.start.simulated, len(self.data.recordings))
 
     @cached_property
     def along(self) -> tuple[Data, Fit, Regression] | None:
@@ -74,12 +76,12 @@ class Quest:
             fresh, runs = gather(model, along[: data.training], along[data.training :], self.seed)
         except SimulationError:
             return None
-        fresh = fresh.heard(fresh.mean_squares(runs.clean))
+        fresh = fresh.with_holdout_checked(fresh.mean_squares(runs.clean))
         return fresh, starting_fit(model, fresh, runs.clean)
 
     @property
-    def is_dear(self) -> bool:
-        """Whether loops of so many axes would have to be linearised for screening."""
+    def is_expensive(self) -> bool:
+        """Whether screening in the loop is expensive: more axes than effects may be added."""
         return self.data.replay.simulates and self.start.hypothesis.model.size > self.limit
 
     @cached_property
@@ -90,16 +92,16 @@ class Quest:
         """
         self.progress("asking what these recordings can tell apart")
         measured = isinstance(self.data.replay, MeasuredMotion)
-        if measured or self.is_dear or is_too_large(self.scene, self.data):
+        if measured or self.is_expensive or is_too_large(self.linearisation, self.data):
             return None if self.along is None else linear_along(self.along[2], self.along[0])
-        return linear_of(self.scene, self.data)
+        return linear_of(self.linearisation, self.data)
 
     @cached_property
     def screened(self) -> tuple[Candidate, ...]:
         """Every effect in every place, as a first one."""
         self.progress("screening effects")
         known = None if self.linear is None else self.linear.equations
-        return candidates(self.scene, self.start, self.data, self.seed, known)
+        return candidates(self.linearisation, self.start, self.data, self.seed, known)
 
 
 def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fit:
@@ -109,20 +111,20 @@ def starting_fit(model: Model, data: Data, simulated: Sequence[Recording]) -> Fi
 
 def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data) -> Fit:
     """A hypothesis as it is, with its runs of all recordings."""
-    unjudged = Fit(hypothesis, tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0))
-    return rejudged(unjudged, data)
+    unscored = Fit(hypothesis, tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0))
+    return rescored(unscored, data)
 
 
-def quest_of(
+def problem_of(
     model: Model, data: Data, simulated: Sequence[Recording], limit: int, seed: int, progress: Progress
-) -> Quest:
-    """What is searched for in a model.
+) -> Problem:
+    """The problem of a model on recordings.
 
     Args:
         model: the model as it is.
         data: its recordings, with its noise.
         simulated: its runs without noise.
-        limit, seed, progress: as `Quest` has them.
+        limit, seed, progress: as `Problem` has them.
     """
-    data = data.heard(data.mean_squares(simulated))
-    return Quest(starting_fit(model, data, simulated), data, limit, seed, progress)
+    data = data.with_holdout_checked(data.mean_squares(simulated))
+    return Problem(starting_fit(model, data, simulated), data, limit, seed, progress)

@@ -1,4 +1,4 @@
-"""What an effect removes: the one measure of it, of findings, rankings and races."""
+"""The share of the excess error that an effect removes: one measure for findings and rankings."""
 
 from __future__ import annotations
 

@@ -12,16 +12,16 @@ from workbench.models import Model
 from workbench.simulation import scored_torque
 
 from .checks.loops import refuse_coordinates
-from .checks.sign_check import refuse_turned
+from .checks.sign_check import refuse_wrong_sign_of_torque
 from .checks.units import refuse_unit
 from .policy import POLICY
 from .search import Progress, UnstableLoop, search
-from .search_result import Search
+from .search_result import SearchResult
 from .verdict import NAMED, verdict_of
 
 _UNSTABLE = "The model is unstable in the loop"
 
-Rounds = tuple[Search, ...]
+Rounds = tuple[SearchResult, ...]
 
 
 def rounds(
@@ -51,13 +51,13 @@ def rounds(
             found = _searched(better, training, held_out, seed, limit, progress, only_jointly=True)
         except SimulationError:
             break
-        if not (found.stages and _names(found)):
+        if not (found.steps and _names(found)):
             break
         out.append(found)
     return tuple(out)
 
 
-def _names(found: Search) -> bool:
+def _names(found: SearchResult) -> bool:
     return verdict_of(found)[0] in NAMED
 
 
@@ -70,7 +70,7 @@ def _searched(
     progress: Progress,
     *,
     only_jointly: bool = False,
-) -> Search:
+) -> SearchResult:
     """What was found in the loops; where the model cannot run in them, along the measured motion.
 
     The friction and the rotors that a model lacks may be what keeps the machine's loop stable. The torque
@@ -84,7 +84,7 @@ def _searched(
             raise
         along, judging = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
         found = search(model, along, judging, seed, limit, progress, only_jointly=only_jointly)
-        if not found.consistent_before and max(found.explained, found.mostly) < POLICY.near_named:
+        if not found.consistent_before and max(found.explained, found.median_explained) < POLICY.near_named:
             raise
         return found
 
@@ -107,11 +107,11 @@ def _matched(
         )  # fmt: skip
     refuse_coordinates(model, (*fitted, *judging))
     refuse_unit(model, fitted)
-    refuse_turned(model, fitted)
+    refuse_wrong_sign_of_torque(model, fitted)
     return fitted, judging
 
 
-def comparisons(model: Model, runs: Simulated, found: Search) -> list[Comparison]:
+def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comparison]:
     """Of the recordings that were fitted, and of held-out ones where there are some."""
     data = found.start_data
     fitted, judging = slice(0, data.training), slice(data.training, None)

@@ -1,4 +1,4 @@
-"""Forward selection of effects with removal, judged on data that were not fitted."""
+"""The search: forward selection, alternative starts, and moves that replace, merge and simplify."""
 
 from __future__ import annotations
 
@@ -10,24 +10,38 @@ from workbench.core import Disagreement, Identifiability, Recording, SimulationE
 from workbench.effects import effect_named
 from workbench.models import Model
 
-from .checks.sign_check import refuse_mirrored
+from .checks.sign_check import refuse_wrong_sign_in_loop
 from .data import gather
-from .loss import explained, floor_of_judging, mostly_explained
-from .moves.alternative_starts import fewer, otherwise, what_the_torque_shows, what_was_passed_over
-from .moves.grid_refinement import honed
-from .moves.joint_solution import Joint, jointly
-from .moves.merge import one_for_two
-from .moves.replace import others_instead
-from .moves.simplify import simpler, without
+from .loss import explained, median_explained, test_noise_floor
+from .moves.alternative_starts import (
+    alternative_starts,
+    retry_with_refinement,
+    with_compliance_from_torque,
+    with_fewer_parameters,
+)
+from .moves.grid_refinement import refined_on_grid
+from .moves.joint_solution import JointSolution, solve_jointly
+from .moves.merge import merge_effects
+from .moves.replace import replace_effects
+from .moves.simplify import simplify, without
 from .moves.trial_fits import Progress
-from .node import Way, after, holds, is_consistent, onwards, wanders, with_last, with_stages
+from .node import (
+    Node,
+    diverges,
+    explains_data,
+    forward_selection,
+    is_consistent,
+    node_after,
+    with_last_step,
+    with_steps,
+)
 from .policy import POLICY
-from .problem import Quest, quest_of
+from .problem import Problem, problem_of
 from .removed_share import removed_share
 from .screening.identifiability import disagreements, identifiability_of
-from .screening.screen import silent
-from .search_result import Search
-from .significance import stands_out
+from .screening.screen import unobservable_effects
+from .search_result import SearchResult
+from .significance import is_significant
 
 
 class UnstableLoop(SimulationError):
@@ -43,18 +57,17 @@ def search(
     progress: Progress = lambda text: None,
     *,
     only_jointly: bool = False,
-) -> Search:
-    """Add effects one at a time until noise explains the rest or nothing helps.
+) -> SearchResult:
+    """The result of a search for missing effects: it ends at the noise floor or where nothing helps.
 
-    Where that leaves the data unexplained there are other ways to begin, of which more is asked in the end:
-    by what the training recordings show, where held-out motion shows little; and with two effects at once,
-    since the best first step of a pair may be neither of them.
+    Effects are added one at a time. Where that leaves the data unexplained, alternative starts are tried,
+    which must explain more in the end.
 
     Args:
         model: where to start.
         training: recordings for fitting.
-        held_out: recordings for judging; without them, or where they show nothing of what is lacking,
-            folds of the training data judge.
+        held_out: recordings for testing; without them, or where they are not informative, cross-validation
+            on folds of the training data takes their place.
         seed: of the noise simulations.
         limit: most effects to add one by one; None: as many as the policy has.
         progress: told what is being done.
@@ -71,87 +84,91 @@ def search(
     if noise_rules(data.score(data.floor), data.recordings):
         raise UnstableLoop(cannot_run(model.name, data.score(data.floor)))
     most = POLICY.most_effects if limit is None else limit
-    quest = quest_of(model, data, simulated.clean, most, seed, progress)
-    start, first = quest.start, quest.data
+    problem = problem_of(model, data, simulated.clean, most, seed, progress)
+    start, first = problem.start, problem.data
     before = is_consistent(first, start.mean_squares)
-    way, joint = Way(start, first, done=before), None
+    node, joint = Node(start, first, done=before), None
     if not before:
         if not data.replay.on_ground:
-            refuse_mirrored(model, training, first.score(start.mean_squares), first.score(first.floor))
-        way, joint = _only_jointly(way, quest) if only_jointly else _explained(quest)
-    current, data = way.current, way.data
+            refuse_wrong_sign_in_loop(
+                model, training, first.score(start.mean_squares), first.score(first.floor)
+            )
+        node, joint = _only_jointly(node, problem) if only_jointly else _explained(problem)
+    current, data = node.current, node.data
     # a signal that is a little off after all that could be found is no sign of one more effect
-    done = way.done or (len(way.stages) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
-    return Search(
+    done = node.done or (len(node.steps) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
+    return SearchResult(
         model,
         start,
         first,
         simulated,
-        way.stages,
-        () if before or only_jointly or (joint and quest.is_dear) else quest.screened,
+        node.steps,
+        () if before or only_jointly or (joint and problem.is_expensive) else problem.screened,
         before,
         done,
         explained(first, start, current, data),
-        mostly_explained(first, start, current, data) if wanders(current) else 0.0,
+        median_explained(first, start, current, data) if diverges(current) else 0.0,
         joint.adequacy if joint else {},
         joint.near if joint else (),
-        *((None, ()) if only_jointly else _told(quest)),
+        *((None, ()) if only_jointly else _told(problem)),
         joint is not None,
     )
 
 
-def _told(quest: Quest) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
-    """What the recordings can tell apart, and which of them disagree; nothing where that cannot be asked."""
-    if quest.linear is None:
+def _told(problem: Problem) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
+    """Identifiability and disagreement of the recordings; nothing where there is no linear problem."""
+    if problem.linear is None:
         return None, ()
-    linear, data, names = quest.linear, quest.data, [r.name for r in quest.data.recordings]
-    model = quest.start.hypothesis.model
-    return identifiability_of(linear, model, data, silent(quest.scene, data)), disagreements(linear, names)
+    linear, data, names = problem.linear, problem.data, [r.name for r in problem.data.recordings]
+    model = problem.start.hypothesis.model
+    return identifiability_of(
+        linear, model, data, unobservable_effects(problem.linearisation, data)
+    ), disagreements(linear, names)
 
 
-def _only_jointly(start: Way, quest: Quest) -> tuple[Way, Joint | None]:
-    joint = jointly(quest)
-    return (start, None) if joint is None else (joint.way, joint)
+def _only_jointly(start: Node, problem: Problem) -> tuple[Node, JointSolution | None]:
+    joint = solve_jointly(problem)
+    return (start, None) if joint is None else (joint.node, joint)
 
 
-def _explained(quest: Quest) -> tuple[Way, Joint | None]:
-    """What is missing, and the joint solution where that is the answer.
+def _explained(problem: Problem) -> tuple[Node, JointSolution | None]:
+    """The last node, and the joint solution where that is the answer.
 
     All axes and effects are solved together along the measured motion where no single effect explains the
     recordings. That is the answer where more is missing than can be added one by one; where plain causes lead
     to the noise; where several are certain that explain most; and where the search one by one does not end in
     an explanation, or in one that takes more parameters.
     """
-    start, several = Way(quest.start, quest.data), quest.limit > 1
-    joint = jointly(quest) if several and (_is_long(quest) or not _one_may_do(quest)) else None
-    if joint and (joint.size > quest.limit or (_is_plain(joint) and not _one_may_do(quest))):
-        return joint.way, joint
+    start, several = Node(problem.start, problem.data), problem.limit > 1
+    joint = solve_jointly(problem) if several and (_is_long(problem) or not _one_may_do(problem)) else None
+    if joint and (joint.size > problem.limit or (_is_plain(joint) and not _one_may_do(problem))):
+        return joint.node, joint
     if joint and _are_several(joint):
         # what is no torque along the motion may be missing beside them
-        way = onwards(joint.way, quest)
-        if holds(way, quest):
-            return _plain(_simplified(way, quest.seed, quest.progress), quest), None
-        if explained(quest.data, quest.start, joint.way.current, joint.way.data) > POLICY.certain_share:
-            return joint.way, joint
-    way = _one_by_one(start, quest)
-    if not several or (holds(way, quest) and len(way.stages) < 2):
-        return way, None
-    joint = joint or jointly(quest)
-    if joint is None or (holds(way, quest) and not _is_simpler(joint.way, way)):
-        return way, None
-    return joint.way, joint
+        node = forward_selection(joint.node, problem)
+        if explains_data(node, problem):
+            return _plain(_simplified(node, problem.seed, problem.progress), problem), None
+        if explained(problem.data, problem.start, joint.node.current, joint.node.data) > POLICY.certain_share:
+            return joint.node, joint
+    node = _one_by_one(start, problem)
+    if not several or (explains_data(node, problem) and len(node.steps) < 2):
+        return node, None
+    joint = joint or solve_jointly(problem)
+    if joint is None or (explains_data(node, problem) and not _is_simpler(joint.node, node)):
+        return node, None
+    return joint.node, joint
 
 
-def _are_several(joint: Joint) -> bool:
-    """Whether so much is certain, on more than one axis, that it does not stand for one other cause."""
-    keys = [stage.added for stage in joint.way.stages]
-    return not joint.way.done and len(keys) >= POLICY.certain_effects and len({k.axis for k in keys}) > 1
+def _are_several(joint: JointSolution) -> bool:
+    """Whether several effects on more than one axis are certain, too many to approximate one other cause."""
+    keys = [step.added for step in joint.node.steps]
+    return not joint.node.done and len(keys) >= POLICY.certain_effects and len({k.axis for k in keys}) > 1
 
 
-def _is_plain(joint: Joint) -> bool:
-    """Whether numbers of drives and links alone lead to the noise, which nothing else stands behind."""
-    keys = [stage.added for stage in joint.way.stages]
-    return joint.way.done and len(keys) > 1 and all(k.axis and _is_number(k.effect) for k in keys)
+def _is_plain(joint: JointSolution) -> bool:
+    """Whether corrections of drive and link parameters alone reach the noise floor."""
+    keys = [step.added for step in joint.node.steps]
+    return joint.node.done and len(keys) > 1 and all(k.axis and _is_number(k.effect) for k in keys)
 
 
 def _is_number(effect: str) -> bool:
@@ -159,72 +176,72 @@ def _is_number(effect: str) -> bool:
     return effect_named(effect).basic or effect_named(effect).adds_up
 
 
-def _is_simpler(one: Way, other: Way) -> bool:
-    """Whether a way that leads to the noise takes fewer parameters than another."""
+def _is_simpler(one: Node, other: Node) -> bool:
+    """Whether a node at the noise floor has fewer parameters than another."""
     return one.done and one.current.hypothesis.size < other.current.hypothesis.size
 
 
-def _is_long(quest: Quest) -> bool:
-    """Whether single effects are too dear or too few to begin with: no loop, or more axes than effects."""
-    return isinstance(quest.data.replay, MeasuredMotion) or quest.is_dear
+def _is_long(problem: Problem) -> bool:
+    """Whether to start with the joint solution: no loop, or more axes than effects may be added."""
+    return isinstance(problem.data.replay, MeasuredMotion) or problem.is_expensive
 
 
-def _one_may_do(quest: Quest) -> bool:
+def _one_may_do(problem: Problem) -> bool:
     """Whether a single effect, as screened, explains the recordings."""
-    least = min((c.judged for c in quest.screened), default=quest.start.judged)
-    return removed_share(quest.start.judged, least, floor_of_judging(quest.data)) >= POLICY.explained
+    least = min((c.test_loss for c in problem.screened), default=problem.start.test_loss)
+    return removed_share(problem.start.test_loss, least, test_noise_floor(problem.data)) >= POLICY.explained
 
 
-def _one_by_one(way: Way, quest: Quest) -> Way:
-    """One effect after the other, or from other beginnings where that leads nowhere."""
-    way = _honed(onwards(way, quest), quest)
-    if not holds(way, quest) and quest.limit > 1:
-        other = otherwise(way, quest)
-        way = way if other is way else _honed(other, quest)
-    elif quest.limit > 1:
-        way = fewer(way, quest)
-        way = what_was_passed_over(what_the_torque_shows(way, quest), quest)
-        way = _honed(way, quest)
-    way = one_for_two(others_instead(way, quest), quest)
-    return _plain(_simplified(way, quest.seed, quest.progress), quest)
+def _one_by_one(node: Node, problem: Problem) -> Node:
+    """The node after forward selection, or an alternative start, and the moves that improve it."""
+    node = _refined_on_grid(forward_selection(node, problem), problem)
+    if not explains_data(node, problem) and problem.limit > 1:
+        other = alternative_starts(node, problem)
+        node = node if other is node else _refined_on_grid(other, problem)
+    elif problem.limit > 1:
+        node = with_fewer_parameters(node, problem)
+        node = retry_with_refinement(with_compliance_from_torque(node, problem), problem)
+        node = _refined_on_grid(node, problem)
+    node = merge_effects(replace_effects(node, problem), problem)
+    return _plain(_simplified(node, problem.seed, problem.progress), problem)
 
 
-def _honed(way: Way, quest: Quest) -> Way:
-    """With gaps of the size with which loops run best."""
-    if not wanders(way.current) or way.data.effort.spent:
-        return way
-    quest.progress("trying sizes of the gap")
-    better = honed(way.current, way.data)
-    if better is way.current:
-        return way
-    return with_last(way, replace(way.stages[-1], fit=better), quest.seed)
+def _refined_on_grid(node: Node, problem: Problem) -> Node:
+    """The node with backlash refined on a grid."""
+    if not diverges(node.current) or node.data.budget.spent:
+        return node
+    problem.progress("trying sizes of the gap")
+    better = refined_on_grid(node.current, node.data)
+    if better is node.current:
+        return node
+    return with_last_step(node, replace(node.steps[-1], fit=better), problem.seed)
 
 
-def _plain(way: Way, quest: Quest) -> Way:
-    """Without last effects that may be none; what they explained stays unexplained."""
-    stages = way.stages
-    while stages:
-        last = next(a for a in stages[-1].fit.hypothesis.added if a.key == stages[-1].added)
-        if last in stages[-1].fit.hypothesis.stated or stands_out(last):
+def _plain(node: Node, problem: Problem) -> Node:
+    """The node without insignificant last effects; what they explained stays unexplained."""
+    steps = node.steps
+    while steps:
+        last = next(a for a in steps[-1].fit.hypothesis.added if a.key == steps[-1].added)
+        if last in steps[-1].fit.hypothesis.parameter_free or is_significant(last):
             break
-        stages = stages[:-1]
-    if len(stages) == len(way.stages):
-        return way
-    return after(stages, quest)
+        steps = steps[:-1]
+    if len(steps) == len(node.steps):
+        return node
+    return node_after(steps, problem)
 
 
-def _simplified(way: Way, seed: int, progress: Progress) -> Way:
-    """Once all causes are there, without earlier ones that may be none, and simpler forms of the others."""
-    for stage in way.stages[:-1]:
-        last = way.stages[-1]
-        rest = without(stage, way.current, way.data) if stage.added != last.added else None
+def _simplified(node: Node, seed: int, progress: Progress) -> Node:
+    """The node without insignificant earlier effects, and with special cases where they fit as well."""
+    for step in node.steps[:-1]:
+        last = node.steps[-1]
+        rest = without(step, node.current, node.data) if step.added != last.added else None
         if rest:
-            way = with_last(way, replace(last, fit=rest, dropped=(*last.dropped, stage.added)), seed)
-    for stage in way.stages:
-        simple = simpler(stage, way.current, way.data, progress, last=stage is way.stages[-1])
-        if simple and stage is way.stages[-1]:
-            simple = (replace(simple[0], dropped=stage.dropped), *simple[1:])
-            way = replace(way, stages=way.stages[:-1])
+            node = with_last_step(node, replace(last, fit=rest, dropped=(*last.dropped, step.added)), seed)
+    for step in node.steps:
+        simple = simplify(step, node.current, node.data, progress, last=step is node.steps[-1])
+        if simple and step is node.steps[-1]:
+            simple = (replace(simple[0], dropped=step.dropped), *simple[1:])
+            node = replace(node, steps=node.steps[:-1])
         if simple:
-            way = with_stages(way, simple, seed)
-    return way
+            node = with_steps(node, simple, seed)
+    return node

@@ -1,4 +1,4 @@
-"""What a search finds: the effects it accepted one by one, and the way from start to end."""
+"""The result of a search: accepted steps from start to end."""
 
 from __future__ import annotations
 
@@ -17,41 +17,40 @@ from .screening.screen import Candidate
 
 
 @dataclass(frozen=True)
-class Stage:
-    """One accepted effect.
+class AcceptedStep:
+    """One accepted effect, with the fit that has it.
 
     Attributes:
         added: the effect.
         fit: model with it and all earlier ones, refitted.
         data: recordings with the noise floor of that model.
-        removed_share: share of the squared error above the noise, as it was before, that it removed (see
-            `removed.removed_share`).
-        rivals: effects that do as well, with the number of free parameters no smaller.
+        removed_share: share of the excess squared error before that it removed (`removed_share`).
+        indistinguishable: effects that fit as well, with no fewer free parameters.
         others: models with the best other explanations in place of it, best first.
         dropped: earlier effects that it made needless.
         ranking: the same share of every simulated candidate by itself, best first.
-        behind: other explanations with their judged error over this one's, best first.
-        folds: (agreeing, all).
-        by_held_out: whether held-out recordings judged.
-        runs: the model's runs, without and with noise; filled in when the stage is accepted.
+        loss_ratios: other explanations with their test loss over this one's, best first.
+        folds: number of folds that improved, and of all.
+        by_holdout: whether the test loss was that of held-out recordings.
+        runs: the model's runs, without and with noise; filled in when the step is accepted.
     """
 
     added: EffectKey
     fit: Fit
     data: Data
     removed_share: float
-    rivals: tuple[EffectKey, ...]
+    indistinguishable: tuple[EffectKey, ...]
     others: tuple[tuple[EffectKey, Model], ...]
     dropped: tuple[EffectKey, ...]
     ranking: tuple[tuple[EffectKey, float], ...]
-    behind: tuple[tuple[EffectKey, float], ...]
+    loss_ratios: tuple[tuple[EffectKey, float], ...]
     folds: tuple[int, int]
-    by_held_out: bool
+    by_holdout: bool
     runs: Simulated | None = None
 
-    def rivals_of(self, end: Fit) -> tuple[EffectKey, ...]:
-        """What does as well and was not found beside it, in any form: that would be no other name for it."""
-        return tuple(key for key in self.rivals if not has_cause(end, key))
+    def indistinguishable_at(self, end: Fit) -> tuple[EffectKey, ...]:
+        """Indistinguishable effects, without those that are in the final fit in any form."""
+        return tuple(key for key in self.indistinguishable if not has_cause(end, key))
 
 
 def has_cause(found: Fit, key: EffectKey) -> bool:
@@ -60,26 +59,26 @@ def has_cause(found: Fit, key: EffectKey) -> bool:
 
 
 @dataclass(frozen=True)
-class Search:
-    """The whole way: data and fit at the start, stages, first screening, whether noise explains the end.
+class SearchResult:
+    """The result of a search: data and fit at the start, accepted steps, first screening, and how it ended.
 
-    `explained` is the share of the excess that is gone; `mostly` the same of the recording in the middle,
-    where the final model's runs part by themselves (else 0). `adequacy`: of effects that are certain although
-    something else is missing. `near`: what helps beside them and is not certain. `identifiability` and
-    `disagreeing`: what the recordings can tell apart and where they contradict each other, before any search.
-    `jointly`: whether all axes were solved together.
+    `explained` is the share of the excess squared error that is gone; `median_explained` is the same for the
+    median recording, where trajectories of the final model diverge (else 0). `adequacy` has the effects that
+    are certain although something else is missing; `near` those that help beside them and are not certain.
+    `identifiability` and `disagreeing` say what the recordings can tell apart and where they contradict each
+    other, before any search. `jointly`: whether all axes were solved together.
     """
 
     model: Model
     start: Fit
     start_data: Data
     start_runs: Simulated
-    stages: tuple[Stage, ...]
+    steps: tuple[AcceptedStep, ...]
     screened: tuple[Candidate, ...]
     consistent_before: bool
     consistent_after: bool
     explained: float
-    mostly: float = 0.0
+    median_explained: float = 0.0
     adequacy: Mapping[EffectKey, Adequacy] = field(default_factory=dict)
     near: tuple[AppliedEffect, ...] = ()
     identifiability: Identifiability | None = None
@@ -91,14 +90,14 @@ class Search:
         """Why it ended: noise explains the rest, its budget was spent, or nothing more helps."""
         if self.consistent_before or self.consistent_after:
             return "noise"
-        return "budget" if self.start_data.effort.spent else "nothing_helps"
+        return "budget" if self.start_data.budget.spent else "nothing_helps"
 
     @property
     def final(self) -> Fit:
         """The last accepted fit."""
-        return self.stages[-1].fit if self.stages else self.start
+        return self.steps[-1].fit if self.steps else self.start
 
     @property
     def final_data(self) -> Data:
         """The recordings with the floor of the last accepted model."""
-        return self.stages[-1].data if self.stages else self.start_data
+        return self.steps[-1].data if self.steps else self.start_data

@@ -11,23 +11,23 @@ from workbench.models import AppliedEffect, Model, Placement
 
 from .hypothesis import Fit
 from .policy import POLICY
-from .screening.sensitivity import Column, Scene, combine
+from .screening.sensitivity import Linearisation, SensitivityColumn, combine
 
 INTERVAL = 1.96  #: deviations of the 95 % interval that is reported
 
 
-def witnessed(scene: Scene, found: Fit) -> bool:
-    """Whether the recorded motions show each effect whole enough to be named, none larger than can be."""
+def identifiable(linearisation: Linearisation, found: Fit) -> bool:
+    """Whether the motions identify each free effect, and none is at its physical bound."""
     model = found.hypothesis.model
     return all(
-        effect_named(a.key.effect).witnessed(scene.motions, Placement.of(model, a.key), a.values)
+        effect_named(a.key.effect).identifiable(linearisation.motions, Placement.of(model, a.key), a.values)
         and not _at_its_limit(model, a)
         for a in found.hypothesis.free
     )
 
 
 def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
-    """Whether an effect would have to be larger than physics allows: then it stands in for another."""
+    """Whether an effect is at its physical bound: then it approximates another cause."""
     effect = effect_named(applied.key.effect)
     coefficients, _ = effect.to_coefficients(applied.values)
     lower, upper = effect.bounds(model, Placement.of(model, applied.key))
@@ -36,17 +36,17 @@ def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
     return bool(np.isclose(coefficients, limits, rtol=1e-6, atol=0.0).any())
 
 
-def stands_out(applied: AppliedEffect, deviations: float | None = None) -> bool:
-    """Whether an estimate is clearly another than what has no effect.
+def is_significant(applied: AppliedEffect, deviations: float | None = None) -> bool:
+    """Whether an estimate differs significantly from its neutral value.
 
     One that helps and may yet be nothing stands for something else: in a simulator even a lag of no length
     may change at which instant a signal is read.
     """
-    return clearness(applied) > (POLICY.significant if deviations is None else deviations)
+    return significance(applied) > (POLICY.significant if deviations is None else deviations)
 
 
-def clearness(applied: AppliedEffect) -> float:
-    """How many deviations the clearest of its sizes is from what has no effect."""
+def significance(applied: AppliedEffect) -> float:
+    """How many standard deviations the clearest parameter is from its neutral value."""
     estimates = [(applied.parameters[p.name], p.neutral) for p in sizes_of(applied)]
     return max((abs(e.value - none) / max(e.std, 1e-300) for e, none in estimates), default=0.0)
 
@@ -59,13 +59,13 @@ def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
     return sizes or effect.parameters
 
 
-def cancels(scene: Scene, found: Fit) -> bool:
-    """Whether effects mostly undo each other: two smooth curves that mimic a third, not two causes."""
-    totals = [scene.total(a, a.values) for a in found.hypothesis.free]
+def cancel_each_other(linearisation: Linearisation, found: Fit) -> bool:
+    """Whether effects mostly cancel each other: two smooth curves that imitate a third, not two causes."""
+    totals = [linearisation.total(a, a.values) for a in found.hypothesis.free]
     if len(totals) < 2:
         return False
 
-    def size(column: Column) -> float:
+    def size(column: SensitivityColumn) -> float:
         return float(np.sqrt(sum(np.sum(t**2) for t in column.torque)))
 
     return sum(map(size, totals)) > POLICY.cancelling * size(combine(totals, [1.0] * len(totals)))

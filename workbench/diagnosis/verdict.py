@@ -5,58 +5,58 @@ from __future__ import annotations
 from workbench.core import Verdict
 from workbench.effects import effect_named
 
-from .acceptance import contradicted
-from .evidence.residual_evidence import Clues
-from .moves.overestimated import TooMuch, too_much
+from .acceptance import contradicts_holdout
+from .evidence.residual_evidence import ResidualEvidence
+from .moves.overestimated import Overestimated, overestimated
 from .policy import POLICY
-from .search_result import Search
-from .significance import stands_out
+from .search_result import SearchResult
+from .significance import is_significant
 
 NAMED = ("missing_effect", "partly_explained")  #: verdicts with findings
 
 
-def verdict_of(found: Search) -> tuple[Verdict, TooMuch | None]:
+def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
     """The verdict, and what the model has too much of, where that was asked."""
     if found.consistent_before:
         return "unexplained" if refuted(found) else "consistent", None
-    explains = found.consistent_after or max(found.explained, found.mostly) >= POLICY.explained
+    explains = found.consistent_after or max(found.explained, found.median_explained) >= POLICY.explained
     if found.adequacy and not explains and not refuted(found):
         return "partly_explained", None
     named = (
-        found.stages
+        found.steps
         and explains
         and not refuted(found)
         and not _another_shape(found)
-        and all(stands_out(a) for a in found.final.hypothesis.free)
+        and all(is_significant(a) for a in found.final.hypothesis.free)
         and not _far_off_the_ground(found)
     )
     doubtful = not found.consistent_after or found.final.hypothesis.size > POLICY.plain_parameters
-    less = too_much(found) if doubtful else None
+    less = overestimated(found) if doubtful else None
     if less is not None and less.plainer_than(found):
         named = False
     return "missing_effect" if named else "unexplained", less
 
 
-def refuted(found: Search) -> bool:
+def refuted(found: SearchResult) -> bool:
     """Whether held-out motion says no, where the recordings that were fitted have nothing left to say.
 
     Where it showed the lack from the start, its say is part of what is explained.
     """
-    heard = not (found.consistent_before or found.start_data.silent)
-    return not heard and contradicted(found.final, found.final_data)
+    informative = not (found.consistent_before or found.start_data.holdout_uninformative)
+    return not informative and contradicts_holdout(found.final, found.final_data)
 
 
-def _another_shape(found: Search) -> bool:
+def _another_shape(found: SearchResult) -> bool:
     """Whether a torque that positions decide was named and the rest still follows positions.
 
     A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
     """
     added = found.final.hypothesis.free
     named = any(effect_named(a.key.effect).depends_on == ("position",) for a in added)
-    return named and Clues(found.final_data, found.final).follows_positions
+    return named and ResidualEvidence(found.final_data, found.final).follows_positions
 
 
-def _far_off_the_ground(found: Search) -> bool:
+def _far_off_the_ground(found: SearchResult) -> bool:
     """Whether a search on the ground ends well above the noise.
 
     A foot a millimetre off is many newtons, nearly all of which any other way to lift it takes off as well.

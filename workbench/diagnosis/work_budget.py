@@ -1,4 +1,4 @@
-"""How much a search has simulated, and when that is enough."""
+"""The work budget of a search: simulated steps and linear solves, and their limit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _TICK_S = 1e-3  # simulation takes no longer steps, however seldom was recorded
 
 
 @dataclass
-class Effort:
+class WorkBudget:
     """Work of one search, counted and not timed, so that the same search ends at the same place anywhere.
 
     Attributes:
@@ -25,9 +25,9 @@ class Effort:
     done: float = 0.0
 
     @staticmethod
-    def for_search(recordings: Sequence[Recording], simulates: bool = True) -> Effort:
+    def for_search(recordings: Sequence[Recording], simulates: bool = True) -> WorkBudget:
         """What a search on these recordings may take; no end where nothing is simulated."""
-        return Effort(_most(recordings) if simulates else float("inf"))
+        return WorkBudget(_most(recordings) if simulates else float("inf"))
 
     @property
     def spent(self) -> bool:

@@ -32,7 +32,7 @@ class Backlash(Effect):
     nonlinear = ("gap", "stiffness")
     by_runs = True
     splits = True
-    wanders = True
+    diverges = True
     door = Door.MECHANISM
     tier = 1
     contains = ("joint_compliance",)

@@ -98,7 +98,7 @@ class Effect(ABC):
             its torque; empty where it is no torque on one axis, or of none of them alone.
         of_ground: whether it is one of a contact, which only recordings on the ground show.
         moves_feet: whether it puts a foot elsewhere at the same reading of the encoders.
-        wanders: whether runs of nearly the same machine part, so that a fit of runs can add nothing to what
+        diverges: whether runs of nearly the same machine part, so that a fit of runs can add nothing to what
             the torque says.
         needs_the_past: whether it has a state that no sensor shows, or shifts the log in time, so that no run
             can begin with it in the middle of a recording.
@@ -132,7 +132,7 @@ class Effect(ABC):
     depends_on: ClassVar[tuple[str, ...]] = ()
     of_ground: ClassVar[bool] = False
     moves_feet: ClassVar[bool] = False
-    wanders: ClassVar[bool] = False
+    diverges: ClassVar[bool] = False
     needs_the_past: ClassVar[bool] = False
     of_a_make: ClassVar[bool] = False
     adds_up: ClassVar[bool] = False
@@ -185,7 +185,7 @@ class Effect(ABC):
         """Smallest changes (k + nonlinear,) of the unknowns that simulations show, if `by_runs`."""
         return np.full(len(self.parameters), 1e-9)
 
-    def witnessed(
+    def identifiable(
         self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
     ) -> bool:
         """Whether motions go far enough to tell it, with these values, from any other smooth curve."""

@@ -74,7 +74,7 @@ class Cogging(Effect):
         """Any phase."""
         return np.full(2, -np.inf), np.full(2, np.inf)
 
-    def witnessed(
+    def identifiable(
         self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
     ) -> bool:
         """Over most of a period."""

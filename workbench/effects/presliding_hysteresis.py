@@ -58,7 +58,7 @@ class PreslidingHysteresis(Effect):
         position, _, _ = motion.along(place)
         return Response(single(place, -wound(position, shape["ratio"]), motion)[None])
 
-    def witnessed(
+    def identifiable(
         self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
     ) -> bool:
         """Where it slides: what only ever winds up is a spring."""

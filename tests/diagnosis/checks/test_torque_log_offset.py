@@ -7,7 +7,7 @@ import pytest
 
 from tests.diagnosis.rig import recordings
 from workbench.core import Recording
-from workbench.diagnosis.checks.torque_log_offset import shifted_lines
+from workbench.diagnosis.checks.torque_log_offset import torque_offset_lines
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect, degrade
 
@@ -21,7 +21,7 @@ def shifted(recording: Recording, rows: int) -> Recording:
 @pytest.mark.parametrize(("rows", "words"), [(1, "1 row later"), (3, "3 rows later"), (-1, "1 row earlier")])
 def test_a_shifted_log_is_said_to_be_one(rows: int, words: str) -> None:
     training, _ = recordings()
-    lines = shifted_lines([shifted(r, rows) for r in training], DELAY)
+    lines = torque_offset_lines([shifted(r, rows) for r in training], DELAY)
     assert [words in line for line in lines] == [True, True]
     assert ["hip" in lines[0], "knee" in lines[1]] == [True, True]
 
@@ -37,9 +37,9 @@ def test_a_shifted_log_is_said_to_be_one(rows: int, words: str) -> None:
 )
 def test_what_drives_do_is_no_shift(hidden: tuple[HiddenEffect, ...]) -> None:
     training, _ = recordings(*hidden)
-    assert shifted_lines(training, DELAY) == []
+    assert torque_offset_lines(training, DELAY) == []
 
 
 def test_without_both_torques_nothing_is_said() -> None:
     training, _ = recordings()
-    assert shifted_lines([degrade(r, without=("torque_measured",)) for r in training], DELAY) == []
+    assert torque_offset_lines([degrade(r, without=("torque_measured",)) for r in training], DELAY) == []

@@ -14,7 +14,7 @@ from tests.diagnosis.rig import recordings
 from workbench.cli import excite as _  # noqa: F401  (registers the command)
 from workbench.cli.app import app
 from workbench.core import Controller, Recording, Share
-from workbench.diagnosis.evidence.follow_up import look_closer
+from workbench.diagnosis.evidence.follow_up import follow_up
 from workbench.effects import load_model
 from workbench.frf import load_design
 
@@ -43,7 +43,7 @@ def rest(quantity: str, low: float, high: float, signal: str = "torque") -> list
 def test_the_command_makes_an_experiment_of_that_band(
     logs: list[Recording], where: list[Share], band: tuple[float, float | None], tmp_path: Path
 ) -> None:
-    said = look_closer(LEG, where, logs)
+    said = follow_up(LEG, where, logs)
     command = re.search(r"workbench (excite [^()]*)\)", said)
     assert command is not None and f"{where[0].quantity} {where[0].range[0]:.3g}" in said, said
     words = shlex.split(command[1].replace("next.toml", str(tmp_path / "next.toml")))
@@ -55,20 +55,20 @@ def test_the_command_makes_an_experiment_of_that_band(
 
 
 def test_what_is_too_fast_for_the_log_asks_for_a_faster_one(logs: list[Recording]) -> None:
-    said = look_closer(LEG, rest("frequency", 300.0, 500.0), logs)
+    said = follow_up(LEG, rest("frequency", 300.0, 500.0), logs)
     assert "faster than its 1000 rows a second" in said and "excite leg" not in said
 
 
 def test_what_sits_at_a_time_is_asked_for_again(logs: list[Recording]) -> None:
-    said = look_closer(LEG, rest("time", 2.0, 3.0), logs)
+    said = follow_up(LEG, rest("time", 2.0, 3.0), logs)
     assert "same run again" in said and "workbench excite" not in said
 
 
 def test_a_machine_that_follows_no_reference_gets_the_advice_alone(logs: list[Recording]) -> None:
     free = replace(LEG, controller=Controller("none"))
-    said = look_closer(free, rest("position", 0.4, 0.5), logs)
+    said = follow_up(free, rest("position", 0.4, 0.5), logs)
     assert "slowly" in said and "workbench excite" not in said
 
 
 def test_where_nothing_is_known_of_the_place_all_kinds_are_asked_for(logs: list[Recording]) -> None:
-    assert "multisine" in look_closer(LEG, [], logs)
+    assert "multisine" in follow_up(LEG, [], logs)

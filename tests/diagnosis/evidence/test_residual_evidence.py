@@ -278,5 +278,5 @@ def stage_of(ranking: tuple[tuple[EffectKey, float], ...], model: Model) -> Any:
     """As much of a stage as lines are made of."""
     fit = SimpleNamespace(hypothesis=SimpleNamespace(model=model))
     return SimpleNamespace(
-        by_held_out=True, folds=(1, 1), removed_share=0.632, ranking=ranking, rivals=(), fit=fit
+        by_holdout=True, folds=(1, 1), removed_share=0.632, ranking=ranking, indistinguishable=(), fit=fit
     )

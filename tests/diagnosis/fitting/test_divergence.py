@@ -10,7 +10,7 @@ import pytest
 
 from workbench.core import EffectKey, Estimate
 from workbench.diagnosis.data import Data
-from workbench.diagnosis.fitting.divergence import parting
+from workbench.diagnosis.fitting.divergence import divergence
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
@@ -29,10 +29,10 @@ def parted(*ways: float) -> np.ndarray:
 
     def run(models: list[Any]) -> list[tuple[np.ndarray]]:
         assert len(models) == len(ways) == 4, "either end of two intervals"
-        return [(ROWS + way,) for way in ways]
+        return [(ROWS + node,) for node in ways]
 
     data = SimpleNamespace(run=run, residual=lambda index, rows: rows)
-    return parting(cast(Fit, found), cast(Data, data))
+    return divergence(cast(Fit, found), cast(Data, data))
 
 
 def test_it_is_what_pairs_of_runs_typically_differ_by() -> None:

@@ -8,9 +8,9 @@ from tests.diagnosis.rig import recordings
 from workbench.core import EffectKey, Estimate
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.fitting import fit as fit_module
-from workbench.diagnosis.fitting.fit import fit, race
+from workbench.diagnosis.fitting.fit import fit, successive_halving
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
-from workbench.diagnosis.loss import rejudged
+from workbench.diagnosis.loss import rescored
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
 from workbench.rigs import HiddenEffect
@@ -25,7 +25,7 @@ def lacking() -> tuple[Data, Fit]:
     data, _ = gather(LEG, training, (), seed=0)
     (current,) = fit([Hypothesis(LEG, ())], data, iterations=1)
     assert current is not None
-    return data, rejudged(current, data)
+    return data, rescored(current, data)
 
 
 def having(effect: str, axis: str, **values: float) -> Hypothesis:
@@ -36,7 +36,7 @@ def having(effect: str, axis: str, **values: float) -> Hypothesis:
 def test_the_right_one_wins_and_the_hopeless_fall_behind(lacking: tuple[Data, Fit]) -> None:
     data, current = lacking
     tried = [having("viscous_damping", "knee", damping=0.05), having("torque_bias", "hip", torque=0.01)]
-    (right, wrong), shares = race(tried, current, data)
+    (right, wrong), shares = successive_halving(tried, current, data)
     assert right is not None and wrong is None
     assert right.hypothesis.free[0].parameters["damping"].value == pytest.approx(0.15, rel=0.01)
     assert shares[0] == pytest.approx(1.0, abs=0.05) and shares[1] is not None and shares[1] < 0.5
@@ -46,9 +46,9 @@ def test_a_loop_that_runs_away_takes_no_part_though_its_numbers_are_finite(
     lacking: tuple[Data, Fit], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     data, _ = lacking
-    true = fit_module.respond
+    true = fit_module.propagate_sensitivities
     monkeypatch.setattr(
-        fit_module, "respond", lambda *told: [[1e200 * r for r in own] for own in true(*told)]
+        fit_module, "propagate_sensitivities", lambda *told: [[1e200 * r for r in own] for own in true(*told)]
     )
     assert fit([having("viscous_damping", "knee", damping=0.05)], data) == [None]
 
@@ -56,5 +56,5 @@ def test_a_loop_that_runs_away_takes_no_part_though_its_numbers_are_finite(
 def test_what_never_runs_takes_no_part(lacking: tuple[Data, Fit]) -> None:
     data, current = lacking
     wild = having("viscous_damping", "knee", damping=-500.0)
-    assert race([wild, wild], current, data) == ([None, None], [None, None])
+    assert successive_halving([wild, wild], current, data) == ([None, None], [None, None])
     assert fit([], data) == []

@@ -9,7 +9,7 @@ import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis.data import Data
-from workbench.diagnosis.moves.choice import choose, passed_over
+from workbench.diagnosis.moves.choice import better_refinement, choose
 from workbench.diagnosis.screening.screen import Candidate
 from workbench.effects import load_model
 
@@ -22,7 +22,7 @@ def taken(plain: float, refined: float, basics_first: bool) -> EffectKey:
     squares = np.ones((1, 2, 1))
     data = Data(recordings, 1, None, squares, 0.0 * squares, (), np.full((2, 1), 0.5**0.5))  # type: ignore[arg-type]
     helpful = [
-        (Candidate(key, np.zeros(0), {}, left), SimpleNamespace(judged=left, trained=left))
+        (Candidate(key, np.zeros(0), {}, left), SimpleNamespace(test_loss=left, training_loss=left))
         for key, left in ((_PLAIN, plain), (_REFINED, refined))
     ]
     return choose(helpful, (), 100.0, data, load_model("leg"), basics_first)[0].key  # type: ignore[arg-type]
@@ -44,9 +44,11 @@ def test_basic_effects_go_first_unless_told_otherwise(
 
 
 def test_a_refinement_that_left_much_less_is_remembered() -> None:
-    assert passed_over(_PLAIN, [(_REFINED, 0.85), (_PLAIN, 0.70)]) == _REFINED
-    assert passed_over(_PLAIN, [(_REFINED, 0.83), (_PLAIN, 0.76)]) == _REFINED
-    assert not passed_over(_PLAIN, [(_REFINED, 0.75), (_PLAIN, 0.70)])
-    assert not passed_over(_REFINED, [(_REFINED, 0.70), (_PLAIN, 0.85)]), "it was the basic one that was left"
-    assert not passed_over(_PLAIN, [(EffectKey("viscous_damping", "hip"), 0.9), (_PLAIN, 0.70)])
-    assert not passed_over(_PLAIN, ())
+    assert better_refinement(_PLAIN, [(_REFINED, 0.85), (_PLAIN, 0.70)]) == _REFINED
+    assert better_refinement(_PLAIN, [(_REFINED, 0.83), (_PLAIN, 0.76)]) == _REFINED
+    assert not better_refinement(_PLAIN, [(_REFINED, 0.75), (_PLAIN, 0.70)])
+    assert not better_refinement(_REFINED, [(_REFINED, 0.70), (_PLAIN, 0.85)]), (
+        "it was the basic one that was left"
+    )
+    assert not better_refinement(_PLAIN, [(EffectKey("viscous_damping", "hip"), 0.9), (_PLAIN, 0.70)])
+    assert not better_refinement(_PLAIN, ())

@@ -11,9 +11,9 @@ from tests.diagnosis.rig import SPRING_AND_DELAY, applied, asked, recordings
 from tests.simulation.make import having
 from workbench.core import EffectKey
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
-from workbench.diagnosis.moves.compliance_from_torque import _with_unseen, plain_by_torque
-from workbench.diagnosis.screening.compliance import what_gives_way
-from workbench.diagnosis.screening.sensitivity import Scene
+from workbench.diagnosis.moves.compliance_from_torque import _with_unseen, compliance_from_torque
+from workbench.diagnosis.screening.compliance import compliance_candidates
+from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -26,45 +26,45 @@ BOTH = (
 
 
 def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> None:
-    quest = asked(LEG, *recordings(*BOTH))
-    data, scene = quest.data, quest.scene
-    (stage,) = plain_by_torque(scene, data, quest.start, quest.progress)
-    (gap,) = stage.fit.hypothesis.free
-    assert gap.key == GAP and stage.added == GAP
+    problem = asked(LEG, *recordings(*BOTH))
+    data, linearisation = problem.data, problem.linearisation
+    (step,) = compliance_from_torque(linearisation, data, problem.start, problem.progress)
+    (gap,) = step.fit.hypothesis.free
+    assert gap.key == GAP and step.added == GAP
     assert gap.values["gap"] == pytest.approx(0.0084, rel=0.1)
-    assert SPRING not in {c.key for c in what_gives_way(scene, data.training, 1.0)}
-    after = stage.fit.hypothesis.model
-    scene = Scene.of(after, data, stage.fit.simulated, len(data.recordings))
-    found = {c.key: c for c in what_gives_way(scene, data.training, 1.0)}
-    assert found[SPRING].judged < 0.05
+    assert SPRING not in {c.key for c in compliance_candidates(linearisation, data.training, 1.0)}
+    after = step.fit.hypothesis.model
+    linearisation = Linearisation.of(after, data, step.fit.simulated, len(data.recordings))
+    found = {c.key: c for c in compliance_candidates(linearisation, data.training, 1.0)}
+    assert found[SPRING].test_loss < 0.05
     assert found[SPRING].shape["stiffness"] == pytest.approx(1180.0, rel=0.15)
     assert GAP not in found and EffectKey("backlash", "knee", "joint") not in found
 
 
 def test_a_spring_is_taken_beside_a_delay_that_hides_it_from_the_loop() -> None:
     """By itself it hardly lowers the error of held-out motion; both are what is missing."""
-    quest = asked(LEG, *recordings(*SPRING_AND_DELAY))
-    (stage,) = plain_by_torque(quest.scene, quest.data, quest.start, quest.progress)
+    problem = asked(LEG, *recordings(*SPRING_AND_DELAY))
+    (step,) = compliance_from_torque(problem.linearisation, problem.data, problem.start, problem.progress)
     # which side of the knee it is on cannot be told before the delay is there: `instead` asks it then
     pin, drive = (EffectKey("joint_compliance", "knee", place) for place in ("joint", "actuator"))
-    assert stage.added in (pin, drive)
-    assert {stage.added, *(key for key, _ in stage.behind)} == {pin, drive}
-    (found,) = stage.fit.hypothesis.free
+    assert step.added in (pin, drive)
+    assert {step.added, *(key for key, _ in step.loss_ratios)} == {pin, drive}
+    (found,) = step.fit.hypothesis.free
     assert found.values["stiffness"] == pytest.approx(91.0, rel=0.15)
 
 
 def test_nothing_is_taken_where_nothing_gives_way() -> None:
     training, _ = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.4}))
-    quest = asked(LEG, training)
-    assert plain_by_torque(quest.scene, quest.data, quest.start, quest.progress) == ()
+    problem = asked(LEG, training)
+    assert compliance_from_torque(problem.linearisation, problem.data, problem.start, problem.progress) == ()
 
 
 def test_what_gives_way_already_asks_for_no_more() -> None:
     """A model that has the spring lacks no torque that another would explain."""
     training, _ = recordings(BOTH[1])
     soft = having(LEG, SPRING, **BOTH[1].parameters)
-    quest = asked(soft, training)
-    assert not what_gives_way(quest.scene, quest.data.training, 1.0)
+    problem = asked(soft, training)
+    assert not compliance_candidates(problem.linearisation, problem.data.training, 1.0)
 
 
 def test_what_the_torque_at_a_gap_does_not_show_begins_where_the_loop_before_had_it() -> None:

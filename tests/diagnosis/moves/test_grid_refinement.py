@@ -9,7 +9,7 @@ from workbench.core import EffectKey
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis
-from workbench.diagnosis.moves.grid_refinement import honed
+from workbench.diagnosis.moves.grid_refinement import refined_on_grid
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -32,4 +32,4 @@ def test_what_has_no_gap_is_left_alone() -> None:
     data, _ = gather(LEG, training, held_out, seed=0)
     friction = applied(LEG, EffectKey("viscous_damping", "knee"), damping=0.28)
     (found,) = fit([Hypothesis(LEG, (friction,))], data, 1)
-    assert found is not None and honed(found, data) is found
+    assert found is not None and refined_on_grid(found, data) is found

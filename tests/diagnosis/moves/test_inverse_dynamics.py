@@ -11,9 +11,9 @@ import pytest
 from tests.diagnosis.rig import asked, recordings
 from workbench.core import Controller, EffectKey, Recording
 from workbench.diagnosis.moves import alternative_starts
-from workbench.diagnosis.moves.inverse_dynamics import along_the_motion
-from workbench.diagnosis.node import Way
-from workbench.diagnosis.problem import Quest
+from workbench.diagnosis.moves.inverse_dynamics import inverse_dynamics_start
+from workbench.diagnosis.node import Node
+from workbench.diagnosis.problem import Problem
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -67,7 +67,7 @@ def _slope(state: np.ndarray, force: float, friction: float) -> np.ndarray:
     return np.concatenate([state[2:], np.linalg.solve(mass, push)])
 
 
-def quest(folder: Path, friction: float) -> Quest:
+def problem(folder: Path, friction: float) -> Problem:
     """What is asked of a crane whose model has no dry friction."""
     (folder / "crane.xml").write_text(_MJCF)
     model = load_model(str(folder / "crane.xml"))
@@ -76,19 +76,19 @@ def quest(folder: Path, friction: float) -> Quest:
 
 
 def test_friction_of_a_hinge_that_nothing_drives(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("on_every_axis", "two_at_once"):
+    for name in ("shared_effects", "best_pair"):
         monkeypatch.setattr(alternative_starts, name, lambda *_: ())
-    lacking = quest(tmp_path, 0.01)
-    way = alternative_starts.otherwise(Way(lacking.start, lacking.data), lacking)
-    assert [s.added for s in way.stages] == [EffectKey("coulomb_friction", "pole")]
-    (found,) = way.current.hypothesis.free
+    lacking = problem(tmp_path, 0.01)
+    node = alternative_starts.alternative_starts(Node(lacking.start, lacking.data), lacking)
+    assert [s.added for s in node.steps] == [EffectKey("coulomb_friction", "pole")]
+    (found,) = node.current.hypothesis.free
     assert found.values["torque"] == pytest.approx(0.01, rel=0.05)
     # fitted in the loop, and judged there
-    assert way.current.judged < 0.05 * lacking.start.judged
+    assert node.current.test_loss < 0.05 * lacking.start.test_loss
 
 
 def test_nothing_is_asked_of_motion_that_lacks_nothing(tmp_path: Path) -> None:
-    assert along_the_motion(quest(tmp_path, 0.0)) == ()
+    assert inverse_dynamics_start(problem(tmp_path, 0.0)) == ()
 
 
 def test_a_machine_that_its_loops_hold_is_not_asked() -> None:
@@ -100,7 +100,7 @@ def test_a_machine_that_its_loops_hold_is_not_asked() -> None:
         raise AssertionError(text)
 
     held = replace(asked(load_model("leg"), training), progress=begun)
-    assert along_the_motion(held) == ()
+    assert inverse_dynamics_start(held) == ()
     loose = replace(training[0], controller=replace(training[0].controller, kp=(50.0, 0.0)))
     with pytest.raises(AssertionError, match="measured motion"):
-        along_the_motion(replace(held, data=replace(held.data, recordings=(loose,))))
+        inverse_dynamics_start(replace(held, data=replace(held.data, recordings=(loose,))))

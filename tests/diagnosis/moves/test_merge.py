@@ -30,10 +30,10 @@ def test_a_load_in_place_of_its_inertia_and_its_weight(monkeypatch: pytest.Monke
     values = {a.key: a.values for a in found.final.hypothesis.free}
     assert values.keys() == {LOAD, SCALE} and found.consistent_after
     assert values[LOAD]["mass"] == pytest.approx(0.12, rel=0.01)
-    assert [stage.added for stage in found.stages] == [LOAD, SCALE], "where the first of the two was taken"
-    errors = [found.start_data.score(stage.fit.mean_squares) for stage in found.stages]
+    assert [step.added for step in found.steps] == [LOAD, SCALE], "where the first of the two was taken"
+    errors = [found.start_data.score(step.fit.mean_squares) for step in found.steps]
     assert errors[0] > 2.0 * errors[1]
-    load, scale = found.stages
+    load, scale = found.steps
     assert 0.0 < load.removed_share < 0.999 and scale.removed_share > 0.9, (
         "each has its own share, not theirs"
     )

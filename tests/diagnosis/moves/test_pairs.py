@@ -11,10 +11,10 @@ from tests.diagnosis.rig import recordings
 from workbench.core import EffectKey
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.fitting.normal_equations import normal
-from workbench.diagnosis.moves.pairs import left_by, two_at_once
+from workbench.diagnosis.moves.pairs import best_pair, left_by
 from workbench.diagnosis.problem import starting_fit
 from workbench.diagnosis.screening.screen import Entry
-from workbench.diagnosis.screening.sensitivity import Scene
+from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -48,15 +48,15 @@ def test_a_true_pair_is_found() -> None:
     training, held_out = recordings(*hidden)
     data, runs = gather(model, training, held_out, seed=0)
     start = starting_fit(model, data, runs.clean)
-    stages = two_at_once(Scene.of(model, data, start.simulated, 4), data, start, lambda text: None)
-    assert stages is not None
-    assert {stage.added.effect for stage in stages} == {h.effect for h in hidden}
+    steps = best_pair(Linearisation.of(model, data, start.simulated, 4), data, start, lambda text: None)
+    assert steps is not None
+    assert {step.added.effect for step in steps} == {h.effect for h in hidden}
     for applied, h in zip(
-        sorted(stages[1].fit.hypothesis.free, key=lambda a: a.key.effect, reverse=True), hidden, strict=True
+        sorted(steps[1].fit.hypothesis.free, key=lambda a: a.key.effect, reverse=True), hidden, strict=True
     ):
         for name, value in h.parameters.items():
             assert applied.parameters[name].value == pytest.approx(value, rel=0.1)
-    assert start.judged > stages[0].fit.judged > stages[1].fit.judged
+    assert start.test_loss > steps[0].fit.test_loss > steps[1].fit.test_loss
 
 
 def test_two_of_three_causes_are_a_pair() -> None:
@@ -75,10 +75,10 @@ def test_two_of_three_causes_are_a_pair() -> None:
     training, held_out = recordings(*hidden)
     data, runs = gather(model, training, held_out, seed=0)
     start = starting_fit(model, data, runs.clean)
-    stages = two_at_once(Scene.of(model, data, start.simulated, 4), data, start, lambda text: None)
-    assert stages is not None
-    assert [str(s.added) for s in stages] == ["asymmetric_friction@hip", "torque_bias@knee"]
-    assert stages[1].fit.hypothesis.free[0].values["torque"] == pytest.approx(-0.226, abs=0.03)
+    steps = best_pair(Linearisation.of(model, data, start.simulated, 4), data, start, lambda text: None)
+    assert steps is not None
+    assert [str(s.added) for s in steps] == ["asymmetric_friction@hip", "torque_bias@knee"]
+    assert steps[1].fit.hypothesis.free[0].values["torque"] == pytest.approx(-0.226, abs=0.03)
 
 
 def test_a_single_cause_is_no_pair() -> None:
@@ -86,4 +86,6 @@ def test_a_single_cause_is_no_pair() -> None:
     training, _ = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.15}))
     data, runs = gather(model, training[:2], (), seed=0)
     start = starting_fit(model, data, runs.clean)
-    assert two_at_once(Scene.of(model, data, start.simulated, 2), data, start, lambda text: None) is None
+    assert (
+        best_pair(Linearisation.of(model, data, start.simulated, 2), data, start, lambda text: None) is None
+    )

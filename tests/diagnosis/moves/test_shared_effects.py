@@ -13,11 +13,11 @@ from workbench.core import Controller, EffectKey, Estimate, Recording
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
-from workbench.diagnosis.moves.shared_effects import needed, on_every_axis
+from workbench.diagnosis.moves.shared_effects import needed, shared_effects
 from workbench.diagnosis.problem import starting_fit
 from workbench.diagnosis.screening.screen import screen
-from workbench.diagnosis.screening.sensitivity import Scene
-from workbench.diagnosis.search_result import Stage
+from workbench.diagnosis.screening.sensitivity import Linearisation
+from workbench.diagnosis.search_result import AcceptedStep
 from workbench.effects import load_model
 from workbench.models import AppliedEffect, Model
 
@@ -72,46 +72,46 @@ def played(
 
 def found(
     coulomb: Sequence[float], damping: Sequence[float], hum: float | np.ndarray = 0.0
-) -> tuple[Stage, ...]:
+) -> tuple[AcceptedStep, ...]:
     """What is found on every axis of the slides."""
     recordings = [played(f"r{k}", k, coulomb, damping, hum) for k in range(3)]
     model = gantry(len(coulomb))
     data, simulated = gather(model, recordings[:2], recordings[2:], 0)
-    data = data.heard(data.mean_squares(simulated.clean))
+    data = data.with_holdout_checked(data.mean_squares(simulated.clean))
     start = starting_fit(model, data, simulated.clean)
-    scene = Scene.of(model, data, start.simulated, len(data.recordings))
-    screened, _ = screen(scene, data, start.simulated, ())
-    return on_every_axis(screened, scene, data, start, lambda text: None)
+    linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
+    screened, _ = screen(linearisation, data, start.simulated, ())
+    return shared_effects(screened, linearisation, data, start, lambda text: None)
 
 
 def test_damping_on_every_axis_is_found_with_each_axis_s_own() -> None:
-    stages = found((0.0, 0.0, 0.0), (12.0, 5.0, 2.0))
-    assert {s.added.effect for s in stages} == {"viscous_damping"}
-    values = {a.key.axis: a.values["damping"] for a in stages[-1].fit.hypothesis.free}
+    steps = found((0.0, 0.0, 0.0), (12.0, 5.0, 2.0))
+    assert {s.added.effect for s in steps} == {"viscous_damping"}
+    values = {a.key.axis: a.values["damping"] for a in steps[-1].fit.hypothesis.free}
     assert np.allclose([values[axis] for axis in _AXES[:3]], [12.0, 5.0, 2.0], rtol=0.03)
 
 
 def test_damping_and_dry_friction_on_every_axis_are_two_causes() -> None:
-    stages = found((1.5, 0.8, 0.4), (6.0, 3.0, 1.5))
-    assert {s.added.effect for s in stages} == {"viscous_damping", "coulomb_friction"}
-    free = stages[-1].fit.hypothesis.free
+    steps = found((1.5, 0.8, 0.4), (6.0, 3.0, 1.5))
+    assert {s.added.effect for s in steps} == {"viscous_damping", "coulomb_friction"}
+    free = steps[-1].fit.hypothesis.free
     torque = {a.key.axis: a.values["torque"] for a in free if a.key.effect == "coulomb_friction"}
     assert np.allclose([torque[axis] for axis in _AXES[:3]], [1.5, 0.8, 0.4], rtol=0.05)
 
 
 def test_an_axis_that_does_well_without_is_left_out() -> None:
-    stages = found((0.0, 0.0, 0.0), (12.0, 0.0, 2.0))
-    assert {(s.added.effect, s.added.axis) for s in stages} == {
+    steps = found((0.0, 0.0, 0.0), (12.0, 0.0, 2.0))
+    assert {(s.added.effect, s.added.axis) for s in steps} == {
         ("viscous_damping", "x"),
         ("viscous_damping", "z"),
     }
 
 
 def test_what_stays_unexplained_beside_it_leaves_no_axis_out() -> None:
-    stages = found((1.5, 0.8, 0.4), (6.0, 3.0, 1.5), hum=0.4)
-    named = {(s.added.effect, s.added.axis) for s in stages}
+    steps = found((1.5, 0.8, 0.4), (6.0, 3.0, 1.5), hum=0.4)
+    named = {(s.added.effect, s.added.axis) for s in steps}
     assert named == {(e, a) for e in ("viscous_damping", "coulomb_friction") for a in _AXES[:3]}
-    excess = float(np.prod([1.0 - s.removed_share for s in stages]))
+    excess = float(np.prod([1.0 - s.removed_share for s in steps]))
     assert 0.005 < excess < 0.05, "far above the noise, and little of the whole"
 
 
@@ -123,7 +123,7 @@ def fitted(*effects: tuple[str, str]) -> tuple[Fit, Data]:
     """Slides with damping and a hum, explained by effects on all three of them."""
     recordings = [played(f"r{k}", k, (0.0, 0.0, 0.0), (12.0, 5.0, 2.0), hum=0.1) for k in range(2)]
     data, simulated = gather(gantry(), recordings, [], 0)
-    data = data.heard(data.mean_squares(simulated.clean))
+    data = data.with_holdout_checked(data.mean_squares(simulated.clean))
     free = tuple(
         AppliedEffect(EffectKey(effect, axis), {parameter: Estimate(0.0, 0.0, "")})
         for effect, parameter in effects

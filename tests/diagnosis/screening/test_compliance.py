@@ -13,8 +13,12 @@ from workbench.diagnosis import diagnose
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.fitting.refinement import with_candidate
 from workbench.diagnosis.hypothesis import Hypothesis
-from workbench.diagnosis.screening.compliance import drive_of, pins_of, what_gives_way
-from workbench.diagnosis.screening.sensitivity import Scene
+from workbench.diagnosis.screening.compliance import (
+    compliance_candidates,
+    equivalent_at_drive,
+    equivalents_at_joint,
+)
+from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -37,18 +41,18 @@ def str_of(hidden: HiddenEffect) -> str:
     return f"{damped}{hidden.effect}@{hidden.axis}({hidden.location})"
 
 
-def scene(*hidden: HiddenEffect) -> Scene:
+def linearisation(*hidden: HiddenEffect) -> Linearisation:
     training, _ = recordings(*hidden)
-    return asked(LEG, training).scene
+    return asked(LEG, training).linearisation
 
 
 @pytest.mark.parametrize("hidden", HIDDEN, ids=str_of)
 def test_the_torque_alone_tells_what_gives_way_and_how_much(hidden: HiddenEffect) -> None:
-    made = scene(hidden)
-    candidates = {c.key: c for c in what_gives_way(made, len(made.runs), 1.0)}
+    made = linearisation(hidden)
+    candidates = {c.key: c for c in compliance_candidates(made, len(made.runs), 1.0)}
     key = EffectKey(hidden.effect, hidden.axis)
     assert key in candidates
-    axes = {k.axis for k, c in candidates.items() if c.judged <= 5 * candidates[key].judged}
+    axes = {k.axis for k, c in candidates.items() if c.test_loss <= 5 * candidates[key].test_loss}
     assert axes == {hidden.axis}
     found = candidates[key]
     if hidden.effect == "base_compliance":
@@ -62,8 +66,8 @@ def test_the_torque_alone_tells_what_gives_way_and_how_much(hidden: HiddenEffect
 
 def test_a_spring_is_asked_beside_a_gap_that_follows_the_torque_closer() -> None:
     spring = HiddenEffect("joint_compliance", "knee", "joint", {"stiffness": 123.3, "damping": 0.19})
-    made = scene(spring)
-    left = {c.key.effect: c.judged for c in what_gives_way(made, len(made.runs), 1.0)}
+    made = linearisation(spring)
+    left = {c.key.effect: c.test_loss for c in compliance_candidates(made, len(made.runs), 1.0)}
     assert left["joint_compliance"] > 5 * left["backlash"], "what gaps pass on is drawn to the torque"
 
 
@@ -73,23 +77,23 @@ def test_a_second_spring_is_asked_for_with_the_first_which_was_fitted_to_both() 
     keys = [EffectKey(h.effect, h.axis) for h in (hip, knee)]
     training, _ = recordings(hip, knee)
     mixed = applied(LEG, keys[0], stiffness=540.0, damping=1.1)
-    quest = asked(LEG.with_effect(mixed), training)
-    made = quest.scene
-    candidates = {c.key: c for c in what_gives_way(made, len(made.runs), 1.0, (mixed,))}
+    problem = asked(LEG.with_effect(mixed), training)
+    made = problem.linearisation
+    candidates = {c.key: c for c in compliance_candidates(made, len(made.runs), 1.0, (mixed,))}
     found = candidates[keys[1]]
-    assert found.judged < 0.2
+    assert found.test_loss < 0.2
     assert found.shape["stiffness"] == pytest.approx(300.0, rel=0.05)
     assert found.beside[keys[0]]["stiffness"] == pytest.approx(500.0, rel=0.05)
-    before = replace(quest.start, hypothesis=Hypothesis(LEG, (mixed,)))
-    (both,) = fit([with_candidate(made, found, before)], quest.data)
+    before = replace(problem.start, hypothesis=Hypothesis(LEG, (mixed,)))
+    (both,) = fit([with_candidate(made, found, before)], problem.data)
     assert both is not None
     values = {a.key: a.values["stiffness"] for a in both.hypothesis.free}
     assert values == {keys[0]: pytest.approx(500.0, rel=0.01), keys[1]: pytest.approx(300.0, rel=0.01)}
 
 
 def test_friction_asks_for_no_spring() -> None:
-    made = scene(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.4}))
-    assert not what_gives_way(made, len(made.runs), 1.0)
+    made = linearisation(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.4}))
+    assert not compliance_candidates(made, len(made.runs), 1.0)
 
 
 @pytest.mark.parametrize("hidden", [HIDDEN[1], HIDDEN[4], HIDDEN[6], IN_THE_PIN], ids=str_of)
@@ -110,10 +114,10 @@ def test_names_it_with_its_size(hidden: HiddenEffect) -> None:
 def test_a_pin_that_one_drive_turns_is_that_drive() -> None:
     drive, pin = EffectKey("backlash", "knee"), EffectKey("backlash", "knee", "joint")
     bare = load_model("leg_s3n_act")
-    assert drive_of(bare, pin) == drive and pins_of(bare, drive) == (pin,)
+    assert equivalent_at_drive(bare, pin) == drive and equivalents_at_joint(bare, drive) == (pin,)
     # crank and coupler are ahead of the pin and behind the drive
-    assert drive_of(LEG, pin) is None and pins_of(LEG, drive) == ()
+    assert equivalent_at_drive(LEG, pin) is None and equivalents_at_joint(LEG, drive) == ()
     # without the drives' coupling a tree cannot have a spring at the knee's drive
-    assert drive_of(load_model("leg_kin_only"), pin) is None
-    assert pins_of(LEG, EffectKey("backlash", "hip")) == ()
+    assert equivalent_at_drive(load_model("leg_kin_only"), pin) is None
+    assert equivalents_at_joint(LEG, EffectKey("backlash", "hip")) == ()
     assert np.count_nonzero(LEG.transmission[:, 0]) == 2

@@ -6,7 +6,7 @@ import pytest
 
 from tests.diagnosis.rig import applied, asked, recordings
 from workbench.core import EffectKey
-from workbench.diagnosis.screening.sensitivity import Scene, Trial
+from workbench.diagnosis.screening.sensitivity import FiniteDifference, Linearisation
 from workbench.effects import load_model
 from workbench.models import Model
 
@@ -15,12 +15,14 @@ LEG = load_model("leg")
 
 def changes(model: Model) -> list[float]:
     """Of the weight's two coefficients, in a model with a gap."""
-    quest = asked(LEG, recordings()[0])
-    scene = Scene.of(model, quest.data, quest.start.simulated, len(quest.data.recordings))
+    problem = asked(LEG, recordings()[0])
+    linearisation = Linearisation.of(
+        model, problem.data, problem.start.simulated, len(problem.data.recordings)
+    )
     weight = model.effects[-1]
-    trials = scene.derivatives(weight)
-    assert all(isinstance(t, Trial) for t in trials)
-    return [t.change for t in trials if isinstance(t, Trial)]
+    trials = linearisation.derivatives(weight)
+    assert all(isinstance(t, FiniteDifference) for t in trials)
+    return [t.change for t in trials if isinstance(t, FiniteDifference)]
 
 
 def test_a_coefficient_next_to_nothing_is_moved_as_far_as_its_like() -> None:

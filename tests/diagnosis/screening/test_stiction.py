@@ -13,10 +13,10 @@ from workbench.comparison import followed
 from workbench.core import Controller, EffectKey, Recording
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.problem import starting_fit
-from workbench.diagnosis.screening.compliance import what_gives_way
+from workbench.diagnosis.screening.compliance import compliance_candidates
 from workbench.diagnosis.screening.screen import screen
-from workbench.diagnosis.screening.sensitivity import Scene
-from workbench.diagnosis.screening.stiction import candidates, stands_long
+from workbench.diagnosis.screening.sensitivity import Linearisation
+from workbench.diagnosis.screening.stiction import candidates, has_long_standstill
 from workbench.models import Model
 
 _TICK, _FINE = 0.004, 20  # s; steps of the simulation in one
@@ -64,11 +64,11 @@ def logs() -> list[Recording]:
 def test_friction_is_plain_along_the_motion_and_not_in_the_loop(servo: Model, logs: list[Recording]) -> None:
     data, runs = gather(servo, [*logs[:2], *logs[4:]], logs[2:4], seed=0)
     start = starting_fit(servo, data, runs.clean)
-    scene = Scene.of(servo, data, runs.clean, len(data.recordings))
-    in_loop = {c.key.effect: c.judged for c in screen(scene, data, runs.clean, ())[0]}
-    found = {c.key.effect: c.judged for c in candidates(scene, start, data, 0)}
-    assert in_loop["load_dependent_friction"] > 0.04 * start.judged
-    assert found["load_dependent_friction"] < 0.01 * start.judged
+    linearisation = Linearisation.of(servo, data, runs.clean, len(data.recordings))
+    in_loop = {c.key.effect: c.test_loss for c in screen(linearisation, data, runs.clean, ())[0]}
+    found = {c.key.effect: c.test_loss for c in candidates(linearisation, start, data, 0)}
+    assert in_loop["load_dependent_friction"] > 0.04 * start.test_loss
+    assert found["load_dependent_friction"] < 0.01 * start.test_loss
     assert found["viscous_damping"] == in_loop["viscous_damping"], "what is not dry is asked in the loop"
 
 
@@ -79,11 +79,11 @@ def test_derivatives_of_runs_that_stick_are_differences_of_runs(servo: Model) ->
     logs = [lifted(0.15, held, "held")]
     for model, sticks in ((servo, False), (sticky, True)):
         data, runs = gather(model, logs, (), seed=0)
-        assert Scene.of(model, data, runs.clean, len(logs)).sticks is sticks
+        assert Linearisation.of(model, data, runs.clean, len(logs)).sticks is sticks
 
 
 def test_friction_that_holds_is_read_where_it_slides(servo: Model, logs: list[Recording]) -> None:
-    assert stands_long(logs)
+    assert has_long_standstill(logs)
     found = wb.diagnose(servo, [*logs[:2], *logs[4:]], logs[2:4])
     assert found.verdict == "missing_effect" and found.findings[0].key.effect == "load_dependent_friction"
     friction = found.findings[0].parameters
@@ -94,17 +94,17 @@ def test_friction_that_holds_is_read_where_it_slides(servo: Model, logs: list[Re
 def test_a_motion_that_only_turns_round_does_not_stand() -> None:
     t = np.arange(2000) * 0.002
     position = np.sin(5 * t)[:, None]
-    assert not stands_long([Recording("r", ("m",), "actuator", t, {"position": position}, ("rad",))])
+    assert not has_long_standstill([Recording("r", ("m",), "actuator", t, {"position": position}, ("rad",))])
     position[600:1400] = position[600]
-    assert stands_long([Recording("r", ("m",), "actuator", t, {"position": position}, ("rad",))])
+    assert has_long_standstill([Recording("r", ("m",), "actuator", t, {"position": position}, ("rad",))])
 
 
 def test_what_follows_any_slow_torque_is_no_gap(servo: Model, logs: list[Recording]) -> None:
     """Friction of a slow servo: a state drawn to the torque that passes has nothing to say of a gap."""
     along = followed(logs)
     data, runs = gather(servo, along, (), seed=0)
-    made = Scene.of(servo, data, runs.clean, len(along))
-    assert not [c for c in what_gives_way(made, len(along), 1.0) if c.key.effect == "backlash"]
+    made = Linearisation.of(servo, data, runs.clean, len(along))
+    assert not [c for c in compliance_candidates(made, len(along), 1.0) if c.key.effect == "backlash"]
     soft = having(servo, EffectKey("backlash", "m"), gap=0.05, stiffness=0.4)
     assert not np.isfinite(data.replay.run([soft])[0][0].signals["torque_command"]).any()
     found = wb.diagnose(servo, along[:4], along[4:])

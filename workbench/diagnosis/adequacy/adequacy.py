@@ -23,8 +23,8 @@ from ..data import Data
 from ..evidence.shape import splines
 from ..hypothesis import Fit
 from ..policy import POLICY
-from ..screening.propagation import respond
-from ..screening.sensitivity import Scene
+from ..screening.propagation import propagate_sensitivities
+from ..screening.sensitivity import Linearisation
 from ..screening.torque_regression import kept_rows, needing
 from ..significance import INTERVAL
 from .free_functions import Adequacy, held
@@ -52,47 +52,58 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
         start: without them.
         data: recordings that are replayed along their measured motion.
     """
-    scene = Scene.of(start.hypothesis.model, data, start.simulated, len(data.recordings))
+    linearisation = Linearisation.of(start.hypothesis.model, data, start.simulated, len(data.recordings))
     applied = found.hypothesis.free
-    columns = [scene.total(a, a.values) for a in applied]
-    acts = respond([scene], [columns], data)[0]
+    columns = [linearisation.total(a, a.values) for a in applied]
+    acts = propagate_sensitivities([linearisation], [columns], data)[0]
     out: dict[EffectKey, Adequacy] = {}
-    places = {(a.key.axis, a.key.location): Placement.of(scene.model, a.key) for a in applied if a.key.axis}
+    places = {
+        (a.key.axis, a.key.location): Placement.of(linearisation.model, a.key) for a in applied if a.key.axis
+    }
     axes: dict[tuple[str | None, str], tuple[_Axis, list[EffectKey]]] = {}
     for (name, location), place in places.items():
         assert place is not None
         here = [k for k, a in enumerate(applied) if (a.key.axis, a.key.location) == (name, location)]
-        axis = _axis(scene, found, data, [part[:, 1] for part in acts], here, place)
+        axis = _axis(linearisation, found, data, [part[:, 1] for part in acts], here, place)
         if len(axis.rest) >= POLICY.fewest_moving_rows:
             axes[name, location] = axis, [applied[k].key for k in here]
             out |= _of_axis(*axes[name, location])
-    for group in alike_axes(scene.model):
+    for group in alike_axes(linearisation.model):
         out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], applied, out)
     for k, a in enumerate(applied):
         # a body that was added is certain only where nothing else is wrong: masses of links do the same
         if a.key.axis and not effect_named(a.key.effect).depends_on:
-            out[a.key] = adequacy_of_mass(several(scene, found, data, [part[:, 1] for part in acts], k))
+            out[a.key] = adequacy_of_mass(
+                several(linearisation, found, data, [part[:, 1] for part in acts], k)
+            )
     return out
 
 
 def _axis(
-    scene: Scene, found: Fit, data: Data, acts: Sequence[np.ndarray], here: Sequence[int], place: Placement
+    linearisation: Linearisation,
+    found: Fit,
+    data: Data,
+    acts: Sequence[np.ndarray],
+    here: Sequence[int],
+    place: Placement,
 ) -> _Axis:
     """One coordinate of all recordings, on the rows that count there."""
     laws, rest, own, others, which = [], [], [], [], []
-    motions = needing(scene)
-    for i, (motion, loop) in enumerate(zip(motions, scene.loops, strict=True)):
+    motions = needing(linearisation)
+    for i, (motion, loop) in enumerate(zip(motions, linearisation.loops, strict=True)):
         back = np.linalg.inv(loop.reading.to_actuator)
         if place.location == "joint":
-            back = back @ scene.model.transmission
+            back = back @ linearisation.model.transmission
         onto = back[:, place.index]
-        rows = kept_rows(scene, i)
+        rows = kept_rows(linearisation, i)
         rows = rows[loop.reading.counts[rows][:, np.abs(onto) > 1e-12].all(axis=1)]
         scale = np.where(data.weight[1] > 0.0, 1.0 / np.where(data.weight[1] > 0.0, data.weight[1], 1.0), 0.0)
         laws.append(np.einsum("knc,n->kc", acts[i][rows][:, :, here], scale * onto))
         rest.append(data.residual(i, found.simulated[i])[rows, 1] @ onto)
         position, speed, acceleration = motion.along(place)
-        load = motion.torque @ (scene.model.transmission if place.location == "joint" else np.eye(len(onto)))
+        load = motion.torque @ (
+            linearisation.model.transmission if place.location == "joint" else np.eye(len(onto))
+        )
         known = dict(zip(_QUANTITIES, (position, speed, acceleration, load[:, place.index]), strict=True))
         own.append({q: x[rows] for q, x in known.items()})
         others.append(
@@ -125,7 +136,7 @@ def _together(
     for own in set().union(*laws):
         there = [axes[i] for i, found in enumerate(laws) if own in found]
         keys = [k for _, keys in there for k in keys if effect_named(k.effect).depends_on == own]
-        doubted = [k for k in keys if not alone[k].holds]
+        doubted = [k for k in keys if not alone[k].is_adequate]
         if len(there) < 2 or not doubted or any(alone[k].size <= 0.0 for k in doubted):
             continue
         parts = [np.array([effect_named(k.effect).depends_on == own for k in keys]) for _, keys in there]
@@ -140,7 +151,7 @@ def _together(
             np.concatenate([np.full(len(a.rest), i) for i, (a, _) in enumerate(there)]),
         )
         found = _of_law(joined, [own, ()], own)
-        out |= {k: found for k in doubted if found.holds and _agrees(k, keys, values, alone)}
+        out |= {k: found for k in doubted if found.is_adequate and _agrees(k, keys, values, alone)}
     return out
 
 

@@ -32,7 +32,7 @@ class Adequacy:
     spread: float
 
     @property
-    def holds(self) -> bool:
+    def is_adequate(self) -> bool:
         """Whether the effect is there, whatever else is missing."""
         return self.share >= POLICY.explained and self.size > 0.0
 

@@ -11,13 +11,13 @@ from ..data import Data
 from ..evidence.shape import splines
 from ..hypothesis import Fit
 from ..policy import POLICY
-from ..screening.sensitivity import Scene
+from ..screening.sensitivity import Linearisation
 from ..screening.torque_regression import kept_rows
 from .free_functions import Adequacy, Free, held
 
 
 @dataclass(frozen=True, eq=False)
-class Several:
+class MultiAxisLaw:
     """The coordinates on which a law acts, row by row: laws (M, A, E), it first, rest and motion (M, A)."""
 
     laws: np.ndarray
@@ -28,9 +28,11 @@ class Several:
     recording: np.ndarray
 
 
-def several(scene: Scene, found: Fit, data: Data, acts: Sequence[np.ndarray], which: int) -> Several:
+def several(
+    linearisation: Linearisation, found: Fit, data: Data, acts: Sequence[np.ndarray], which: int
+) -> MultiAxisLaw:
     """What a mass asks of all drives that move it."""
-    rows = [kept_rows(scene, i) for i in range(len(scene.runs))]
+    rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
     columns = np.concatenate([part[own] for part, own in zip(acts, rows, strict=True)])
     power = np.sum(columns[:, :, which] ** 2, axis=0)
     axes = np.flatnonzero(power > POLICY.mass_acts * power.sum())
@@ -39,8 +41,8 @@ def several(scene: Scene, found: Fit, data: Data, acts: Sequence[np.ndarray], wh
         (data.residual(i, run)[own, 1] * data.weight[1])[:, axes]
         for i, (run, own) in enumerate(zip(found.simulated, rows, strict=True))
     ]
-    motions = list(zip(scene.motions, rows, strict=True))
-    return Several(
+    motions = list(zip(linearisation.motions, rows, strict=True))
+    return MultiAxisLaw(
         columns[:, axes][:, :, order],
         np.concatenate(rest),
         np.concatenate([m.position[own][:, axes] for m, own in motions]),
@@ -50,7 +52,7 @@ def several(scene: Scene, found: Fit, data: Data, acts: Sequence[np.ndarray], wh
     )
 
 
-def adequacy_of_mass(s: Several) -> Adequacy:
+def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
     """Of a law of several coordinates, which their positions and accelerations decide together."""
     count, axes = s.rest.shape
     time = np.repeat(np.arange(count, dtype=float)[:, None], axes, axis=1)

@@ -12,7 +12,7 @@ from workbench.recordings import Log
 
 from ..policy import POLICY
 from .loops import refuse_coordinates
-from .sign_check import refuse_turned
+from .sign_check import refuse_wrong_sign_of_torque
 from .units import refuse_unit
 
 
@@ -31,7 +31,7 @@ def doubts(model: Model, sources: Sequence[Recording | Log]) -> tuple[str, ...]:
     held = [r for source in sources for r in _held(source)]
     recordings = matched(model, held)
     lines = []
-    for refuse in (refuse_coordinates, refuse_unit, refuse_turned):
+    for refuse in (refuse_coordinates, refuse_unit, refuse_wrong_sign_of_torque):
         try:
             refuse(model, recordings)
         except InputError as error:

@@ -1,4 +1,4 @@
-"""An axis of which columns have the other sign than the model's: its law may hold, its physics do not."""
+"""The sign check: axes whose columns have the opposite sign of the model's."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ZERO = "add that as offset in [columns], in the unit of [units], or move the ze
 _REMEDY = "negate them (scale = -1.0 in [columns]), or turn the axis of the joint in the model"
 
 
-def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
+def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -> None:
     """Refuse recordings whose torque the model explains once axes are turned, exchanged or moved.
 
     That takes seconds where the loops take minutes, and needs no command.
@@ -46,7 +46,9 @@ def refuse_turned(model: Model, recordings: Sequence[Recording]) -> None:
     )  # fmt: skip
 
 
-def refuse_mirrored(model: Model, recordings: Sequence[Recording], error: float, floor: float) -> None:
+def refuse_wrong_sign_in_loop(
+    model: Model, recordings: Sequence[Recording], error: float, floor: float
+) -> None:
     """Refuse recordings of which the model explains most as soon as one axis is turned round.
 
     Where weight and inertia are the same either way, so is the error, and nothing is said.

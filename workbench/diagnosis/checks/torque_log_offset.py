@@ -12,7 +12,7 @@ from workbench.effects import held
 from ..policy import POLICY
 
 
-def shifted_lines(recordings: Sequence[Recording], delay: float) -> list[str]:
+def torque_offset_lines(recordings: Sequence[Recording], delay: float) -> list[str]:
     """One line an axis whose measured torque is its command whole rows later, or earlier, than drives answer.
 
     That is how a late drive looks too. But a drive's delay is in the motion as well, and is found; where it

@@ -23,7 +23,7 @@ _ADVICE = {
 }
 
 
-def look_closer(model: Model, where: Sequence[Share], recordings: Sequence[Recording]) -> str:
+def follow_up(model: Model, where: Sequence[Share], recordings: Sequence[Recording]) -> str:
     """One or two sentences: what to record where the rest sits, with the command that designs it.
 
     Args:

@@ -17,9 +17,9 @@ from workbench.simulation import Run, as_recording, simulate
 from ..data import Data
 from ..hypothesis import applied_effect
 from ..policy import POLICY
-from ..search_result import Search
+from ..search_result import SearchResult
 from .experiment_design import Option, designed, in_a_loop
-from .follow_up import look_closer
+from .follow_up import follow_up
 
 _OPTIONS = (
     Option("chirp", "position", 0.1, 1.0, 1.0),
@@ -32,22 +32,22 @@ _OPTIONS = (
 
 
 def next_experiment(
-    verdict: Verdict, findings: Sequence[Finding], found: Search, after: Comparison
+    verdict: Verdict, findings: Sequence[Finding], found: SearchResult, after: Comparison
 ) -> str | None:
     """One or two sentences: which motion would settle what is open; None where nothing is."""
     data_on_ground = found.final_data.replay.on_ground
     for finding in findings:
-        stage = next(s for s in found.stages if s.added == finding.key)
+        step = next(s for s in found.steps if s.added == finding.key)
         rivals = finding.indistinguishable_from
         if not rivals and (finding.probability >= POLICY.doubtful or found.adequacy):
             continue  # where drives leave a rest, that is what to look at
-        models = {key: model for key, model in stage.others if key in rivals or not rivals}
+        models = {key: model for key, model in step.others if key in rivals or not rivals}
         if data_on_ground and (models or rivals):
             rival = next(iter(models), None) or rivals[0]
             return f"To tell {finding.key} from {rival} on the ground: {_ways(finding.key, rival)}."
         if models:
             rival = next(iter(models))
-            return tell_apart(stage.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)
+            return tell_apart(step.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)
         if rivals:
             return (
                 f"{finding.key} and {rivals[0]} are one thing in two names on this machine: no motion tells "
@@ -55,7 +55,7 @@ def next_experiment(
             )
     if verdict == "unexplained" or (verdict != "consistent" and not found.consistent_after):
         model = found.final.hypothesis.model if findings else found.model
-        return look_closer(model, after.where, found.start_data.recordings)
+        return follow_up(model, after.where, found.start_data.recordings)
     return None
 
 

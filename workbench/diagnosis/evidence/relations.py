@@ -1,4 +1,4 @@
-"""What the residual torque goes with: speed, its sign, load, position, reversals, acceleration, time, heat.
+"""Relations of the residual torque to speed, its sign, load, position, reversals, acceleration, time, heat.
 
 Each relation alone is a least-squares fit of one quantity (or a sine and cosine of the position) to the
 residual torque; how much it explains is held against the same residual with its blocks shuffled, which keeps

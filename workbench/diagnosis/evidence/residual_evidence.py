@@ -11,11 +11,11 @@ from workbench.effects import Door, effect_named
 from workbench.models import AppliedEffect, Model, rotors
 
 from ..adequacy.adequacy import Adequacy
-from ..checks.torque_log_offset import shifted_lines
+from ..checks.torque_log_offset import torque_offset_lines
 from ..data import Data
 from ..hypothesis import Fit
 from ..policy import POLICY
-from ..search_result import Stage
+from ..search_result import AcceptedStep
 from .frequency_response import Responses, distortion_lines, resonance_lines, response_lines, responses
 from .relations import Missing, missing_torque, relation_lines, relations
 from .shape import shapes
@@ -25,7 +25,7 @@ _TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
 
 
 @dataclass(frozen=True)
-class Clues:
+class ResidualEvidence:
     """What training recordings show beside the runs of a model that lacks something.
 
     Nothing is computed before a line asks for it.
@@ -99,7 +99,7 @@ class Clues:
         lines = []
         if not self.data.replay.on_ground:
             delay = self.model.actuators.delay_s
-            lines += shifted_lines(self.data.recordings[: self.data.training], delay)
+            lines += torque_offset_lines(self.data.recordings[: self.data.training], delay)
         if self.responses is not None:
             soft = resonance_lines(self.responses, None)
             lines += [*soft, *(_without_rotor(self.model) if soft else ())]
@@ -116,31 +116,33 @@ class Clues:
         return tuple(lines)
 
 
-def finding_lines(stage: Stage, applied: AppliedEffect, found: Collection[EffectKey] = ()) -> tuple[str, ...]:
+def finding_lines(
+    step: AcceptedStep, applied: AppliedEffect, found: Collection[EffectKey] = ()
+) -> tuple[str, ...]:
     """What an effect removes, where, and beside which other explanation.
 
     Args:
-        stage: at which it was accepted.
+        step: at which it was accepted.
         applied: the effect.
         found: all effects of the final model, none of which is another explanation.
     """
-    judged = stage.by_held_out
-    source = "held-out recordings" if judged else "data left out of the fit"
-    agree, of = stage.folds
-    removed = 100.0 * min(max(stage.removed_share, 0.0), 1.0)
+    test_loss = step.by_holdout
+    source = "held-out recordings" if test_loss else "data left out of the fit"
+    agree, of = step.folds
+    removed = 100.0 * min(max(step.removed_share, 0.0), 1.0)
     lines = [
         f"removes {removed:.1f} % of the squared error above the noise on {source}",
-        f"helps on {agree} of {of} {'held-out recordings' if judged else 'folds'}",
+        f"helps on {agree} of {of} {'held-out recordings' if test_loss else 'folds'}",
     ]
-    known = {applied.key, *stage.rivals, *found}
-    others = [(k, s) for k, s in stage.ranking if k not in known]
+    known = {applied.key, *step.indistinguishable, *found}
+    others = [(k, s) for k, s in step.ranking if k not in known]
     if others:
         key, share = others[0]
-        beside = f"simpler than {key}, which" if share > stage.removed_share else f"next best, {key},"
+        beside = f"simpler than {key}, which" if share > step.removed_share else f"next best, {key},"
         lines.append(f"{beside} removes {100 * min(max(share, 0.0), 1.0):.1f} %")
     effect = effect_named(applied.key.effect)
-    stated = effect.stated_words(stage.fit.hypothesis.model)
-    return (*lines, *([stated] if stated else []), f"where to see it: {effect.shows}")
+    words = effect.stated_words(step.fit.hypothesis.model)
+    return (*lines, *([words] if words else []), f"where to see it: {effect.shows}")
 
 
 def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:

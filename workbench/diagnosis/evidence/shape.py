@@ -1,6 +1,6 @@
-"""The shape of what a model lacks: smooth functions of position, speed, load or time, or a tone.
+"""The shape of the residual torque: smooth functions of position, speed, load or time, or a tone.
 
-None of them is a cause. Each is fitted to the torque that the model lacks and judged on blocks that were
+None of them is a cause. Each is fitted to the residual torque and tested on blocks that were
 left out, so that a function that only follows the noise removes nothing (P. Eilers and B. Marx, "Flexible
 smoothing with B-splines and penalties", Statistical Science 11, 1996, the penalty chosen by these blocks).
 """
@@ -48,7 +48,7 @@ class _Smooth:
 
 
 def shapes(missing: Missing, axis: str) -> tuple[Shape, ...]:
-    """What the torque lacking on an axis follows, what removes most first.
+    """Shapes that the residual torque of an axis follows, the one that removes most first.
 
     Args:
         missing: the torque that a model lacks.

@@ -1,4 +1,4 @@
-"""Delays of a loop, which are much alike: where one of them fits, another is tried as late."""
+"""Delays of a loop, which are nearly equivalent: the best delay found for one is tried for the others."""
 
 from __future__ import annotations
 
@@ -14,50 +14,50 @@ from workbench.models import AppliedEffect
 from ..hypothesis import Hypothesis, applied_effect
 
 
-def is_late(key: EffectKey) -> bool:
+def is_delay(key: EffectKey) -> bool:
     """Whether an effect is a delay or a lag, and nothing else."""
     effect = effect_named(key.effect)
     return effect.trace is Trace.DELAY and len(effect.parameters) == 1
 
 
-def so_late(hypothesis: Hypothesis, key: EffectKey, seconds: float) -> Hypothesis:
-    """With a delay of that many seconds, in place of what it has of it."""
+def with_delay(hypothesis: Hypothesis, key: EffectKey, seconds: float) -> Hypothesis:
+    """The hypothesis with its last effect delayed by that many seconds."""
     (parameter,) = effect_named(key.effect).parameters
     late = applied_effect(hypothesis.base, AppliedEffect(key), {parameter.name: seconds})
     return replace(hypothesis, free=(*hypothesis.without(key).free, late))
 
 
-def one_for_both(hypothesis: Hypothesis, one: AppliedEffect, other: AppliedEffect) -> list[Hypothesis]:
-    """In place of two delays one that is as late as both, whichever: the loop sees their sum alone."""
+def one_delay_for_two(hypothesis: Hypothesis, one: AppliedEffect, other: AppliedEffect) -> list[Hypothesis]:
+    """Hypotheses with one delay, as long as both, in place of two: the loop depends on their sum alone."""
     rest = hypothesis.without(one.key).without(other.key)
     seconds = sum(value for a in (one, other) for value in a.values.values())
     there = {a.key for a in rest.free}
     axes = {None, one.key.axis, other.key.axis}
-    keys = [key for key in places(hypothesis.base) if is_late(key) and key not in there and key.axis in axes]
-    return [so_late(rest, key, seconds) for key in keys]
+    keys = [key for key in places(hypothesis.base) if is_delay(key) and key not in there and key.axis in axes]
+    return [with_delay(rest, key, seconds) for key in keys]
 
 
-def as_late_as_the_best(
+def retry_at_best_delay(
     tried: Sequence[Hypothesis], values: Sequence[float], near: Sequence[bool] | np.ndarray
 ) -> dict[int, Hypothesis]:
-    """Delays that fell behind, from where the best of those that are tried beside them has come; by number.
+    """Hypotheses, by number, that restart delays with a poor fit at the delay of the best one.
 
-    A loop hardly tells one delay from another, but how late it is. One fit begins near and another has still
-    far to go, on a way on which all other effects change too.
+    The loop hardly depends on which delay it is, only on its length. One fit starts near, another has far to
+    go while all other effects change too.
 
     Args:
         tried: hypotheses, what is tried as their last effect.
         values: what each leaves.
-        near: which of them have not fallen behind the best of all.
+        near: which of them are still competing.
     """
-    late = [k for k, h in enumerate(tried) if h.free and is_late(h.free[-1].key)]
+    late = [k for k, h in enumerate(tried) if h.free and is_delay(h.free[-1].key)]
     best = min(late, key=lambda k: values[k], default=None)
     if best is None or not near[best]:
         return {}
     led = tried[best]
     (seconds,) = led.free[-1].values.values()
     return {
-        k: so_late(led.without(led.free[-1].key), tried[k].free[-1].key, seconds)
+        k: with_delay(led.without(led.free[-1].key), tried[k].free[-1].key, seconds)
         for k in late
         if not near[k] and {a.key for a in tried[k].free[:-1]} == {a.key for a in led.free[:-1]}
     }

@@ -1,4 +1,4 @@
-"""Runs that part by themselves: how far two of them come to lie from each other."""
+"""Divergence: how far trajectories of nearly equal models move apart."""
 
 from __future__ import annotations
 
@@ -11,13 +11,12 @@ from ..data import Data
 from ..hypothesis import Fit, Hypothesis, applied_effect
 
 
-def parting(found: Fit, data: Data) -> np.ndarray:
-    """Typical squared distance of runs whose parameters differ by what the fit leaves open.
+def divergence(found: Fit, data: Data) -> np.ndarray:
+    """Median squared distance of trajectories whose parameters differ within their intervals, (R, 2, n).
 
-    A gap's runs follow their parameters for a while only: soon even the true ones give another motion than
-    the measured one, and no fit can be asked for less than two such runs differ. At either end of a gap's own
-    interval a run may land on another motion altogether, which the fit in the middle did not: the median of
-    all pairs is told nothing by that.
+    With backlash, trajectories follow their parameters for a while only: soon even the true parameters give
+    another motion than the measured one, and no fit can leave less than the distance of two such runs. At an
+    end of the interval a run may move to another motion altogether; the median of all pairs ignores that.
 
     Args:
         found: the fit; its model ran.
@@ -43,8 +42,8 @@ def _around(hypothesis: Hypothesis) -> list[Hypothesis]:
     out = []
     for k, applied in enumerate(hypothesis.free):
         for name, estimate in applied.parameters.items():
-            for way in (-1.96, 1.96):
-                values = {**applied.values, name: estimate.value + way * estimate.std}
+            for deviations in (-1.96, 1.96):
+                values = {**applied.values, name: estimate.value + deviations * estimate.std}
                 other = applied_effect(hypothesis.base, applied, values)
                 out.append(replace(hypothesis, free=(*hypothesis.free[:k], other, *hypothesis.free[k + 1 :])))
     return out

@@ -10,22 +10,22 @@ import numpy as np
 from workbench.core import Recording
 
 from ..data import Data
-from ..hypothesis import Fit, Hypothesis, moved, room
+from ..hypothesis import Fit, Hypothesis, moved, step_bounds
 from ..policy import POLICY
 from ..removed_share import removed_share
-from ..screening.propagation import respond
-from ..screening.sensitivity import Scene
+from ..screening.propagation import propagate_sensitivities
+from ..screening.sensitivity import Linearisation
 from .bounded_least_squares import solve
-from .delays import as_late_as_the_best
+from .delays import retry_at_best_delay
 from .normal_equations import Normal, normal, total
 from .uncertainty import covariance_of, with_deviations
-from .whole_row_delays import has_edges, over_the_edge
+from .whole_row_delays import across_row_edge, has_whole_row_delay
 
 _ITERATIONS = 6
 TOLERANCE = 0.003  # relative fall of the objective below which fitting stops, good enough to compare
-_HEATS = 3  # simulations of each hypothesis in a race's first heats
+_FIRST_ITERATIONS = 3  # simulations of each hypothesis in the first round of successive halving
 _AT_ONCE = 10_000_000  # rows times axes squared of loops held at once; each takes some tens of bytes of them
-_EDGES = 4  # simulations from which a fit is one that ends where it is best, and of those beyond a row's edge
+_EDGES = 4  # simulations from which a fit counts as converged, and of fits across the edge of a row
 _OVERFLOW = 1e100  # noise levels of response to one unit; the square of much more is no number
 FINE_TOLERANCE = 1e-6  # the same for estimates: a thousandth of what a deviation of noise changes
 
@@ -38,7 +38,7 @@ def values_of(hypotheses: Sequence[Hypothesis], data: Data) -> np.ndarray:
 
 @dataclass
 class _Work:
-    """One hypothesis on its way."""
+    """The state of fitting one hypothesis."""
 
     tried: Hypothesis
     best: Hypothesis
@@ -47,7 +47,7 @@ class _Work:
     value: float = np.inf
     damping: float = 0.0
     pieces: list[Normal] | None = None
-    unlike: list[Normal] = field(default_factory=list)
+    phase_folds: list[Normal] = field(default_factory=list)
     noise: np.ndarray | None = None
     done: bool = False
 
@@ -66,22 +66,22 @@ def fit(
     Returns:
         One fit a hypothesis; None where it never ran (unstable, or a body that cannot be).
     """
-    works = _pursued(hypotheses, data, iterations, enough)
+    works = _iterated(hypotheses, data, iterations, enough)
     if iterations >= _EDGES:
-        works = [_over_the_edge(w, data, enough) for w in works]
+        works = [_across_row_edge(w, data, enough) for w in works]
     _linearise([w for w in works if w.pieces is None and np.isfinite(w.value)], data)
     return [_finish(w, data) for w in works]
 
 
-def _pursued(
+def _iterated(
     hypotheses: Sequence[Hypothesis], data: Data, iterations: int, enough: float = TOLERANCE
 ) -> list[_Work]:
-    """Hypotheses as near to their best as so many simulations lead; not linearised where they end."""
+    """Hypotheses after some Gauss-Newton iterations; not linearised at their last values."""
     works = [_Work(h, h) for h in hypotheses]
     for turn in range(iterations):
         best = min((w.value for w in works), default=np.inf)
         for work in works:
-            # what is far behind after two tries needs no better estimate to lose
+            # a much worse one is given up after two iterations
             work.done |= turn > 1 and work.value > POLICY.fit_behind * best
         active = [w for w in works if not w.done]
         if not active:
@@ -97,66 +97,66 @@ def _pursued(
     return works
 
 
-def _over_the_edge(work: _Work, data: Data, enough: float) -> _Work:
-    """Where noise does not explain a fit, a better one beyond the next row of a delay, if there is one."""
+def _across_row_edge(work: _Work, data: Data, enough: float) -> _Work:
+    """The fit, or a better one across the edge of a row of a delay, where noise does not explain it."""
     floor = data.objective(data.least())
-    if not has_edges(work.best) or not POLICY.delay_above * floor < work.value < np.inf:
+    if not has_whole_row_delay(work.best) or not POLICY.delay_above * floor < work.value < np.inf:
         return work
     _linearise([work] if work.pieces is None else [], data)
     if work.pieces is None:
         return work
-    starts = over_the_edge(work.best, total(work.pieces), data.recordings[0].period)
-    return min([work, *_pursued(starts, data, _EDGES, enough)], key=lambda w: w.value)
+    starts = across_row_edge(work.best, total(work.pieces), data.recordings[0].period)
+    return min([work, *_iterated(starts, data, _EDGES, enough)], key=lambda w: w.value)
 
 
-def race(
+def successive_halving(
     hypotheses: Sequence[Hypothesis], current: Fit, data: Data
 ) -> tuple[list[Fit | None], list[float | None]]:
-    """Fit on the recordings where most of the error is; those still in the running go on to all of them.
+    """Fits by successive halving: first on the most informative recordings, the best then on all.
 
     Args:
-        hypotheses: what takes part.
+        hypotheses: to be compared.
         current: the fit that they would replace.
         data: recordings, floor, weights.
 
     Returns:
-        Per hypothesis its fit to all recordings, None where it never ran or fell behind; and the share of the
-        squared error above the noise that it removed on the first recordings, None where it never ran.
+        Per hypothesis its fit to all recordings, None where it never ran or was given up; and the share of
+        the squared error above the noise that it removed on the first recordings, None where it never ran.
     """
-    telling = data.telling(current.mean_squares, POLICY.informative_share)
-    some = data.part(telling)
+    most_informative = data.most_informative(current.mean_squares, POLICY.informative_share)
+    some = data.part(most_informative)
     floor = some.objective(some.pool(some.floor))
-    before = some.objective(some.pool(current.mean_squares[list(telling)]))
-    first = _pursued(hypotheses, some, _HEATS)
+    before = some.objective(some.pool(current.mean_squares[list(most_informative)]))
+    first = _iterated(hypotheses, some, _FIRST_ITERATIONS)
     most = POLICY.delay_left * before + (1.0 - POLICY.delay_left) * floor
-    first = _second_tries(first, _in_the_running(first, before, floor), some, most)
-    near = _in_the_running(first, before, floor)
+    first = _retried_delays(first, _still_competing(first, before, floor), some, most)
+    near = _still_competing(first, before, floor)
     shares = [removed_share(before, w.value, floor) if np.isfinite(w.value) else None for w in first]
     running = {k: w.best for k, w in enumerate(first) if near[k]}
     final = dict(zip(running, fit(list(running.values()), data), strict=True))
     return [final.get(k) for k in range(len(first))], shares
 
 
-def _in_the_running(works: Sequence[_Work], before: float, floor: float) -> np.ndarray:
-    """Which of them (W,) have not fallen behind the best."""
+def _still_competing(works: Sequence[_Work], before: float, floor: float) -> np.ndarray:
+    """Which of them (W,) are close enough to the best to go on."""
     left = np.array([w.value - floor for w in works])
     limit = POLICY.race_behind * max(left.min(initial=np.inf), 0.0) + POLICY.race_noise * floor
     limit += POLICY.race_excess * max(before - floor, 0.0)
     return np.isfinite(left) & (left <= limit)
 
 
-def _second_tries(works: list[_Work], near: np.ndarray, data: Data, most: float) -> list[_Work]:
-    """Delays that fell behind, from where the best one has come; over a row's edge if they left no more."""
-    led = as_late_as_the_best([w.best for w in works], [w.value for w in works], near)
+def _retried_delays(works: list[_Work], near: np.ndarray, data: Data, most: float) -> list[_Work]:
+    """Fits with poor delays restarted at the delay of the best one, or across the edge of a row."""
+    led = retry_at_best_delay([w.best for w in works], [w.value for w in works], near)
     out = list(works)
-    for k, other in zip(led, _pursued(list(led.values()), data, _HEATS), strict=True):
+    for k, other in zip(led, _iterated(list(led.values()), data, _FIRST_ITERATIONS), strict=True):
         out[k] = min(out[k], other, key=lambda w: w.value)
     done = [near[k] or w.value > most for k, w in enumerate(out)]
-    return [w if d else _over_the_edge(w, data, TOLERANCE) for d, w in zip(done, out, strict=True)]
+    return [w if d else _across_row_edge(w, data, TOLERANCE) for d, w in zip(done, out, strict=True)]
 
 
 def _simulate(works: list[_Work], data: Data, enough: float) -> None:
-    """Run what is to be tried; keep it where it is better, else shorten the next step."""
+    """Simulate the tried values; keep them where they are better, else raise the damping."""
     results = data.run([w.tried.model for w in works])
     for work, runs in zip(works, results, strict=True):
         mean_squares = data.mean_squares(runs)
@@ -186,17 +186,19 @@ def _linearise(works: list[_Work], data: Data) -> None:
 
 
 def _linearise_together(works: list[_Work], data: Data) -> None:
-    scenes = [Scene.of(w.best.model, data, w.runs, data.training) for w in works]
-    columns = [[c for a in w.best.free for c in s.derivatives(a)] for w, s in zip(works, scenes, strict=True)]
-    responses = respond(scenes, columns, data)
+    linearisations = [Linearisation.of(w.best.model, data, w.runs, data.training) for w in works]
+    columns = [
+        [c for a in w.best.free for c in s.derivatives(a)] for w, s in zip(works, linearisations, strict=True)
+    ]
+    responses = propagate_sensitivities(linearisations, columns, data)
     for work, own in zip(works, responses, strict=True):
         if not all(np.abs(r).max(initial=0.0) < _OVERFLOW for r in own):  # nor NaN
-            work.value, work.done = np.inf, True  # the loop about this motion runs away: nothing to follow
+            work.value, work.done = np.inf, True  # the loop about this motion is unstable: no direction
             continue
         residuals = [data.residual(i, work.runs[i]) * data.weight for i in range(data.training)]
-        work.pieces, work.unlike = (
+        work.pieces, work.phase_folds = (
             [normal(own[f.recording][f.rows], residuals[f.recording][f.rows]) for f in folds]
-            for folds in (data.folds, data.unlike if any(data.repeats) else ())
+            for folds in (data.folds, data.phase_folds if any(data.motion_periods) else ())
         )
         work.noise = sum(
             (scatter([draw[i] for draw in data.draws], own[i], data) for i in range(data.training)),
@@ -215,7 +217,7 @@ def _step(work: _Work, enough: float) -> None:
     """The next values to try; done where they would change nothing."""
     assert work.pieces is not None
     whole = total(work.pieces)
-    low, high = room(work.best)
+    low, high = step_bounds(work.best)
     change = solve(whole, low, high, work.damping)
     fall = whole.square - whole.after(change)
     if len(change) == 0 or fall < enough * whole.square:
@@ -229,20 +231,25 @@ def _finish(work: _Work, data: Data) -> Fit | None:
         return None
     assert work.pieces is not None and work.mean_squares is not None and work.noise is not None
     whole = total(work.pieces)
-    low, high = room(work.best)
+    low, high = step_bounds(work.best)
     changes = []
     for piece in work.pieces:
         rest = whole - piece
         changes.append(solve(rest, low, high))
     folds = np.array([p.after(c) / p.samples for p, c in zip(work.pieces, changes, strict=True)])
     weights = np.array([p.samples for p in work.pieces])
-    judged = float(np.average(folds, weights=weights))
-    if data.held_out_judges:
-        judged = data.objective(data.pool(work.mean_squares, held_out=True))
+    test_loss = float(np.average(folds, weights=weights))
+    if data.tests_on_holdout:
+        test_loss = data.objective(data.pool(work.mean_squares, held_out=True))
         folds = np.array([data.objective(ms) for ms in work.mean_squares[data.training :]])
-    # what is wrong with the model is the same in every copy of a motion, and would not show in their scatter
-    moves = [solve(whole - piece, low, high) for piece in work.unlike] or changes
+    # model error is the same in every period of a motion, and would not show in their scatter
+    moves = [solve(whole - piece, low, high) for piece in work.phase_folds] or changes
     covariance = covariance_of(whole, work.noise, np.array(moves), work.value, data)
     return Fit(
-        with_deviations(work.best, covariance, data), work.runs, work.mean_squares, work.value, judged, folds
+        with_deviations(work.best, covariance, data),
+        work.runs,
+        work.mean_squares,
+        work.value,
+        test_loss,
+        folds,
     )

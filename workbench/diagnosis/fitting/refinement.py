@@ -1,4 +1,4 @@
-"""From a candidate to a finished fit: what it replaces, how friction sets in, what becomes needless."""
+"""From a candidate to a final fit: what it replaces, the sliding speed of friction, what becomes needless."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from workbench.models import AppliedEffect, Placement, structural_effect
 
 from ..data import Data
 from ..hypothesis import Fit, Hypothesis, applied_effect
-from ..loss import floor_of_judging
+from ..loss import test_noise_floor
 from ..policy import POLICY
 from ..screening.screen import Candidate
-from ..screening.sensitivity import Scene, combine
+from ..screening.sensitivity import Linearisation, combine
 from .fit import FINE_TOLERANCE, fit, values_of
 from .uncertainty import moved_apart, widened
 
@@ -24,78 +24,83 @@ _SLIDING = (0.0005, 0.003, 0.01, 0.03)  # rad/s
 _ROUNDS = 5  # of a last fit, at most
 
 
-def with_candidate(scene: Scene, candidate: Candidate, current: Fit) -> Hypothesis:
-    """The current model with a candidate; effects that it contains in the same place make room for it."""
+def with_candidate(linearisation: Linearisation, candidate: Candidate, current: Fit) -> Hypothesis:
+    """The current model with a candidate, which replaces its special cases in the same place."""
     effect = effect_named(candidate.key.effect)
     base, free = current.hypothesis.base, current.hypothesis.free
     free = tuple(
-        applied_effect(scene.model, a, {**a.values, **candidate.beside.get(a.key, {})}) for a in free
+        applied_effect(linearisation.model, a, {**a.values, **candidate.beside.get(a.key, {})}) for a in free
     )
-    if effect.free(scene.model) == 0:
-        added = structural_effect(effect.name, scene.model.linkage)
-        return Hypothesis(base, free, (*current.hypothesis.stated, added))
+    if effect.free(linearisation.model) == 0:
+        added = structural_effect(effect.name, linearisation.model.linkage)
+        return Hypothesis(base, free, (*current.hypothesis.parameter_free, added))
     coefficients, shape = candidate.coefficients, candidate.shape
     given_up = [a for a in free if contains(candidate.key, a.key)]
     if given_up and len(coefficients):
-        linear, _ = scene.columns(candidate.key, shape)
+        linear, _ = linearisation.columns(candidate.key, shape)
         target = combine(
-            [*linear, *(scene.total(a, a.values) for a in given_up)],
+            [*linear, *(linearisation.total(a, a.values) for a in given_up)],
             [*coefficients, *(1.0 for _ in given_up)],
         )
         x = np.stack([np.concatenate([t.ravel() for t in c.torque]) for c in linear], axis=1)
         y = np.concatenate([t.ravel() for t in target.torque])
         coefficients = np.linalg.lstsq(x, y, rcond=None)[0]
-        lower, _ = effect.bounds(scene.model, Placement.of(scene.model, candidate.key))
+        lower, _ = effect.bounds(linearisation.model, Placement.of(linearisation.model, candidate.key))
         coefficients = np.maximum(coefficients, lower)
     values, base = effect.to_parameters(coefficients, shape), effect.stated(base, shape)
-    added = applied_effect(scene.model, AppliedEffect(candidate.key), values)
-    return Hypothesis(base, (*(a for a in free if a not in given_up), added), current.hypothesis.stated)
+    added = applied_effect(linearisation.model, AppliedEffect(candidate.key), values)
+    return Hypothesis(
+        base, (*(a for a in free if a not in given_up), added), current.hypothesis.parameter_free
+    )
 
 
-def with_candidates(scene: Scene, chosen: Sequence[Candidate], current: Fit) -> Hypothesis:
+def with_candidates(linearisation: Linearisation, chosen: Sequence[Candidate], current: Fit) -> Hypothesis:
     """The current model with several candidates, each in its turn as `with_candidate` has it."""
     for candidate in chosen:
-        current = replace(current, hypothesis=with_candidate(scene, candidate, current))
+        current = replace(current, hypothesis=with_candidate(linearisation, candidate, current))
     return current.hypothesis
 
 
-def settle(found: Fit, data: Data, floor: float) -> Fit:
-    """Let the data say how dry friction sets in, where the rest could be due to that.
+def tune_sliding_speed(found: Fit, data: Data, floor: float) -> Fit:
+    """The fit with its sliding speed tuned on a grid, where the residual could be due to it.
 
-    The sliding speed is a property of the contact that no catalogue lists. A grid finds it on the recordings
-    where most of the rest is; how far the parameters move there from one grid point to the next is what its
-    shape leaves open, and widens intervals.
+    The sliding speed [rad/s] is a property of the contact, not of an effect. The grid is evaluated on the
+    most informative recordings; how far parameters move between grid points widens their intervals.
     """
     dry = any(effect_named(a.key.effect).dry for a in found.hypothesis.free)
-    if not dry or found.trained < POLICY.noise_slack * floor or found.trained > POLICY.onset_to * floor:
+    if (
+        not dry
+        or found.training_loss < POLICY.noise_slack * floor
+        or found.training_loss > POLICY.onset_to * floor
+    ):
         return found
 
     def at(speed: float) -> Hypothesis:
         return replace(found.hypothesis, base=replace(found.hypothesis.base, sliding_speed=speed))
 
-    some = data.part(data.telling(found.mean_squares, POLICY.informative_share))
+    some = data.part(data.most_informative(found.mean_squares, POLICY.informative_share))
     best = int(np.argmin(values_of([at(speed) for speed in _SLIDING], some)))
     chosen = fit([at(_SLIDING[best])], data, iterations=2)[0]
-    if chosen is None or chosen.trained >= found.trained:
+    if chosen is None or chosen.training_loss >= found.training_loss:
         return found
     around = [k for k in (best - 1, best + 1) if 0 <= k < len(_SLIDING)]
     own, *others = fit([at(_SLIDING[k]) for k in (best, *around)], some, iterations=2)
     return chosen if own is None else moved_apart(chosen, own, [o for o in others if o is not None])
 
 
-def polished(found: Fit, data: Data) -> Fit:
-    """The same effects with their parameters to the last digit that noise leaves.
+def converged(found: Fit, data: Data) -> Fit:
+    """The same effects, fitted until converged.
 
-    A later effect must not win by what a fit that stopped halfway had still to gain.
+    A later effect must not win by what an unfinished fit had still to gain.
     """
     free = found.hypothesis.free
-    if not free or any(effect_named(a.key.effect).wanders for a in free):
+    if not free or any(effect_named(a.key.effect).diverges for a in free):
         return found
     for _ in range(_ROUNDS):
         better = fit([found.hypothesis], data, iterations=4, enough=FINE_TOLERANCE)[0]
-        if better is None or better.trained > found.trained:
+        if better is None or better.training_loss > found.training_loss:
             return found
-        still_falling = better.trained < (1.0 - POLICY.tie) * found.trained
+        still_falling = better.training_loss < (1.0 - POLICY.tie) * found.training_loss
         found = widened(better, [found], share=0.0)
         if not still_falling:
             break
@@ -103,23 +108,26 @@ def polished(found: Fit, data: Data) -> Fit:
 
 
 def prune(found: Fit, added: EffectKey, data: Data, current: Fit) -> tuple[Fit, tuple[EffectKey, ...]]:
-    """Drop effects that the new one made needless, as long as judging does not suffer.
+    """The fit without effects that the new one made needless, and their keys.
 
-    Where all is noise already it may, if what was fitted does not.
+    An effect is dropped where the test loss stays within a tie, or, at the noise floor, the training loss.
     """
-    slack, noise = 1.0 + POLICY.drop_ties * POLICY.tie, POLICY.drop_in_noise * floor_of_judging(data)
+    slack, noise = 1.0 + POLICY.drop_ties * POLICY.tie, POLICY.drop_in_noise * test_noise_floor(data)
     dropped: tuple[EffectKey, ...] = ()
     while True:
         rest = [a for a in found.hypothesis.free if a.key != added]
         if not rest:
             return found, dropped
         fits = fit([found.hypothesis.without(a.key) for a in rest], data, iterations=3)
-        options = [(f.judged, a.key, f) for a, f in zip(rest, fits, strict=True) if f is not None]
+        options = [(f.test_loss, a.key, f) for a, f in zip(rest, fits, strict=True) if f is not None]
         options = [
-            (judged, key, f)
-            for judged, key, f in options
-            if judged < current.judged
-            and (judged <= found.judged * slack or (judged < noise and f.trained <= found.trained * slack))
+            (test_loss, key, f)
+            for test_loss, key, f in options
+            if test_loss < current.test_loss
+            and (
+                test_loss <= found.test_loss * slack
+                or (test_loss < noise and f.training_loss <= found.training_loss * slack)
+            )
         ]
         if not options:
             return found, dropped

@@ -1,4 +1,4 @@
-"""How far estimates may be off: noise, folds, rival fits."""
+"""Uncertainty of estimates: from noise, from folds (jackknife), and from other fits."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from .normal_equations import Normal
 
 
 def widened(found: Fit, others: Sequence[Fit], share: float) -> Fit:
-    """Deviations no smaller than those of rival fits of the same effects.
+    """The fit with deviations no smaller than those of other fits of the same effects.
 
-    They also cover a `share` of the way to the rivals' estimates.
+    They also cover a `share` of the distance to the other estimates.
     """
     free = []
     for k, applied in enumerate(found.hypothesis.free):
@@ -37,7 +37,7 @@ def widened(found: Fit, others: Sequence[Fit], share: float) -> Fit:
 
 
 def moved_apart(found: Fit, own: Fit, others: Sequence[Fit]) -> Fit:
-    """Deviations that cover a share of the way from `own` to `others`, fits of one kind elsewhere."""
+    """The fit with deviations that cover a share of the distance from `own` to `others`."""
     share = POLICY.rival_deviation
     free = []
     for k, applied in enumerate(found.hypothesis.free):
@@ -54,7 +54,7 @@ def moved_apart(found: Fit, own: Fit, others: Sequence[Fit]) -> Fit:
 def covariance_of(
     total: Normal, noise: np.ndarray, changes: np.ndarray, value: float, data: Data
 ) -> np.ndarray:
-    """Covariance of the unknowns: what noise does to them, and what leaving out a fold does.
+    """Covariance of the unknowns (C, C): from noise, and from leaving out folds (jackknife).
 
     At the noise floor the first is right. Above it the model is wrong somewhere, residuals are not
     noise, and the jackknife over folds says how far estimates move.

@@ -1,4 +1,4 @@
-"""Delays that the log shows in whole rows alone: over the edge of a row, where no slope leads."""
+"""Delays that the log resolves in whole rows only: fits across the edge of a row, where derivatives fail."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ import numpy as np
 from workbench.effects import Door, effect_named
 from workbench.models import AppliedEffect
 
-from ..hypothesis import Hypothesis, blocks, moved, room
+from ..hypothesis import Hypothesis, blocks, moved, step_bounds
 from .bounded_least_squares import solve
-from .delays import is_late
+from .delays import is_delay
 from .normal_equations import Normal
 
 _OVER_STEP = 1e-6  # of a row, beyond its edge
 
 
-def has_edges(hypothesis: Hypothesis) -> bool:
+def has_whole_row_delay(hypothesis: Hypothesis) -> bool:
     """Whether one of its effects is a delay between command and torque."""
     return any(_is_a_command_s(applied) for applied in hypothesis.free)
 
 
 def _is_a_command_s(applied: AppliedEffect) -> bool:
     effect = effect_named(applied.key.effect)
-    return is_late(applied.key) and effect.door is Door.COMMAND and "time" in effect.nonlinear
+    return is_delay(applied.key) and effect.door is Door.COMMAND and "time" in effect.nonlinear
 
 
-def over_the_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> list[Hypothesis]:
-    """The hypothesis with a delay on the near side of the rows before and after, all else solved for it.
+def across_row_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> list[Hypothesis]:
+    """Hypotheses with a delay just inside the rows before and after, all other unknowns solved for it.
 
     A torque that is held from row to row and late by three rows and a bit is logged as if it were late by
     four. How much a bit is, the motion alone tells. A fit that has come a little over a whole row, which is
@@ -40,7 +40,7 @@ def over_the_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> lis
     Returns:
         Two hypotheses for each delay between command and torque; one where the first row is the nearest.
     """
-    low, high = room(hypothesis)
+    low, high = step_bounds(hypothesis)
     out = []
     for applied, block in blocks(hypothesis):
         if not _is_a_command_s(applied):

@@ -1,4 +1,4 @@
-"""How else to begin a search, where one effect after the other leads nowhere."""
+"""Other starts of the search, for data that forward selection from the nominal model does not explain."""
 
 from __future__ import annotations
 
@@ -8,225 +8,249 @@ from functools import partial
 
 from workbench.core import EffectKey
 
-from ..acceptance import mends, nearly_at_floor, overshadowed, reached
+from ..acceptance import at_noise_floor, halves_excess, holdout_insensitive, near_noise_floor
 from ..data import Data
-from ..fitting.refinement import polished
+from ..fitting.refinement import converged
 from ..hypothesis import Fit
-from ..loss import explained, rejudged
-from ..node import Keys, Way, after, holds, keys_of, onwards, scene_at, screened_at, with_last, with_stages
+from ..loss import explained, rescored
+from ..node import (
+    Keys,
+    Node,
+    effect_keys,
+    explains_data,
+    forward_selection,
+    linearisation_at,
+    node_after,
+    screened_at,
+    with_last_step,
+    with_steps,
+)
 from ..policy import POLICY
-from ..problem import Quest
+from ..problem import Problem
 from ..screening.compliance import other_causes
 from ..screening.screen import screen
-from ..screening.sensitivity import Scene
-from ..search_result import Stage
-from .add import next_stage
-from .choice import passed_over
-from .compliance_from_torque import plain_by_torque
-from .inverse_dynamics import along_the_motion
-from .pairs import two_at_once
-from .shared_effects import needed, on_every_axis
+from ..screening.sensitivity import Linearisation
+from ..search_result import AcceptedStep
+from .add import next_step
+from .choice import better_refinement
+from .compliance_from_torque import compliance_from_torque
+from .inverse_dynamics import inverse_dynamics_start
+from .pairs import best_pair
+from .shared_effects import needed, shared_effects
 from .trial_fits import Progress
 
 
-def otherwise(way: Way, quest: Quest) -> Way:
-    """The first of the other ways that leads to the noise; `way` where none does.
+def alternative_starts(node: Node, problem: Problem) -> Node:
+    """The first alternative start that leads to the noise floor; `node` where none does.
 
-    With what the torque shows to give way, where that leaves next to nothing of it; by what the training
-    recordings show, where held-out motion shows little; with the same cause on every axis, each of which has
-    its share; with two effects at once, since the best first step of a pair may be neither of them; with a
-    refinement that a basic effect went before; with what the torque shows less plainly to give way; and
-    boldly on from where the first way ended.
+    In this order: a compliance that explains nearly all of the inverse-dynamics residual; an effect chosen on
+    training recordings, where the holdout is insensitive; one effect shared by all axes; two effects at once,
+    since the best first step of a pair may be neither of them; an inverse-dynamics start; a refinement in
+    place of a basic effect; a compliance that explains less; and a provisional step from where forward
+    selection ended.
     """
-    start, data = quest.start, quest.data
-    plain = _plainly_by_torque(way, quest)
+    start, data = problem.start, problem.data
+    plain = _accepted_compliance(node, problem)
     if plain is not None:
         return plain
-    met = [keys_of(stage.fit) for stage in way.stages]
+    visited = [effect_keys(step.fit) for step in node.steps]
     beginnings = (
         (_by_training, _sure),
-        (partial(on_every_axis, quest.screened), holds),  # one of a dozen, not of thousands
-        (two_at_once, _sure),
-        (lambda *_: along_the_motion(quest), _sure),
+        (partial(shared_effects, problem.screened), explains_data),  # one of a dozen, not of thousands
+        (best_pair, _sure),
+        (lambda *_: inverse_dynamics_start(problem), _sure),
     )
     for begin, enough in beginnings:
-        if data.effort.spent:
-            return way
-        stages = begin(quest.scene, data, start, quest.progress)
-        if not stages:
+        if data.budget.spent:
+            return node
+        steps = begin(problem.linearisation, data, start, problem.progress)
+        if not steps:
             continue
-        begun = with_stages(Way(start, data), stages, quest.seed)
-        ended = begun if nearly_at_floor(begun.current, begun.data) else onwards(begun, quest, met=met)
-        plain = _without_stand_ins(ended, begun, quest)
+        begun = with_steps(Node(start, data), steps, problem.seed)
+        ended = (
+            begun
+            if near_noise_floor(begun.current, begun.data)
+            else forward_selection(begun, problem, visited=visited)
+        )
+        plain = _without_stand_ins(ended, begun, problem)
         for other in (ended, begun) if plain is ended else (plain,):
-            if enough(other, quest):
+            if enough(other, problem):
                 return other
-    return next((other for other in _leaps(way, quest) if _sure(other, quest)), way)
+    return next((other for other in _leaps(node, problem) if _sure(other, problem)), node)
 
 
-def what_the_torque_shows(way: Way, quest: Quest) -> Way:
-    """With what plainly gives way, where much more than noise is left; `way` where that is no better.
+def with_compliance_from_torque(node: Node, problem: Problem) -> Node:
+    """The node of a search that starts from a clear compliance; `node` where that is not much better.
 
-    Most of what a gap leaves may be explained by inertia in its place.
+    It is tried where much more than noise is left: inertia alone can explain most of what backlash causes.
     """
-    if way.done or nearly_at_floor(way.current, way.data):
-        return way
-    plain = _plainly_by_torque(way, quest)
-    return plain if plain is not None and mends(plain.current, way.current, way.data) else way
+    if node.done or near_noise_floor(node.current, node.data):
+        return node
+    plain = _accepted_compliance(node, problem)
+    return plain if plain is not None and halves_excess(plain.current, node.current, node.data) else node
 
 
-def what_was_passed_over(way: Way, quest: Quest) -> Way:
-    """With a refinement that a basic effect went before, where much more than noise is left; else `way`.
+def retry_with_refinement(node: Node, problem: Problem) -> Node:
+    """The node of a search that takes a refinement where a basic effect was taken; `node` if not much better.
 
-    An inertia and a weight explain most of what a torque constant and an encoder's offset do. What came later
-    all the same needs no other beginning.
+    It is tried where much more than noise is left: an inertia and a weight explain most of what a wrong
+    torque constant and an encoder offset cause. Refinements that were found later anyway are not retried.
     """
-    if way.done or nearly_at_floor(way.current, way.data):
-        return way
-    others = (o for o in _refined(way, quest, set(), keys_of(way.current)) if _sure(o, quest))
-    return next((o for o in others if mends(o.current, way.current, way.data)), way)
+    if node.done or near_noise_floor(node.current, node.data):
+        return node
+    others = (o for o in _refined(node, problem, set(), effect_keys(node.current)) if _sure(o, problem))
+    return next((o for o in others if halves_excess(o.current, node.current, node.data)), node)
 
 
-def _plainly_by_torque(way: Way, quest: Quest) -> Way | None:
-    """From the first place on a way where the torque shows something to give way that leaves nothing of it.
+def _accepted_compliance(node: Node, problem: Problem) -> Node | None:
+    """The node from the earliest step at which a compliance explains the inverse-dynamics residual, or None.
 
-    Later ones have more that is true, as friction that hides a gap, and more that only stands for the rest.
+    Later steps have more true causes (friction that hides backlash), and more that only approximate others.
     """
-    for count in range(len(way.stages) + 1):
-        plain = _by_torque(after(way.stages[:count], quest), quest, 0.0, POLICY.torque_first)
-        led = _through(plain, quest) if plain else None
-        if led and _sure(led, quest):
+    for count in range(len(node.steps) + 1):
+        plain = _by_torque(node_after(node.steps[:count], problem), problem, 0.0, POLICY.torque_first)
+        led = _allowing_divergence(plain, problem) if plain else None
+        if led and _sure(led, problem):
             return led
     return None
 
 
-def _without_stand_ins(ended: Way, begun: Way, quest: Quest) -> Way:
-    """Without effects of several that it began with at once, which those found later have made needless.
+def _without_stand_ins(ended: Node, begun: Node, problem: Problem) -> Node:
+    """The node without effects of its start that effects found later have made needless.
 
-    Rotors on the axes of an arm stand in for a load at its end, until the load itself is found.
+    Rotor inertias on the axes of an arm approximate a load at its end, until the load itself is found.
     """
-    if len(begun.stages) < 2 or len(ended.stages) == len(begun.stages):
+    if len(begun.steps) < 2 or len(ended.steps) == len(begun.steps):
         return ended
-    last = ended.stages[-1]
-    kept = needed(ended.current, ended.data, keys_of(begun.current))
-    idle = sorted(keys_of(ended.current) - keys_of(kept), key=str)
+    last = ended.steps[-1]
+    kept = needed(ended.current, ended.data, effect_keys(begun.current))
+    idle = sorted(effect_keys(ended.current) - effect_keys(kept), key=str)
     if not idle:
         return ended
-    quest.progress(f"leaving out {', '.join(map(str, idle))}, needless since {last.added}")
-    plain = replace(last, fit=polished(kept, ended.data), dropped=(*last.dropped, *idle))
-    return with_last(ended, plain, quest.seed)
+    problem.progress(f"leaving out {', '.join(map(str, idle))}, needless since {last.added}")
+    plain = replace(last, fit=converged(kept, ended.data), dropped=(*last.dropped, *idle))
+    return with_last_step(ended, plain, problem.seed)
 
 
-def _leaps(way: Way, quest: Quest) -> Iterator[Way]:
-    """Ways of which nothing but their end can tell whether they are right."""
+def _leaps(node: Node, problem: Problem) -> Iterator[Node]:
+    """Nodes after a provisional step; only where they end shows whether they are right."""
     tried: set[tuple[Keys, EffectKey]] = set()
-    yield from _refined(way, quest, tried)
-    plainly = partial(_by_torque, after((), quest), quest, POLICY.torque_first, POLICY.torque_plain)
-    for leap in (plainly, partial(_boldly, way, quest)):
-        bold = None if quest.data.effort.spent else leap()
-        if bold is not None:
-            other = _through(bold, quest)
+    yield from _refined(node, problem, tried)
+    plainly = partial(_by_torque, node_after((), problem), problem, POLICY.torque_first, POLICY.torque_plain)
+    for leap in (plainly, partial(_provisional_step, node, problem)):
+        provisional = None if problem.data.budget.spent else leap()
+        if provisional is not None:
+            other = _allowing_divergence(provisional, problem)
             yield other
-            yield from _refined(other, quest, tried)
+            yield from _refined(other, problem, tried)
 
 
 def _refined(
-    way: Way, quest: Quest, tried: set[tuple[Keys, EffectKey]], known: Keys = frozenset()
-) -> Iterator[Way]:
-    """From the first step that took a basic effect, though a refinement left much less, with that one.
+    node: Node, problem: Problem, tried: set[tuple[Keys, EffectKey]], known: Keys = frozenset()
+) -> Iterator[Node]:
+    """The node that repeats the search from the first basic effect that left much more than a refinement did.
 
-    No step is taken again that is among `tried`, to which it is added, nor for a refinement of those `known`.
+    Steps in `tried` are not repeated (new ones are added to it), nor are refinements in `known` tried.
     """
-    if quest.data.effort.spent:
+    if problem.data.budget.spent:
         return
-    for k, stage in enumerate(way.stages):
-        before = way.stages[:k]
-        current = before[-1].fit if before else quest.start
-        step = keys_of(current), stage.added
-        better = passed_over(stage.added, stage.ranking)
-        if better is not None and better not in known and step not in tried:
-            tried.add(step)
-            quest.progress(f"beginning again from where {stage.added} was taken")
-            yield _through(after(before, quest), quest, basics_first=False)
+    for k, step in enumerate(node.steps):
+        before = node.steps[:k]
+        current = before[-1].fit if before else problem.start
+        taken = effect_keys(current), step.added
+        better = better_refinement(step.added, step.ranking)
+        if better is not None and better not in known and taken not in tried:
+            tried.add(taken)
+            problem.progress(f"beginning again from where {step.added} was taken")
+            yield _allowing_divergence(node_after(before, problem), problem, basics_first=False)
             return
 
 
-def fewer(way: Way, quest: Quest) -> Way:
-    """Two causes with fewer parameters in place of those found one by one; `way` where none explain as well.
+def with_fewer_parameters(node: Node, problem: Problem) -> Node:
+    """The node of two effects with fewer parameters that explain as much as all that were found; else `node`.
 
-    Where what was found first had rivals, what came after may only mend the choice.
+    It is tried where an earlier effect was indistinguishable from others: later effects may only correct a
+    wrong choice.
     """
-    size = way.current.hypothesis.size
-    few = len(way.stages) < 2 or size < 3
-    if few or quest.data.effort.spent or not any(_doubtful(s, way, quest) for s in way.stages[:-1]):
-        return way
-    stages = two_at_once(quest.scene, quest.data, quest.start, quest.progress)
-    if stages is None:
-        return way
-    other = with_stages(Way(quest.start, quest.data), stages, quest.seed)
-    return other if other.current.hypothesis.size < size and reached(other.current, other.data) else way
+    size = node.current.hypothesis.size
+    few = len(node.steps) < 2 or size < 3
+    if few or problem.data.budget.spent or not any(_doubtful(s, node, problem) for s in node.steps[:-1]):
+        return node
+    steps = best_pair(problem.linearisation, problem.data, problem.start, problem.progress)
+    if steps is None:
+        return node
+    other = with_steps(Node(problem.start, problem.data), steps, problem.seed)
+    return (
+        other if other.current.hypothesis.size < size and at_noise_floor(other.current, other.data) else node
+    )
 
 
-def _doubtful(stage: Stage, way: Way, quest: Quest) -> bool:
-    """Whether another cause did as well, not only the same machine in other words."""
-    model = quest.start.hypothesis.model
-    return bool(other_causes(model, stage.added, stage.rivals_of(way.current)))
+def _doubtful(step: AcceptedStep, node: Node, problem: Problem) -> bool:
+    """Whether another cause fits as well, other than the equivalent place at the joint."""
+    model = problem.start.hypothesis.model
+    return bool(other_causes(model, step.added, step.indistinguishable_at(node.current)))
 
 
-def _through(way: Way, quest: Quest, *, basics_first: bool = True) -> Way:
-    """Onwards also where runs part by themselves, unless hardly more than noise is left.
+def _allowing_divergence(node: Node, problem: Problem, *, basics_first: bool = True) -> Node:
+    """The node after forward selection that does not stop at diverging trajectories.
 
-    By how much they part is asked of the last model.
+    Nothing is added where hardly more than noise is left. The divergence of the last model widens its floor.
     """
-    near = bool(way.stages) and nearly_at_floor(way.current, way.data)
-    other = way if near else onwards(way, quest, through=True, basics_first=basics_first)
-    if not other.stages:
+    near = bool(node.steps) and near_noise_floor(node.current, node.data)
+    other = (
+        node if near else forward_selection(node, problem, allow_divergence=True, basics_first=basics_first)
+    )
+    if not other.steps:
         return other
-    return with_last(other, other.stages[-1], quest.seed)
+    return with_last_step(other, other.steps[-1], problem.seed)
 
 
-def _boldly(way: Way, quest: Quest) -> Way | None:
-    """From where the search stands, the effect that explains most of the rest of the training recordings.
+def _provisional_step(node: Node, problem: Problem) -> Node | None:
+    """The node with the effect that explains most of the remaining training error; None where there is none.
 
-    Where several causes are missing, one of them alone may raise the error on held-out motion.
+    Where several causes are missing, one of them alone may raise the error on held-out recordings.
     """
-    current, deaf = way.current, way.data.unheard()
-    if nearly_at_floor(current, way.data):
+    current, by_folds = node.current, node.data.cross_validated()
+    if near_noise_floor(current, node.data):
         return None
-    quest.progress("trying what explains most of the training recordings")
-    scene, screened = screened_at(current, deaf, quest)
-    before, later = rejudged(current, deaf), bool(way.stages)
-    stage = next_stage(scene, screened, before, deaf, quest.progress, later=later, bold=True)
-    return None if stage is None else with_stages(way, (stage,), quest.seed, wide=False)
+    problem.progress("trying what explains most of the training recordings")
+    linearisation, screened = screened_at(current, by_folds, problem)
+    before, later = rescored(current, by_folds), bool(node.steps)
+    step = next_step(
+        linearisation, screened, before, by_folds, problem.progress, later=later, provisional=True
+    )
+    return None if step is None else with_steps(node, (step,), problem.seed, wide=False)
 
 
-def _by_torque(at: Way, quest: Quest, least: float, most: float) -> Way | None:
-    """On from where a search stands with what the torque shows to give way, and no closed loop yet.
+def _by_torque(at: Node, problem: Problem, least: float, most: float) -> Node | None:
+    """The node with a compliance that explains the inverse-dynamics residual, not confirmed in the loop.
 
-    `least`, `most`: what it leaves of the torque that is lacking there.
+    `least`, `most`: bounds of the share of the residual torque that it leaves.
     """
-    if at.data.effort.spent:
+    if at.data.budget.spent:
         return None
-    scene = scene_at(at.current, at.data, quest)
-    stages = plain_by_torque(scene, at.data, at.current, quest.progress, least, most)
-    return with_stages(at, stages, quest.seed, wide=False) if stages else None
+    linearisation = linearisation_at(at.current, at.data, problem)
+    steps = compliance_from_torque(linearisation, at.data, at.current, problem.progress, least, most)
+    return with_steps(at, steps, problem.seed, wide=False) if steps else None
 
 
-def _by_training(scene: Scene, data: Data, start: Fit, progress: Progress) -> tuple[Stage, ...]:
-    """A first effect as the training recordings judge it, where they show much more than held-out motion."""
-    if not overshadowed(start, data):
+def _by_training(
+    linearisation: Linearisation, data: Data, start: Fit, progress: Progress
+) -> tuple[AcceptedStep, ...]:
+    """A first step chosen by cross-validation, where the holdout is insensitive; else none."""
+    if not holdout_insensitive(start, data):
         return ()
     progress("beginning with what the training recordings show")
-    deaf = data.unheard()
-    screened, _ = screen(scene, deaf, start.simulated, ())
-    stage = next_stage(scene, screened, rejudged(start, deaf), deaf, progress)
-    return () if stage is None else (stage,)
+    by_folds = data.cross_validated()
+    screened, _ = screen(linearisation, by_folds, start.simulated, ())
+    step = next_step(linearisation, screened, rescored(start, by_folds), by_folds, progress)
+    return () if step is None else (step,)
 
 
-def _sure(way: Way, quest: Quest) -> bool:
-    """Whether what was found leaves noise and little else: more than is asked of the usual way."""
-    return holds(way, quest) and (
-        way.done
-        or nearly_at_floor(way.current, way.data)
-        or explained(quest.data, quest.start, way.current, way.data) > POLICY.explained_elsewhere
+def _sure(node: Node, problem: Problem) -> bool:
+    """Whether a node explains nearly all: alternative starts must explain more than forward selection."""
+    return explains_data(node, problem) and (
+        node.done
+        or near_noise_floor(node.current, node.data)
+        or explained(problem.data, problem.start, node.current, node.data) > POLICY.explained_elsewhere
     )

@@ -1,8 +1,8 @@
-"""What else is missing where there is a gap, asked of the torque together with the gap.
+"""Effects beside backlash, fitted together with it to the residual torque of inverse dynamics.
 
-Torque that is missed for another reason moves the instants at which a gap seems to be crossed, and a gap that
-is missed bends what was identified through it: an inertia of the links that comes out too large hides half of
-it. One after the other, neither is found well enough for a closed loop to run with it.
+Missing torque of another cause shifts the instants at which backlash seems to be crossed, and missing
+backlash biases what was identified through it: too large a link inertia hides half of it. One after the
+other, neither is found well enough for a closed loop to run.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit
 from ..policy import POLICY
 from ..screening.screen import Candidate, Entry, entries_of, limits_of
-from ..screening.sensitivity import Column, Scene
+from ..screening.sensitivity import Linearisation, SensitivityColumn
 from .pairs import may_stand_together
 
 _PROBE_STEP = 0.005  # of the load: the size of a torque in a difference
@@ -72,13 +72,13 @@ class _Option:
 class _Gap:
     """A gap and torques about it, along motions."""
 
-    def __init__(self, scene: Scene, gap: Candidate, training: int) -> None:
-        place = Placement.of(scene.model, gap.key)
+    def __init__(self, linearisation: Linearisation, gap: Candidate, training: int) -> None:
+        place = Placement.of(linearisation.model, gap.key)
         assert place is not None
-        motions = scene.motions[:training]
-        self._pieces = [Passage.of(m, scene.model, place) for m in motions]
-        self._inertia = link_inertia(motions[0], scene.model, place)[0]
-        self._retardation = gap.shape.get("retardation", scene.model.flank_retardation_s)
+        motions = linearisation.motions[:training]
+        self._pieces = [Passage.of(m, linearisation.model, place) for m in motions]
+        self._inertia = link_inertia(motions[0], linearisation.model, place)[0]
+        self._retardation = gap.shape.get("retardation", linearisation.model.flank_retardation_s)
         self.load = float(np.sqrt(np.mean(np.concatenate([p.load for p in self._pieces]) ** 2)))
 
     def left(self, torques: Sequence[_Torque], values: np.ndarray) -> np.ndarray:
@@ -117,21 +117,23 @@ class _Gap:
         return found.x * sizes
 
 
-def beside_gap(scene: Scene, gap: Candidate, current: Fit, training: int) -> list[Candidate]:
-    """A gap with what else the torque lacks at its axis, the gap first and as it is beside the others.
+def beside_backlash(
+    linearisation: Linearisation, gap: Candidate, current: Fit, training: int
+) -> list[Candidate]:
+    """Backlash and the other effects missing at its axis; backlash first, with its values beside the others.
 
     Args:
-        scene: the model that lacks something, on recordings of which the first `training` are looked at.
-        gap: as it is where nothing else is missing.
+        linearisation: of the model so far; the first `training` of its recordings are used.
+        gap: backlash fitted alone.
         current: the model's fit.
         training: their number.
 
     Returns:
-        The gap alone where nothing else is missing.
+        Backlash alone where nothing else is missing.
     """
-    seen = _Gap(scene, gap, training)
+    seen = _Gap(linearisation, gap, training)
     taken = {a.key for a in current.hypothesis.added}
-    options = [o for o in _options(scene, gap.key, training) if o.entry.key not in taken]
+    options = [o for o in _options(linearisation, gap.key, training) if o.entry.key not in taken]
     chosen: list[_Option] = []
     values = np.log([gap.shape["gap"], gap.shape["stiffness"]])
     left = _square(seen.left((), values))
@@ -146,14 +148,14 @@ def beside_gap(scene: Scene, gap: Candidate, current: Fit, training: int) -> lis
         now = _square(seen.left(_torques(more), better))
         if now > POLICY.gap_effect_left * left:
             break
-        if _can_be(with_candidates(scene, _candidates(more, better[2:], gap), current).model):
+        if _can_be(with_candidates(linearisation, _candidates(more, better[2:], gap), current).model):
             chosen, values, left = more, better, now
         else:
             options.remove(option)
     if not chosen:
         return [gap]
     others = _candidates(chosen, values[2:], gap)
-    return [_again(scene, gap, others, current, training), *others]
+    return [_again(linearisation, gap, others, current, training), *others]
 
 
 def _can_be(model: Model) -> bool:
@@ -165,17 +167,17 @@ def _can_be(model: Model) -> bool:
     return True
 
 
-def _options(scene: Scene, gap: EffectKey, training: int) -> list[_Option]:
+def _options(linearisation: Linearisation, gap: EffectKey, training: int) -> list[_Option]:
     """Effects that are torques at the axis of a gap."""
-    place = Placement.of(scene.model, gap)
+    place = Placement.of(linearisation.model, gap)
     assert place is not None
-    columns, entries = entries_of(scene)
-    least = 1e-9 * max(float(np.sqrt(np.mean(m.torque**2))) for m in scene.motions[:training])
+    columns, entries = entries_of(linearisation)
+    least = 1e-9 * max(float(np.sqrt(np.mean(m.torque**2))) for m in linearisation.motions[:training])
     options = []
     for entry in entries:
         at_motor = (entry.key.axis, entry.key.location) == (gap.axis, "actuator")
         torques: list[_Torque | None] = []
-        for number, low, high in zip(entry.linear, *limits_of(scene, entry), strict=True):
+        for number, low, high in zip(entry.linear, *limits_of(linearisation, entry), strict=True):
             torque = _Torque(at_motor, _on(columns[number], place.index, training), (low, high))
             torques.append(torque if torque.size > least else None)
         if entry.fixed is None and any(torques):
@@ -183,7 +185,7 @@ def _options(scene: Scene, gap: EffectKey, training: int) -> list[_Option]:
     return options
 
 
-def _on(column: Column, index: int, training: int) -> tuple[np.ndarray, ...]:
+def _on(column: SensitivityColumn, index: int, training: int) -> tuple[np.ndarray, ...]:
     return tuple(torque[:, index] for torque in column.torque[:training])
 
 
@@ -193,7 +195,7 @@ def _best(
     """The simplest option of those that leave about the least, and values to begin with; by slopes alone."""
     now = seen.left(torques, values)
     known = seen.slopes(torques, values, now)
-    judged: list[tuple[float, _Option, np.ndarray]] = []
+    tried_options: list[tuple[float, _Option, np.ndarray]] = []
     for option in options:
         all_torques = [*torques, *option.active]
         start = np.append(values, np.zeros(len(option.active)))
@@ -202,11 +204,11 @@ def _best(
         moved = start + change * seen.sizes(all_torques)
         within = zip(moved[len(values) :], option.active, strict=True)
         if all(t.limits[0] <= x <= t.limits[1] for x, t in within):
-            judged.append((_square(now + slopes @ change), option, moved))
-    if not judged:
+            tried_options.append((_square(now + slopes @ change), option, moved))
+    if not tried_options:
         return None
-    enough = POLICY.gap_simpler * min(left for left, _, _ in judged)
-    _, option, moved = min((j for j in judged if j[0] <= enough), key=lambda j: (j[1].rank, j[0]))
+    enough = POLICY.gap_simpler * min(left for left, _, _ in tried_options)
+    _, option, moved = min((j for j in tried_options if j[0] <= enough), key=lambda j: (j[1].rank, j[0]))
     return option, moved
 
 
@@ -221,18 +223,18 @@ def _candidates(chosen: Sequence[_Option], coefficients: np.ndarray, gap: Candid
             o.entry.key,
             np.array([0.0 if t is None else next(values) for t in o.torques]),
             o.entry.shape,
-            gap.judged,
+            gap.test_loss,
         )
         for o in chosen
     ]
 
 
 def _again(
-    scene: Scene, gap: Candidate, others: Sequence[Candidate], current: Fit, training: int
+    linearisation: Linearisation, gap: Candidate, others: Sequence[Candidate], current: Fit, training: int
 ) -> Candidate:
     """The gap as it is in a model that has the others."""
-    model = with_candidates(scene, others, current).model
-    seen = Scene(model, scene.data, scene.runs[:training])
+    model = with_candidates(linearisation, others, current).model
+    seen = Linearisation(model, linearisation.data, linearisation.runs[:training])
     guesses = effect_named(gap.key.effect).guesses(seen.motions, model, Placement.of(model, gap.key))
     shape: Mapping[str, float] = guesses[0][0] if guesses else gap.shape
     return replace(gap, shape=shape)

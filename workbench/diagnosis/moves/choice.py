@@ -1,4 +1,4 @@
-"""Which of the explanations that are accepted is taken, and how far the others are behind."""
+"""Which of the accepted explanations is chosen, and how much worse the others are (loss ratios)."""
 
 from __future__ import annotations
 
@@ -9,44 +9,44 @@ from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 from workbench.models import Model
 
-from ..acceptance import reached
+from ..acceptance import at_noise_floor
 from ..data import Data
 from ..hypothesis import Fit
-from ..loss import floor_of_fitting, floor_of_judging
+from ..loss import test_noise_floor, training_noise_floor
 from ..policy import POLICY
 from ..screening.screen import Candidate
 
 #: An effect in a place that was simulated, with its fit.
 Explanation = tuple[Candidate, Fit]
 #: An effect with what is left where it explains the data.
-Judged = tuple[EffectKey, float]
+EffectLoss = tuple[EffectKey, float]
 
 
 def choose(
     helpful: list[Explanation],
-    stated: Sequence[Candidate],
+    parameter_free: Sequence[Candidate],
     before: float,
     data: Data,
     model: Model,
     basics_first: bool = True,
 ) -> tuple[Candidate, Fit, tuple[EffectKey, ...]]:
-    """The best explanation; of those as good, the one with fewest free parameters, and its rivals.
+    """The best explanation and those indistinguishable from it; among equals the fewest parameters win.
 
     Inertia, damping and Coulomb friction go before others that explain somewhat more, if `basics_first`.
     """
-    floor = floor_of_judging(data)
+    floor = test_noise_floor(data)
     helpful = [cf for cf in helpful if not _refined(cf, helpful, data)]
 
     def cost(c: Candidate) -> tuple[int, int, bool]:
         effect = effect_named(c.key.effect)
-        return effect.free(model), effect.tier, effect.wanders
+        return effect.free(model), effect.tier, effect.diverges
 
-    known = [(c, f) for c, f in helpful if c in stated]
-    done = [(c, f) for c, f in helpful if reached(f, data)]
-    top, most = min(((c, f.judged) for c, f in helpful), key=lambda cj: cj[1])
+    known = [(c, f) for c, f in helpful if c in parameter_free]
+    done = [(c, f) for c, f in helpful if at_noise_floor(f, data)]
+    top, most = min(((c, f.test_loss) for c, f in helpful), key=lambda cj: cj[1])
 
     def only_form(c: Candidate) -> bool:
-        """Whether the best explanation is this one refined; from there a fit may not find back to it."""
+        """Whether the best explanation is a refinement of this one, whose fit may not find back to it."""
         return contains(top.key, c.key) and len(effect_named(top.key.effect).contains) == 1
 
     basic = [
@@ -55,41 +55,41 @@ def choose(
         if basics_first
         and effect_named(c.key.effect).basic
         and cost(c) <= cost(top)
-        and before - f.judged > POLICY.basic_share * (before - most)
-        and not (most < POLICY.near_noise * floor and f.judged > POLICY.far_worse * most)
-        and not (only_form(c) and f.judged - floor > POLICY.far_worse * max(most - floor, 0.0))
+        and before - f.test_loss > POLICY.basic_share * (before - most)
+        and not (most < POLICY.near_noise * floor and f.test_loss > POLICY.far_worse * most)
+        and not (only_form(c) and f.test_loss - floor > POLICY.far_worse * max(most - floor, 0.0))
     ]
     pool = known or done or basic or helpful
-    best = min(f.judged for _, f in pool)
-    ties = [(c, f) for c, f in pool if f.judged <= best * (1.0 + POLICY.tie)]
-    ties.sort(key=lambda cf: (cost(cf[0]), cf[1].judged))
+    best = min(f.test_loss for _, f in pool)
+    ties = [(c, f) for c, f in pool if f.test_loss <= best * (1.0 + POLICY.tie)]
+    ties.sort(key=lambda cf: (cost(cf[0]), cf[1].test_loss))
     candidate, found = ties[0]
-    # whatever does as well is a rival, wherever it came from, unless it merely contains the choice
-    rivals = tuple(
+    # every candidate that fits as well is indistinguishable, unless it merely contains the choice
+    indistinguishable = tuple(
         c.key
-        for c, f in sorted(helpful, key=lambda cf: cf[1].judged)
+        for c, f in sorted(helpful, key=lambda cf: cf[1].test_loss)
         if c is not candidate
-        and f.judged <= found.judged * (1.0 + POLICY.tie)
+        and f.test_loss <= found.test_loss * (1.0 + POLICY.tie)
         and not contains(c.key, candidate.key)
-        and c not in stated
+        and c not in parameter_free
     )
-    return candidate, found, rivals
+    return candidate, found, indistinguishable
 
 
 def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
-    """Whether a refinement explains what this one plainly leaves of the training, unseen by judging."""
-    floor, (special, found) = floor_of_fitting(data), one
-    return found.trained > POLICY.near_noise * floor and any(
+    """Whether a refinement explains the training error that this one leaves, at the same test loss."""
+    floor, (special, found) = training_noise_floor(data), one
+    return found.training_loss > POLICY.near_noise * floor and any(
         contains(c.key, special.key)
-        and f.judged < POLICY.test_blind * found.judged
-        and f.trained < POLICY.near_noise * floor
-        and found.trained - floor > POLICY.far_worse * (f.trained - floor)
+        and f.test_loss < POLICY.test_blind * found.test_loss
+        and f.training_loss < POLICY.near_noise * floor
+        and found.training_loss - floor > POLICY.far_worse * (f.training_loss - floor)
         for c, f in all_
     )
 
 
-def passed_over(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> EffectKey | None:
-    """What leaves much less than a basic effect that was taken, of the shares that each removes."""
+def better_refinement(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> EffectKey | None:
+    """The refinement that leaves much less than the basic effect that was taken; None where there is none."""
     others = [(share, key) for key, share in ranking if not effect_named(key.effect).basic]
     if not others or not effect_named(added.effect).basic:
         return None
@@ -111,28 +111,28 @@ _F = TypeVar("_F", bound=Fitted)
 
 
 def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[_F]:
-    """By what they leave, but those that do as well as any by their number of parameters.
+    """Explanations sorted by test loss; those within a tie of the best by number of parameters.
 
     `worth`: share of the excess that more parameters have to remove to be better at all.
     """
-    floor = floor_of_judging(data)
-    least = min((f.fit.judged for f in found), default=0.0)
+    floor = test_noise_floor(data)
+    least = min((f.fit.test_loss for f in found), default=0.0)
     enough = max((1.0 + POLICY.tie) * least, floor + (least - floor) / (1.0 - worth))
 
     def rank(one: _F) -> tuple[bool, int, float]:
-        behind = one.fit.judged > enough and not reached(one.fit, data)
+        worse = one.fit.test_loss > enough and not at_noise_floor(one.fit, data)
         size = one.fit.hypothesis.size
-        return behind, 0 if behind else size, one.fit.judged
+        return worse, 0 if worse else size, one.fit.test_loss
 
     return sorted(found, key=rank)
 
 
-def behind(key: EffectKey, judged: float, others: Iterable[Judged]) -> tuple[Judged, ...]:
-    """How far other explanations are behind one: the least of their judged errors over its own, best first.
+def loss_ratios(key: EffectKey, test_loss: float, others: Iterable[EffectLoss]) -> tuple[EffectLoss, ...]:
+    """Test losses of other explanations over that of one, best first.
 
     Forms of the same cause are left out.
     """
-    apart = ((k, left / max(judged, 1e-12)) for k, left in others if not same_cause(k, key))
+    apart = ((k, left / max(test_loss, 1e-12)) for k, left in others if not same_cause(k, key))
     return tuple(sorted(apart, key=lambda kl: kl[1]))
 
 

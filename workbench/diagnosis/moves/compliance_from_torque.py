@@ -1,4 +1,4 @@
-"""What gives way as the torque shows it, and no closed loop as long as something else is missing too."""
+"""A compliance accepted from the inverse-dynamics residual, without closed-loop confirmation."""
 
 from __future__ import annotations
 
@@ -13,90 +13,92 @@ from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit, Hypothesis, applied_effect
-from ..loss import floor_of_judging
+from ..loss import test_noise_floor
 from ..policy import POLICY
 from ..removed_share import removed_share
-from ..screening.compliance import pins_of, what_gives_way
+from ..screening.compliance import compliance_candidates, equivalents_at_joint
 from ..screening.screen import Candidate
-from ..screening.sensitivity import Scene
-from ..search_result import Stage
-from ..significance import witnessed
-from .beside_backlash import beside_gap
-from .choice import behind
+from ..screening.sensitivity import Linearisation
+from ..search_result import AcceptedStep
+from ..significance import identifiable
+from .beside_backlash import beside_backlash
+from .choice import loss_ratios
 
-_ROUNDS = 12  # of a fit of a gap with others: the slopes of runs that part are rough
-_FEW = 3  # of a fit on the way there
+_ROUNDS = 12  # of a fit of backlash with others: derivatives of diverging trajectories are rough
+_FEW = 3  # iterations of an intermediate fit
 
 
-def plain_by_torque(
-    scene: Scene,
+def compliance_from_torque(
+    linearisation: Linearisation,
     data: Data,
     start: Fit,
     progress: Callable[[str], None],
     least: float = 0.0,
     most: float | None = None,
-) -> tuple[Stage, ...]:
-    """The spring or gap that leaves little of the torque that is lacking, as the torque has it.
+) -> tuple[AcceptedStep, ...]:
+    """Steps with the spring or backlash that explains most of the inverse-dynamics residual; else none.
 
-    Its closed loop does not run as the measured one while anything else is missing, least of all with a gap,
-    whose runs part: no simulation tells by itself that it is there. What else is missing where a gap is comes
-    with it.
+    The closed loop does not follow the measurement while anything else is missing, least of all with
+    backlash, whose trajectories diverge: no simulation confirms it by itself. Effects that are missing beside
+    backlash come with it.
 
     Args:
-        scene: the model that lacks something.
+        linearisation: of the model so far.
         data: its recordings.
         start: the model as it is, with what was found of it.
         progress: told what is being done.
-        least, most: share of the torque that is lacking, between which it must leave of it; `most` is what is
-            plain by the policy, unless it is given.
+        least, most: bounds of the share of the residual torque that it leaves; `most` is by default that of
+            the policy.
 
     Returns:
-        A stage each, whose data and runs are not its own yet; none where nothing is plain.
+        One step an effect, without its own data and runs; none where no compliance explains enough.
     """
-    known = what_gives_way(scene, data.training, 1.0, start.hypothesis.free)
+    known = compliance_candidates(linearisation, data.training, 1.0, start.hypothesis.free)
     most = POLICY.torque_plain if most is None else most
-    if not known or not least <= known[0].judged <= most:
+    if not known or not least <= known[0].test_loss <= most:
         return ()
     plain, *others = known
     progress(f"beginning with {plain.key}, which the torque shows")
     chosen = [plain]
-    if effect_named(plain.key.effect).wanders:
-        chosen = beside_gap(scene, plain, start, data.training)
-    fits = _fits(scene, chosen, start, data)
-    if fits is None or not witnessed(scene, fits[-1]):
+    if effect_named(plain.key.effect).diverges:
+        chosen = beside_backlash(linearisation, plain, start, data.training)
+    fits = _fits(linearisation, chosen, start, data)
+    if fits is None or not identifiable(linearisation, fits[-1]):
         return ()
-    close = behind(plain.key, plain.judged, ((c.key, c.judged) for c in others))
-    stages = []
+    close = loss_ratios(plain.key, plain.test_loss, ((c.key, c.test_loss) for c in others))
+    steps = []
     for candidate, earlier, found in zip(chosen, (start, *fits), fits, strict=False):
-        removed = removed_share(earlier.judged, found.judged, floor_of_judging(data))
-        stage = Stage(
+        removed = removed_share(earlier.test_loss, found.test_loss, test_noise_floor(data))
+        step = AcceptedStep(
             added=candidate.key,
             fit=found,
             data=data,
             removed_share=removed,
-            rivals=pins_of(scene.model, candidate.key),
+            indistinguishable=equivalents_at_joint(linearisation.model, candidate.key),
             others=(),
             dropped=(),
-            ranking=((candidate.key, removed),),  # what others leave of the torque is no share of this
-            behind=close if candidate is chosen[0] else (),
-            folds=(int(np.sum(found.agreeing < earlier.agreeing)), len(found.agreeing)),
-            by_held_out=data.held_out_judges,
+            ranking=((candidate.key, removed),),  # losses of others are not of this kind
+            loss_ratios=close if candidate is chosen[0] else (),
+            folds=(int(np.sum(found.fold_losses < earlier.fold_losses)), len(found.fold_losses)),
+            by_holdout=data.tests_on_holdout,
         )
-        stages.append(stage)
-    return tuple(stages)
+        steps.append(step)
+    return tuple(steps)
 
 
-def _fits(scene: Scene, chosen: Sequence[Candidate], start: Fit, data: Data) -> list[Fit] | None:
-    """Of the first candidate, the first two, and so on; None where all of them do not run."""
+def _fits(
+    linearisation: Linearisation, chosen: Sequence[Candidate], start: Fit, data: Data
+) -> list[Fit] | None:
+    """Fits of the first candidate, the first two, and so on; None where all together do not run."""
     fits: list[Fit | None] = []
     before = start
     rounds = (*(_FEW for _ in chosen[1:]), _ROUNDS) if len(chosen) > 1 else (1,)
     for k, most in enumerate(rounds):
-        hypothesis = _with_unseen(with_candidates(scene, chosen[: k + 1], start), before)
+        hypothesis = _with_unseen(with_candidates(linearisation, chosen[: k + 1], start), before)
         fits += fit([hypothesis], data, most)
         before = fits[-1] or before
     last = fits[-1]
-    # on the way there a loop may not run; what it leads to does
+    # an intermediate loop may not run although the final one does
     return None if last is None else [f or last for f in fits]
 
 

@@ -1,4 +1,4 @@
-"""What the torque told of a gap only roughly, to where the closed loop runs best."""
+"""Refinement of backlash on a grid, where trajectories diverge and have no derivatives to follow."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from ..hypothesis import Fit, Hypothesis, applied_effect
 from ..policy import POLICY
 
 _STEPS = (0.1, 0.04, 0.015)  # of each parameter, one after the other
-_ROUNDS = 3  # at each step, as long as something at its rim is better
+_ROUNDS = 3  # at each step, as long as the best is on the rim of the grid
 
 
-def honed(found: Fit, data: Data) -> Fit:
-    """The same effects, those whose runs part searched on a grid; as it was where nothing is better.
+def refined_on_grid(found: Fit, data: Data) -> Fit:
+    """The fit with parameters of diverging effects refined on a grid; the same fit where nothing is better.
 
-    Runs that part have no slope to follow. Many of them side by side tell all the same where less is left, as
-    long as they part late. It has to hold on data that were not fitted too.
+    Many runs side by side show where less is left, as long as they diverge late. The test loss has to fall
+    too.
 
     Args:
         found: a fit.
         data: recordings and weights.
     """
-    loose = [a for a in found.hypothesis.free if effect_named(a.key.effect).wanders]
-    some = data.part(data.telling(found.mean_squares, POLICY.informative_share))
+    loose = [a for a in found.hypothesis.free if effect_named(a.key.effect).diverges]
+    some = data.part(data.most_informative(found.mean_squares, POLICY.informative_share))
     hypothesis = found.hypothesis
     for applied in loose:
         for step in _STEPS:
@@ -40,13 +40,17 @@ def honed(found: Fit, data: Data) -> Fit:
         return found
     better = fit([hypothesis], data, 1)[0]
     less = 1.0 - POLICY.tie
-    if better is None or better.judged > less * found.judged or better.trained > less * found.trained:
+    if (
+        better is None
+        or better.test_loss > less * found.test_loss
+        or better.training_loss > less * found.training_loss
+    ):
         return found
     return better
 
 
 def _downhill(hypothesis: Hypothesis, key: EffectKey, step: float, data: Data) -> Hypothesis:
-    """From one grid about the values to the next, while its best is not in the middle."""
+    """The hypothesis after moving the grid to its best point, until that is in the middle."""
     for _ in range(_ROUNDS):
         around = _around(hypothesis, next(a for a in hypothesis.free if a.key == key), step)
         best = int(np.argmin(values_of(around, data)))

@@ -1,4 +1,4 @@
-"""A beginning that no loop closes: what the torque along the measured motion lacks."""
+"""A start from inverse dynamics: effects of the residual torque along the measured motion."""
 
 from __future__ import annotations
 
@@ -9,38 +9,37 @@ from workbench.core import Recording, SimulationError
 
 from ..data import gather
 from ..fitting.fit import fit
-from ..fitting.refinement import polished
-from ..node import Way, onwards
-from ..problem import Quest, quest_of
-from ..search_result import Stage
+from ..fitting.refinement import converged
+from ..node import Node, forward_selection
+from ..problem import Problem, problem_of
+from ..search_result import AcceptedStep
 
 
-def along_the_motion(quest: Quest) -> tuple[Stage, ...]:
-    """Effects that explain the torque along the measured motion, fitted in the closed loop from there.
+def inverse_dynamics_start(problem: Problem) -> tuple[AcceptedStep, ...]:
+    """Steps with effects that explain the torque along the measured motion, then fitted in the closed loop.
 
-    A pendulum that swings freely on a cart swings on where its friction is missing: the model's run soon is
-    another motion than the measured one, and small changes to it tell nothing. Along the measured motion the
-    friction is plain.
+    A pendulum that swings freely on a cart swings on where its friction is missing: the simulated motion soon
+    differs from the measured one, and its sensitivities say nothing. Along the measured motion the friction
+    is identifiable.
 
     Returns:
-        One stage an effect, whose data and runs are not its own yet; none where that was asked already, where
-        a loop holds every axis to the motion that was measured, where no torque was recorded, or where it
-        lacks nothing.
+        One step an effect, without its own data and runs. None where that replay was used already, a loop
+        holds every axis to its reference, no torque was recorded, or nothing is missing.
     """
-    recordings, model = quest.data.recordings, quest.start.hypothesis.model
+    recordings, model = problem.data.recordings, problem.start.hypothesis.model
     if not any(_swings(r) for r in recordings):
         return ()
     blind = any(len(scored_signals(r)) < 2 for r in recordings)
-    if blind or not isinstance(quest.data.replay, ClosedLoop):
+    if blind or not isinstance(problem.data.replay, ClosedLoop):
         return ()
-    quest.progress("asking the torque along the measured motion")
-    along, training = followed(recordings), quest.data.training
+    problem.progress("asking the torque along the measured motion")
+    along, training = followed(recordings), problem.data.training
     try:
-        data, runs = gather(model, along[:training], along[training:], quest.seed)
+        data, runs = gather(model, along[:training], along[training:], problem.seed)
     except SimulationError:
         return ()
-    asked = quest_of(model, data, runs.clean, quest.limit, quest.seed, quest.progress)
-    return _in_the_loop(onwards(Way(asked.start, asked.data), asked), quest)
+    asked = problem_of(model, data, runs.clean, problem.limit, problem.seed, problem.progress)
+    return _in_the_loop(forward_selection(Node(asked.start, asked.data), asked), problem)
 
 
 def _swings(recording: Recording) -> bool:
@@ -49,14 +48,14 @@ def _swings(recording: Recording) -> bool:
     return loop.kind == "none" or not all(loop.kp)
 
 
-def _in_the_loop(way: Way, quest: Quest) -> tuple[Stage, ...]:
-    """The stages of a way along the motion, each fitted in the loops of the quest."""
-    if not way.stages:
+def _in_the_loop(node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
+    """Steps found along the motion, each fitted in the loops of the problem."""
+    if not node.steps:
         return ()
-    fits = fit([stage.fit.hypothesis for stage in way.stages], quest.data)
+    fits = fit([step.fit.hypothesis for step in node.steps], problem.data)
     if fits[-1] is None:
         return ()
-    last = polished(fits[-1], quest.data)
-    # on the way there a loop may not run; what it leads to does
-    stages = [replace(s, fit=f or last, data=quest.data) for s, f in zip(way.stages, fits, strict=True)]
-    return (*stages[:-1], replace(stages[-1], fit=last))
+    last = converged(fits[-1], problem.data)
+    # an intermediate loop may not run although the final one does
+    steps = [replace(s, fit=f or last, data=problem.data) for s, f in zip(node.steps, fits, strict=True)]
+    return (*steps[:-1], replace(steps[-1], fit=last))

@@ -1,4 +1,4 @@
-"""All that is missing on all axes, solved jointly along the measured motion, and which of it is certain."""
+"""Effects on all axes, solved jointly along the measured motion, and which of them are certain."""
 
 from __future__ import annotations
 
@@ -17,60 +17,60 @@ from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit
-from ..loss import floor_of_judging, rejudged
-from ..node import Way, is_consistent, with_last
+from ..loss import rescored, test_noise_floor
+from ..node import Node, is_consistent, with_last_step
 from ..policy import POLICY
-from ..problem import Quest, evaluated
+from ..problem import Problem, evaluated
 from ..removed_share import removed_share
 from ..screening.rivals import rivals_of
 from ..screening.stepwise_regression import Selection, selected
 from ..screening.torque_regression import Regression
-from ..search_result import Stage
-from ..significance import INTERVAL, clearness, stands_out
+from ..search_result import AcceptedStep
+from ..significance import INTERVAL, is_significant, significance
 
 
 @dataclass(frozen=True)
-class Joint:
-    """What the joint solution comes to.
+class JointSolution:
+    """A joint solution.
 
     Attributes:
-        way: the search after the effects that are certain, or after all where these reach the noise.
+        node: with the effects that are certain; with all effects where these are at the noise floor.
         adequacy: how each of them stands against free functions; empty where all is explained.
-        near: what helps as well and is not certain.
-        size: number of effects that it takes in all.
+        near: effects that help and are not certain.
+        size: number of all selected effects.
     """
 
-    way: Way
+    node: Node
     adequacy: Mapping[EffectKey, Adequacy]
     near: tuple[AppliedEffect, ...]
     size: int
 
 
-def jointly(quest: Quest) -> Joint | None:
+def solve_jointly(problem: Problem) -> JointSolution | None:
     """The joint solution; None where no torque was recorded, or nothing helps that is certain."""
-    quest.progress("solving for all axes and effects at once, along the measured motion")
-    if quest.along is None:
+    problem.progress("solving for all axes and effects at once, along the measured motion")
+    if problem.along is None:
         return None
-    data, start, problem = quest.along
-    chosen = selected(problem)
-    whole = _fitted(problem, chosen, start, data)
+    data, start, regression = problem.along
+    chosen = selected(regression)
+    whole = _fitted(regression, chosen, start, data)
     if whole is None:
         return None
     known: dict[EffectKey, Adequacy] = {}
     named: Fit | None = whole
     if not is_consistent(data, whole.mean_squares):
-        known = {k: a for k, a in adequacies(whole, start, data).items() if a.holds}
+        known = {k: a for k, a in adequacies(whole, start, data).items() if a.is_adequate}
         named = _only(whole, known, data)
     if named is None or not lowers_error(named, start, data):
         return None
     sure = _keys(named)
     kept = Selection(tuple(e for e in chosen.chosen if e.key in sure), chosen.solution)
-    way = _in_the_loop(_stages(problem, kept, named, start, data), quest)
+    node = _in_the_loop(_steps(regression, kept, named, start, data), problem)
     near = tuple(a for a in whole.hypothesis.free if a.key not in sure)
-    return None if way is None else Joint(way, known, near, len(chosen.chosen))
+    return None if node is None else JointSolution(node, known, near, len(chosen.chosen))
 
 
-def _fitted(problem: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
+def _fitted(regression: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
     """All that was selected and is clearly another than nothing.
 
     Of two that trade with each other neither is, until one is out: of each axis the least clear goes first.
@@ -78,12 +78,12 @@ def _fitted(problem: Regression, chosen: Selection, current: Fit, data: Data) ->
     if not chosen.chosen:
         return None
     candidates = chosen.candidates()
-    found = fit([with_candidates(problem.scene, candidates, current)], data)[0]
+    found = fit([with_candidates(regression.linearisation, candidates, current)], data)[0]
     while found is not None:
         doubted: dict[str | None, AppliedEffect] = {}
-        for applied in (a for a in found.hypothesis.free if not stands_out(a)):
+        for applied in (a for a in found.hypothesis.free if not is_significant(a)):
             weakest = doubted.setdefault(applied.key.axis, applied)
-            if clearness(applied) < clearness(weakest):
+            if significance(applied) < significance(weakest):
                 doubted[applied.key.axis] = applied
         if not doubted:
             break
@@ -108,55 +108,57 @@ def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | N
         }
         free.append(AppliedEffect(applied.key, parameters))
     # a part of a law that is certain as a whole may itself be none
-    clear = tuple(a for a in free if stands_out(a, INTERVAL))
+    clear = tuple(a for a in free if is_significant(a, INTERVAL))
     if not clear:
         return None
     hypothesis = replace(whole.hypothesis, free=clear)
     return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
 
 
-def _stages(problem: Regression, chosen: Selection, end: Fit, before: Fit, data: Data) -> list[Stage]:
+def _steps(
+    regression: Regression, chosen: Selection, end: Fit, before: Fit, data: Data
+) -> list[AcceptedStep]:
     """The effects one after the other as they were selected, all with the values of the end."""
     values = {a.key: a for a in end.hypothesis.free}
     order = [values[e.key] for e in chosen.chosen]
-    steps = [replace(end.hypothesis, free=tuple(order[: k + 1])) for k in range(len(order))]
-    runs = data.run([h.model for h in steps[:-1]])
-    fits = [evaluated(h, r, data) for h, r in zip(steps[:-1], runs, strict=True)] + [end]
-    floor = floor_of_judging(data)
-    stages, previous = [], before
+    hypotheses = [replace(end.hypothesis, free=tuple(order[: k + 1])) for k in range(len(order))]
+    runs = data.run([h.model for h in hypotheses[:-1]])
+    fits = [evaluated(h, r, data) for h, r in zip(hypotheses[:-1], runs, strict=True)] + [end]
+    floor = test_noise_floor(data)
+    steps, previous = [], before
     for entry, fitted in zip(chosen.chosen, fits, strict=True):
-        behind, rivals = rivals_of(problem, chosen.chosen, entry)
-        stages.append(
-            Stage(
+        loss_ratios, indistinguishable = rivals_of(regression, chosen.chosen, entry)
+        steps.append(
+            AcceptedStep(
                 added=entry.key,
                 fit=fitted,
                 data=data,
-                removed_share=removed_share(previous.judged, fitted.judged, floor),
-                rivals=rivals,
+                removed_share=removed_share(previous.test_loss, fitted.test_loss, floor),
+                indistinguishable=indistinguishable,
                 others=(),
                 dropped=(),
                 ranking=(),
-                behind=behind,
-                folds=(int(np.sum(fitted.agreeing < previous.agreeing)), len(fitted.agreeing)),
-                by_held_out=data.held_out_judges,
+                loss_ratios=loss_ratios,
+                folds=(int(np.sum(fitted.fold_losses < previous.fold_losses)), len(fitted.fold_losses)),
+                by_holdout=data.tests_on_holdout,
             )
         )
         previous = fitted
-    return stages
+    return steps
 
 
-def _in_the_loop(stages: Sequence[Stage], quest: Quest) -> Way | None:
-    """The stages in the replay that the quest asks for; None where the error does not fall there."""
-    data = quest.data
+def _in_the_loop(steps: Sequence[AcceptedStep], problem: Problem) -> Node | None:
+    """The steps in the replay of the problem; None where the error does not fall there."""
+    data = problem.data
     if not isinstance(data.replay, MeasuredMotion):
-        runs = data.run([s.fit.hypothesis.model for s in stages])
-        fits = [evaluated(s.fit.hypothesis, r, data) for s, r in zip(stages, runs, strict=True)]
-        if not np.isfinite(fits[-1].mean_squares).all() or not lowers_error(fits[-1], quest.start, data):
+        runs = data.run([s.fit.hypothesis.model for s in steps])
+        fits = [evaluated(s.fit.hypothesis, r, data) for s, r in zip(steps, runs, strict=True)]
+        if not np.isfinite(fits[-1].mean_squares).all() or not lowers_error(fits[-1], problem.start, data):
             return None
         runs_at_all = [f if np.isfinite(f.mean_squares).all() else fits[-1] for f in fits]
-        stages = [replace(s, fit=f, data=data) for s, f in zip(stages, runs_at_all, strict=True)]
-    before = Way(rejudged(stages[-1].fit, data), data, tuple(stages))
-    return with_last(before, stages[-1], quest.seed)
+        steps = [replace(s, fit=f, data=data) for s, f in zip(steps, runs_at_all, strict=True)]
+    before = Node(rescored(steps[-1].fit, data), data, tuple(steps))
+    return with_last_step(before, steps[-1], problem.seed)
 
 
 def _keys(found: Fit) -> tuple[EffectKey, ...]:

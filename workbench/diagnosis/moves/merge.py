@@ -1,4 +1,4 @@
-"""One effect in place of two that have many parameters together, or of two delays."""
+"""The move that merges two effects with many parameters, or two delays, into one."""
 
 from __future__ import annotations
 
@@ -11,130 +11,131 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import AppliedEffect
 
-from ..fitting.delays import is_late, one_for_both
+from ..fitting.delays import is_delay, one_delay_for_two
 from ..fitting.fit import fit
-from ..fitting.refinement import polished, with_candidate
+from ..fitting.refinement import converged, with_candidate
 from ..hypothesis import Fit, Hypothesis
-from ..loss import floor_of_judging, rejudged
-from ..node import Way, holds, wanders, with_stages
+from ..loss import rescored, test_noise_floor
+from ..node import Node, diverges, explains_data, with_steps
 from ..policy import POLICY
-from ..problem import Quest
+from ..problem import Problem
 from ..removed_share import removed_share
-from ..screening.compliance import pins_of
-from ..screening.sensitivity import Scene
+from ..screening.compliance import equivalents_at_joint
+from ..screening.sensitivity import Linearisation
 from ..screening.stiction import candidates
-from ..search_result import Stage
-from ..significance import witnessed
+from ..search_result import AcceptedStep
+from ..significance import identifiable
 
 
-def one_for_two(way: Way, quest: Quest) -> Way:
-    """One cause with at most half the parameters that explains as much as two; `way` where there is none.
+def merge_effects(node: Node, problem: Problem) -> Node:
+    """The node with one effect of at most half the parameters in place of two; else `node`.
 
-    A load at the foot is inertia and weight of the linkage at once, and passes for both as long as a third
-    cause is missing. Five parameters that are what one would make them are no chance. Of two delays, which
-    have one each, one is tried that is as late as both.
+    A payload at the foot changes inertia and weight of the linkage together, and is taken for both while a
+    third cause is missing. Two delays are merged into one of their total length.
     """
-    if wanders(way.current) or not holds(way, quest):
-        return way  # what explains less has no name
-    for pair in combinations(way.current.hypothesis.free, 2):
-        if way.data.effort.spent:
+    if diverges(node.current) or not explains_data(node, problem):
+        return node  # what explains less is not named
+    for pair in combinations(node.current.hypothesis.free, 2):
+        if node.data.budget.spent:
             break
-        if all(is_late(a.key) for a in pair):
-            found = _as_late_as_both(pair, way, quest)
+        if all(is_delay(a.key) for a in pair):
+            found = _as_late_as_both(pair, node, problem)
         elif sum(len(a.parameters) for a in pair) >= POLICY.merge_from:
-            found = _in_place_of(pair, way, quest)
+            found = _in_place_of(pair, node, problem)
         else:
             continue
         if found is not None:
-            return with_stages(
-                Way(quest.start, quest.data), _stages(found, pair, way, quest.start), quest.seed
+            return with_steps(
+                Node(problem.start, problem.data), _steps(found, pair, node, problem.start), problem.seed
             )
-    return way
+    return node
 
 
 def _in_place_of(
-    pair: tuple[AppliedEffect, AppliedEffect], way: Way, quest: Quest
+    pair: tuple[AppliedEffect, AppliedEffect], node: Node, problem: Problem
 ) -> tuple[EffectKey, Fit] | None:
-    """The effect that does, with its fit beside all others."""
-    current, data = way.current, way.data
+    """The effect that replaces both, with its fit beside all others; None where none fits as well."""
+    current, data = node.current, node.data
     one, other = pair
-    quest.progress(f"asking whether one cause will do for {one.key} and {other.key}")
+    problem.progress(f"asking whether one cause will do for {one.key} and {other.key}")
     (rest,) = fit([current.hypothesis.without(one.key).without(other.key)], data, iterations=1)
     if rest is None:
         return None
-    scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
+    linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
     few = POLICY.merge_size * (current.hypothesis.size - rest.hypothesis.size)
     tried = (
-        (c, with_candidate(scene, c, rest))
-        for c in candidates(scene, rest, data, quest.seed)
+        (c, with_candidate(linearisation, c, rest))
+        for c in candidates(linearisation, rest, data, problem.seed)
         if c.key not in {one.key, other.key}
     )
     small = ((c, h) for c, h in tried if 0 < h.size - rest.hypothesis.size <= few)
     chosen = list(islice(small, POLICY.merge_candidates))
-    return _as_good([(c.key, h) for c, h in chosen], scene, way)
+    return _as_good([(c.key, h) for c, h in chosen], linearisation, node)
 
 
 def _as_late_as_both(
-    pair: tuple[AppliedEffect, AppliedEffect], way: Way, quest: Quest
+    pair: tuple[AppliedEffect, AppliedEffect], node: Node, problem: Problem
 ) -> tuple[EffectKey, Fit] | None:
-    """One delay in place of two that does, with its fit beside all others."""
-    current, data = way.current, way.data
+    """The delay that replaces both, with its fit beside all others; None where it does not fit as well."""
+    current, data = node.current, node.data
     one, other = pair
-    quest.progress(f"asking whether one delay will do for {one.key} and {other.key}")
-    tried = [(h.free[-1].key, h) for h in one_for_both(current.hypothesis, one, other)]
-    scene = Scene.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
-    return _as_good(tried, scene, way)
+    problem.progress(f"asking whether one delay will do for {one.key} and {other.key}")
+    tried = [(h.free[-1].key, h) for h in one_delay_for_two(current.hypothesis, one, other)]
+    linearisation = Linearisation.of(current.hypothesis.model, data, current.simulated, len(data.recordings))
+    return _as_good(tried, linearisation, node)
 
 
 def _as_good(
-    tried: Sequence[tuple[EffectKey, Hypothesis]], scene: Scene, way: Way
+    tried: Sequence[tuple[EffectKey, Hypothesis]], linearisation: Linearisation, node: Node
 ) -> tuple[EffectKey, Fit] | None:
     """The best of those that explain as much as what was found."""
-    current, most = way.current, 1.0 + POLICY.tie
+    current, most = node.current, 1.0 + POLICY.tie
     good = [
         (key, f)
-        for (key, _), f in zip(tried, fit([h for _, h in tried], way.data), strict=True)
+        for (key, _), f in zip(tried, fit([h for _, h in tried], node.data), strict=True)
         if f is not None
-        and f.judged <= most * current.judged
-        and f.trained <= most * current.trained
-        and witnessed(scene, f)
+        and f.test_loss <= most * current.test_loss
+        and f.training_loss <= most * current.training_loss
+        and identifiable(linearisation, f)
     ]
-    return min(good, key=lambda kf: kf[1].judged, default=None)
+    return min(good, key=lambda kf: kf[1].test_loss, default=None)
 
 
-def _stages(
-    found: tuple[EffectKey, Fit], pair: tuple[AppliedEffect, AppliedEffect], way: Way, start: Fit
-) -> tuple[Stage, ...]:
-    """The way as it would have been with that cause where the first of the two was found."""
-    (one, fitted), data = found, way.data
-    last, gone = polished(fitted, data), {a.key for a in pair}
-    instead = [one if stage.added in gone else stage.added for stage in way.stages]
+def _steps(
+    found: tuple[EffectKey, Fit], pair: tuple[AppliedEffect, AppliedEffect], node: Node, start: Fit
+) -> tuple[AcceptedStep, ...]:
+    """The steps as they would have been with that effect where the first of the two was found."""
+    (one, fitted), data = found, node.data
+    last, gone = converged(fitted, data), {a.key for a in pair}
+    instead = [one if step.added in gone else step.added for step in node.steps]
     order = [key for key in dict.fromkeys(instead) if key in {a.key for a in last.hypothesis.added}]
     fits = fit([_first(last.hypothesis, order[: k + 1]) for k in range(len(order) - 1)], data)
-    stages: list[Stage] = []
-    before = rejudged(start, data)
+    steps: list[AcceptedStep] = []
+    before = rescored(start, data)
     for key, now in zip(order, (*(f or last for f in fits), last), strict=True):
-        removed = removed_share(before.judged, now.judged, floor_of_judging(data))
-        stage = next((s for s in way.stages if s.added == key), None) or Stage(
+        removed = removed_share(before.test_loss, now.test_loss, test_noise_floor(data))
+        step = next((s for s in node.steps if s.added == key), None) or AcceptedStep(
             added=key,
             fit=now,
             data=data,
             removed_share=removed,
-            rivals=pins_of(last.hypothesis.base, key),
+            indistinguishable=equivalents_at_joint(last.hypothesis.base, key),
             others=(),
             dropped=(),
             ranking=((key, removed),),
-            behind=(),
+            loss_ratios=(),
             folds=(0, 0),
-            by_held_out=data.held_out_judges,
+            by_holdout=data.tests_on_holdout,
         )
-        folds = int(np.sum(now.agreeing < before.agreeing)), len(now.agreeing)
-        stages.append(replace(stage, fit=now, data=data, removed_share=removed, dropped=(), folds=folds))
+        folds = int(np.sum(now.fold_losses < before.fold_losses)), len(now.fold_losses)
+        steps.append(replace(step, fit=now, data=data, removed_share=removed, dropped=(), folds=folds))
         before = now
-    return tuple(stages)
+    return tuple(steps)
 
 
 def _first(hypothesis: Hypothesis, keys: Sequence[EffectKey]) -> Hypothesis:
     """Only these of its effects."""
-    free, stated = (tuple(a for a in of if a.key in keys) for of in (hypothesis.free, hypothesis.stated))
-    return replace(hypothesis, free=free, stated=stated)
+    free, parameter_free = (
+        tuple(a for a in of if a.key in keys) for of in (hypothesis.free, hypothesis.parameter_free)
+    )
+    return replace(hypothesis, free=free, parameter_free=parameter_free)

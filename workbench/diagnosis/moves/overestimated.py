@@ -1,4 +1,4 @@
-"""What a model has too much of, which no effect can take away: the numbers of its file are to be mended.
+"""Overestimated parameters: numbers of the model that are too large, which no effect can reduce.
 
 An effect adds what is missing. Where links are stated heavier or bearings rougher than they are, its nearest
 to the truth is nothing, and others that bend the same curves come to the fore. Along the measured motion
@@ -21,18 +21,18 @@ from workbench.simulation import scored_torque
 from ..data import gather
 from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
-from ..loss import floor_of_judging
+from ..loss import test_noise_floor
 from ..policy import POLICY
 from ..screening.screen import Entry, equations, judge, limits_of
-from ..screening.sensitivity import Column, Scene
-from ..search_result import Search
+from ..screening.sensitivity import Linearisation, SensitivityColumn
+from ..search_result import SearchResult
 
 _LINEAR = ("reflected_inertia", "viscous_damping", "coulomb_friction", "payload_mass")
 
 
 @dataclass(frozen=True)
-class TooMuch:
-    """What would explain the data if less than the model has could be added.
+class Overestimated:
+    """A reduction of parameters of the model that would explain the data.
 
     Attributes:
         share: of the squared error above the noise that goes, on data left out of the fit.
@@ -44,7 +44,7 @@ class TooMuch:
     parts: tuple[tuple[EffectKey, float, float, bool], ...]
     at_noise: bool
 
-    def plainer_than(self, found: Search) -> bool:
+    def plainer_than(self, found: SearchResult) -> bool:
         """Whether it says hardly less than effects with more parameters.
 
         Effects that leave nothing but noise have to have some more, and this must leave no more either.
@@ -69,21 +69,21 @@ class TooMuch:
         )
 
 
-def too_much(found: Search) -> TooMuch | None:
-    """Whether the model as given has too much of something, as the torque along the motion shows it."""
+def overestimated(found: SearchResult) -> Overestimated | None:
+    """Overestimated parameters of the model, from the torque along the motion; None where there are none."""
     data = found.start_data
     everything = data.recordings
     if data.replay.on_ground or any(scored_torque(r) is None for r in everything):
         return None
     runs = followed(everything)
     along, simulated = gather(found.model, runs[: data.training], runs[data.training :], 0)
-    along = along.heard(along.mean_squares(simulated.clean))
-    scene = Scene.of(found.model, along, simulated.clean, len(runs))
-    columns, entries = _columns(scene)
+    along = along.with_holdout_checked(along.mean_squares(simulated.clean))
+    linearisation = Linearisation.of(found.model, along, simulated.clean, len(runs))
+    columns, entries = _columns(linearisation)
     if not entries:
         return None
-    pieces, held_out = equations(scene, [], columns, along, simulated.clean)
-    floor = floor_of_judging(along)
+    pieces, held_out = equations(linearisation, [], columns, along, simulated.clean)
+    floor = test_noise_floor(along)
     chosen: list[Entry] = []
     before = excess = max(_judged(pieces, held_out, ()) - floor, 0.0)
     while len(chosen) < len(entries):
@@ -95,7 +95,9 @@ def too_much(found: Search) -> TooMuch | None:
         chosen, before = [*chosen, best], left
     if not chosen or excess <= 0.0 or before > (1.0 - POLICY.too_much_share) * excess:
         return None
-    lower, upper = (np.concatenate(b) for b in zip(*(limits_of(scene, e) for e in chosen), strict=True))
+    lower, upper = (
+        np.concatenate(b) for b in zip(*(limits_of(linearisation, e) for e in chosen), strict=True)
+    )
     index = [k for e in chosen for k in e.linear]
     bounded = judge(pieces, held_out, index, (), (lower, upper))[0] - floor
     values, deviations = _spread([p.pick(index) for p in pieces])
@@ -103,18 +105,20 @@ def too_much(found: Search) -> TooMuch | None:
     if not below.any() or bounded < POLICY.too_much_times * before:
         return None
     parts = zip((e.key for e in chosen), values.tolist(), deviations.tolist(), below.tolist(), strict=True)
-    return TooMuch(1.0 - before / excess, tuple(parts), before + floor < POLICY.near_noise * floor)
+    return Overestimated(1.0 - before / excess, tuple(parts), before + floor < POLICY.near_noise * floor)
 
 
-def _columns(scene: Scene) -> tuple[list[Column], list[Entry]]:
+def _columns(linearisation: Linearisation) -> tuple[list[SensitivityColumn], list[Entry]]:
     """What may be too much, everywhere, each with one column."""
-    columns: list[Column] = []
+    columns: list[SensitivityColumn] = []
     entries: list[Entry] = []
-    for key in places(scene.model):
+    for key in places(linearisation.model):
         if key.effect not in _LINEAR or key.location != "actuator":
             continue
-        shapes = effect_named(key.effect).shapes(scene.motions, scene.model, Placement.of(scene.model, key))
-        linear, fixed = scene.columns(key, next(iter(shapes)))
+        shapes = effect_named(key.effect).shapes(
+            linearisation.motions, linearisation.model, Placement.of(linearisation.model, key)
+        )
+        linear, fixed = linearisation.columns(key, next(iter(shapes)))
         if fixed is None and len(linear) == 1:
             entries.append(Entry(key, {}, [len(columns)], None, 1.0))
             columns += linear

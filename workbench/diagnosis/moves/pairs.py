@@ -1,4 +1,4 @@
-"""Two effects at once, where one after the other led nowhere."""
+"""The move that adds two effects at once, where forward selection finds neither."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
 
-from ..acceptance import explains_most, helps_an_axis, spoils
+from ..acceptance import degrades_holdout, explains_most, improves_an_axis
 from ..data import Data
-from ..fitting.fit import fit, race
+from ..fitting.fit import fit, successive_halving
 from ..fitting.normal_equations import Normal, total
-from ..fitting.refinement import polished, with_candidates
+from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
-from ..loss import floor_of_judging
+from ..loss import test_noise_floor
 from ..policy import POLICY
 from ..removed_share import removed_share, removed_shares
 from ..screening.screen import Candidate, Entry, entries_of, equations, judge, limits_of
-from ..screening.sensitivity import Scene
-from ..search_result import Stage
-from ..significance import cancels, witnessed
-from .choice import behind, simplest_first
+from ..screening.sensitivity import Linearisation
+from ..search_result import AcceptedStep
+from ..significance import cancel_each_other, identifiable
+from .choice import loss_ratios, simplest_first
 
 _RIDGE = 1e-9
 
@@ -39,58 +39,62 @@ class _Fitted:
     fit: Fit
 
 
-def two_at_once(
-    scene: Scene, data: Data, start: Fit, progress: Callable[[str], None]
-) -> tuple[Stage, Stage] | None:
-    """The pair that explains most, each of the two needed; None where there is none that explains much.
+def best_pair(
+    linearisation: Linearisation, data: Data, start: Fit, progress: Callable[[str], None]
+) -> tuple[AcceptedStep, AcceptedStep] | None:
+    """Two steps with the pair of effects that explains most, both needed; None where no pair explains much.
 
     Every pair in every place and shape is solved on one linearisation of the loop; the best are simulated
     and fitted. There are thousands, so that more than the usual should be asked of what they lead to.
 
     Args:
-        scene: the model that lacks something.
+        linearisation: of the model so far.
         data: its recordings.
         start: the model as it is.
         progress: told what is being done.
 
     Returns:
-        Two stages, the one that does more by itself first; their data and runs are not their own yet.
+        Two steps, the effect that explains more by itself first; without their own data and runs.
     """
     progress("looking for two causes at once")
-    pairs = _screened(scene, data, start)[: POLICY.pairs_simulated]
+    pairs = _screened(linearisation, data, start)[: POLICY.pairs_simulated]
     if not pairs:
         return None
     progress(f"fitting {', '.join(f'{a.key} with {b.key}' for a, b in pairs)}")
-    tried = [with_candidates(scene, pair, start) for pair in pairs]
-    fits = [_Fitted(p, f) for p, f in zip(pairs, race(tried, start, data)[0], strict=True) if f is not None]
+    tried = [with_candidates(linearisation, pair, start) for pair in pairs]
+    fits = [
+        _Fitted(p, f)
+        for p, f in zip(pairs, successive_halving(tried, start, data)[0], strict=True)
+        if f is not None
+    ]
     for found in simplest_first(fits, data, POLICY.later_gain):
-        best = replace(found, fit=polished(found.fit, data))
-        sound = witnessed(scene, best.fit) and not cancels(scene, best.fit)
-        if not sound or spoils(best.fit, start, data) or not explains_most(best.fit, start, data):
+        best = replace(found, fit=converged(found.fit, data))
+        sound = identifiable(linearisation, best.fit) and not cancel_each_other(linearisation, best.fit)
+        if not sound or degrades_holdout(best.fit, start, data) or not explains_most(best.fit, start, data):
             continue
         free = best.fit.hypothesis.free
         singles = fit([replace(best.fit.hypothesis, free=(a,)) for a in free], data)
         if all(s is not None and _needs_both(best.fit, s, data) for s in singles):
-            return _stages(best, [s for s in singles if s is not None], fits, data, start)
+            return _steps(best, [s for s in singles if s is not None], fits, data, start)
     return None
 
 
 def _needs_both(both: Fit, alone: Fit, data: Data) -> bool:
-    """Whether one leaves plainly more than both: in the whole, or on an axis, as where a third is missing."""
-    return explains_most(both, alone, data) or helps_an_axis(both, alone, data)
+    """Whether one effect leaves clearly more than both, in total, or on one axis where a third is missing."""
+    return explains_most(both, alone, data) or improves_an_axis(both, alone, data)
 
 
-def _stages(
+def _steps(
     best: _Fitted, singles: Sequence[Fit], fits: Sequence[_Fitted], data: Data, start: Fit
-) -> tuple[Stage, Stage]:
+) -> tuple[AcceptedStep, AcceptedStep]:
     """First the effect that does more by itself, then both."""
-    order = sorted(range(2), key=lambda k: singles[k].judged)
+    order = sorted(range(2), key=lambda k: singles[k].test_loss)
     keys = [best.fit.hypothesis.free[k].key for k in order]
-    floor = floor_of_judging(data)
-    alone = [(key, singles[k].judged) for key, k in zip(keys, order, strict=True)]
-    shares = removed_shares(start.judged, alone, floor)
+    floor = test_noise_floor(data)
+    alone = [(key, singles[k].test_loss) for key, k in zip(keys, order, strict=True)]
+    shares = removed_shares(start.test_loss, alone, floor)
     before = (start, singles[order[0]])
-    stages = []
+    steps = []
     for n, result in enumerate((singles[order[0]], best.fit)):
         partner = keys[1 - n]
         instead = [
@@ -98,64 +102,65 @@ def _stages(
             for f in fits
             if partner in {c.key for c in f.pair}
             and _other(f.pair, partner) != keys[n]
-            and f.fit.trained < POLICY.pair_rival * best.fit.trained
+            and f.fit.training_loss < POLICY.pair_rival * best.fit.training_loss
         ]
-        stages.append(
-            Stage(
+        steps.append(
+            AcceptedStep(
                 added=keys[n],
                 fit=result,
                 data=data,
-                removed_share=removed_share(before[n].judged, result.judged, floor),
-                rivals=tuple(
+                removed_share=removed_share(before[n].test_loss, result.test_loss, floor),
+                indistinguishable=tuple(
                     k
                     for k, f in instead
-                    if f.judged <= best.fit.judged * (1.0 + POLICY.tie) and not contains(k, keys[n])
+                    if f.test_loss <= best.fit.test_loss * (1.0 + POLICY.tie) and not contains(k, keys[n])
                 ),
                 others=tuple((k, f.hypothesis.model) for k, f in instead),
                 dropped=(),
                 ranking=shares,
-                behind=behind(keys[n], best.fit.judged, ((k, f.judged) for k, f in instead)),
-                folds=(int(np.sum(result.agreeing < before[n].agreeing)), len(result.agreeing)),
-                by_held_out=data.held_out_judges,
+                loss_ratios=loss_ratios(keys[n], best.fit.test_loss, ((k, f.test_loss) for k, f in instead)),
+                folds=(int(np.sum(result.fold_losses < before[n].fold_losses)), len(result.fold_losses)),
+                by_holdout=data.tests_on_holdout,
             )
         )
-    return stages[0], stages[1]
+    return steps[0], steps[1]
 
 
 def _other(pair: Pair, key: EffectKey) -> EffectKey:
     return next(c.key for c in pair if c.key != key)
 
 
-def _screened(scene: Scene, data: Data, start: Fit) -> list[Pair]:
+def _screened(linearisation: Linearisation, data: Data, start: Fit) -> list[Pair]:
     """Pairs of effects by what they leave on data that they were not fitted on, the best shapes of each."""
-    columns, entries = entries_of(scene)
-    entries = [e for e in entries if effect_named(e.key.effect).free(scene.model) > 0]
+    columns, entries = entries_of(linearisation)
+    entries = [e for e in entries if effect_named(e.key.effect).free(linearisation.model) > 0]
     rows = sum(r.position.size for r in data.recordings)
     pairs = [(a, b) for a, b in combinations(entries, 2) if may_stand_together(a.key, b.key)]
     if not pairs or 2.0 * rows * len(columns) > POLICY.pair_values:
         return []
-    pieces, held_out = equations(scene, [], columns, data, start.simulated)
+    pieces, held_out = equations(linearisation, [], columns, data, start.simulated)
     left = left_by(total(pieces), pairs)
     best: dict[tuple[EffectKey, EffectKey], tuple[float, Pair]] = {}
     for k in np.argsort(left)[: POLICY.pairs_solved]:
         one, other = pairs[k]
         bounds = tuple(
-            np.concatenate(b) for b in zip(limits_of(scene, one), limits_of(scene, other), strict=True)
+            np.concatenate(b)
+            for b in zip(limits_of(linearisation, one), limits_of(linearisation, other), strict=True)
         )
         fixed = [e.fixed for e in (one, other) if e.fixed is not None]
-        judged, solution = judge(
+        test_loss, solution = judge(
             pieces, held_out, [*one.linear, *other.linear], fixed, (bounds[0], bounds[1])
         )
-        if (one.key, other.key) in best and best[one.key, other.key][0] <= judged:
+        if (one.key, other.key) in best and best[one.key, other.key][0] <= test_loss:
             continue
         parts = np.split(solution, [len(one.linear)])
         first, second = (
-            Candidate(e.key, x, e.shape, judged) for e, x in zip((one, other), parts, strict=True)
+            Candidate(e.key, x, e.shape, test_loss) for e, x in zip((one, other), parts, strict=True)
         )
-        best[one.key, other.key] = judged, (first, second)
-    floor = floor_of_judging(data)
-    most = floor + POLICY.promising * max(start.judged - floor, 0.0)
-    return [pair for judged, pair in sorted(best.values(), key=lambda jp: jp[0]) if judged < most]
+        best[one.key, other.key] = test_loss, (first, second)
+    floor = test_noise_floor(data)
+    most = floor + POLICY.promising * max(start.test_loss - floor, 0.0)
+    return [pair for test_loss, pair in sorted(best.values(), key=lambda jp: jp[0]) if test_loss < most]
 
 
 def may_stand_together(one: EffectKey, other: EffectKey) -> bool:

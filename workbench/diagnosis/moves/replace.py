@@ -1,4 +1,4 @@
-"""Other causes in place of one that was taken while others were still missing."""
+"""The move that replaces an effect chosen while other causes were missing."""
 
 from __future__ import annotations
 
@@ -7,91 +7,97 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..acceptance import mends, nearly_at_floor
+from ..acceptance import halves_excess, near_noise_floor
 from ..fitting.fit import fit
-from ..fitting.refinement import polished, with_candidate
+from ..fitting.refinement import converged, with_candidate
 from ..hypothesis import Fit
-from ..loss import explained, floor_of_judging
-from ..node import Way, onwards, wanders, with_stages
+from ..loss import explained, test_noise_floor
+from ..node import Node, diverges, forward_selection, with_steps
 from ..policy import POLICY
-from ..problem import Quest
+from ..problem import Problem
 from ..removed_share import removed_share, removed_shares
-from ..screening.compliance import pins_of, what_gives_way
-from ..screening.sensitivity import Scene
+from ..screening.compliance import compliance_candidates, equivalents_at_joint
+from ..screening.sensitivity import Linearisation
 from ..screening.stiction import candidates
-from ..search_result import Stage, has_cause
-from ..significance import witnessed
-from .choice import Explanation, Judged, behind
+from ..search_result import AcceptedStep, has_cause
+from ..significance import identifiable
+from .choice import EffectLoss, Explanation, loss_ratios
 
 
-def others_instead(way: Way, quest: Quest) -> Way:
-    """Others in place of causes beside which they did nearly as well; `way` where none does much better.
+def replace_effects(node: Node, problem: Problem) -> Node:
+    """The node with effects replaced by others of nearly the same loss; `node` where none is much better.
 
-    While a delay is missing, a spring in the pin passes for one at the drive: only where all other causes are
-    there can it be told which one it is. In place of the last cause, others may lead on to one more. Asked
-    where nearly all is explained and yet more than noise is left: what explains less has no wrong name.
+    While a delay is missing, a spring in the joint is taken for one at the drive: they can be distinguished
+    only once all other causes are in the model. A replacement of the last effect may need one more effect.
+    It is tried where nearly all is explained and more than noise is left: what explains less is not named.
     """
-    share = explained(quest.data, quest.start, way.current, way.data)
-    if not way.stages or share < POLICY.explained or wanders(way.current):
-        return way
-    for stage in reversed(way.stages):
-        if way.done or way.data.effort.spent:
-            return way
-        found = _in_its_place(stage, way, quest)
-        if found and mends(found[0].fit, way.current, way.data):
-            way = onwards(with_stages(way, found[:1], quest.seed), quest)
-        elif stage is way.stages[-1] and not nearly_at_floor(way.current, way.data):
-            one_more = replace(quest, limit=1)
-            led = [onwards(with_stages(way, (each,), quest.seed), one_more) for each in found]
-            good = [o for o in led if o.done or nearly_at_floor(o.current, o.data)]
-            way = min(
-                good, key=lambda o: (not o.done, o.current.hypothesis.size, o.current.judged), default=way
+    share = explained(problem.data, problem.start, node.current, node.data)
+    if not node.steps or share < POLICY.explained or diverges(node.current):
+        return node
+    for step in reversed(node.steps):
+        if node.done or node.data.budget.spent:
+            return node
+        found = _in_its_place(step, node, problem)
+        if found and halves_excess(found[0].fit, node.current, node.data):
+            node = forward_selection(with_steps(node, found[:1], problem.seed), problem)
+        elif step is node.steps[-1] and not near_noise_floor(node.current, node.data):
+            one_more = replace(problem, limit=1)
+            led = [forward_selection(with_steps(node, (each,), problem.seed), one_more) for each in found]
+            good = [o for o in led if o.done or near_noise_floor(o.current, o.data)]
+            node = min(
+                good, key=lambda o: (not o.done, o.current.hypothesis.size, o.current.test_loss), default=node
             )
-    return way
+    return node
 
 
-def _in_its_place(stage: Stage, way: Way, quest: Quest) -> tuple[Stage, ...]:
-    """Stages with another cause each in place of one, all others kept, best first."""
-    current, data = way.current, way.data
+def _in_its_place(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
+    """Steps with one effect replaced, each by another one and with all others kept, best first."""
+    current, data = node.current, node.data
     keys = [
-        key for key, left in stage.behind if left < POLICY.replacement_close and not has_cause(current, key)
+        key
+        for key, left in step.loss_ratios
+        if left < POLICY.replacement_close and not has_cause(current, key)
     ]
-    if not keys or all(a.key != stage.added for a in current.hypothesis.free):
+    if not keys or all(a.key != step.added for a in current.hypothesis.free):
         return ()
-    quest.progress(f"trying others in place of {stage.added}")
-    (rest,) = fit([current.hypothesis.without(stage.added)], data, iterations=1)
+    problem.progress(f"trying others in place of {step.added}")
+    (rest,) = fit([current.hypothesis.without(step.added)], data, iterations=1)
     if rest is None:
         return ()
-    scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
+    linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
     known = (
-        *candidates(scene, rest, data, quest.seed),
-        *what_gives_way(scene, data.training, rest.judged, rest.hypothesis.free),
+        *candidates(linearisation, rest, data, problem.seed),
+        *compliance_candidates(linearisation, data.training, rest.test_loss, rest.hypothesis.free),
     )
     chosen = [c for key in keys for c in known if c.key == key][: POLICY.replacements]
-    fits = fit([with_candidate(scene, c, rest) for c in chosen], data)
-    tried = [(c, f) for c, f in zip(chosen, fits, strict=True) if f is not None and witnessed(scene, f)]
-    tried.sort(key=lambda cf: cf[1].judged)
-    left = [*((c.key, f.judged) for c, f in tried), (stage.added, current.judged)]
-    return tuple(_stage(explanation, left, stage, rest, way) for explanation in tried)
+    fits = fit([with_candidate(linearisation, c, rest) for c in chosen], data)
+    tried = [
+        (c, f) for c, f in zip(chosen, fits, strict=True) if f is not None and identifiable(linearisation, f)
+    ]
+    tried.sort(key=lambda cf: cf[1].test_loss)
+    left = [*((c.key, f.test_loss) for c, f in tried), (step.added, current.test_loss)]
+    return tuple(_step(explanation, left, step, rest, node) for explanation in tried)
 
 
-def _stage(explanation: Explanation, left: Sequence[Judged], stage: Stage, rest: Fit, way: Way) -> Stage:
-    """One cause in place of another; `left`: what each of these leaves."""
-    (candidate, found), data = explanation, way.data
-    found = polished(found, data)
-    floor = floor_of_judging(data)
-    alike = [key for key, judged in left if judged <= found.judged * (1.0 + POLICY.tie)]
-    pins = pins_of(way.current.hypothesis.base, candidate.key)
-    return Stage(
+def _step(
+    explanation: Explanation, left: Sequence[EffectLoss], step: AcceptedStep, rest: Fit, node: Node
+) -> AcceptedStep:
+    """The step of one replacement; `left`: test loss of each candidate."""
+    (candidate, found), data = explanation, node.data
+    found = converged(found, data)
+    floor = test_noise_floor(data)
+    alike = [key for key, test_loss in left if test_loss <= found.test_loss * (1.0 + POLICY.tie)]
+    pins = equivalents_at_joint(node.current.hypothesis.base, candidate.key)
+    return AcceptedStep(
         added=candidate.key,
         fit=found,
         data=data,
-        removed_share=removed_share(rest.judged, found.judged, floor),
-        rivals=tuple(dict.fromkeys(key for key in (*alike, *pins) if key != candidate.key)),
+        removed_share=removed_share(rest.test_loss, found.test_loss, floor),
+        indistinguishable=tuple(dict.fromkeys(key for key in (*alike, *pins) if key != candidate.key)),
         others=(),
-        dropped=(stage.added,),
-        ranking=removed_shares(rest.judged, left, floor),
-        behind=behind(candidate.key, found.judged, left),
-        folds=(int(np.sum(found.agreeing < way.current.agreeing)), len(found.agreeing)),
-        by_held_out=data.held_out_judges,
+        dropped=(step.added,),
+        ranking=removed_shares(rest.test_loss, left, floor),
+        loss_ratios=loss_ratios(candidate.key, found.test_loss, left),
+        folds=(int(np.sum(found.fold_losses < node.current.fold_losses)), len(found.fold_losses)),
+        by_holdout=data.tests_on_holdout,
     )

@@ -1,4 +1,4 @@
-"""Whether, once all causes are there, a simpler form of one of them will do."""
+"""The move that simplifies: special cases in place of a refinement, and effects that became needless."""
 
 from __future__ import annotations
 
@@ -12,38 +12,38 @@ from workbench.models import AppliedEffect
 
 from ..data import Data
 from ..fitting.fit import fit
-from ..fitting.refinement import polished, with_candidates
+from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
-from ..loss import floor_of_judging
+from ..loss import test_noise_floor
 from ..policy import POLICY
 from ..removed_share import removed_share
 from ..screening.screen import Candidate, screen
-from ..screening.sensitivity import Scene
-from ..search_result import Stage
-from ..significance import sizes_of, stands_out
+from ..screening.sensitivity import Linearisation
+from ..search_result import AcceptedStep
+from ..significance import is_significant, sizes_of
 
 Progress = Callable[[str], None]
 
 
-def simpler(
-    stage: Stage, current: Fit, data: Data, progress: Progress, *, last: bool = False
-) -> tuple[Stage, ...]:
-    """Simpler effects in place of one that was chosen while other causes were missing; none where that fails.
+def simplify(
+    step: AcceptedStep, current: Fit, data: Data, progress: Progress, *, last: bool = False
+) -> tuple[AcceptedStep, ...]:
+    """Steps with special cases in place of a refinement that was chosen early; none where they fit worse.
 
-    What a refinement had more than its special case may have been the shape of what came later. And one that
-    has two special cases may have been both of them, neither of which did enough by itself.
+    The refinement may have fitted the shape of a cause that was found later. One that has two special cases
+    may have stood for both, neither of which was enough by itself.
 
     Args:
-        stage: the effect in question, as it was found.
+        step: the effect in question, as it was found.
         current: the last fit, with it and all that came later.
         data: recordings, with the noise floor of that model.
         progress: told what is being done.
-        last: nothing came after it, so that special cases one by one lost against it already.
+        last: it is the last step, so that its special cases one by one were worse already.
 
     Returns:
-        The stages in its place, one or two; their `data` and `runs` are not their own yet.
+        One or two steps; without their own data and runs.
     """
-    given_up = next((a for a in current.hypothesis.free if a.key == stage.added), None)
+    given_up = next((a for a in current.hypothesis.free if a.key == step.added), None)
     special = effect_named(given_up.key.effect).contains if given_up else ()
     if given_up is None or len(special) <= last:
         return ()
@@ -51,45 +51,49 @@ def simpler(
     (rest,) = fit([current.hypothesis.without(given_up.key)], data, iterations=1)
     if rest is None:
         return ()
-    scene = Scene.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
-    candidates, _ = screen(scene, data, rest.simulated, rest.hypothesis.free)
+    linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
+    candidates, _ = screen(linearisation, data, rest.simulated, rest.hypothesis.free)
     chosen = [c for c in candidates if contains(given_up.key, c.key)]
     for count in (2,) if last else (1, 2):
         sets = list(combinations(chosen, count))
-        fits = fit([with_candidates(scene, each, rest) for each in sets], data)
-        enough = _enough(current.judged, rest.judged)
-        good = [(s, f) for s, f in zip(sets, fits, strict=True) if f is not None and f.judged < enough]
+        fits = fit([with_candidates(linearisation, each, rest) for each in sets], data)
+        enough = _enough(current.test_loss, rest.test_loss)
+        good = [(s, f) for s, f in zip(sets, fits, strict=True) if f is not None and f.test_loss < enough]
         if good:
-            best, found = min(good, key=lambda sf: sf[1].judged)
-            return _stages(stage, given_up.key, best, (rest, polished(found, data)), data)
+            best, found = min(good, key=lambda sf: sf[1].test_loss)
+            return _steps(step, given_up.key, best, (rest, converged(found, data)), data)
     return ()
 
 
-def without(stage: Stage, current: Fit, data: Data) -> Fit | None:
-    """The fit without a cause that now may be none, or that has shrunk to little and does nothing.
+def without(step: AcceptedStep, current: Fit, data: Data) -> Fit | None:
+    """The fit without an effect that became insignificant, or small and useless; None where it is needed.
 
-    None where it is needed. What shrank once another cause came was mostly that one's: a little that is left
-    of it fills the gap between that cause's law and the machine's.
+    An effect that shrank when another was added had mostly stood for that one; its small remainder absorbs
+    the model error of the later effect.
     """
-    applied = next((a for a in current.hypothesis.free if a.key == stage.added), None)
+    applied = next((a for a in current.hypothesis.free if a.key == step.added), None)
     if applied is None:
         return None
-    if not stands_out(applied):
+    if not is_significant(applied):
         most = 1.0 + POLICY.simpler_loss
-    elif _shrunk(stage, applied):
+    elif _shrunk(step, applied):
         most = 1.0 + POLICY.tie
     else:
         return None
-    (rest,) = fit([current.hypothesis.without(stage.added)], data)
+    (rest,) = fit([current.hypothesis.without(step.added)], data)
     if rest is None:
         return None
-    rest = polished(rest, data)
-    return rest if rest.judged < most * current.judged and rest.trained < most * current.trained else None
+    rest = converged(rest, data)
+    return (
+        rest
+        if rest.test_loss < most * current.test_loss and rest.training_loss < most * current.training_loss
+        else None
+    )
 
 
-def _shrunk(stage: Stage, applied: AppliedEffect) -> bool:
-    """Whether little is left of the size with which a cause was taken."""
-    taken = next((a for a in stage.fit.hypothesis.free if a.key == stage.added), applied)
+def _shrunk(step: AcceptedStep, applied: AppliedEffect) -> bool:
+    """Whether an effect is much smaller now than in the step that added it."""
+    taken = next((a for a in step.fit.hypothesis.free if a.key == step.added), applied)
     sizes = sizes_of(applied)
     return all(
         abs(applied.values[p.name] - p.neutral) < POLICY.shrunk * abs(taken.values[p.name] - p.neutral)
@@ -98,28 +102,28 @@ def _shrunk(stage: Stage, applied: AppliedEffect) -> bool:
 
 
 def _enough(now: float, without: float) -> float:
-    """Judged error up to which less will do: a tie, or no loss beside what the effect explains."""
+    """Test loss up to which a simpler model is accepted: a tie, or little of what the effect explains."""
     return max(
         (1.0 + POLICY.tie) * now,
         min((1.0 + POLICY.simpler_loss) * now, now + POLICY.simpler_unseen * (without - now)),
     )
 
 
-def _stages(
-    stage: Stage, given_up: EffectKey, chosen: Sequence[Candidate], fits: tuple[Fit, Fit], data: Data
-) -> tuple[Stage, ...]:
-    """The effects one after the other, in place of a stage; `fits` without any of them, and with all."""
+def _steps(
+    step: AcceptedStep, given_up: EffectKey, chosen: Sequence[Candidate], fits: tuple[Fit, Fit], data: Data
+) -> tuple[AcceptedStep, ...]:
+    """Steps of the special cases in place of one step; `fits`: without any of them, and with all."""
     rest, found = fits
     keys = [c.key for c in chosen]
-    twins = effect_named(given_up.effect).twins  # what stood beside it only stood in for the rest of it
-    rivals = tuple(k for k in stage.rivals if k not in keys and k.effect not in twins)
-    last = replace(stage, added=keys[-1], fit=found, dropped=(given_up,), rivals=rivals)
+    twins = effect_named(given_up.effect).twins  # equivalents of the refinement are none of its special case
+    indistinguishable = tuple(k for k in step.indistinguishable if k not in keys and k.effect not in twins)
+    last = replace(step, added=keys[-1], fit=found, dropped=(given_up,), indistinguishable=indistinguishable)
     if len(keys) == 1:
         return (last,)
     (one,) = fit([found.hypothesis.without(keys[-1])], data)
     if one is None:
         return ()
-    floor = floor_of_judging(data)
-    shares = [removed_share(a.judged, b.judged, floor) for a, b in ((rest, one), (one, found))]
+    floor = test_noise_floor(data)
+    shares = [removed_share(a.test_loss, b.test_loss, floor) for a, b in ((rest, one), (one, found))]
     first = replace(last, added=keys[0], fit=one, removed_share=shares[0])
     return first, replace(last, dropped=(), removed_share=shares[1])

@@ -1,4 +1,4 @@
-"""What command and measured torque of a drive say of each other, whatever the loop around them does."""
+"""The command path of a drive: measured torque against logged command, independent of the loop."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from workbench.models import Placement
 
 from ..hypothesis import Fit
 from ..policy import POLICY
-from .sensitivity import Scene
+from .sensitivity import Linearisation
 
 if TYPE_CHECKING:
     from .screen import Candidate
@@ -24,19 +24,21 @@ if TYPE_CHECKING:
 _Passed = tuple[np.ndarray, np.ndarray] | None
 
 
-def by_channel(scene: Scene, candidates: Iterable[Candidate], without: float) -> list[Candidate]:
-    """Limits as the logged command and the torque behind it judge them, where the loop's estimate is worse.
+def by_command_path(
+    linearisation: Linearisation, candidates: Iterable[Candidate], without: float
+) -> list[Candidate]:
+    """Candidates with limits estimated from command and measured torque, where the loop's estimate is worse.
 
     A loop that is far beyond a limit is not the linear one that screening closes about its motion: what the
     limit took away would come back many times over. But the command that was logged is the true one. And of
     two forms of a limit it may leave only one.
 
     Args:
-        scene: the model that lacks something, on the recordings.
+        linearisation: the model that lacks something, on the recordings.
         candidates: as screened.
-        without: judged error without any of them.
+        without: test loss without any of them.
     """
-    passed = {c.key: (c, _passed(scene, c.key, c.shape)) for c in candidates}
+    passed = {c.key: (c, _passed(linearisation, c.key, c.shape)) for c in candidates}
 
     def refuted(key: EffectKey) -> bool:
         kin = (other for other in passed if contains(other, key) or contains(key, other))
@@ -53,17 +55,17 @@ def _told(candidate: Candidate, passed: _Passed, without: float) -> Candidate:
     left = after / before if before > 0.0 else 1.0
     if left >= POLICY.limit_left:
         return candidate
-    return replace(candidate, judged=min(candidate.judged, left * without))
+    return replace(candidate, test_loss=min(candidate.test_loss, left * without))
 
 
-def astray(scene: Scene, candidate: Candidate, found: Fit) -> bool:
-    """Whether a fit has left the values of a limit that the channel shows, by more than its noise.
+def off_command_path(linearisation: Linearisation, candidate: Candidate, found: Fit) -> bool:
+    """Whether a fit has moved away from the values of a limit that the command path shows, beyond noise.
 
     A loop at its limit may throw runs about so much that noise rules what fits them best.
     """
     applied = next((a for a in found.hypothesis.free if a.key == candidate.key), None)
     shapes = (candidate.shape, {**candidate.shape, **applied.values} if applied else candidate.shape)
-    read, fitted = (_passed(scene, candidate.key, shape) for shape in shapes)
+    read, fitted = (_passed(linearisation, candidate.key, shape) for shape in shapes)
     if read is None or fitted is None:
         return False
     own, now = (float(np.sum((off - taken) ** 2)) for off, taken in (read, fitted))
@@ -78,14 +80,14 @@ def _far_worse(one: _Passed, other: _Passed) -> bool:
     return left > POLICY.far_worse * best
 
 
-def _passed(scene: Scene, key: EffectKey, shape: Mapping[str, float]) -> _Passed:
+def _passed(linearisation: Linearisation, key: EffectKey, shape: Mapping[str, float]) -> _Passed:
     """None for what is no limit, and where no torque was measured; else all recordings' rows, (N,) each."""
-    effect, place = effect_named(key.effect), Placement.of(scene.model, key)
+    effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
     if effect.door is not Door.COMMAND or not effect.by_runs or place is None or not shape:
         return None
     off, taken = [], []
-    for motion in scene.motions:
-        tap = effect.response(motion, scene.model, place, shape).tap
+    for motion in linearisation.motions:
+        tap = effect.response(motion, linearisation.model, place, shape).tap
         if motion.line.measured is None or tap is None:
             return None
         off.append((motion.line.measured - motion.line.passed[0])[:, place.index])

@@ -1,4 +1,4 @@
-"""Springs, gaps and a soft base: what the torque along the motion says before any loop is closed."""
+"""Compliance candidates (springs, backlash, soft base) from the inverse-dynamics residual."""
 
 from __future__ import annotations
 
@@ -14,64 +14,70 @@ from workbench.simulation import on_all_cores
 
 from ..policy import POLICY
 from .screen import Candidate
-from .sensitivity import Scene
+from .sensitivity import Linearisation
 
 _SPRING = "joint_compliance"
 
 
-def what_gives_way(
-    scene: Scene, training: int, judged: float, found_before: Sequence[AppliedEffect] = ()
+def compliance_candidates(
+    linearisation: Linearisation, training: int, test_loss: float, found_before: Sequence[AppliedEffect] = ()
 ) -> list[Candidate]:
-    """Effects that let motors, links and base move apart, as far as they explain the lacking torque.
+    """Compliances that explain part of the residual torque, best first.
 
     Args:
-        scene: the model that lacks something, on recordings of which the first `training` are looked at.
+        linearisation: of the model so far; the first `training` of its recordings are used.
         training: their number.
-        judged: what the model leaves now, for the candidates' own.
-        found_before: effects of the model whose parameters may follow. A spring among them was fitted to the
-            softness of all, so that another one is asked for together with it.
+        test_loss: of the model so far; a candidate's own is its share of it.
+        found_before: effects of the model whose parameters may change. A spring among them was fitted to the
+            total compliance, so that another one is fitted together with it.
     """
     springs = tuple(a for a in found_before if a.key.effect == _SPRING)
     asked = training, *(a.key for a in springs)
-    if asked not in scene.gives_way:
-        scene.gives_way[asked] = _shares(scene, training, springs)
-    return [replace(c, judged=c.judged * judged) for c in scene.gives_way[asked]]
+    if asked not in linearisation.compliances:
+        linearisation.compliances[asked] = _shares(linearisation, training, springs)
+    return [replace(c, test_loss=c.test_loss * test_loss) for c in linearisation.compliances[asked]]
 
 
-def _shares(scene: Scene, training: int, springs: Sequence[AppliedEffect]) -> list[Candidate]:
-    """The same with the share of the lacking torque that each leaves."""
-    motions = [_eased(m, scene.model) for m in scene.motions[:training]]
+def _shares(linearisation: Linearisation, training: int, springs: Sequence[AppliedEffect]) -> list[Candidate]:
+    """Candidates whose `test_loss` is the share of the residual torque that they leave."""
+    motions = [_relieved(m, linearisation.model) for m in linearisation.motions[:training]]
 
     def asked(key: EffectKey) -> list[Candidate]:
         if key.effect == _SPRING and springs and all(a.key.axis != key.axis for a in springs):
-            return _beside(springs, key, scene, training)
-        guesses = effect_named(key.effect).guesses(motions, scene.model, Placement.of(scene.model, key))
+            return _beside(springs, key, linearisation, training)
+        guesses = effect_named(key.effect).guesses(
+            motions, linearisation.model, Placement.of(linearisation.model, key)
+        )
         some = [(shape, left) for shape, left in guesses if left < POLICY.compliance_left]
         return [Candidate(key, np.zeros(0), shape, left) for shape, left in some]
 
     asked_of = [
         key
-        for key in places(scene.model)
+        for key in places(linearisation.model)
         if effect_named(key.effect).splits
-        and scene.data.replay.shows(key.effect)
-        and drive_of(scene.model, key) is None
+        and linearisation.data.replay.shows(key.effect)
+        and equivalent_at_drive(linearisation.model, key) is None
     ]
     found = [candidate for some in on_all_cores(asked, asked_of) for candidate in some]
-    found.sort(key=lambda c: c.judged)
-    # what a gap passes on is drawn to the torque, so that it leaves less than a spring that is there
+    found.sort(key=lambda c: c.test_loss)
+    # backlash is fitted to the torque more flexibly, so that it leaves less than a true spring
     return [
         c
         for c in found
-        if c.judged <= POLICY.compliance_times * found[0].judged
-        or (c.judged <= POLICY.compliance_beside_gap and not effect_named(c.key.effect).wanders)
+        if c.test_loss <= POLICY.compliance_times * found[0].test_loss
+        or (c.test_loss <= POLICY.compliance_beside_gap and not effect_named(c.key.effect).diverges)
     ][: POLICY.compliance_candidates]
 
 
-def _beside(springs: Sequence[AppliedEffect], key: EffectKey, scene: Scene, training: int) -> list[Candidate]:
-    """One more spring, with the stiffness that the others have beside it."""
+def _beside(
+    springs: Sequence[AppliedEffect], key: EffectKey, linearisation: Linearisation, training: int
+) -> list[Candidate]:
+    """A candidate of one more spring, with the stiffness of the others beside it; else none."""
     keys = {a.key for a in springs}
-    rigid = replace(scene.model, effects=tuple(e for e in scene.model.effects if e.key not in keys))
-    motions = [_eased(m, rigid) for m in scene.motions[:training]]
+    rigid = replace(
+        linearisation.model, effects=tuple(e for e in linearisation.model.effects if e.key not in keys)
+    )
+    motions = [_relieved(m, rigid) for m in linearisation.motions[:training]]
     seats = (Placement.of(rigid, k) for k in (*(a.key for a in springs), key))
     known, now = [seat for seat in seats if seat is not None], [a.values for a in springs]
     alone, together = Springs(motions, rigid, known[:-1]), Springs(motions, rigid, known)
@@ -85,8 +91,8 @@ def _beside(springs: Sequence[AppliedEffect], key: EffectKey, scene: Scene, trai
     return [Candidate(key, np.zeros(0), own, left, beside)]
 
 
-def _eased(motion: Motion, model: Model) -> Motion:
-    """A motion that needs less torque by what gives way in the model already: inverse dynamics are rigid."""
+def _relieved(motion: Motion, model: Model) -> Motion:
+    """The motion without the torque of the model's own compliances: inverse dynamics are rigid."""
     for effect, place, shape in giving_way(model):
         offset = effect.response(motion, model, place, shape).offset
         motion = replace(motion, required=_less(motion, offset / motion.gain))
@@ -97,11 +103,11 @@ def _less(motion: Motion, torque: np.ndarray) -> Callable[[Model], np.ndarray]:
     return lambda model: motion.required(model) - torque
 
 
-def drive_of(model: Model, key: EffectKey) -> EffectKey | None:
-    """The place at the drive that is the same machine as this pin: where only one drive turns the pin.
+def equivalent_at_drive(model: Model, key: EffectKey) -> EffectKey | None:
+    """The equivalent place at the drive of a place at the joint, if one drive alone turns it; else None.
 
-    Of a linkage that the model has, crank and coupler are behind a spring at the drive and ahead of one in
-    the pin.
+    With a linkage in the model they differ: its crank and coupler are on the link side of a spring at the
+    drive, and on the motor side of one at the joint.
     """
     if key.axis is None or key.location != "joint" or not effect_named(key.effect).splits:
         return None
@@ -112,13 +118,13 @@ def drive_of(model: Model, key: EffectKey) -> EffectKey | None:
     return drive if alone and effect_named(key.effect).applies(model, drive) else None
 
 
-def pins_of(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
-    """Places at pins that are the same machine as this one at a drive."""
+def equivalents_at_joint(model: Model, key: EffectKey) -> tuple[EffectKey, ...]:
+    """Places at the joint that are equivalent to this one at a drive."""
     pin = EffectKey(key.effect, key.axis, "joint")
-    return (pin,) if key.location == "actuator" and drive_of(model, pin) == key else ()
+    return (pin,) if key.location == "actuator" and equivalent_at_drive(model, pin) == key else ()
 
 
 def other_causes(model: Model, key: EffectKey, keys: Iterable[EffectKey]) -> tuple[EffectKey, ...]:
-    """Those that are another cause than this one, and not the same machine in other words."""
-    same = pins_of(model, key)
+    """Those of `keys` that are another cause, not an equivalent of `key` at the joint."""
+    same = equivalents_at_joint(model, key)
     return tuple(other for other in keys if other not in same)

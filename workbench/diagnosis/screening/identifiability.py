@@ -1,4 +1,4 @@
-"""What recordings can tell apart, before anything is searched: from what every effect would change in them.
+"""Identifiability: which effects the recordings can distinguish, from sensitivities, before any search.
 
 All effects in all places are columns of one linear problem about the model's runs. What noise does to an
 estimate follows from them, alone and beside any other effect (L. Ljung, System Identification, 1999, ch. 9).
@@ -27,11 +27,11 @@ _UNRELATED_TOLERANCE = 0.5  # correlation of columns below which two effects are
 
 
 def identifiability_of(
-    linear: Linear, model: Model, data: Data, silent: Sequence[EffectKey] = ()
+    linear: Linear, model: Model, data: Data, unobservable: Sequence[EffectKey] = ()
 ) -> Identifiability:
-    """Which effects the recordings can tell apart at a small size, and how well each would be known.
+    """Which effects of small size the recordings can distinguish, and the deviation that each would have.
 
-    `silent`: effects of which they can tell nothing at all.
+    `unobservable`: effects that change nothing in these recordings.
     """
     excited = [e for e in linear.entries if linear.shown(e) >= POLICY.significant]
     groups = _groups(linear, excited)
@@ -39,7 +39,7 @@ def identifiability_of(
     return Identifiability(
         separable=tuple(e.key for e in excited if e.key not in alike),
         groups=groups,
-        not_excited=(*silent, *(e.key for e in linear.entries if linear.shown(e) < POLICY.significant)),
+        not_excited=(*unobservable, *(e.key for e in linear.entries if linear.shown(e) < POLICY.significant)),
         expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, model, data))),
     )
 

@@ -14,7 +14,7 @@ from ..fitting.fit import scatter
 from ..fitting.normal_equations import Normal, total
 from ..policy import POLICY
 from .screen import Entry, Equations, entries_of, equations_of, responses
-from .sensitivity import Scene
+from .sensitivity import Linearisation
 from .torque_regression import Regression
 
 _SAME_TOLERANCE = 1e-9  # share of a column that others leave where they are the same
@@ -101,32 +101,34 @@ def columns_of(entry: Entry) -> list[int]:
     return entry.linear or ([entry.fixed] if entry.fixed is not None else [])
 
 
-def linear_of(scene: Scene, data: Data) -> Linear:
+def linear_of(linearisation: Linearisation, data: Data) -> Linear:
     """All effects as they travel round the loops of the recordings."""
-    columns, entries = entries_of(scene)
-    changes = responses(scene, [], columns, data)
-    pieces, held_out = equations_of(changes, data, scene.runs)
+    columns, entries = entries_of(linearisation)
+    changes = responses(linearisation, [], columns, data)
+    pieces, held_out = equations_of(changes, data, linearisation.runs)
     each, white = range(data.training), data.weight**2
     own = [total([p for p, f in zip(pieces, data.folds, strict=True) if f.recording == i]) for i in each]
     spread = [scatter([draw[i] for draw in data.draws], changes[i], data) for i in each]
-    quiet = np.array([np.sum(data.floor[i] * white) * len(scene.runs[i]) for i in each])
+    quiet = np.array([np.sum(data.floor[i] * white) * len(linearisation.runs[i]) for i in each])
     known = Equations(tuple(entries), pieces, held_out)
     return Linear(entries, own, quiet, np.sum(spread, axis=0), len(data.draws), known)
 
 
-def is_too_large(scene: Scene, data: Data) -> bool:
+def is_too_large(linearisation: Linearisation, data: Data) -> bool:
     """Whether responses of all effects to all rows could not be held."""
-    values = sum(run.signals["position"].size for run in scene.runs[: data.training])
-    return 2 * values * len(places(scene.model)) > POLICY.pair_values
+    values = sum(run.signals["position"].size for run in linearisation.runs[: data.training])
+    return 2 * values * len(places(linearisation.model)) > POLICY.pair_values
 
 
-def linear_along(problem: Regression, data: Data) -> Linear:
+def linear_along(regression: Regression, data: Data) -> Linear:
     """All effects that are torques, along the measured motion of the training recordings."""
     own: dict[int, Normal] = {}
     quiet = np.zeros(data.training)
-    for fold, axes in zip(data.folds, problem.folds, strict=True):
+    for fold, axes in zip(data.folds, regression.folds, strict=True):
         piece = total(axes)
         own[fold.recording] = own[fold.recording] + piece if fold.recording in own else piece
-        quiet[fold.recording] += sum(a.samples * f for a, f in zip(axes, problem.floor, strict=True))
-    white = sum(total([fold[k] for fold in problem.folds]).gram * f for k, f in enumerate(problem.floor))
-    return Linear(problem.entries, list(own.values()), quiet, np.asarray(white), 1)
+        quiet[fold.recording] += sum(a.samples * f for a, f in zip(axes, regression.floor, strict=True))
+    white = sum(
+        total([fold[k] for fold in regression.folds]).gram * f for k, f in enumerate(regression.floor)
+    )
+    return Linear(regression.entries, list(own.values()), quiet, np.asarray(white), 1)

@@ -1,4 +1,4 @@
-"""What unknowns change in the recorded signals, as it travels round the loops."""
+"""Sensitivities of the recorded signals to unknowns, propagated round the loops."""
 
 from __future__ import annotations
 
@@ -11,35 +11,39 @@ from workbench.core import Recording
 from workbench.simulation import Disturbance
 
 from ..data import Data
-from .sensitivity import Column, Scene, Trial
+from .sensitivity import FiniteDifference, Linearisation, SensitivityColumn
 
 
-def respond(
-    scenes: Sequence[Scene], columns: Sequence[Sequence[Column | Trial]], data: Data
+def propagate_sensitivities(
+    linearisations: Sequence[Linearisation],
+    columns: Sequence[Sequence[SensitivityColumn | FiniteDifference]],
+    data: Data,
 ) -> list[list[np.ndarray]]:
-    """Send columns round the loops of their scenes; all scenes march together, as do all trials.
+    """Weighted sensitivities of the scored signals, of all linearisations in one batch.
 
     Args:
-        scenes: S of them.
-        columns: per scene, the columns; padded to the same number inside.
+        linearisations: S of them.
+        columns: of each linearisation.
         data: for the weights.
 
     Returns:
-        Per scene and recording the weighted change of the scored signals, (N, 2, n, C).
+        Per linearisation and recording (N, 2, n, C): position and torque, over their deviations.
     """
-    linear = [[c for c in own if isinstance(c, Column)] for own in columns]
-    marched = _marched(scenes, linear, data)
-    tried = _tried(scenes, [[c for c in own if isinstance(c, Trial)] for own in columns], data)
+    linear = [[c for c in own if isinstance(c, SensitivityColumn)] for own in columns]
+    propagated = _propagated(linearisations, linear, data)
+    tried = _tried(
+        linearisations, [[c for c in own if isinstance(c, FiniteDifference)] for own in columns], data
+    )
     out = []
     for s, own in enumerate(columns):
-        first = [k for k, c in enumerate(own) if isinstance(c, Column)]
-        second = [k for k, c in enumerate(own) if isinstance(c, Trial)]
+        first = [k for k, c in enumerate(own) if isinstance(c, SensitivityColumn)]
+        second = [k for k, c in enumerate(own) if isinstance(c, FiniteDifference)]
         rows = []
-        for i, run in enumerate(scenes[s].runs):
-            whole = marched[s][i][..., : len(first)]
+        for i, run in enumerate(linearisations[s].runs):
+            whole = propagated[s][i][..., : len(first)]
             if second:
                 whole = np.zeros((len(run), 2, len(run.axes), len(own)))
-                whole[..., first], whole[..., second] = marched[s][i][..., : len(first)], tried[s][i]
+                whole[..., first], whole[..., second] = propagated[s][i][..., : len(first)], tried[s][i]
             whole = whole * data.weight[:, :, None]
             whole[~data.recordings[i].valid] = 0.0
             rows.append(whole)
@@ -47,14 +51,14 @@ def respond(
     return out
 
 
-def _marched(
-    scenes: Sequence[Scene], columns: Sequence[Sequence[Column]], data: Data
+def _propagated(
+    linearisations: Sequence[Linearisation], columns: Sequence[Sequence[SensitivityColumn]], data: Data
 ) -> list[list[np.ndarray]]:
-    """Position and torque, (N, 2, n, C) per scene and recording, as small changes travel."""
+    """Position and torque, (N, 2, n, C) per linearisation and recording, unweighted."""
     width = max((len(c) for c in columns), default=0)
     loops, disturbances = [], []
-    for scene, own in zip(scenes, columns, strict=True):
-        for i, motion in enumerate(scene.motions if own else ()):
+    for linearisation, own in zip(linearisations, columns, strict=True):
+        for i, motion in enumerate(linearisation.motions if own else ()):
             torque = np.zeros((width, *motion.position.shape))
             for k, column in enumerate(own):
                 torque[k] = column.torque[i]
@@ -62,13 +66,15 @@ def _marched(
                 {k: part for k, c in enumerate(own) if (part := getattr(c, name)[i]) is not None}
                 for name in ("tap", "command", "reading")
             )
-            data.effort.add(data.recordings[i : i + 1], columns=width)
-            loops.append(scene.loops[i])
+            data.budget.add(data.recordings[i : i + 1], columns=width)
+            loops.append(linearisation.loops[i])
             disturbances.append(Disturbance(torque, taps, commands, readings))
     flat = iter(data.replay.propagate(loops, disturbances) if loops else ())
     return [
-        [np.stack(next(flat), axis=1) for _ in scene.motions] if own else [_empty(r) for r in scene.runs]
-        for scene, own in zip(scenes, columns, strict=True)
+        [np.stack(next(flat), axis=1) for _ in linearisation.motions]
+        if own
+        else [_empty(r) for r in linearisation.runs]
+        for linearisation, own in zip(linearisations, columns, strict=True)
     ]
 
 
@@ -76,20 +82,28 @@ def _empty(run: Recording) -> np.ndarray:
     return np.zeros((len(run), 2, len(run.axes), 0))
 
 
-def _tried(scenes: Sequence[Scene], trials: Sequence[Sequence[Trial]], data: Data) -> list[list[np.ndarray]]:
-    """The same by differences of simulations, all in one batch; what does not run changes nothing."""
+def _tried(
+    linearisations: Sequence[Linearisation], trials: Sequence[Sequence[FiniteDifference]], data: Data
+) -> list[list[np.ndarray]]:
+    """The same by finite differences of simulations, in one batch; zero for models that do not run."""
     asked = [t.model for own in trials for t in own]
-    runs = data.run(asked, len(scenes[0].runs)) if asked else []
+    runs = data.run(asked, len(linearisations[0].runs)) if asked else []
     made = iter([r for own in runs for r in own])
     out = []
-    for scene, own in zip(scenes, trials, strict=True):
+    for linearisation, own in zip(linearisations, trials, strict=True):
         slopes = [
-            [_difference(next(made), run, data.recordings[i]) / t.change for i, run in enumerate(scene.runs)]
+            [
+                _difference(next(made), run, data.recordings[i]) / t.change
+                for i, run in enumerate(linearisation.runs)
+            ]
             for t in own
         ]
-        rows = range(len(scene.runs))
+        rows = range(len(linearisation.runs))
         out.append(
-            [np.stack([s[i] for s in slopes], axis=-1) if own else _empty(scene.runs[i]) for i in rows]
+            [
+                np.stack([s[i] for s in slopes], axis=-1) if own else _empty(linearisation.runs[i])
+                for i in rows
+            ]
         )
     return out
 

@@ -1,4 +1,4 @@
-"""Every effect in every place, judged by what it would explain, from one linearisation of the loop."""
+"""Screening: the test loss that every effect in every place would have, from one linearisation."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ..data import Data
 from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, normal, total
 from ..hypothesis import applied_effect
-from .command_path import by_channel
-from .propagation import respond
-from .sensitivity import Column, Scene
+from .command_path import by_command_path
+from .propagation import propagate_sensitivities
+from .sensitivity import Linearisation, SensitivityColumn
 
-_BLOCK = 64  # columns that march together; only those of one effect are held against each other
+_BLOCK = 64  # columns propagated together; only those of one effect are compared with each other
 _MOVED = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)  # m, of a foot: values to begin with
 _HELD = 4_000_000  # numbers of a column times columns, of more than a block of which long data get fewer
 
@@ -33,20 +33,20 @@ class Candidate:
         key: which, where.
         coefficients: linear coefficients, (k,).
         shape: nonlinear parameters.
-        judged: weighted mean square that it would leave on data it was not fitted on.
-        beside: nonlinear parameters of effects of the model, as they are with this one beside them.
+        test_loss: predicted weighted mean square on data that were not fitted.
+        beside: nonlinear parameters of the model's own effects, when this one is added.
     """
 
     key: EffectKey
     coefficients: np.ndarray
     shape: Mapping[str, float]
-    judged: float
+    test_loss: float
     beside: Mapping[EffectKey, Mapping[str, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """An effect of one shape: where its columns stand in a block, and what one unit does."""
+    """An effect of one shape: the numbers of its columns, and the effect of one unit."""
 
     key: EffectKey
     shape: Mapping[str, float]
@@ -56,7 +56,7 @@ class Entry:
 
 
 def screen(
-    scene: Scene,
+    linearisation: Linearisation,
     data: Data,
     simulated: Sequence[Recording],
     free: Sequence[AppliedEffect],
@@ -64,10 +64,10 @@ def screen(
     left_out: Container[EffectKey] = (),
     whole: Equations | None = None,
 ) -> tuple[list[Candidate], float]:
-    """Judge all effects that could be added to the scene's model.
+    """All effects that could be added to the linearised model, with their predicted test loss.
 
     Args:
-        scene: model, motions and loops on all recordings of `data`.
+        linearisation: model, motions and loops on all recordings of `data`.
         data: recordings and weights.
         simulated: the model's runs.
         free: effects in the model whose parameters may follow.
@@ -75,91 +75,95 @@ def screen(
         whole: the equations of all effects where they are known; only without `free` and `left_out`.
 
     Returns:
-        Candidates, best first, and the judged error without any of them (parameters of `free` refitted).
+        Candidates, best first, and the test loss without any of them (parameters of `free` refitted).
     """
-    following = [c for applied in free for c in scene.derivatives(applied)]
-    kept, known = list(range(len(following))), respond([scene], [following], data)[0]
+    following = [c for applied in free for c in linearisation.derivatives(applied)]
+    kept, known = list(range(len(following))), propagate_sensitivities([linearisation], [following], data)[0]
     best: dict[EffectKey, Candidate] = {}
     without: float | None = None
-    size = int(np.clip(_HELD // sum(m.position.size for m in scene.motions), 1, _BLOCK))
+    size = int(np.clip(_HELD // sum(m.position.size for m in linearisation.motions), 1, _BLOCK))
     taken = {applied.key for applied in free}
-    asked = [key for key in places(scene.model) if key not in taken and key not in left_out]
+    asked = [key for key in places(linearisation.model) if key not in taken and key not in left_out]
     for entries, pieces, held_out in (
         [(whole.entries, whole.pieces, whole.held_out)]
         if whole is not None
         else (
-            (entries, *equations(scene, known, columns, data, simulated))
-            for columns, entries in _blocks(scene, len(following), asked, size)
+            (entries, *equations(linearisation, known, columns, data, simulated))
+            for columns, entries in _blocks(linearisation, len(following), asked, size)
         )
     ):
         if without is None:
             anywhere = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
             without = judge(pieces, held_out, kept, (), anywhere)[0]
         for entry in entries:
-            candidate = _candidate(scene, entry, kept, pieces, held_out)
+            candidate = _candidate(linearisation, entry, kept, pieces, held_out)
             before = best.get(entry.key)
-            if before is None or candidate.judged < before.judged:
+            if before is None or candidate.test_loss < before.test_loss:
                 best[entry.key] = candidate
-    apart = [c for c in on_the_ground(scene, data) if c.key not in taken]
-    found = [*by_channel(scene, best.values(), without or 0.0), *apart]
-    return sorted(found, key=lambda c: c.judged), without or 0.0
+    apart = [c for c in on_the_ground(linearisation, data) if c.key not in taken]
+    found = [*by_command_path(linearisation, best.values(), without or 0.0), *apart]
+    return sorted(found, key=lambda c: c.test_loss), without or 0.0
 
 
-def on_the_ground(scene: Scene, data: Data) -> list[Candidate]:
-    """Contacts with the ground, by simulating what the measured forces say of them, and where feet are.
+def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
+    """Candidates of ground contact and foot position, from measured forces, by simulation.
 
-    They are no torque along a motion. Where the forces say nothing, nothing can be simulated (`silent`).
+    They are no torque along a motion. Where forces were not recorded, these effects are in
+    `unobservable_effects`.
     """
     tried: list[tuple[EffectKey, np.ndarray, Mapping[str, float]]] = []
-    for key in places(scene.model) if data.replay.on_ground else ():
+    for key in places(linearisation.model) if data.replay.on_ground else ():
         effect = effect_named(key.effect)
         if effect.of_ground:
-            own = effect.guesses(scene.motions[: data.training], scene.model, None)
+            own = effect.guesses(linearisation.motions[: data.training], linearisation.model, None)
             tried += [(key, np.zeros(0), shape) for shape, _ in own]
         elif effect.moves_feet:
             tried += [(key, np.array([value]), {}) for value in _MOVED]
     models = []
     for key, coefficients, shape in tried:
         values = effect_named(key.effect).to_parameters(coefficients, shape)
-        models.append(scene.model.with_effect(applied_effect(scene.model, AppliedEffect(key), values)))
+        models.append(
+            linearisation.model.with_effect(applied_effect(linearisation.model, AppliedEffect(key), values))
+        )
     squares = [data.mean_squares(runs) for runs in data.run(models)] if models else []
-    part = data.held_out_judges
-    judged = [data.objective(data.pool(s, part)) if np.isfinite(s).all() else np.inf for s in squares]
+    part = data.tests_on_holdout
+    test_loss = [data.objective(data.pool(s, part)) if np.isfinite(s).all() else np.inf for s in squares]
     best: dict[EffectKey, Candidate] = {}
-    for (key, coefficients, shape), left in sorted(zip(tried, judged, strict=True), key=lambda x: -x[1]):
+    for (key, coefficients, shape), left in sorted(zip(tried, test_loss, strict=True), key=lambda x: -x[1]):
         best[key] = Candidate(key, coefficients, shape, left)
     return list(best.values())
 
 
-def silent(scene: Scene, data: Data) -> list[EffectKey]:
-    """Effects of which this kind of replay, or the forces on the ground, can tell nothing."""
+def unobservable_effects(linearisation: Linearisation, data: Data) -> list[EffectKey]:
+    """Effects that this kind of replay, or the recorded ground forces, cannot show."""
     out = []
-    for key in places(scene.model):
+    for key in places(linearisation.model):
         effect = effect_named(key.effect)
         of_ground = data.replay.on_ground and effect.of_ground
         if not data.replay.shows(key.effect) or (
-            of_ground and not effect.guesses(scene.motions[: data.training], scene.model, None)
+            of_ground
+            and not effect.guesses(linearisation.motions[: data.training], linearisation.model, None)
         ):
             out.append(key)
     return out
 
 
 def _blocks(
-    scene: Scene, first: int, asked: Iterable[EffectKey], size: int
-) -> Iterator[tuple[list[Column], list[Entry]]]:
+    linearisation: Linearisation, first: int, asked: Iterable[EffectKey], size: int
+) -> Iterator[tuple[list[SensitivityColumn], list[Entry]]]:
     """Effects in their places, in all shapes, in blocks of `size` columns that are numbered from `first`."""
-    columns: list[Column] = []
+    columns: list[SensitivityColumn] = []
     entries: list[Entry] = []
-    sizes = sizes_of(scene)
+    sizes = sizes_of(linearisation)
     for key in asked:
-        effect, place = effect_named(key.effect), Placement.of(scene.model, key)
-        replay = scene.data.replay
+        effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
+        replay = linearisation.data.replay
         if effect.splits or effect.of_ground or not replay.shows(key.effect):
-            continue  # see `what_gives_way` and `on_the_ground`
+            continue  # see `compliance_candidates` and `on_the_ground`
         if effect.moves_feet and replay.on_ground:
             continue  # how deep a foot goes is no torque along the motion
-        for shape in effect.shapes(scene.motions, scene.model, place):
-            linear, fixed = scene.columns(key, shape)
+        for shape in effect.shapes(linearisation.motions, linearisation.model, place):
+            linear, fixed = linearisation.columns(key, shape)
             own = [*linear, *([fixed] if fixed else [])]
             if columns and len(columns) + len(own) > size:
                 yield columns, entries
@@ -173,27 +177,29 @@ def _blocks(
 
 
 def _candidate(
-    scene: Scene, entry: Entry, kept: list[int], pieces: list[Normal], held_out: Normal | None
+    linearisation: Linearisation, entry: Entry, kept: list[int], pieces: list[Normal], held_out: Normal | None
 ) -> Candidate:
-    lower, upper = limits_of(scene, entry)
+    lower, upper = limits_of(linearisation, entry)
     open_low, open_high = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
     bounds = np.concatenate([open_low, lower]), np.concatenate([open_high, upper])
     fixed = () if entry.fixed is None else (entry.fixed,)
-    judged, solution = judge(pieces, held_out, [*kept, *entry.linear], fixed, bounds)
-    return Candidate(entry.key, solution[len(kept) :], entry.shape, judged)
+    test_loss, solution = judge(pieces, held_out, [*kept, *entry.linear], fixed, bounds)
+    return Candidate(entry.key, solution[len(kept) :], entry.shape, test_loss)
 
 
-def limits_of(scene: Scene, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
+def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
     """Physical bounds of an entry's coefficients."""
-    bounds = effect_named(entry.key.effect).bounds(scene.model, Placement.of(scene.model, entry.key))
+    bounds = effect_named(entry.key.effect).bounds(
+        linearisation.model, Placement.of(linearisation.model, entry.key)
+    )
     return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]
 
 
-def entries_of(scene: Scene) -> tuple[list[Column], list[Entry]]:
+def entries_of(linearisation: Linearisation) -> tuple[list[SensitivityColumn], list[Entry]]:
     """All effects in all places and shapes, with their columns."""
-    columns: list[Column] = []
+    columns: list[SensitivityColumn] = []
     entries: list[Entry] = []
-    for more, found in _blocks(scene, 0, places(scene.model), 10**9):
+    for more, found in _blocks(linearisation, 0, places(linearisation.model), 10**9):
         columns, entries = more, found
     return columns, entries
 
@@ -208,9 +214,9 @@ class Equations:
 
 
 def equations(
-    scene: Scene,
+    linearisation: Linearisation,
     known: list[np.ndarray],
-    columns: list[Column],
+    columns: list[SensitivityColumn],
     data: Data,
     simulated: Sequence[Recording],
 ) -> tuple[list[Normal], Normal | None]:
@@ -218,12 +224,17 @@ def equations(
 
     `known`: responses of the unknowns that stand before `columns`, per recording.
     """
-    return equations_of(responses(scene, known, columns, data), data, simulated)
+    return equations_of(responses(linearisation, known, columns, data), data, simulated)
 
 
-def responses(scene: Scene, known: list[np.ndarray], columns: list[Column], data: Data) -> list[np.ndarray]:
+def responses(
+    linearisation: Linearisation, known: list[np.ndarray], columns: list[SensitivityColumn], data: Data
+) -> list[np.ndarray]:
     """Weighted changes of the signals by each unknown, (N, 2, n, C) per recording."""
-    parts = [respond([scene], [columns[k : k + _BLOCK]], data)[0] for k in range(0, len(columns), _BLOCK)]
+    parts = [
+        propagate_sensitivities([linearisation], [columns[k : k + _BLOCK]], data)[0]
+        for k in range(0, len(columns), _BLOCK)
+    ]
     each = zip(*([known] if known else []), *parts, strict=True)
     return [own[0] if len(own) == 1 else np.concatenate(own, axis=-1) for own in each]
 
@@ -235,7 +246,7 @@ def equations_of(
     residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
     pieces = [normal(changes[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
     held_out: Normal | None = None
-    for i in range(data.training, len(simulated) if data.held_out_judges else data.training):
+    for i in range(data.training, len(simulated) if data.tests_on_holdout else data.training):
         own = normal(changes[i], residuals[i])
         held_out = own if held_out is None else held_out + own
     return pieces, held_out
@@ -283,16 +294,18 @@ def _size(parts: Sequence[np.ndarray | None]) -> float:
     return float(np.sqrt(np.mean(there))) if there else 0.0
 
 
-def sizes_of(scene: Scene) -> tuple[float, float, float]:
+def sizes_of(linearisation: Linearisation) -> tuple[float, float, float]:
     """Of the motors' torque, of the motion and of its rate."""
-    motor = _size([m.torque for m in scene.motions])
-    if all(map(is_free, scene.data.recordings)):  # then what accelerates the mechanism stands for the motor's
-        motor = _size([np.einsum("kij,kj->ki", m.inertia(), m.acceleration) for m in scene.motions])
-    moved = _size([m.position - m.position.mean(axis=0) for m in scene.motions])
-    return motor, moved, _size([m.velocity for m in scene.motions])
+    motor = _size([m.torque for m in linearisation.motions])
+    if all(
+        map(is_free, linearisation.data.recordings)
+    ):  # then what accelerates the mechanism stands for the motor's
+        motor = _size([np.einsum("kij,kj->ki", m.inertia(), m.acceleration) for m in linearisation.motions])
+    moved = _size([m.position - m.position.mean(axis=0) for m in linearisation.motions])
+    return motor, moved, _size([m.velocity for m in linearisation.motions])
 
 
-def strength_of(columns: list[Column], sizes: tuple[float, float, float]) -> float:
+def strength_of(columns: list[SensitivityColumn], sizes: tuple[float, float, float]) -> float:
     """What one unit of the largest column does: torque over the motor's, or a reading over the motion's."""
     motor, moved, rate = (max(x, 1e-300) for x in sizes)
     shares = [

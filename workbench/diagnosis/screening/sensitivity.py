@@ -1,4 +1,4 @@
-"""What each unknown would change: torques, commands and readings along the motions that were made."""
+"""Sensitivity columns: what each unknown changes in torques, commands and readings along the motions."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ Part = tuple[np.ndarray | None, ...]
 
 
 @dataclass(frozen=True)
-class Column:
-    """One unknown along every recording, in actuator coordinates; None where it changes nothing.
+class SensitivityColumn:
+    """The column of one unknown in every recording, in actuator coordinates; None where it changes nothing.
 
     `torque` on the mechanism (N, n), `tap` and `command` (N, n), `reading` (2, N, n), as in `Disturbance`.
     """
@@ -38,36 +38,35 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Trial:
-    """One unknown whose derivative is that of simulations: a model with a little more of it, and how much."""
+class FiniteDifference:
+    """One unknown with a derivative by simulation: a model with a little more of it, and how much more."""
 
     model: Model
     change: float
 
 
 @dataclass(frozen=True)
-class Scene:
-    """A model on the first recordings of some data, with its runs of them.
+class Linearisation:
+    """A model linearised about its runs of the first recordings.
 
-    What the motions were and how the loops answer is worked out when it is asked for: simulations that are
-    held against each other need neither.
+    Motions and loops are computed when first used: finite differences of simulations need neither.
 
     Attributes:
         model: what ran.
         data: recordings and how they are replayed; weights are not looked at.
         runs: of the model, one for each of the first recordings.
-        gives_way: what `giving` found here, by what it was asked.
+        compliances: results of `compliance.compliance_candidates` here, by arguments.
     """
 
     model: Model
     data: Data
     runs: tuple[Recording, ...]
-    gives_way: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
+    compliances: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @staticmethod
-    def of(model: Model, data: Data, simulated: Sequence[Recording], count: int) -> Scene:
+    def of(model: Model, data: Data, simulated: Sequence[Recording], count: int) -> Linearisation:
         """The first `count` recordings of `data` with a model's runs of them."""
-        return Scene(model, data, tuple(simulated[:count]))
+        return Linearisation(model, data, tuple(simulated[:count]))
 
     @cached_property
     def _plant(self) -> Plant:
@@ -75,7 +74,7 @@ class Scene:
 
     @cached_property
     def motions(self) -> tuple[Motion, ...]:
-        """The motions that were made, one a recording."""
+        """The simulated (or measured) motion of each recording."""
 
         def one(index: int, run: Recording) -> Motion:
             return self.data.replay.motion(self._plant, index, run)
@@ -84,7 +83,7 @@ class Scene:
 
     @cached_property
     def loops(self) -> tuple[Any, ...]:
-        """How small changes travel along them."""
+        """The linearised loop of each recording."""
 
         def one(index: int, motion: Motion) -> Any:
             return self.data.replay.loop(self._plant, index, motion)
@@ -93,17 +92,17 @@ class Scene:
 
     @property
     def bends(self) -> bool:
-        """Whether links and motors are apart, so that a torque on the links is not one on the motors."""
+        """Whether the model has compliances, so that a torque on the links is not one on the motors."""
         return any(effect_named(e.key.effect).splits for e in self.model.effects)
 
     @cached_property
     def sticks(self) -> bool:
-        """Whether dry friction holds a coordinate for long: small torques do not move it then.
+        """Whether dry friction holds a coordinate at rest for long.
 
-        A loop linearised about such a motion does not know that, and points elsewhere.
+        Small torques do not move it then, and a loop linearised about such a motion is wrong.
         """
-        stated = (*own_friction(self.model), *self.model.effects)
-        dry = [e.key for e in stated if effect_named(e.key.effect).dry]
+        known = (*own_friction(self.model), *self.model.effects)
+        dry = [e.key for e in known if effect_named(e.key.effect).dry]
         for place in filter(None, (Placement.of(self.model, key) for key in dry)):
             moved = [np.abs(np.diff(m.along(place)[0])) / m.step for m in self.motions]
             if np.mean(np.concatenate(moved) < self.model.sliding_speed) > POLICY.sticking_rows:
@@ -112,15 +111,15 @@ class Scene:
 
     def columns(
         self, key: EffectKey, shape: Mapping[str, float], motions: Sequence[Motion] | None = None
-    ) -> tuple[list[Column], Column | None]:
+    ) -> tuple[list[SensitivityColumn], SensitivityColumn | None]:
         """All linear columns of an effect and its fixed part, evaluating it once a recording.
 
-        `motions` stand in for the scene's own.
+        `motions`: in place of those of the model.
         """
         place, motions = Placement.of(self.model, key), self.motions if motions is None else motions
         responses = [effect_named(key.effect).response(m, self.model, place, shape) for m in motions]
         linear = [
-            Column(
+            SensitivityColumn(
                 tuple(r.columns[i] for r in responses),
                 tuple(None for _ in responses),
                 tuple(None if r.commands is None else r.commands[i] for r in responses),
@@ -131,7 +130,7 @@ class Scene:
         if responses[0].offset is None and responses[0].reading is None:
             return linear, None
         none = [np.zeros_like(m.position) for m in motions]
-        fixed = Column(
+        fixed = SensitivityColumn(
             tuple(zero if r.offset is None else r.offset for zero, r in zip(none, responses, strict=True)),
             tuple(r.tap for r in responses),
             tuple(None for _ in responses),
@@ -141,26 +140,26 @@ class Scene:
 
     def total(
         self, applied: AppliedEffect, values: Mapping[str, float], motions: Sequence[Motion] | None = None
-    ) -> Column:
-        """What an effect with given parameter values does."""
+    ) -> SensitivityColumn:
+        """The column of an effect with given parameter values."""
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.to_coefficients(values)
         linear, fixed = self.columns(applied.key, shape, motions)
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
-    def derivatives(self, applied: AppliedEffect) -> list[Column | Trial]:
-        """Derivative of what an installed effect does by each coefficient, then each nonlinear parameter.
+    def derivatives(self, applied: AppliedEffect) -> list[SensitivityColumn | FiniteDifference]:
+        """Derivatives of an effect of the model by each coefficient, then each nonlinear parameter.
 
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """
         effect = effect_named(applied.key.effect)
-        behind = effect.on_links or applied.key.location == "joint"
-        if effect.by_runs or (behind and self.bends) or self.sticks or self.data.replay.on_ground:
+        behind_springs = effect.on_links or applied.key.location == "joint"
+        if effect.by_runs or (behind_springs and self.bends) or self.sticks or self.data.replay.on_ground:
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)
         motions = [effect.before(m, place, applied.values) for m in self.motions]
         coefficients, shape = effect.to_coefficients(applied.values)
-        out: list[Column | Trial] = [*self.columns(applied.key, shape, motions)[0]]
+        out: list[SensitivityColumn | FiniteDifference] = [*self.columns(applied.key, shape, motions)[0]]
         limits = effect.shape_bounds(self.model, place)
         for name in effect.nonlinear:
             step = max(0.05 * abs(shape[name]), 1e-12)
@@ -176,8 +175,8 @@ class Scene:
             out.append(replace(slope, tap=tuple(None for _ in slope.tap)))
         return out
 
-    def _trials(self, applied: AppliedEffect) -> list[Trial]:
-        """One model for each unknown of an effect, moved by `_PROBE_STEP` of it to where there is room."""
+    def _trials(self, applied: AppliedEffect) -> list[FiniteDifference]:
+        """Finite differences of each unknown of an effect, by `_PROBE_STEP` of it, within its bounds."""
         effect, place = effect_named(applied.key.effect), Placement.of(self.model, applied.key)
         coefficients, shape = effect.to_coefficients(applied.values)
         lower, upper = effect.bounds(self.model, place)
@@ -196,7 +195,7 @@ class Scene:
             own = dict(zip(names, map(float, moved[count:]), strict=True))
             changed = applied_effect(self.model, applied, effect.to_parameters(moved[:count], own))
             effects = tuple(changed if e is applied else e for e in self.model.effects)
-            out.append(Trial(replace(self.model, effects=effects), change))
+            out.append(FiniteDifference(replace(self.model, effects=effects), change))
         return out
 
 
@@ -210,7 +209,7 @@ def _alike(effect: Effect, values: np.ndarray) -> np.ndarray:
     return sizes
 
 
-def combine(columns: Sequence[Column], factors: Sequence[float]) -> Column:
+def combine(columns: Sequence[SensitivityColumn], factors: Sequence[float]) -> SensitivityColumn:
     """Linear combination of columns."""
 
     def mixed(parts: Sequence[Part]) -> Part:
@@ -221,7 +220,7 @@ def combine(columns: Sequence[Column], factors: Sequence[float]) -> Column:
         return tuple(out)
 
     torque = mixed([c.torque for c in columns])
-    return Column(
+    return SensitivityColumn(
         tuple(t for t in torque if t is not None),
         mixed([c.tap for c in columns]),
         mixed([c.command for c in columns]),

@@ -28,47 +28,47 @@ class Selection:
         out, first = [], 0
         for entry in self.chosen:
             own = self.solution.coefficients[first : first + len(entry.linear)]
-            out.append(Candidate(entry.key, own, entry.shape, float(self.solution.judged.sum())))
+            out.append(Candidate(entry.key, own, entry.shape, float(self.solution.test_loss.sum())))
             first += len(entry.linear)
         return out
 
 
-def selected(problem: Regression) -> Selection:
-    """Effects added as long as one removes enough of what an axis lacks, without those that became needless.
+def selected(regression: Regression) -> Selection:
+    """The selection by adding effects while one removes enough on an axis, and removing needless ones.
 
     Inertia, damping and Coulomb friction at one place also come in twos and threes: alone, friction takes up
     the damping that is missing beside it. Of what explains nearly as much as the best, the fewest parameters
     come first.
     """
-    now, met = Selection((), problem.solved(())), set[frozenset[Entry]]()
-    while frozenset(now.chosen) not in met:
-        met.add(frozenset(now.chosen))
-        grown = _grown(now, problem)
-        now = _without_needless(grown, problem)
+    now, visited = Selection((), regression.solved(())), set[frozenset[Entry]]()
+    while frozenset(now.chosen) not in visited:
+        visited.add(frozenset(now.chosen))
+        grown = _grown(now, regression)
+        now = _without_needless(grown, regression)
         if len(now.chosen) == len(grown.chosen):
             break
     return now
 
 
-def _grown(now: Selection, problem: Regression) -> Selection:
+def _grown(now: Selection, regression: Regression) -> Selection:
     """With all that helps, one after the other."""
-    proposals = [*((e,) for e in problem.entries), *_sets_of_basics(problem.entries)]
-    acts = {p: frozenset().union(*map(problem.axes_of, p)) for p in proposals}
+    proposals = [*((e,) for e in regression.entries), *_sets_of_basics(regression.entries)]
+    acts = {p: frozenset().union(*map(regression.axes_of, p)) for p in proposals}
     gains: dict[Chosen, np.ndarray] = {}
     while True:
         for new in proposals:
             if new not in gains and fits_in(new, now.chosen):
-                gains[new] = _gain(problem.solved(_with(now.chosen, new)), now.solution, problem)
+                gains[new] = _gain(regression.solved(_with(now.chosen, new)), now.solution, regression)
         helpful = {p: g for p, g in gains.items() if (g > _least(p)).any() and g.sum() > 0.0}
         new = _next(helpful)
-        while new and _only_refines(new, now, problem):
+        while new and _only_refines(new, now, regression):
             proposals.remove(new)  # whatever comes on other axes
             del helpful[new], gains[new]
             new = _next(helpful)
         if new is None:
             return now
         chosen = _with(now.chosen, new)
-        now = Selection(chosen, problem.solved(chosen))
+        now = Selection(chosen, regression.solved(chosen))
         # what acts on none of its axes gains as before
         gains = {p: g for p, g in gains.items() if not acts[p] & acts[new] and fits_in(p, chosen)}
 
@@ -89,22 +89,22 @@ def _next(helpful: Mapping[Chosen, np.ndarray]) -> Chosen | None:
     return min(near, key=lambda p: (_cost(p), -helpful[p][axis]))
 
 
-def _only_refines(new: Chosen, now: Selection, problem: Regression) -> bool:
+def _only_refines(new: Chosen, now: Selection, regression: Regression) -> bool:
     """Whether special cases of an effect, which are there, explain nearly all that it does.
 
     Where it leads to the noise it is more than they are. Friction that sets in softly is still Coulomb
     friction as long as the rest has other causes.
     """
     parts = [e for e in now.chosen if any(contains(n.key, e.key) for n in new)]
-    own = [k for k in problem.own if any(contains(n.key, k) for n in new)]
+    own = [k for k in regression.own if any(contains(n.key, k) for n in new)]
     if not parts and not own:
         return False
     chosen = _with(now.chosen, new)
-    bare = problem.solved(tuple(e for e in now.chosen if e not in parts), without=own)
-    found = problem.solved(chosen)
-    whole, special = (_gain(s, bare, problem) for s in (found, now.solution))
+    bare = regression.solved(tuple(e for e in now.chosen if e not in parts), without=own)
+    found = regression.solved(chosen)
+    whole, special = (_gain(s, bare, regression) for s in (found, now.solution))
     axis = int(whole.argmax())
-    at_noise = found.judged[axis] < POLICY.at_noise * problem.judging_floor[axis]
+    at_noise = found.test_loss[axis] < POLICY.at_noise * regression.test_floor[axis]
     return bool(special[axis] > POLICY.basic_share * whole[axis] and not at_noise)
 
 
@@ -138,14 +138,14 @@ def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
     return [s for own in places for size in (2, 3) for s in combinations(own, size)]
 
 
-def _gain(found: Solution, before: Solution, problem: Regression) -> np.ndarray:
-    """Share of what each axis lacks beyond the noise that is gone, fitted or judged, the smaller, (n,).
+def _gain(found: Solution, before: Solution, regression: Regression) -> np.ndarray:
+    """Share of the excess of each axis that is removed, the smaller of training and test, (n,).
 
     Axes where noise is all there is gain nothing.
     """
     pairs = (
-        (before.validated, found.validated, problem.floor),
-        (before.judged, found.judged, problem.judging_floor),
+        (before.validated, found.validated, regression.floor),
+        (before.test_loss, found.test_loss, regression.test_floor),
     )
     # an axis that does not count has no floor
     least = 1e-300
@@ -153,8 +153,8 @@ def _gain(found: Solution, before: Solution, problem: Regression) -> np.ndarray:
         (old - new) / np.maximum(old - floor, np.maximum(1e-3 * floor, least)) for old, new, floor in pairs
     ]
     gain = np.min(gains, axis=0)
-    reached = [old < POLICY.at_noise * floor for old, _, floor in pairs]
-    return np.where(np.all(reached, axis=0), np.minimum(gain, 0.0), gain)
+    at_noise_floor = [old < POLICY.at_noise * floor for old, _, floor in pairs]
+    return np.where(np.all(at_noise_floor, axis=0), np.minimum(gain, 0.0), gain)
 
 
 def _least(new: Chosen) -> float:
@@ -168,17 +168,17 @@ def _cost(new: Chosen) -> tuple[int, int]:
     return sum(len(e.parameters) for e in effects), sum(e.tier for e in effects)
 
 
-def _without_needless(now: Selection, problem: Regression) -> Selection:
+def _without_needless(now: Selection, regression: Regression) -> Selection:
     """Without effects that the others together have made needless, the most needless first."""
     while now.chosen:
         rest = [tuple(e for e in now.chosen if e is not out) for out in now.chosen]
-        fewer = [Selection(r, problem.solved(r)) for r in rest]
+        with_fewer_parameters = [Selection(r, regression.solved(r)) for r in rest]
         lost = [
-            float((_gain(now.solution, f.solution, problem) / _least((out,))).max())
-            for out, f in zip(now.chosen, fewer, strict=True)
+            float((_gain(now.solution, f.solution, regression) / _least((out,))).max())
+            for out, f in zip(now.chosen, with_fewer_parameters, strict=True)
         ]
         k = int(np.argmin(lost))
         if lost[k] > 1.0:
             break
-        now = fewer[k]
+        now = with_fewer_parameters[k]
     return now

@@ -1,4 +1,4 @@
-"""What dry friction is, read along the measured motion, where it holds the machine for long.
+"""Dry friction screened along the measured motion, where it holds the machine at rest for long.
 
 While friction holds, a torque changes nothing, and a loop that is linearised says the opposite. Along the
 motion that was measured it is seen plainly: rows that stand still do not count, the others tell the torque.
@@ -17,13 +17,13 @@ from workbench.effects import effect_named, places
 
 from ..data import Data, gather
 from ..hypothesis import Fit
-from ..loss import floor_of_judging, rejudged
+from ..loss import rescored, test_noise_floor
 from ..policy import POLICY
 from .screen import Candidate, Equations, screen
-from .sensitivity import Scene
+from .sensitivity import Linearisation
 
 
-def stands_long(recordings: Sequence[Recording]) -> bool:
+def has_long_standstill(recordings: Sequence[Recording]) -> bool:
     """Whether an axis stands still for a good part of recordings, whatever holds it."""
     change = np.concatenate([np.abs(np.diff(r.position, axis=0)) for r in recordings])
     still = change < POLICY.still_step * np.sqrt(np.mean(change**2, axis=0))
@@ -31,16 +31,16 @@ def stands_long(recordings: Sequence[Recording]) -> bool:
 
 
 def candidates(
-    scene: Scene, current: Fit, data: Data, seed: int, whole: Equations | None = None
+    linearisation: Linearisation, current: Fit, data: Data, seed: int, whole: Equations | None = None
 ) -> tuple[Candidate, ...]:
-    """Every effect screened in the loop, dry friction along the measured motion where that says more.
+    """Every effect screened in the loop; dry friction along the measured motion, where that explains more.
 
-    The loop is asked alone where machines do not stand for long, where torque was not recorded, and where it
+    Screening in the loop is enough where machines are seldom at rest, torque was not recorded, or some effect
     explains the data anyway.
 
     Args:
-        scene: the loops linearised.
-        current: the model that lacks something.
+        linearisation: the loops linearised.
+        current: the fit so far.
         data: its recordings.
         seed: of the noise simulations.
         whole: the equations of all effects, where they are known.
@@ -48,30 +48,30 @@ def candidates(
     Returns:
         Best first.
     """
-    in_loop = screen(scene, data, current.simulated, current.hypothesis.free, whole=whole)[0]
+    in_loop = screen(linearisation, data, current.simulated, current.hypothesis.free, whole=whole)[0]
     known = all({"torque_measured", "torque_command"} & set(r.signals) for r in data.recordings)
-    floor = floor_of_judging(data)
-    left = min((c.judged - floor for c in in_loop), default=0.0)
-    explained = left < POLICY.still_explained * (current.judged - floor)
-    if explained or data.replay.on_ground or not known or not stands_long(data.recordings):
+    floor = test_noise_floor(data)
+    left = min((c.test_loss - floor for c in in_loop), default=0.0)
+    explained = left < POLICY.still_explained * (current.test_loss - floor)
+    if explained or data.replay.on_ground or not known or not has_long_standstill(data.recordings):
         return tuple(in_loop)
     model, runs = current.hypothesis.model, followed(data.recordings)
     along, simulated = gather(model, runs[: data.training], runs[data.training :], seed)
-    along = along.heard(along.mean_squares(simulated.clean))
-    before = rejudged(
+    along = along.with_holdout_checked(along.mean_squares(simulated.clean))
+    before = rescored(
         replace(current, simulated=simulated.clean, mean_squares=along.mean_squares(simulated.clean)), along
     )
-    moving = Scene.of(model, along, before.simulated, len(runs))
-    floor_along = floor_of_judging(along)
-    scale = (current.judged - floor) / max(before.judged - floor_along, 1e-12)
+    moving = Linearisation.of(model, along, before.simulated, len(runs))
+    floor_along = test_noise_floor(along)
+    scale = (current.test_loss - floor) / max(before.test_loss - floor_along, 1e-12)
 
     def better(own: Candidate, other: Candidate) -> Candidate:
-        """The one that leaves less of what is lacking: noise along the motion is not that of the loop."""
-        judged = floor + scale * max(other.judged - floor_along, 0.0)
-        return replace(other, judged=judged) if judged < own.judged else own
+        """The candidate with the smaller excess; noise along the motion differs from that in the loop."""
+        test_loss = floor + scale * max(other.test_loss - floor_along, 0.0)
+        return replace(other, test_loss=test_loss) if test_loss < own.test_loss else own
 
     others = {key for key in places(model) if not effect_named(key.effect).dry}
     found, _ = screen(moving, along, before.simulated, current.hypothesis.free, left_out=others)
     seen = {c.key: c for c in found if c.key not in others}
     best = (better(c, seen[c.key]) if c.key in seen else c for c in in_loop)
-    return tuple(sorted(best, key=lambda c: c.judged))
+    return tuple(sorted(best, key=lambda c: c.test_loss))

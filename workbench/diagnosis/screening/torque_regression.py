@@ -1,4 +1,4 @@
-"""The torque that a model lacks along measured motions, as linear in all effects on all axes at once.
+"""Inverse-dynamics regression: the residual torque along measured motions, linear in all effects at once.
 
 Along a motion that was measured, the torque that a machine needs is linear in nearly all parameters of nearly
 all effects (the identification model of Gautier and Khalil, IEEE Trans. Robotics and Automation 6(3), 1990):
@@ -21,9 +21,9 @@ from ..data import Data
 from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
 from ..hypothesis import Fit
-from .propagation import respond
+from .propagation import propagate_sensitivities
 from .screen import Entry, limits_of, sizes_of, strength_of
-from .sensitivity import Column, Scene
+from .sensitivity import Linearisation, SensitivityColumn
 
 _BLOCK = 64  # columns that are filtered together
 _PER_CYCLE = 4  # rows kept per cycle of the filter's corner frequency: behind it nothing is faster
@@ -41,12 +41,12 @@ class Solution:
     Attributes:
         coefficients: of the set, (C,).
         validated: mean square left on blocks that were left out of the fit, per axis (n,).
-        judged: the same on held-out recordings; `validated` where these do not judge.
+        test_loss: the same on held-out recordings; `validated` where these do not judge.
     """
 
     coefficients: np.ndarray
     validated: np.ndarray
-    judged: np.ndarray
+    test_loss: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -54,22 +54,22 @@ class Regression:
     """Weighted residual torque and columns along the motions, as normal equations of folds and axes.
 
     Attributes:
-        scene: the model and its motions.
+        linearisation: the model and its motions.
         entries: effects in their places and shapes, each with the numbers of its columns.
         own: effects that the model states, each with the number of the column of what it does.
         folds: per fold and axis.
         held_out: per axis; None where held-out recordings do not judge.
-        floor, judging_floor: mean squares that noise leaves, per axis (n,).
+        floor, test_floor: mean squares that noise leaves, per axis (n,).
         limits: physical bounds of each entry's coefficients.
     """
 
-    scene: Scene
+    linearisation: Linearisation
     entries: tuple[Entry, ...]
     own: Mapping[EffectKey, int]
     folds: tuple[tuple[Normal, ...], ...]
     held_out: tuple[Normal, ...] | None
     floor: np.ndarray
-    judging_floor: np.ndarray
+    test_floor: np.ndarray
     limits: Mapping[Entry, tuple[np.ndarray, np.ndarray]]
     _parts: dict[Chosen, Solution] = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -99,7 +99,7 @@ class Regression:
         return np.array([axis.after(coefficients) / axis.samples for axis in axes])
 
     def solved(self, chosen: Sequence[Entry], without: Sequence[EffectKey] = ()) -> Solution:
-        """The fit of a set of effects, within their physical bounds, judged on what it was not fitted to.
+        """The fit of a set of effects, within their physical bounds, with its loss on other data.
 
         `without`: effects that the model states and that are taken out of it. Effects that share no axis, not
         through others either, are solved apart.
@@ -107,14 +107,14 @@ class Regression:
         if without:
             return self._solved(tuple(chosen), range(len(self.floor)), without)
         bare = self._part((), range(len(self.floor)))
-        left, judged = bare.validated.copy(), bare.judged.copy()
+        left, test_loss = bare.validated.copy(), bare.test_loss.copy()
         found = {e: np.zeros(len(e.linear)) for e in chosen}  # what acts on no axis stays nothing
         for axes, own in self._apart([e for e in chosen if self.axes_of(e)]):
             part = self._part(own, axes)
-            left[axes], judged[axes] = part.validated, part.judged
+            left[axes], test_loss[axes] = part.validated, part.test_loss
             ends = np.cumsum([len(e.linear) for e in own])[:-1]
             found |= dict(zip(own, np.split(part.coefficients, ends), strict=True))
-        return Solution(np.concatenate([np.zeros(0), *(found[e] for e in chosen)]), left, judged)
+        return Solution(np.concatenate([np.zeros(0), *(found[e] for e in chosen)]), left, test_loss)
 
     def _apart(self, chosen: Sequence[Entry]) -> list[tuple[list[int], Chosen]]:
         """Groups of effects that act on no axis in common, with their axes."""
@@ -134,7 +134,7 @@ class Regression:
         return self._parts[chosen]
 
     def _solved(self, chosen: Chosen, axes: Sequence[int], without: Sequence[EffectKey]) -> Solution:
-        """The fit on some axes, all that the effects act on; `validated` and `judged` of these."""
+        """The fit on some axes, all that the effects act on; `validated` and `test_loss` of these."""
         index = [k for e in chosen for k in e.linear]
         low, high = self._limits(chosen)
         out = [self.own[key] for key in without]
@@ -153,8 +153,8 @@ class Regression:
         left *= len(axes) / whole.samples
         if self.held_out is None:
             return Solution(coefficients, left, left)
-        judged = [axis.after(coefficients) / axis.samples for axis in of(self.held_out)]
-        return Solution(coefficients, left, np.array(judged))
+        test_loss = [axis.after(coefficients) / axis.samples for axis in of(self.held_out)]
+        return Solution(coefficients, left, np.array(test_loss))
 
 
 def _taken_out(piece: Normal, columns: Sequence[int]) -> Normal:
@@ -173,18 +173,18 @@ def regression_of(start: Fit, data: Data) -> Regression:
         data: recordings that are replayed along their measured motion, and weights.
     """
     model = start.hypothesis.model
-    scene = Scene.of(model, data, start.simulated, len(data.recordings))
-    columns: list[Column] = []
-    entries, motions, sizes = [], needing(scene), sizes_of(scene)
+    linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
+    columns: list[SensitivityColumn] = []
+    entries, motions, sizes = [], needing(linearisation), sizes_of(linearisation)
     for key in places(model):
         effect, place = effect_named(key.effect), Placement.of(model, key)
         acts = effect.door in _DOORS and not effect.splits and not effect.of_ground
         if not acts or effect.free(model) == 0 or not data.replay.shows(key.effect):
             continue
-        if effect.door is Door.MOTOR and _is_a_gain(key, scene):
+        if effect.door is Door.MOTOR and _is_a_gain(key, linearisation):
             continue
-        for shape in effect.shapes(scene.motions, model, place):
-            linear, fixed = scene.columns(key, shape, motions)
+        for shape in effect.shapes(linearisation.motions, model, place):
+            linear, fixed = linearisation.columns(key, shape, motions)
             if fixed is None and linear:
                 numbers = list(range(len(columns), len(columns) + len(linear)))
                 entries.append(Entry(key, shape, numbers, None, strength_of(linear, sizes)))
@@ -194,62 +194,65 @@ def regression_of(start: Fit, data: Data) -> Regression:
         effect = effect_named(applied.key.effect)
         if effect.door in _DOORS and not effect.splits and not effect.by_runs and effect.parameters:
             own[applied.key] = len(columns)
-            columns.append(scene.total(applied, applied.values))
-    rows = [kept_rows(scene, i) for i in range(len(scene.runs))]
-    parts = [respond([scene], [columns[k : k + _BLOCK]], data)[0] for k in range(0, len(columns), _BLOCK)]
+            columns.append(linearisation.total(applied, applied.values))
+    rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
+    parts = [
+        propagate_sensitivities([linearisation], [columns[k : k + _BLOCK]], data)[0]
+        for k in range(0, len(columns), _BLOCK)
+    ]
     pieces = [
         np.concatenate([part[i][own, 1] for part in parts], axis=-1) if parts else np.zeros((len(own), 0))
         for i, own in enumerate(rows)
     ]
     residuals = [
         (data.residual(i, run) * data.weight)[own, 1]
-        for i, (own, run) in enumerate(zip(rows, scene.runs, strict=True))
+        for i, (own, run) in enumerate(zip(rows, linearisation.runs, strict=True))
     ]
     folds = []
     for fold in data.folds:
-        i, whole = fold.recording, np.zeros(len(scene.runs[fold.recording]), bool)
+        i, whole = fold.recording, np.zeros(len(linearisation.runs[fold.recording]), bool)
         whole[fold.rows] = True
         folds.append(_by_axis(pieces[i][whole[rows[i]]], residuals[i][whole[rows[i]]]))
-    judging = range(data.training, len(rows)) if data.held_out_judges else ()
+    judging = range(data.training, len(rows)) if data.tests_on_holdout else ()
     held = [_by_axis(pieces[i], residuals[i]) for i in judging]
     return Regression(
-        scene,
+        linearisation,
         tuple(entries),
         own,
         tuple(folds),
         tuple(total(own) for own in zip(*held, strict=True)) if held else None,
         data.least()[1] * data.weight[1] ** 2,
-        data.least(data.held_out_judges)[1] * data.weight[1] ** 2,
-        {entry: limits_of(scene, entry) for entry in entries},
+        data.least(data.tests_on_holdout)[1] * data.weight[1] ** 2,
+        {entry: limits_of(linearisation, entry) for entry in entries},
     )
 
 
-def kept_rows(scene: Scene, index: int) -> np.ndarray:
+def kept_rows(linearisation: Linearisation, index: int) -> np.ndarray:
     """Rows of a recording that hold all that the filter lets through, (M,)."""
-    corner = scene.loops[index].reading.corner_hz
-    step = max(1, int(1.0 / (_PER_CYCLE * corner * scene.data.recordings[index].period)))
-    return np.arange(0, len(scene.data.recordings[index]), step)
+    corner = linearisation.loops[index].reading.corner_hz
+    step = max(1, int(1.0 / (_PER_CYCLE * corner * linearisation.data.recordings[index].period)))
+    return np.arange(0, len(linearisation.data.recordings[index]), step)
 
 
-def needing(scene: Scene) -> list[Motion]:
+def needing(linearisation: Linearisation) -> list[Motion]:
     """The motions with the torque that the model needs for them in place of that measured.
 
     What is made of a measured torque explains it by itself wherever the model needs little.
     """
     out = []
-    for motion, run, loop in zip(scene.motions, scene.runs, scene.loops, strict=True):
+    for motion, run, loop in zip(linearisation.motions, linearisation.runs, linearisation.loops, strict=True):
         reading = loop.reading
         lacking = reading.recording.signals[reading.name] - run.signals[reading.name]
         out.append(replace(motion, torque=motion.torque - lacking @ np.linalg.inv(reading.to_actuator)))
     return out
 
 
-def _is_a_gain(key: EffectKey, scene: Scene) -> bool:
+def _is_a_gain(key: EffectKey, linearisation: Linearisation) -> bool:
     """Whether an effect scales the torque that was measured: less of that leaves less of any residual too."""
-    effect, place = effect_named(key.effect), Placement.of(scene.model, key)
-    idle = replace(scene.motions[0], torque=np.zeros_like(scene.motions[0].torque))
-    (shape, *_) = effect.shapes(scene.motions[:1], scene.model, place)
-    return not np.any(effect.response(idle, scene.model, place, shape).columns)
+    effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
+    idle = replace(linearisation.motions[0], torque=np.zeros_like(linearisation.motions[0].torque))
+    (shape, *_) = effect.shapes(linearisation.motions[:1], linearisation.model, place)
+    return not np.any(effect.response(idle, linearisation.model, place, shape).columns)
 
 
 def _by_axis(columns: np.ndarray, residual: np.ndarray) -> tuple[Normal, ...]:
