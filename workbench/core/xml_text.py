@@ -1,7 +1,7 @@
 """XML as the text that somebody wrote: attributes and elements change, every other byte stays as it is.
 
-Nothing is written anew: comments, blanks, the order and the quotes of attributes, line ends, a byte order mark
-and the encoding are those of the file.
+Nothing is written anew: comments, blanks, the order and the quotes of attributes, line ends, a byte order
+mark and the encoding are those of the file.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from pathlib import Path
 from xml.parsers import expat
 from xml.sax.saxutils import escape
 
-from .errors import InputError
 from .xml import parse_xml
 
 _SPACE = rb"[ \t\r\n]"
