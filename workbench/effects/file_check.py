@@ -15,6 +15,7 @@ from workbench.core import InputError, WorkbenchError
 from workbench.models import Model, check_mjcf, is_urdf
 
 from .build import compile_plant
+from .stiffness import tendon_row
 
 _SAME = 1e-9  # of the largest number of its kind
 _POSTURES = 8
@@ -59,8 +60,18 @@ def _numbers(m: mujoco.MjModel) -> tuple[np.ndarray, ...]:
         mass = np.zeros((m.nv, m.nv))
         mujoco.mj_fullM(m, data, mass)
         rows.append((mass, data.qfrc_bias.copy(), data.qfrc_passive.copy()))
-    dry = np.concatenate([m.dof_frictionloss, m.tendon_frictionloss])
-    return (*(np.stack(each) for each in zip(*rows, strict=True)), dry)
+    return (*(np.stack(each) for each in zip(*rows, strict=True)), _dry(m))
+
+
+def _dry(m: mujoco.MjModel) -> np.ndarray:
+    """Dry friction of joints, that of tendons on one joint with it, and of each other tendon."""
+    joints, others = m.dof_frictionloss.copy(), m.tendon_frictionloss.copy()
+    for k in range(m.ntendon):
+        row = np.abs(tendon_row(m, m.tendon(k).name))
+        if np.count_nonzero(row) == 1:
+            joints += row * others[k]
+            others[k] = 0.0
+    return np.concatenate([joints, others])
 
 
 def _copy(serial: Path, folder: Path, file: Path, content: bytes) -> Path:

@@ -105,7 +105,9 @@ def open_text(model: Model, file: Path) -> XmlText:
     own = [model.serial] if is_urdf(model.serial) else check_mjcf(model.serial)
     if file.resolve() not in {each.resolve() for each in own}:
         raise InputError(
-            f"model '{model.name}' does not stand on this file", file=file, remedy=f"it is {model.serial}"
+            f"model '{model.name}' does not stand on this file",
+            file=file,
+            remedy=f"it stands on {model.serial}",
         )
     return XmlText(file.read_bytes(), file)
 
