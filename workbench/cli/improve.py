@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.core import InputError
+from workbench.core import WorkbenchError
 
 from .app import app
 from .common import (
@@ -77,7 +77,7 @@ def improve(
         try:
             written = Into.of(loaded, better, into, output)
             written.write(force=force)
-        except InputError as error:  # what was found in minutes is still told
+        except WorkbenchError as error:  # what was found in minutes is still told
             refused = error
     notes = [*result.notes, *data.notes, *(written.notes if written else ())]
     result = replace(result, used=data.share, notes=tuple(notes))
