@@ -186,6 +186,7 @@ def test_a_urdf_gets_what_it_has_a_place_for(tmp_path: Path) -> None:
         ("viscous_damping@lift", {"damping": -0.3}),
         ("coulomb_friction@lift", {"torque": 0.2}),
         ("coulomb_friction@bend", {"torque": 0.1}),
+        ("viscous_damping@bend", {"damping": 0.2}),
         ("reflected_inertia@bend", {"inertia": 0.02}),
         ("link_inertia_error@bend", {"inertia": 0.001}),
         ("first_moment_error@bend", {"along": 0.0, "across": 0.03}),
@@ -197,7 +198,7 @@ def test_a_urdf_gets_what_it_has_a_place_for(tmp_path: Path) -> None:
     new = [line for line in after if line not in before]
     assert '    <dynamics damping="0.5" friction="0.2"/></joint>' in new
     behind = '    <parent link="upper"/><child link="fore"/><origin xyz="0 0 -0.3"/><axis xyz="0 1 0"/>'
-    assert after[after.index(behind + '<dynamics friction="0.1"/>') + 1] == "  </joint>"
+    assert after[after.index(behind + '<dynamics friction="0.1" damping="0.2"/>') + 1] == "  </joint>"
     assert (
         '      <inertia ixx="0.02" iyy="0.021" izz="0.002" ixy="0" ixz="0.001" iyz="0"/></inertial></link>'
         in after

@@ -126,6 +126,7 @@ def _joints(
     """Totals at the joints: what the file has, and all that is more or less of it."""
     spec = load_tree(model.serial)
     m, changes = spec.compile(), list[Change]()
+    totals: dict[str, dict[str, float]] = {}
     for joint, number in dict.fromkeys((n.joint, n.number) for n in numbers):
         more = [n for n in numbers if (n.joint, n.number) == (joint, number)]
         before = _of_joint(m, joint, number)
@@ -136,15 +137,17 @@ def _joints(
                 remedy=f"it has {before:.3g}; what is too much stands in {model.source or 'the model'}",
             )  # fmt: skip
         after = max(after, 0.0)
-        values, changed = {number: after}, [Change(joint, number, before, after)]
+        values = totals.setdefault(joint, {})
+        values[number] = after
+        changes.append(Change(joint, number, before, after))
         if number == "stiffness" and after > 0.0:
             was = _of_joint(m, joint, "springref")
             rest = (before * was + sum(n.more * n.rest for n in more)) / after
             degrees = spec.compiler.degree and m.joint(joint).type[0] == mujoco.mjtJoint.mjJNT_HINGE
             values["springref"] = np.degrees(rest) if degrees else rest
-            changed.append(Change(joint, "springref", was, rest))
+            changes.append(Change(joint, "springref", was, rest))
+    for joint, values in totals.items():
         target.set_joint(joint, values)
-        changes += changed
     return changes
 
 
