@@ -26,6 +26,7 @@ from .common import (
     files_of,
     write_result,
 )
+from .into import Into, IntoOption, check_into
 
 _AS_IN_MJCF = "friction_as_in_mjcf"  # no effect, but how the friction that the model has sets in
 
@@ -48,6 +49,7 @@ def add(
     output: Annotated[
         str, typer.Option("--output", "-o", metavar="NEW", help="The new model file.  [required]")
     ] = "",
+    into: IntoOption = None,
     diagnosis: Annotated[
         str | None,
         typer.Option(
@@ -61,6 +63,8 @@ def add(
     """Write a new model file with an effect in it.
 
     Example: workbench add leg coulomb_friction@knee torque=0.25 -o leg_with_friction.toml
+
+    Into your own file: workbench add arm.xml --from found.json --into arm.xml -o arm_fixed.xml
     """
     from workbench.effects import check_effect, load_model
     from workbench.models import AppliedEffect, structural_effect, write_model
@@ -70,9 +74,14 @@ def add(
         raise InputError("no output file", remedy="say where the new model goes: -o NEW")
     if effect is None and diagnosis is None:
         raise InputError("no effect", remedy="name one, e.g. coulomb_friction@knee, or give --from DIAGNOSIS")
-    check_model_output(output, force=force)
+    if into is None:
+        check_model_output(output, force=force)
     check_outputs(json, force=force)
     loaded = load_model(model)
+    if into is not None:
+        check_into(loaded, into, output, force=force)
+    if effect == _AS_IN_MJCF and into is not None:
+        raise InputError(f"{_AS_IN_MJCF} is no number of a file", remedy="leave --into out")
     if effect == _AS_IN_MJCF:
         new = replace(soft(loaded, values, diagnosis), name=Path(output).stem)
         write_model(new, output, force=force)
@@ -104,19 +113,28 @@ def add(
         added.append(check_effect(new, applied))
         new = new.with_effect(added[-1])
     new = replace(new, name=Path(output).stem)
-    write_model(new, output, force=force)
+    written = Into.of(loaded, new, into, output) if into is not None else None
+    if written is None:
+        write_model(new, output, force=force)
+    else:
+        written.write(force=force)
     if json:
         content = {
             "format": FORMAT,
             "model": new.name,
             "from": loaded.name,
             "file": output,
+            **(written.as_dict if written else {}),
             "effects": [effect_dict(a.key, a.parameters) for a in added],
         }
         read = [*files_of(loaded), *([Path(diagnosis)] if diagnosis else [])]
         write_result(content, json, files=read, force=force)
-    if not quiet and json != "-":
-        echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
+    if quiet or json == "-":
+        return
+    if written is not None:
+        echo("\n".join([*written.lines, *(f"Note: {note}." for note in written.notes)]))
+        return
+    echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
 
 
 def soft(model: Any, values: list[str] | None, diagnosis: str | None) -> Any:

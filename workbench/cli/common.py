@@ -136,7 +136,7 @@ def named_values(texts: Sequence[str] | None, option: str, example: str) -> dict
 def check_model_output(path: str | None, *, force: bool) -> None:
     """Refuse a model file that exists, or that would not read back by its name."""
     if path and Path(path).suffix.lower() != ".toml":
-        remedy = "call it .toml; `workbench normalize` writes a plain MJCF"
+        remedy = "call it .toml; --into ROBOT writes numbers into a copy of your .xml or .urdf"
         raise InputError("a model with effects is written as TOML", file=path, remedy=remedy)
     check_outputs(path, force=force)
 
@@ -151,8 +151,9 @@ def deliver(
     files: Sequence[Path],
     seeds: Mapping[str, int],
     truth: Sequence[Mapping[str, Any]] | None = None,
+    more: Mapping[str, Any] | None = None,
 ) -> None:
-    """Print the table, write JSON and page."""
+    """Print the table, write JSON and page; `more` is of the JSON alone."""
     from workbench import report
 
     if isinstance(result, Comparison):
@@ -166,7 +167,7 @@ def deliver(
         if truth is not None and isinstance(result, Improvement):
             report.print_table(report.truth_table(result, truth))
     if json:
-        write_result(content, json, files=files, seeds=seeds, force=force)
+        write_result({**content, **(more or {})}, json, files=files, seeds=seeds, force=force)
     if html:
         report.write_page(result, html, **_made_by(files, seeds), truth=truth, force=force)
 

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from workbench.core import WorkbenchError
+
 from .app import app
 from .common import (
     ForceOption,
@@ -25,6 +27,7 @@ from .common import (
     files_of,
     open_pair,
 )
+from .into import Into, IntoOption, check_into
 from .progress import progress, staged
 
 
@@ -33,6 +36,7 @@ def improve(
     model: ModelArgument,
     recordings: RecordingsArgument,
     output: Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The improved model file.")],
+    into: IntoOption = None,
     holdout: HoldoutOption = None,
     json: JsonOption = None,
     html: HtmlOption = None,
@@ -48,21 +52,35 @@ def improve(
     """Diagnose and add until the data are explained; show the error falling, step by step.
 
     Example: workbench improve leg_kin_only *.toml --holdout validation.toml -o better.toml
+
+    Into your own file: workbench improve arm.xml run.toml --into arm.xml -o arm_fixed.xml
     """
     from workbench.diagnosis import improve as run
     from workbench.effects import load_model
     from workbench.models import write_model
 
-    check_model_output(output, force=force)
+    if into is None:
+        check_model_output(output, force=force)
     check_outputs(json, html, force=force)
     loaded = load_model(model)
+    if into is not None:
+        check_into(loaded, into, output, force=force)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
         result, better = run(
             loaded, data.training, data.held_out, seed=seed, nearest=nearest, progress=staged(tell)
         )
-    write_model(better, output, force=force)
-    result = replace(result, used=data.share, notes=(*result.notes, *data.notes))
+    written, refused = None, None
+    if into is None:
+        write_model(better, output, force=force)
+    else:
+        try:
+            written = Into.of(loaded, better, into, output)
+            written.write(force=force)
+        except WorkbenchError as error:  # what was found in minutes is still told
+            refused = error
+    notes = [*result.notes, *data.notes, *(written.notes if written else ())]
+    result = replace(result, used=data.share, notes=tuple(notes))
     deliver(
         result,
         json=json,
@@ -71,6 +89,9 @@ def improve(
         quiet=quiet,
         files=files_of(loaded, [*data.training, *data.held_out]),
         seeds={"noise": seed},
+        more=written.as_dict if written else None,
     )
+    if refused is not None:
+        raise refused
     if not quiet and json != "-":
-        echo(f"Wrote {output}.")
+        echo("\n".join(written.lines) if written else f"Wrote {output}.")

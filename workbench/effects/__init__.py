@@ -10,6 +10,7 @@ from .flexible import link_inertia, rotor_inertia
 from .friction_constraint import rigid_in_steps
 from .ground import feet_of, plate_columns, settle_contacts
 from .ground_friction import FEWEST_SLIPS, ratio_in_slip
+from .into_file import Change, InFile, into_file, open_text
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
 from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
@@ -27,12 +28,14 @@ __all__ = [
     "FEWEST_SLIPS",
     "LONGEST",
     "Build",
+    "Change",
     "Contact",
     "Door",
     "Effect",
     "FlankTerm",
     "FrictionTerm",
     "HysteresisTerm",
+    "InFile",
     "Law",
     "Line",
     "LinkMotion",
@@ -59,9 +62,11 @@ __all__ = [
     "giving_way",
     "heat",
     "held",
+    "into_file",
     "law",
     "link_inertia",
     "load_model",
+    "open_text",
     "places",
     "plate_columns",
     "ratio_in_slip",

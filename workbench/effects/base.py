@@ -11,7 +11,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement, joint_kinds
+from workbench.models import BodyNumbers, JointNumber, Model, Placement, joint_kinds
 
 from .chain import Build
 from .motion import Motion
@@ -222,6 +222,12 @@ class Effect(ABC):
         """What a model has of the one number that this corrects; None where it corrects none."""
         del model, place
         return None
+
+    def in_file(
+        self, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> JointNumber | BodyNumbers | None:
+        """Which number of the model's MJCF or URDF holds this effect; None where none does."""
+        del model, place, values
 
     def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
         """How far one step of a fit may move the values of a shape: half of themselves."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from workbench.models import Model, axis_tendon, base_spec
+from workbench.models import Inertial, Model, axis_tendon, base_spec
 
 from .law import Law
 
@@ -142,15 +142,6 @@ class TorqueChain:
     def follows_state(self) -> bool:
         """Whether torques or friction bounds are to be set step by step."""
         return bool(self.torques or self.friction or self.hysteresis or self.flanks)
-
-
-@dataclass(frozen=True)
-class Inertial:
-    """Mass [kg], centre (3,) [m] and inertia about it (3, 3) [kg m^2] of a body, in its own frame."""
-
-    mass: float
-    centre: np.ndarray
-    tensor: np.ndarray
 
 
 @dataclass

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench.models import Model, Placement, own_friction
+from workbench.models import JointNumber, Model, Placement, own_friction, turned_joint
 
 from .base import Door, Effect, Parameter, Trace
 from .chain import Build
@@ -48,6 +48,14 @@ class CoulombFriction(Effect):
         assert place is not None
         every = (*own_friction(model), *model.effects)
         return sum(e.values["torque"] for e in every if self.sits(e.key, model, place))
+
+    def in_file(
+        self, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> JointNumber | None:
+        """Friction loss of the joint."""
+        assert place is not None
+        turned = turned_joint(model, place)
+        return turned and JointNumber(turned[0], "frictionloss", values["torque"] * abs(turned[1]))
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement
+from workbench.models import BodyNumbers, Model, Placement
 
 from .base import INF, Door, Effect, Parameter, Trace
 from .chain import Build
@@ -61,6 +61,11 @@ class FirstMomentError(Effect):
         own = link.inertial.mass * np.array([link.along, link.across]) @ (centre - link.anchor)
         reach = link.inertial.mass * link.size
         return np.minimum(-reach - own, 0.0), np.maximum(reach - own, 0.0)
+
+    def in_file(self, model: Model, place: Placement | None, values: Mapping[str, float]) -> BodyNumbers:
+        """The body's centre of mass."""
+        assert place is not None
+        return BodyNumbers(model.joints[place.index])
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

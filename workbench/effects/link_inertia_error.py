@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement
+from workbench.models import BodyNumbers, Model, Placement
 
 from .base import INF, Door, Effect, Parameter
 from .chain import Build
@@ -61,6 +61,11 @@ class LinkInertiaError(Effect):
         link = link_at(model, place)
         own = float(link.axis @ link.inertial.tensor @ link.axis)
         return own + sum(e.values["inertia"] for e in model.effects if self.sits(e.key, model, place))
+
+    def in_file(self, model: Model, place: Placement | None, values: Mapping[str, float]) -> BodyNumbers:
+        """The body's inertia."""
+        assert place is not None
+        return BodyNumbers(model.joints[place.index])
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

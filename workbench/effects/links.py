@@ -10,9 +10,9 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from workbench.models import Model, Placement, load_tree
+from workbench.models import Inertial, Model, Placement, load_tree
 
-from .chain import Build, Inertial
+from .chain import Build
 from .motion import Motion
 
 _NO_WAY = 1e-9  # m: two points that coincide
@@ -152,11 +152,7 @@ def _link(
     payload_site: str | None,
 ) -> Link:
     j, body = m.joint(joint), int(m.joint(joint).bodyid[0])
-    principal = np.zeros(9)
-    mujoco.mju_quat2Mat(principal, m.body_iquat[body])
-    axes = principal.reshape(3, 3)
-    tensor = axes @ np.diag(m.body_inertia[body]) @ axes.T
-    inertial = Inertial(float(m.body_mass[body]), m.body_ipos[body].copy(), tensor)
+    inertial = Inertial.of(m, body)
     axis, anchor = np.array(j.axis, float), np.array(j.pos, float)
     rotation = data.xmat[body].reshape(3, 3)
     ways = [inertial.centre - anchor, np.eye(3)[int(np.abs(axis).argmin())]]
@@ -166,7 +162,7 @@ def _link(
     square = [way - (way @ axis) * axis for way in ways]
     along = next(way for way in square if np.linalg.norm(way) > _NO_WAY)
     along = along / np.linalg.norm(along)
-    gyration = float(np.sqrt(np.trace(tensor) / inertial.mass))
+    gyration = float(np.sqrt(np.trace(inertial.tensor) / inertial.mass))
     size = 2.0 * max(*(float(np.linalg.norm(way)) for way in square[:-1]), gyration)
     carried = _carrier(m, int(m.body_parentid[body]), {int(m.joint(name).bodyid[0]) for name in joints}) > 0
     return Link(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size, carried)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import JointNumber, Model, Placement, turned_joint
 
 from .base import INF, Door, Effect, Parameter, Trace
 from .chain import Build
@@ -59,6 +59,17 @@ class ParallelSpring(Effect):
         assert place is not None
         positions = np.concatenate([m.along(place)[0] for m in motions])
         return bool(abs(values["rest"] - positions.mean()) < _FAR * np.ptp(positions))
+
+    def in_file(
+        self, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> JointNumber | None:
+        """Stiffness of the joint, and where it rests."""
+        assert place is not None
+        turned = turned_joint(model, place)
+        if turned is None:
+            return None
+        joint, ratio = turned
+        return JointNumber(joint, "stiffness", values["stiffness"] * ratio**2, values["rest"] / ratio)
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement, rotors
+from workbench.models import JointNumber, Model, Placement, rotors, turned_joint
 
 from .base import Door, Effect, Parameter
 from .chain import Build
@@ -49,6 +49,14 @@ class ReflectedInertia(Effect):
         assert place is not None
         own = float(rotors(model)[0][place.index])
         return own + sum(e.values["inertia"] for e in model.effects if self.sits(e.key, model, place))
+
+    def in_file(
+        self, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> JointNumber | None:
+        """Armature of the joint."""
+        assert place is not None
+        turned = turned_joint(model, place)
+        return turned and JointNumber(turned[0], "armature", values["inertia"] * turned[1] ** 2)
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from workbench.models import Model, Placement, rotors
+from workbench.models import JointNumber, Model, Placement, rotors, turned_joint
 
 from .base import Door, Effect, Parameter
 from .chain import Build
@@ -46,6 +46,14 @@ class ViscousDamping(Effect):
         assert place is not None
         own = float(rotors(model)[1][place.index]) if place.location == "actuator" else 0.0
         return own + sum(e.values["damping"] for e in model.effects if self.sits(e.key, model, place))
+
+    def in_file(
+        self, model: Model, place: Placement | None, values: Mapping[str, float]
+    ) -> JointNumber | None:
+        """Damping of the joint."""
+        assert place is not None
+        turned = turned_joint(model, place)
+        return turned and JointNumber(turned[0], "damping", values["damping"] * turned[1] ** 2)
 
     def install(
         self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]

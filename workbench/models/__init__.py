@@ -3,15 +3,20 @@
 from .alike import alike_axes
 from .contacts import base_contacts, machine_bodies
 from .engine import silence, warned
+from .file_number import BodyNumbers, Inertial, JointNumber, inertial_frame
 from .floating import BASE_AXES
 from .from_table import structural_effect
+from .mjcf import check_mjcf
+from .mjcf_text import MjcfText, differ
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
 from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_friction, take_friction
 from .paths import find_model
 from .read import read_model
 from .schema import MOST
-from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors
+from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors, turned_joint
 from .spec import load_mjcf, load_tree, load_with_loops
+from .urdf import is_urdf
+from .urdf_text import UrdfText
 from .write import linkage_table, model_text, write_model
 
 silence()
@@ -23,17 +28,26 @@ __all__ = [
     "VARIANTS",
     "Actuators",
     "AppliedEffect",
+    "BodyNumbers",
     "Crank",
     "Ground",
+    "Inertial",
+    "JointNumber",
     "Linkage",
+    "MjcfText",
     "Model",
     "Placement",
+    "UrdfText",
     "alike_axes",
     "axis_tendon",
     "base_contacts",
     "base_spec",
+    "check_mjcf",
+    "differ",
     "find_model",
     "friction_leads",
+    "inertial_frame",
+    "is_urdf",
     "joint_kinds",
     "limits_left_out",
     "linkage_table",
@@ -48,6 +62,7 @@ __all__ = [
     "rotors",
     "structural_effect",
     "take_friction",
+    "turned_joint",
     "warned",
     "write_model",
 ]

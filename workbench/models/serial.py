@@ -107,6 +107,17 @@ def drives_alone(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return alone, turns.argmax(axis=1), model.transmission.sum(axis=1)
 
 
+def turned_joint(model: Model, place: Placement) -> tuple[str, float] | None:
+    """The joint whose own numbers are those of a place, and the place's coordinate over the joint's.
+
+    The joint of a pin; of a drive the one that it turns, and no other: None where there is no such joint.
+    """
+    if place.location == "joint":
+        return model.joints[place.index], 1.0
+    alone, joint, ratio = drives_alone(model)
+    return (model.joints[joint[place.index]], float(ratio[place.index])) if alone[place.index] else None
+
+
 @lru_cache(maxsize=64)
 def _at_joints(serial: Path, joints: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
     """Armature and damping (n,) of an MJCF's joints."""

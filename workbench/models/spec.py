@@ -48,11 +48,26 @@ def load_with_loops(path: Path) -> mujoco.MjSpec:
 def _parsed(path: Path) -> mujoco.MjSpec:
     check_mjcf(path)
     try:
-        return mujoco.MjSpec.from_file(str(path))
+        spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(
             f"MuJoCo cannot read this MJCF: {error}", file=path, remedy="correct what it names"
         ) from error
+    _take_inertia_from_geoms(spec)
+    return spec
+
+
+def _take_inertia_from_geoms(spec: mujoco.MjSpec) -> None:
+    """What ``inertiafromgeom="true"`` says of a file's bodies, said of these bodies alone.
+
+    Else what is put in or changed later would get an inertia of its geoms too, whatever it is given.
+    """
+    if spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE:
+        return
+    spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO
+    for body in (b for b in spec.bodies if b.geoms):
+        body.explicitinertial, body.mass, body.inertia = False, 0.0, np.zeros(3)
+        body.ipos, body.iquat, body.fullinertia = np.full(3, np.nan), [1, 0, 0, 0], np.full(6, np.nan)
 
 
 def load_tree(path: Path) -> mujoco.MjSpec:

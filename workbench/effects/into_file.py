@@ -1,0 +1,179 @@
+"""What was found, in the numbers of the user's own MJCF or URDF, of which all else stays as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from workbench.core import InputError
+from workbench.core.xml_text import XmlText
+from workbench.models import (
+    AppliedEffect,
+    BodyNumbers,
+    Inertial,
+    JointNumber,
+    MjcfText,
+    Model,
+    Placement,
+    UrdfText,
+    check_mjcf,
+    differ,
+    inertial_frame,
+    is_urdf,
+    load_tree,
+)
+
+from .build import compile_plant
+from .catalogue import effect_named
+from .file_check import check_same
+
+_ROUNDING = 1e-9  # of what the file has: how far a total may fall short of nothing
+
+
+@dataclass(frozen=True)
+class Change:
+    """A number that a file had, and has now.
+
+    `joint`: at or behind which joint; `number`: as MJCF calls it, and ``mass``, ``centre`` (3,) or
+    ``inertia`` (3, 3) of the body that it carries, in its own frame. SI, rad.
+    """
+
+    joint: str
+    number: str
+    before: float | np.ndarray
+    after: float | np.ndarray
+
+
+@dataclass(frozen=True)
+class InFile:
+    """A file with the effects of a model in its numbers.
+
+    `content`: the whole file. `changes`: what is new in it. `written`, `left`: effects that are in it, and
+    those that it has no number for.
+    """
+
+    content: bytes
+    changes: tuple[Change, ...]
+    written: tuple[AppliedEffect, ...]
+    left: tuple[AppliedEffect, ...]
+
+
+def into_file(model: Model, file: Path) -> InFile:
+    """Write the effects of a model into the numbers of its MJCF or URDF; nothing is written to the disk.
+
+    Args:
+        model: with all effects that the file shall have.
+        file: the model's `serial`, or one that it includes.
+
+    Raises:
+        InputError: `file` is no part of the model, lacks a joint, or gets a number below zero; or the
+            machine that MuJoCo makes of it is not the model.
+    """
+    text = open_text(model, file)
+    target = UrdfText(text) if is_urdf(file) else MjcfText(text)
+    written: list[tuple[AppliedEffect, JointNumber | BodyNumbers]] = []
+    left: list[AppliedEffect] = []
+    for applied in model.effects:
+        place = Placement.of(model, applied.key)
+        number = effect_named(applied.key.effect).in_file(model, place, applied.values)
+        if number is None or (isinstance(number, JointNumber) and number.number not in target.numbers):
+            left.append(applied)
+        else:
+            written.append((applied, number))
+    for _, number in written:
+        if not target.has(number.joint):
+            raise InputError(f"joint '{number.joint}' is not in it", file=file, remedy=_where(model, number))
+    held = replace(model, effects=tuple(applied for applied, _ in written))
+    changes = _joints(model, target, [n for _, n in written if isinstance(n, JointNumber)], file)
+    changes += _bodies(held, target, [n for _, n in written if isinstance(n, BodyNumbers)])
+    out = InFile(text.result(), tuple(changes), held.effects, tuple(left))
+    if written:
+        check_same(held, file, out.content)
+    return out
+
+
+def open_text(model: Model, file: Path) -> XmlText:
+    """The text of a file that a model stands on.
+
+    Raises:
+        InputError: it is none of the model's, or cannot be read.
+    """
+    own = [model.serial] if is_urdf(model.serial) else check_mjcf(model.serial)
+    if file.resolve() not in {each.resolve() for each in own}:
+        raise InputError(
+            f"model '{model.name}' does not stand on this file",
+            file=file,
+            remedy=f"it stands on {model.serial}",
+        )
+    return XmlText(file.read_bytes(), file)
+
+
+def _where(model: Model, number: JointNumber | BodyNumbers) -> str:
+    """Which file of the model has the joint."""
+    for each in check_mjcf(model.serial):
+        if each.suffix.lower() == ".xml" and MjcfText(XmlText(each.read_bytes(), each)).has(number.joint):
+            return f"it is in {each}: give that file"
+    return "it is made from another one there, by <attach> or <replicate>: write the model as .toml"
+
+
+def _joints(
+    model: Model, target: MjcfText | UrdfText, numbers: Sequence[JointNumber], file: Path
+) -> list[Change]:
+    """Totals at the joints: what the file has, and all that is more or less of it."""
+    spec = load_tree(model.serial)
+    m, changes = spec.compile(), list[Change]()
+    totals: dict[str, dict[str, float]] = {}
+    for joint, number in dict.fromkeys((n.joint, n.number) for n in numbers):
+        more = [n for n in numbers if (n.joint, n.number) == (joint, number)]
+        before = _of_joint(m, joint, number)
+        after = before + sum(n.more for n in more)
+        if after < -_ROUNDING * max(abs(before), *(abs(n.more) for n in more)):
+            raise InputError(
+                f"joint '{joint}' would have {number} {after:.3g}", file=file, column=number,
+                remedy=f"it has {before:.3g}; what is too much stands in {model.source or 'the model'}",
+            )  # fmt: skip
+        after = max(after, 0.0)
+        values = totals.setdefault(joint, {})
+        values[number] = after
+        changes.append(Change(joint, number, before, after))
+        if number == "stiffness" and after > 0.0:
+            was = _of_joint(m, joint, "springref")
+            rest = (before * was + sum(n.more * n.rest for n in more)) / after
+            degrees = spec.compiler.degree and m.joint(joint).type[0] == mujoco.mjtJoint.mjJNT_HINGE
+            values["springref"] = np.degrees(rest) if degrees else rest
+            changes.append(Change(joint, "springref", was, rest))
+    for joint, values in totals.items():
+        target.set_joint(joint, values)
+    return changes
+
+
+def _of_joint(m: mujoco.MjModel, joint: str, number: str) -> float:
+    own, dof = m.joint(joint), int(m.joint(joint).dofadr[0])
+    if number == "stiffness":
+        return float(m.jnt_stiffness[own.id])
+    if number == "springref":
+        return float(m.qpos_spring[int(own.qposadr[0])])
+    return float(getattr(m, f"dof_{number}")[dof])
+
+
+def _bodies(held: Model, target: MjcfText | UrdfText, numbers: Sequence[BodyNumbers]) -> list[Change]:
+    """Inertials of bodies, as the model with its effects has them."""
+    if not numbers:
+        return []
+    m, made = load_tree(held.serial).compile(), compile_plant(held).mujoco
+    changes = []
+    for joint in dict.fromkeys(n.joint for n in numbers):
+        body = int(m.joint(joint).bodyid[0])
+        before, after = Inertial.of(m, body), Inertial.of(made, int(made.joint(joint).bodyid[0]))
+        target.set_body(joint, before, after, inertial_frame(m, body))
+        pairs = (("mass", "mass"), ("centre", "centre"), ("inertia", "tensor"))
+        changes += [
+            Change(joint, name, getattr(before, a), getattr(after, a))
+            for name, a in pairs
+            if differ(getattr(before, a), getattr(after, a))
+        ]
+    return changes

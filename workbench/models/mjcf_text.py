@@ -1,0 +1,133 @@
+"""An MJCF as somebody wrote it, of which joints and bodies get other numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from workbench.core import InputError
+from workbench.core.xml_text import Element, XmlText
+
+from .file_number import Inertial
+
+#: Where a ``<joint name=...>`` is no joint, but names one.
+_NO_TREE = {"default", "equality", "tendon", "actuator", "sensor"}
+_TURNED = "axisangle", "xyaxes", "zaxis", "euler"
+_SAME = 1e-12  # of the largest number of its kind
+
+
+class MjcfText:
+    """An MJCF and what is to change in it.
+
+    Attributes:
+        numbers: of a joint that it has a place for.
+    """
+
+    numbers = frozenset({"damping", "frictionloss", "armature", "stiffness"})
+
+    def __init__(self, text: XmlText) -> None:
+        self._text = text
+
+    def has(self, joint: str) -> bool:
+        """Whether this joint stands in the file."""
+        return self._joint(joint) is not None
+
+    def set_joint(self, joint: str, values: Mapping[str, float]) -> None:
+        """Give a joint numbers, in the file's units, by the names of their attributes.
+
+        Of a damping or stiffness by powers of the speed or angle, the linear one.
+        """
+        element = self._joint(joint)
+        assert element is not None
+        rest = {name: (element.get(name) or "").split()[1:] for name in values}
+        self._text.set(element, {name: " ".join([digits(v), *rest[name]]) for name, v in values.items()})
+
+    def set_body(self, joint: str, before: Inertial, after: Inertial, frame: np.ndarray) -> None:
+        """Give the body that a joint carries another mass, centre and inertia.
+
+        Args:
+            joint: its name.
+            before: what MuJoCo takes from the file.
+            after: what it shall take from it.
+            frame: axes (3, 3) of the inertia before, in the body's frame.
+
+        Raises:
+            InputError: the body, or what states its inertia, stands in another file.
+        """
+        element = self._joint(joint)
+        assert element is not None
+        body = next((each for each in element.around() if each.tag == "body"), None)
+        stated = None if body is None else body.child("inertial")
+        if body is None or (stated is None and any(each.tag == "include" for each in body.children)):
+            raise InputError(
+                f"what joint '{joint}' carries stands in another file than the joint",
+                file=self._text.file, remedy="put the joint and the <inertial> of its body into one file",
+            )  # fmt: skip
+        if stated is None:  # it came from geoms
+            behind = element if element.parent is body else body.children[0]
+            values = {"pos": row(after.centre), "mass": digits(after.mass)}
+            values["fullinertia"] = row(_six(after.tensor))
+            self._text.add_after(behind, "inertial", values)
+            return
+        if differ(before.centre, after.centre):
+            self._text.set(stated, {"pos": row(after.centre)})
+        if differ(before.mass, after.mass):
+            self._text.set(stated, {"mass": digits(after.mass)})
+        if differ(before.tensor, after.tensor):
+            self._text.set(stated, _inertia(stated, after.tensor, frame))
+
+    def _joint(self, name: str) -> Element | None:
+        return next(
+            (
+                each
+                for each in self._text.elements
+                if each.tag == "joint"
+                and each.get("name") == name
+                and not any(outer.tag in _NO_TREE for outer in each.around())
+            ),
+            None,
+        )
+
+
+def _inertia(stated: Element, tensor: np.ndarray, frame: np.ndarray) -> dict[str, str | None]:
+    """Attributes of an ``<inertial>``, in the form that it has."""
+    if stated.get("fullinertia") is not None:
+        return {"fullinertia": row(_six(tensor))}
+    here = frame.T @ tensor @ frame
+    if not differ(here, np.diag(np.diag(here))):
+        return {"diaginertia": row(np.diag(here))}
+    if not any(stated.get(name) for name in ("quat", *_TURNED)):
+        return {"diaginertia": None, "fullinertia": row(_six(tensor))}
+    principal, axes = np.linalg.eigh(tensor)
+    axes *= np.sign(np.linalg.det(axes))
+    return {"diaginertia": row(principal), "quat": row(_quaternion(axes)), **dict.fromkeys(_TURNED)}
+
+
+def _six(tensor: np.ndarray) -> np.ndarray:
+    """Three of the diagonal, then xy, xz, yz, as ``fullinertia`` has them."""
+    return tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+
+
+def _quaternion(axes: np.ndarray) -> np.ndarray:
+    out = np.zeros(4)
+    mujoco.mju_mat2Quat(out, axes.ravel())
+    return out
+
+
+def differ(one: np.ndarray | float, other: np.ndarray | float) -> bool:
+    """Whether two numbers, or two arrays of a kind, are not the same but for rounding."""
+    a, b = np.abs(one).max(), np.abs(other).max()
+    return bool(np.abs(np.subtract(one, other)).max() > _SAME * max(a, b))
+
+
+def digits(value: float) -> str:
+    """A number as it is written: twelve digits, of which none is rounding alone."""
+    return f"{value + 0.0:.12g}"
+
+
+def row(values: np.ndarray) -> str:
+    """Numbers as they are written; what is nothing but rounding beside the largest is 0."""
+    least = _SAME * np.max(np.abs(values))
+    return " ".join(digits(v if abs(v) > least else 0.0) for v in map(float, values))

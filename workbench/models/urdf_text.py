@@ -1,0 +1,85 @@
+"""A URDF as somebody wrote it, of which joints and links get other numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from workbench.core.xml_text import Element, XmlText
+
+from .file_number import Inertial
+from .mjcf_text import differ, digits, row
+
+_CALLED = {"damping": "damping", "frictionloss": "friction"}
+_SIX = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+
+
+class UrdfText:
+    """A URDF and what is to change in it.
+
+    Attributes:
+        numbers: of a joint that it has a place for.
+    """
+
+    numbers = frozenset(_CALLED)
+
+    def __init__(self, text: XmlText) -> None:
+        self._text = text
+
+    def has(self, joint: str) -> bool:
+        """Whether this joint stands in the file."""
+        return self._named("joint", joint) is not None
+
+    def set_joint(self, joint: str, values: Mapping[str, float]) -> None:
+        """Give a joint numbers, by the names that MJCF has for them."""
+        element = self._named("joint", joint)
+        assert element is not None
+        self._part(element, "dynamics", {_CALLED[name]: digits(v) for name, v in values.items()})
+
+    def set_body(self, joint: str, before: Inertial, after: Inertial, frame: np.ndarray) -> None:
+        """Give the link behind a joint another mass, centre and inertia.
+
+        Args:
+            joint: its name.
+            before: what MuJoCo takes from the file.
+            after: what it shall take from it.
+            frame: not asked: the file says how its inertia is turned.
+        """
+        del frame
+        element = self._named("joint", joint)
+        child = None if element is None else element.child("child")
+        link = None if child is None else self._named("link", child.get("link") or "")
+        inertial = None if link is None else link.child("inertial")
+        assert inertial is not None  # a link that has none has no mass, and no effect applies to it
+        if differ(before.centre, after.centre):
+            self._part(inertial, "origin", {"xyz": row(after.centre)})
+        if differ(before.mass, after.mass):
+            self._part(inertial, "mass", {"value": digits(after.mass)})
+        if differ(before.tensor, after.tensor):
+            origin = inertial.child("origin")
+            turn = np.array(((origin.get("rpy") if origin else None) or "0 0 0").split(), float)
+            axes = _axes(turn)
+            there = row((axes.T @ after.tensor @ axes).ravel()).split()
+            self._part(inertial, "inertia", {name: there[3 * i + j] for name, (i, j) in _SIX.items()})
+
+    def _part(self, element: Element, tag: str, values: Mapping[str, str]) -> None:
+        """Attributes of a child, which is made where there is none."""
+        part = element.child(tag)
+        if part is None:
+            self._text.add_after(element.children[-1], tag, values)
+        else:
+            self._text.set(part, values)
+
+    def _named(self, tag: str, name: str) -> Element | None:
+        named = (each for each in self._text.root.children if each.tag == tag and each.get("name") == name)
+        return next(named, None)
+
+
+def _axes(turn: np.ndarray) -> np.ndarray:
+    """Rotation (3, 3) by roll, pitch and yaw (3,) [rad] about fixed axes, one after the other."""
+    quaternion, flat = np.zeros(4), np.zeros(9)
+    mujoco.mju_euler2Quat(quaternion, turn, "XYZ")
+    mujoco.mju_quat2Mat(flat, quaternion)
+    return flat.reshape(3, 3)
