@@ -37,7 +37,7 @@ def test_every_page_is_there(site: Path) -> None:
     pages = {p.relative_to(ROOT / "docs").with_suffix(".html") for p in (ROOT / "docs").rglob("*.md")}
     assert pages and all((site / page).is_file() for page in pages)
     python = (site / "api.html").read_text()
-    for function in ("comparison.compare.compare", "diagnosis.diagnose.improve", "proposing.write.write"):
+    for function in ("comparison.compare.compare", "diagnosis.improve.improve", "proposing.write.write"):
         assert f'id="workbench.{function}"' in python
     assert "Sums" not in python, "modules stand there in place of functions"
 
