@@ -80,8 +80,8 @@ def _searched(
         every = (*training, *held_out)
         if any(scored_torque(r) is None for r in every):
             raise
-        along, judging = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
-        found = search(model, along, judging, seed, limit, progress, only_jointly=only_jointly)
+        along, test_recordings = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
+        found = search(model, along, test_recordings, seed, limit, progress, only_jointly=only_jointly)
         if not found.consistent_before and max(found.explained, found.median_explained) < POLICY.near_named:
             raise
         return found
@@ -91,25 +91,26 @@ def _matched(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
 ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
     every = matched(model, (*training, *held_out))
-    fitted, judging = every[: len(training)], every[len(training) :]
-    rows = sum(int(r.valid.sum()) for r in fitted)
+    training_recordings, test_recordings = every[: len(training)], every[len(training) :]
+    rows = sum(int(r.valid.sum()) for r in training_recordings)
     if rows < POLICY.fewest_rows:
         raise InputError(
-            f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
+            f"{rows} rows are too few to tell one effect from another", file=training_recordings[0].source,
             remedy=f"record for longer, {POLICY.fewest_rows} rows at least and seconds of motion",
         )  # fmt: skip
-    refuse_coordinates(model, (*fitted, *judging))
-    refuse_unit(model, fitted)
-    refuse_wrong_sign_of_torque(model, fitted)
-    return fitted, judging
+    refuse_coordinates(model, (*training_recordings, *test_recordings))
+    refuse_unit(model, training_recordings)
+    refuse_wrong_sign_of_torque(model, training_recordings)
+    return training_recordings, test_recordings
 
 
 def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comparison]:
     """Of the recordings that were fitted, and of held-out ones where there are some."""
     data = found.start_data
-    fitted, judging = slice(0, data.training), slice(data.training, None)
+    training_recordings, test_recordings = slice(0, data.training), slice(data.training, None)
     return [
-        evaluate(model, part_of(runs, rows)) for rows in ([fitted, judging] if data.held_out else [fitted])
+        evaluate(model, part_of(runs, rows))
+        for rows in ([training_recordings, test_recordings] if data.held_out else [training_recordings])
     ]
 
 

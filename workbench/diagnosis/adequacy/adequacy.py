@@ -27,8 +27,8 @@ from ..screening.propagation import propagate_sensitivities
 from ..screening.sensitivity import Linearisation
 from ..screening.torque_regression import kept_rows, needing
 from ..significance import INTERVAL
-from .free_functions import Adequacy, held
-from .masses import adequacy_of_mass, several
+from .free_functions import Adequacy, against_free_functions
+from .masses import adequacy_of_mass, multi_axis_law
 
 _QUANTITIES = ("position", "speed", "acceleration", "load")
 
@@ -74,7 +74,7 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
         # a body that was added is certain only where nothing else is wrong: masses of links do the same
         if a.key.axis and not effect_named(a.key.effect).depends_on:
             out[a.key] = adequacy_of_mass(
-                several(linearisation, found, data, [part[:, 1] for part in acts], k)
+                multi_axis_law(linearisation, found, data, [part[:, 1] for part in acts], k)
             )
     return out
 
@@ -191,4 +191,4 @@ def _of_law(axis: _Axis, depends: Sequence[tuple[str, ...]], own: tuple[str, ...
     free = [(splines(quantities, quantities), axis.laws[:, related].sum(axis=1))]
     free += [((law[:, None] * basis, penalty), law) for basis, penalty in others]
     laws = np.column_stack([law, axis.laws[:, ~alike]])
-    return held(laws, axis.rest, free, others, axis.recording)
+    return against_free_functions(laws, axis.rest, free, others, axis.recording)

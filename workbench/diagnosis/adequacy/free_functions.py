@@ -37,7 +37,7 @@ class Adequacy:
         return self.share >= POLICY.explained and self.size > 0.0
 
 
-def held(
+def against_free_functions(
     laws: np.ndarray, rest: np.ndarray, free: Sequence[InPlace], beside: Sequence[Free], recording: np.ndarray
 ) -> Adequacy:
     """The first of some laws held against free functions in its place, and beside it."""
@@ -55,9 +55,9 @@ def held(
 
 def _share(free: tuple[np.ndarray, np.ndarray], law: np.ndarray, rest: np.ndarray) -> float:
     """What laws explain of a torque over what a free function explains on blocks that were left out."""
-    lacking = law + rest
-    whole = float(lacking @ lacking)
-    most = 1.0 - _left_out(free[0], lacking, free[1], 0)[1] / whole
+    residual = law + rest
+    whole = float(residual @ residual)
+    most = 1.0 - _left_out(free[0], residual, free[1], 0)[1] / whole
     return float(np.clip((1.0 - float(rest @ rest) / whole) / max(most, 1e-12), 0.0, 1.0))
 
 
