@@ -13,12 +13,8 @@ from workbench.models import Model
 from .checks.sign_check import refuse_wrong_sign_in_loop
 from .data import gather
 from .loss import explained, median_explained, test_noise_floor
-from .moves.alternative_starts import (
-    alternative_starts,
-    retry_with_refinement,
-    with_compliance_from_torque,
-    with_fewer_parameters,
-)
+from .moves.alternative_starts import alternative_starts, retry_with_refinement, with_compliance_from_torque
+from .moves.fewer_parameters import with_fewer_parameters
 from .moves.grid_refinement import refined_on_grid
 from .moves.joint_solution import JointSolution, solve_jointly
 from .moves.merge import merge_effects
@@ -120,10 +116,8 @@ def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Di
     if problem.linear is None:
         return None, ()
     linear, data, names = problem.linear, problem.data, [r.name for r in problem.data.recordings]
-    model = problem.start.hypothesis.model
-    return identifiability_of(
-        linear, model, data, unobservable_effects(problem.linearisation, data)
-    ), disagreements(linear, names)
+    model, unseen = problem.start.hypothesis.model, unobservable_effects(problem.linearisation, data)
+    return identifiability_of(linear, model, data, unseen), disagreements(linear, names)
 
 
 def _only_jointly(start: Node, problem: Problem) -> tuple[Node, JointSolution | None]:

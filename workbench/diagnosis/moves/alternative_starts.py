@@ -8,7 +8,7 @@ from functools import partial
 
 from workbench.core import EffectKey
 
-from ..acceptance import at_noise_floor, halves_excess, holdout_insensitive, near_noise_floor
+from ..acceptance import halves_excess, holdout_insensitive, near_noise_floor
 from ..data import Data
 from ..fitting.refinement import converged
 from ..hypothesis import Fit
@@ -27,7 +27,6 @@ from ..node import (
 )
 from ..policy import POLICY
 from ..problem import Problem
-from ..screening.compliance import other_causes
 from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
@@ -172,35 +171,6 @@ def _refined(
             problem.progress(f"beginning again from where {step.added} was taken")
             yield _allowing_divergence(node_after(before, problem), problem, basics_first=False)
             return
-
-
-def with_fewer_parameters(node: Node, problem: Problem) -> Node:
-    """The node of two effects with fewer parameters that explain as much as all that were found; else `node`.
-
-    It is tried where an earlier effect was indistinguishable from others: later effects may only correct a
-    wrong choice.
-    """
-    size = node.current.hypothesis.size
-    few = len(node.steps) < 2 or size < 3
-    if (
-        few
-        or problem.data.budget.spent
-        or not any(_has_alternatives(s, node, problem) for s in node.steps[:-1])
-    ):
-        return node
-    steps = best_pair(problem.linearisation, problem.data, problem.start, problem.progress)
-    if steps is None:
-        return node
-    other = with_steps(Node(problem.start, problem.data), steps, problem.seed)
-    return (
-        other if other.current.hypothesis.size < size and at_noise_floor(other.current, other.data) else node
-    )
-
-
-def _has_alternatives(step: AcceptedStep, node: Node, problem: Problem) -> bool:
-    """Whether another cause fits as well, other than the equivalent place at the joint."""
-    model = problem.start.hypothesis.model
-    return bool(other_causes(model, step.added, step.indistinguishable_at(node.current)))
 
 
 def _allowing_divergence(node: Node, problem: Problem, *, basics_first: bool = True) -> Node:
