@@ -1,4 +1,4 @@
-"""Searches one after the other, each in the model that the last one led to, until one names nothing more."""
+"""Repeated searches, each in the model that the previous one improved, until nothing more is named."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ def rounds(
     progress: Progress,
     limit: int | None = None,
 ) -> Rounds:
-    """What is missing, and what is certain besides once that is in the model.
+    """The results of all searches, the first one in the model as given.
 
-    What is certain of all axes together depends on what else is known: so it is asked again of the model that
-    has the answer, until nothing is added. Who asks the improved model again is told nothing new.
+    Which effects of a joint solution are certain depends on what else is in the model: so the search is
+    repeated in the improved model until nothing is added.
 
     Raises:
         InputError: recordings that do not fit the model, or that show neither loop nor torque.
@@ -69,10 +69,10 @@ def _searched(
     *,
     only_jointly: bool = False,
 ) -> SearchResult:
-    """What was found in the loops; where the model cannot run in them, along the measured motion.
+    """The result of a search in the loops; along the measured motion where the model is unstable in them.
 
-    The friction and the rotors that a model lacks may be what keeps the machine's loop stable. The torque
-    shows them, and only then is their lack an answer: else the loop that cannot be run remains the news.
+    Missing friction and rotor inertia may be what keeps the machine's loop stable. If the torque along the
+    motion shows them, they are the answer; else the unstable loop is reported.
     """
     try:
         return search(model, training, held_out, seed, limit, progress, only_jointly=only_jointly)
@@ -105,7 +105,7 @@ def _matched(
 
 
 def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comparison]:
-    """Of the recordings that were fitted, and of held-out ones where there are some."""
+    """Comparisons of the training recordings, and of the held-out ones where there are some."""
     data = found.start_data
     training_recordings, test_recordings = slice(0, data.training), slice(data.training, None)
     return [
