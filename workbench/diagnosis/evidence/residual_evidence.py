@@ -143,7 +143,7 @@ def finding_lines(
 
 
 def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:
-    """Lines on why an effect is certain although something else is missing; none where that was not tested."""
+    """Lines on why an effect is certain although something else is missing; none where not tested."""
     if key not in adequacy:
         return []
     own, found = " and ".join(effect_named(key.effect).depends_on or ("position",)), adequacy[key]
