@@ -42,7 +42,7 @@ def test_last_effects_that_may_be_none_are_taken_back(monkeypatch: pytest.Monkey
     problem = SimpleNamespace(start=start, data=first)
 
     def plain(*steps: Any) -> Node:
-        return search._plain(Node(end, end, steps, done=True), problem)  # type: ignore[arg-type]
+        return search._without_insignificant_end(Node(end, end, steps, done=True), problem)  # type: ignore[arg-type]
 
     kept = plain(friction, ripple)
     assert kept.steps == (friction,) and kept.current is friction.fit and kept.data == "with coulomb_friction"

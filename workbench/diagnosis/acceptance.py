@@ -33,7 +33,7 @@ def unchanged_on_holdout(found: Fit, current: Fit, data: Data) -> bool:
 
 def too_little_left(current: Fit, start: Fit, data: Data) -> bool:
     """Whether even a perfect further effect could not lower the whole error by enough."""
-    if _is_plain(current, data):
+    if _is_clear(current, data):
         return False
     if data.score(data.floor) > (1.0 - POLICY.later_fall) * data.score(current.mean_squares):
         return True
@@ -86,10 +86,10 @@ def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
 def explains_most(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:
     """Whether a clear excess falls to a share `left` of it, in training and test."""
     left = 1.0 - POLICY.most_of_excess if left is None else left
-    return _is_plain(current, data) and halves_excess(found, current, data, left)
+    return _is_clear(current, data) and halves_excess(found, current, data, left)
 
 
-def _is_plain(current: Fit, data: Data) -> bool:
+def _is_clear(current: Fit, data: Data) -> bool:
     """Whether the excess is clear, in training and test, however small beside the total error."""
     most = POLICY.near_noise
     return current.training_loss > most * training_noise_floor(

@@ -1,4 +1,4 @@
-"""What a search found, put as findings and steps: estimates, chances, look-alikes, and what came near."""
+"""Findings and steps of a search: estimates, probabilities, indistinguishable effects, near findings."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .significance import is_significant
 
 
 def findings_of(found: SearchResult) -> tuple[Finding, ...]:
-    """Effects of the final model, the one that explains most first."""
+    """Findings of the final model, the effect that explains most first."""
     on_holdout = found.start_data.held_out
     findings = []
     keys = {applied.key for applied in found.final.hypothesis.added}
@@ -52,7 +52,7 @@ def findings_of(found: SearchResult) -> tuple[Finding, ...]:
 
 
 def near_findings(found: SearchResult) -> tuple[Finding, ...]:
-    """What lowers the error beside the findings, and is not certain enough to be named."""
+    """Effects that lower the error beside the findings, and are not certain enough to be named."""
     score = found.start_data.score
     on_holdout = found.start_data.held_out
     after = score(found.final.mean_squares, held_out=True) if on_holdout else None
@@ -63,7 +63,7 @@ def near_findings(found: SearchResult) -> tuple[Finding, ...]:
 
 
 def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
-    """Of an effect that corrects a number of the model: what that was, and what it is now."""
+    """The number of the model that an effect corrects: before, and now."""
     own = effect_named(applied.key.effect).model_value(model, Placement.of(model, applied.key))
     if own is None:
         return {}
@@ -85,7 +85,7 @@ def _before(found: SearchResult, index: int) -> Fit:
 
 
 def _probability(step: AcceptedStep, found: SearchResult) -> float:
-    """Chance that the name is right: by the distance of the next explanation and what stays unexplained.
+    """Probability that the name is right, from the next loss ratio and the unexplained share.
 
     An explanation 10 % worse leaves about a fifth to doubt. Of those that do as well the simplest is named,
     which is more often the true one: a lone rival takes a fifth of the chance, three take two thirds (in
@@ -144,9 +144,9 @@ def step_of(
 
 
 def near_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
-    """A line on what takes off most of the excess, but not so much that it could be named.
+    """A line on the effect that removes most of the excess, but not enough to be named.
 
-    What takes off less has no name, but that there is something is told.
+    Below a limit only the existence of a partial explanation is reported.
     """
     added = found.final.hypothesis.added
     if verdict != "unexplained" or found.explained < POLICY.something or not all(map(is_significant, added)):
@@ -165,7 +165,7 @@ def near_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
 
 
 def refuting_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
-    """A line on held-out recordings that show what those that were fitted do not."""
+    """A line on held-out recordings that contradict the training recordings."""
     data = found.start_data
     if verdict != "unexplained" or not found.consistent_before:
         return ()
@@ -187,7 +187,7 @@ def _value(name: str, estimate: Estimate) -> str:
 
 
 def cut_short_line(found: SearchResult) -> tuple[str, ...]:
-    """That there may be more to find, where a search ended because it had simulated enough."""
+    """A line that there may be more to find, where the search ended because its work budget was spent."""
     if found.stopped != "budget":
         return ()
     return (

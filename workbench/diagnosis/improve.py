@@ -50,10 +50,10 @@ def improve(
     added = bool(first.steps) and (named or (nearest and not refuted(first)))
     after, held = diagnosis.after, diagnosis.held_out
     if added and not named and first.steps[-1].runs is not None:
-        after, *judging = comparisons(first.final.hypothesis.model, first.steps[-1].runs, first)
-        held = (held[0], judging[0]) if held else None
+        after, *holdout = comparisons(first.final.hypothesis.model, first.steps[-1].runs, first)
+        held = (held[0], holdout[0]) if held else None
     before, end = first.start, last.final if added else first.start
-    judges = first.start_data.held_out
+    has_holdout = first.start_data.held_out
     done = last.consistent_after if named else diagnosis.verdict == "consistent"
     verdict: Verdict = "consistent" if done else "unexplained"
     verdict = "partly_explained" if diagnosis.verdict == "partly_explained" else verdict
@@ -62,8 +62,10 @@ def improve(
         steps=_steps(found, {f.key: f.evidence for f in diagnosis.findings}) if added else (),
         error_before=first.start_data.score(before.mean_squares),
         error_after=last.start_data.score(end.mean_squares),
-        holdout_error_before=first.start_data.score(before.mean_squares, held_out=True) if judges else None,
-        holdout_error_after=last.start_data.score(end.mean_squares, held_out=True) if judges else None,
+        holdout_error_before=first.start_data.score(before.mean_squares, held_out=True)
+        if has_holdout
+        else None,
+        holdout_error_after=last.start_data.score(end.mean_squares, held_out=True) if has_holdout else None,
         noise_error=after.noise_error if after else diagnosis.noise_error,
         verdict=verdict,
         before=diagnosis.before,

@@ -35,7 +35,7 @@ def named_beside(
     A special case always comes first; beside it they are named where motions do not settle which it is, as of
     a limit that was reached at one speed only. Only effects that can say so are fitted.
     """
-    wider = [c for c in candidates if contains(c.key, chosen.key) and _can_say(c)]
+    wider = [c for c in candidates if contains(c.key, chosen.key) and _can_be_distinguished(c)]
     if not wider:
         return []
     fits, _ = successive_halving([with_candidate(linearisation, c, current) for c in wider], current, data)
@@ -53,7 +53,7 @@ def special_case(
     linearisation: Linearisation, chosen: Candidate, found: Fit, helpful: Sequence[Explanation], data: Data
 ) -> Explanation:
     """The chosen effect, or the special case that it is: a line that does not fall is a limit."""
-    if _can_say(chosen) and not _differs(linearisation, found):
+    if _can_be_distinguished(chosen) and not _differs(linearisation, found):
         enough = POLICY.chance_gain * max(found.test_loss, test_noise_floor(data))
         special = [(c, f) for c, f in helpful if contains(chosen.key, c.key) and f.test_loss < enough]
         return special[0] if special else (chosen, found)
@@ -69,7 +69,7 @@ def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]
     return (*(replace(key, effect=name) for name in twins), *equivalents_at_joint(model, key))
 
 
-def _can_say(candidate: Candidate) -> bool:
+def _can_be_distinguished(candidate: Candidate) -> bool:
     return type(effect_named(candidate.key.effect)).differs is not Effect.differs
 
 

@@ -1,4 +1,4 @@
-"""One effect of one's own choice, fitted: for who wants to see what it would do, whatever a search says."""
+"""Fit of one effect that the user chooses, whatever a search says."""
 
 from __future__ import annotations
 

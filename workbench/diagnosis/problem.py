@@ -55,7 +55,7 @@ class Problem:
         return Linearisation.of(model, self.data, self.start.simulated, len(self.data.recordings))
 
     @cached_property
-    def along(self) -> tuple[Data, Fit, Regression] | None:
+    def inverse_dynamics(self) -> tuple[Data, Fit, Regression] | None:
         """The recordings along their measured motion, the model there, and all effects as one problem.
 
         None where nothing drives it there: neither a measured torque nor the law of a loop.
@@ -93,7 +93,11 @@ class Problem:
         self.progress("asking what these recordings can tell apart")
         measured = isinstance(self.data.replay, MeasuredMotion)
         if measured or self.is_expensive or is_too_large(self.linearisation, self.data):
-            return None if self.along is None else linear_along(self.along[2], self.along[0])
+            return (
+                None
+                if self.inverse_dynamics is None
+                else linear_along(self.inverse_dynamics[2], self.inverse_dynamics[0])
+            )
         return linear_of(self.linearisation, self.data)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Searches one after the other, each in the model that the last one led to, until one names nothing more."""
+"""Repeated searches, each in the model that the previous one improved, until nothing more is named."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ def rounds(
     progress: Progress,
     limit: int | None = None,
 ) -> Rounds:
-    """What is missing, and what is certain besides once that is in the model.
+    """The results of all searches, the first one in the model as given.
 
-    What is certain of all axes together depends on what else is known: so it is asked again of the model that
-    has the answer, until nothing is added. Who asks the improved model again is told nothing new.
+    Which effects of a joint solution are certain depends on what else is in the model: so the search is
+    repeated in the improved model until nothing is added.
 
     Raises:
         InputError: recordings that do not fit the model, or that show neither loop nor torque.
@@ -71,10 +71,10 @@ def _searched(
     *,
     only_jointly: bool = False,
 ) -> SearchResult:
-    """What was found in the loops; where the model cannot run in them, along the measured motion.
+    """The result of a search in the loops; along the measured motion where the model is unstable in them.
 
-    The friction and the rotors that a model lacks may be what keeps the machine's loop stable. The torque
-    shows them, and only then is their lack an answer: else the loop that cannot be run remains the news.
+    Missing friction and rotor inertia may be what keeps the machine's loop stable. If the torque along the
+    motion shows them, they are the answer; else the unstable loop is reported.
     """
     try:
         return search(model, training, held_out, seed, limit, progress, only_jointly=only_jointly)
@@ -82,8 +82,8 @@ def _searched(
         every = (*training, *held_out)
         if any(scored_torque(r) is None for r in every):
             raise
-        along, judging = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
-        found = search(model, along, judging, seed, limit, progress, only_jointly=only_jointly)
+        along, test_recordings = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
+        found = search(model, along, test_recordings, seed, limit, progress, only_jointly=only_jointly)
         if not found.consistent_before and max(found.explained, found.median_explained) < POLICY.near_named:
             raise
         return found
@@ -93,30 +93,31 @@ def _matched(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
 ) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
     every = matched(model, (*training, *held_out))
-    fitted, judging = every[: len(training)], every[len(training) :]
-    rows = sum(int(r.valid.sum()) for r in fitted)
+    training_recordings, test_recordings = every[: len(training)], every[len(training) :]
+    rows = sum(int(r.valid.sum()) for r in training_recordings)
     if rows < POLICY.fewest_rows:
         raise InputError(
-            f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
+            f"{rows} rows are too few to tell one effect from another", file=training_recordings[0].source,
             remedy=f"record for longer, {POLICY.fewest_rows} rows at least and seconds of motion",
         )  # fmt: skip
-    if all(np.ptp(r.position[r.valid], axis=0).max() == 0.0 for r in fitted):
+    if all(np.ptp(r.position[r.valid], axis=0).max() == 0.0 for r in training_recordings):
         raise InputError(
-            "no axis moves in these recordings", file=fitted[0].source,
+            "no axis moves in these recordings", file=training_recordings[0].source,
             remedy="record some motion: what stands still shows no effect",
         )  # fmt: skip
-    refuse_coordinates(model, (*fitted, *judging))
-    refuse_unit(model, fitted)
-    refuse_wrong_sign_of_torque(model, fitted)
-    return fitted, judging
+    refuse_coordinates(model, (*training_recordings, *test_recordings))
+    refuse_unit(model, training_recordings)
+    refuse_wrong_sign_of_torque(model, training_recordings)
+    return training_recordings, test_recordings
 
 
 def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comparison]:
-    """Of the recordings that were fitted, and of held-out ones where there are some."""
+    """Comparisons of the training recordings, and of the held-out ones where there are some."""
     data = found.start_data
-    fitted, judging = slice(0, data.training), slice(data.training, None)
+    training_recordings, test_recordings = slice(0, data.training), slice(data.training, None)
     return [
-        evaluate(model, part_of(runs, rows)) for rows in ([fitted, judging] if data.held_out else [fitted])
+        evaluate(model, part_of(runs, rows))
+        for rows in ([training_recordings, test_recordings] if data.held_out else [training_recordings])
     ]
 
 

@@ -13,12 +13,8 @@ from workbench.models import Model
 from .checks.sign_check import refuse_wrong_sign_in_loop
 from .data import gather
 from .loss import explained, median_explained, test_noise_floor
-from .moves.alternative_starts import (
-    alternative_starts,
-    retry_with_refinement,
-    with_compliance_from_torque,
-    with_fewer_parameters,
-)
+from .moves.alternative_starts import alternative_starts, retry_with_refinement, with_compliance_from_torque
+from .moves.fewer_parameters import with_fewer_parameters
 from .moves.grid_refinement import refined_on_grid
 from .moves.joint_solution import JointSolution, solve_jointly
 from .moves.merge import merge_effects
@@ -110,20 +106,18 @@ def search(
         median_explained(first, start, current, data) if diverges(current) else 0.0,
         joint.adequacy if joint else {},
         joint.near if joint else (),
-        *((None, ()) if only_jointly else _told(problem)),
+        *((None, ()) if only_jointly else _distinguishable(problem)),
         joint is not None,
     )
 
 
-def _told(problem: Problem) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
+def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
     """Identifiability and disagreement of the recordings; nothing where there is no linear problem."""
     if problem.linear is None:
         return None, ()
     linear, data, names = problem.linear, problem.data, [r.name for r in problem.data.recordings]
-    model = problem.start.hypothesis.model
-    return identifiability_of(
-        linear, model, data, unobservable_effects(problem.linearisation, data)
-    ), disagreements(linear, names)
+    model, unseen = problem.start.hypothesis.model, unobservable_effects(problem.linearisation, data)
+    return identifiability_of(linear, model, data, unseen), disagreements(linear, names)
 
 
 def _only_jointly(start: Node, problem: Problem) -> tuple[Node, JointSolution | None]:
@@ -140,14 +134,22 @@ def _explained(problem: Problem) -> tuple[Node, JointSolution | None]:
     an explanation, or in one that takes more parameters.
     """
     start, several = Node(problem.start, problem.data), problem.limit > 1
-    joint = solve_jointly(problem) if several and (_is_long(problem) or not _one_may_do(problem)) else None
-    if joint and (joint.size > problem.limit or (_is_plain(joint) and not _one_may_do(problem))):
+    joint = (
+        solve_jointly(problem)
+        if several and (_needs_joint_start(problem) or not _one_effect_may_suffice(problem))
+        else None
+    )
+    if joint and (
+        joint.size > problem.limit or (_corrections_suffice(joint) and not _one_effect_may_suffice(problem))
+    ):
         return joint.node, joint
-    if joint and _are_several(joint):
+    if joint and _has_several_certain(joint):
         # what is no torque along the motion may be missing beside them
         node = forward_selection(joint.node, problem)
         if explains_data(node, problem):
-            return _plain(_simplified(node, problem.seed, problem.progress), problem), None
+            return _without_insignificant_end(
+                _simplified(node, problem.seed, problem.progress), problem
+            ), None
         if explained(problem.data, problem.start, joint.node.current, joint.node.data) > POLICY.certain_share:
             return joint.node, joint
     node = _one_by_one(start, problem)
@@ -159,19 +161,19 @@ def _explained(problem: Problem) -> tuple[Node, JointSolution | None]:
     return joint.node, joint
 
 
-def _are_several(joint: JointSolution) -> bool:
+def _has_several_certain(joint: JointSolution) -> bool:
     """Whether several effects on more than one axis are certain, too many to approximate one other cause."""
     keys = [step.added for step in joint.node.steps]
     return not joint.node.done and len(keys) >= POLICY.certain_effects and len({k.axis for k in keys}) > 1
 
 
-def _is_plain(joint: JointSolution) -> bool:
+def _corrections_suffice(joint: JointSolution) -> bool:
     """Whether corrections of drive and link parameters alone reach the noise floor."""
     keys = [step.added for step in joint.node.steps]
-    return joint.node.done and len(keys) > 1 and all(k.axis and _is_number(k.effect) for k in keys)
+    return joint.node.done and len(keys) > 1 and all(k.axis and _corrects_a_number(k.effect) for k in keys)
 
 
-def _is_number(effect: str) -> bool:
+def _corrects_a_number(effect: str) -> bool:
     """Whether an effect corrects a number that every drive or link has."""
     return effect_named(effect).basic or effect_named(effect).adds_up
 
@@ -181,12 +183,12 @@ def _is_simpler(one: Node, other: Node) -> bool:
     return one.done and one.current.hypothesis.size < other.current.hypothesis.size
 
 
-def _is_long(problem: Problem) -> bool:
+def _needs_joint_start(problem: Problem) -> bool:
     """Whether to start with the joint solution: no loop, or more axes than effects may be added."""
     return isinstance(problem.data.replay, MeasuredMotion) or problem.is_expensive
 
 
-def _one_may_do(problem: Problem) -> bool:
+def _one_effect_may_suffice(problem: Problem) -> bool:
     """Whether a single effect, as screened, explains the recordings."""
     least = min((c.test_loss for c in problem.screened), default=problem.start.test_loss)
     return removed_share(problem.start.test_loss, least, test_noise_floor(problem.data)) >= POLICY.explained
@@ -203,7 +205,7 @@ def _one_by_one(node: Node, problem: Problem) -> Node:
         node = retry_with_refinement(with_compliance_from_torque(node, problem), problem)
         node = _refined_on_grid(node, problem)
     node = merge_effects(replace_effects(node, problem), problem)
-    return _plain(_simplified(node, problem.seed, problem.progress), problem)
+    return _without_insignificant_end(_simplified(node, problem.seed, problem.progress), problem)
 
 
 def _refined_on_grid(node: Node, problem: Problem) -> Node:
@@ -217,7 +219,7 @@ def _refined_on_grid(node: Node, problem: Problem) -> Node:
     return with_last_step(node, replace(node.steps[-1], fit=better), problem.seed)
 
 
-def _plain(node: Node, problem: Problem) -> Node:
+def _without_insignificant_end(node: Node, problem: Problem) -> Node:
     """The node without insignificant last effects; what they explained stays unexplained."""
     steps = node.steps
     while steps:

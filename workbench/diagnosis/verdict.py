@@ -1,4 +1,4 @@
-"""What a search comes to: nothing missing, a cause that can be named, or something unexplained."""
+"""The verdict of a search: consistent, missing effect, partly explained or unexplained."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NAMED = ("missing_effect", "partly_explained")  #: verdicts with findings
 
 
 def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
-    """The verdict, and what the model has too much of, where that was asked."""
+    """The verdict, and overestimated parameters where they were searched."""
     if found.consistent_before:
         return "unexplained" if refuted(found) else "consistent", None
     explains = found.consistent_after or max(found.explained, found.median_explained) >= POLICY.explained
@@ -38,16 +38,16 @@ def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
 
 
 def refuted(found: SearchResult) -> bool:
-    """Whether held-out motion says no, where the recordings that were fitted have nothing left to say.
+    """Whether the held-out error contradicts a fit that explains the training recordings.
 
-    Where it showed the lack from the start, its say is part of what is explained.
+    Where the holdout was informative from the start, it is part of the share that is explained.
     """
     informative = not (found.consistent_before or found.start_data.holdout_uninformative)
     return not informative and contradicts_holdout(found.final, found.final_data)
 
 
 def _another_shape(found: SearchResult) -> bool:
-    """Whether a torque that positions decide was named and the rest still follows positions.
+    """Whether a position-dependent torque was named and the residual still depends on positions.
 
     A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
     """

@@ -14,7 +14,7 @@ _TICK_S = 1e-3  # simulation takes no longer steps, however seldom was recorded
 
 @dataclass
 class WorkBudget:
-    """Work of one search, counted and not timed, so that the same search ends at the same place anywhere.
+    """Work of one search, counted in steps and not timed, so that it ends at the same place on any machine.
 
     Attributes:
         most: steps after which nothing new is begun.
@@ -26,16 +26,16 @@ class WorkBudget:
 
     @staticmethod
     def for_search(recordings: Sequence[Recording], simulates: bool = True) -> WorkBudget:
-        """What a search on these recordings may take; no end where nothing is simulated."""
+        """The budget of a search on these recordings; unlimited where nothing is simulated."""
         return WorkBudget(_most(recordings) if simulates else float("inf"))
 
     @property
     def spent(self) -> bool:
-        """Whether nothing new is to be begun."""
+        """Whether the budget is used up."""
         return self.done > self.most
 
     def add(self, recordings: Sequence[Recording], runs: int = 0, columns: int = 0) -> None:
-        """Counts so many runs of these recordings, and columns that travel along them."""
+        """Count runs of these recordings, and columns propagated along them."""
         self.done += (runs + POLICY.column_cost * columns) * _steps(recordings)
 
 

@@ -77,9 +77,9 @@ def test_derivatives_of_runs_that_stick_are_differences_of_runs(servo: Model) ->
     sticky = having(servo, key, torque=0.01, ratio=0.3)
     held = np.clip(2.0 * np.sin(1.1 * np.arange(1000) * _TICK), -1.0, 1.0)
     logs = [lifted(0.15, held, "held")]
-    for model, sticks in ((servo, False), (sticky, True)):
+    for model, has_stiction in ((servo, False), (sticky, True)):
         data, runs = gather(model, logs, (), seed=0)
-        assert Linearisation.of(model, data, runs.clean, len(logs)).sticks is sticks
+        assert Linearisation.of(model, data, runs.clean, len(logs)).has_stiction is has_stiction
 
 
 def test_friction_that_holds_is_read_where_it_slides(servo: Model, logs: list[Recording]) -> None:

@@ -27,8 +27,8 @@ from ..screening.propagation import propagate_sensitivities
 from ..screening.sensitivity import Linearisation
 from ..screening.torque_regression import kept_rows, needing
 from ..significance import INTERVAL
-from .free_functions import Adequacy, held
-from .masses import adequacy_of_mass, several
+from .free_functions import Adequacy, against_free_functions
+from .masses import adequacy_of_mass, multi_axis_law
 
 _QUANTITIES = ("position", "speed", "acceleration", "load")
 
@@ -45,7 +45,7 @@ class _Axis:
 
 
 def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
-    """Of each effect of which enough is seen: as a law of its axis, or of a mass that several axes move.
+    """The adequacy of each effect that is identifiable enough: as a law of its axis, or of a mass on several.
 
     Args:
         found: with all effects that were selected, along the measured motion.
@@ -74,7 +74,7 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
         # a body that was added is certain only where nothing else is wrong: masses of links do the same
         if a.key.axis and not effect_named(a.key.effect).depends_on:
             out[a.key] = adequacy_of_mass(
-                several(linearisation, found, data, [part[:, 1] for part in acts], k)
+                multi_axis_law(linearisation, found, data, [part[:, 1] for part in acts], k)
             )
     return out
 
@@ -126,9 +126,9 @@ def _together(
     applied: Sequence[AppliedEffect],
     alone: Mapping[EffectKey, Adequacy],
 ) -> dict[EffectKey, Adequacy]:
-    """Of laws of joints that were built alike, held against free functions on all of them at once.
+    """The adequacy of laws shared by joints of one design, against free functions on all of them at once.
 
-    What is strange about one of them takes nothing from a law that holds on all, with one size on all.
+    An unexplained residual on one axis does not weaken a law that has one size on all.
     """
     values = {a.key: a.parameters for a in applied}
     laws = [{effect_named(k.effect).depends_on for k in keys} - {()} for _, keys in axes]
@@ -161,7 +161,7 @@ def _agrees(
     values: Mapping[EffectKey, Mapping[str, Estimate]],
     alone: Mapping[EffectKey, Adequacy],
 ) -> bool:
-    """Whether an effect has the size that it has on joints alike: what is strange may hide in its size."""
+    """Whether an effect has the same size as on joints of one design; else it may absorb another cause."""
     others = [values[k] for k in alike if k.effect == key.effect and k != key]
     for name, own in values[key].items():
         there = [o[name] for o in others]
@@ -191,4 +191,4 @@ def _of_law(axis: _Axis, depends: Sequence[tuple[str, ...]], own: tuple[str, ...
     free = [(splines(quantities, quantities), axis.laws[:, related].sum(axis=1))]
     free += [((law[:, None] * basis, penalty), law) for basis, penalty in others]
     laws = np.column_stack([law, axis.laws[:, ~alike]])
-    return held(laws, axis.rest, free, others, axis.recording)
+    return against_free_functions(laws, axis.rest, free, others, axis.recording)

@@ -1,4 +1,4 @@
-"""A law held against free smooth functions, in its place and beside it, on blocks that were left out."""
+"""Test of a law against free smooth functions, in its place and beside it, on blocks that were left out."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ InPlace = tuple[Free, np.ndarray]  # the same, and the part of the laws that it 
 
 @dataclass(frozen=True)
 class Adequacy:
-    """How an effect stands against free functions.
+    """The adequacy of an effect against free functions.
 
     Attributes:
         share: of what a free function of the law's own quantities, or the law with a size that varies freely,
@@ -33,14 +33,14 @@ class Adequacy:
 
     @property
     def is_adequate(self) -> bool:
-        """Whether the effect is there, whatever else is missing."""
+        """Whether the effect is certain, whatever else is missing."""
         return self.share >= POLICY.explained and self.size > 0.0
 
 
-def held(
+def against_free_functions(
     laws: np.ndarray, rest: np.ndarray, free: Sequence[InPlace], beside: Sequence[Free], recording: np.ndarray
 ) -> Adequacy:
-    """The first of some laws held against free functions in its place, and beside it."""
+    """The adequacy of the first of some laws, against free functions in its place and beside it."""
     sizes = [_size(laws, rest, x) for x in beside]
     each = [recording == i for i in np.unique(recording)]
     return Adequacy(
@@ -54,10 +54,10 @@ def held(
 
 
 def _share(free: tuple[np.ndarray, np.ndarray], law: np.ndarray, rest: np.ndarray) -> float:
-    """What laws explain of a torque over what a free function explains on blocks that were left out."""
-    lacking = law + rest
-    whole = float(lacking @ lacking)
-    most = 1.0 - _left_out(free[0], lacking, free[1], 0)[1] / whole
+    """The share that laws explain over the share of a free function, on blocks that were left out."""
+    residual = law + rest
+    whole = float(residual @ residual)
+    most = 1.0 - _left_out(free[0], residual, free[1], 0)[1] / whole
     return float(np.clip((1.0 - float(rest @ rest) / whole) / max(most, 1e-12), 0.0, 1.0))
 
 

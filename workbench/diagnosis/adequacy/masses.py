@@ -13,7 +13,7 @@ from ..hypothesis import Fit
 from ..policy import POLICY
 from ..screening.sensitivity import Linearisation
 from ..screening.torque_regression import kept_rows
-from .free_functions import Adequacy, Free, held
+from .free_functions import Adequacy, Free, against_free_functions
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class MultiAxisLaw:
     recording: np.ndarray
 
 
-def several(
+def multi_axis_law(
     linearisation: Linearisation, found: Fit, data: Data, acts: Sequence[np.ndarray], which: int
 ) -> MultiAxisLaw:
     """What a mass asks of all drives that move it."""
@@ -71,4 +71,6 @@ def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
     varying = [apart(x) for x in (s.speed, time)]
     free = [(apart(s.position), law), *(((law[:, None] * basis, p), law) for basis, p in varying)]
     beside = [apart(x) for x in (s.speed, s.acceleration, time)]
-    return held(s.laws.reshape(count * axes, -1), rest, free, beside, np.repeat(s.recording, axes))
+    return against_free_functions(
+        s.laws.reshape(count * axes, -1), rest, free, beside, np.repeat(s.recording, axes)
+    )

@@ -1,4 +1,4 @@
-"""What a diagnosis would refuse recordings for, as lines beside a result that stands all the same."""
+"""Lines on what a diagnosis would refuse recordings for, beside a result that is shown all the same."""
 
 from __future__ import annotations
 

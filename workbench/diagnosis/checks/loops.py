@@ -1,4 +1,4 @@
-"""Loops that the logs contradict: what was stated of them is mended before any physics is found."""
+"""The loop check: refuses recordings that contradict the stated coordinates of their loop."""
 
 from __future__ import annotations
 

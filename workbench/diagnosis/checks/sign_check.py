@@ -49,7 +49,7 @@ def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -
 def refuse_wrong_sign_in_loop(
     model: Model, recordings: Sequence[Recording], error: float, floor: float
 ) -> None:
-    """Refuse recordings of which the model explains most as soon as one axis is turned round.
+    """Refuse recordings that the model mostly explains, in the loop, once the sign of one axis is changed.
 
     Where weight and inertia are the same either way, so is the error, and nothing is said.
 
@@ -67,7 +67,7 @@ def refuse_wrong_sign_in_loop(
     turns = [Turn(axis, motion=True, torque=True) for axis in recordings[0].axes]
     scores = {turn.axis: _score(model, [turn.of(r) for r in some]) for turn in turns}
     score = min(scores.values())
-    # where runs go astray, one that goes less far astray says nothing
+    # where all runs are far off, one that is less far off says nothing
     if score < min(POLICY.sign_error, POLICY.sign_left * (error := _score(model, some))):
         axes = [axis for axis, own in scores.items() if own <= POLICY.sign_alike * score]
         both = ", whichever of them is turned" if len(axes) > 1 else ""

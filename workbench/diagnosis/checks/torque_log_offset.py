@@ -1,4 +1,4 @@
-"""A measured torque that stands some rows beside its command: loggers write what they read a row ago."""
+"""The torque log offset: a measured torque logged whole rows later or earlier than its command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Units that nobody stated: what a wrong one explains is said before any physics is found for it."""
+"""The unit check: units that were guessed, where another unit would explain the recordings."""
 
 from __future__ import annotations
 

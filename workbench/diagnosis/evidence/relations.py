@@ -34,7 +34,7 @@ _ORDERS = range(1, 33)  # of a revolution
 
 @dataclass(frozen=True)
 class Relation:
-    """The residual torque of an axis going with one quantity.
+    """The relation of the residual torque of an axis to one quantity.
 
     Attributes:
         quantity: in words.
@@ -52,7 +52,7 @@ class Relation:
 
 @dataclass(frozen=True, eq=False)
 class Missing:
-    """The torque that a model lacks along what was measured, recordings one below the other.
+    """The residual torque along the measured motion, recordings concatenated.
 
     Attributes:
         torque: measured less required torque, (N, n), each recording's mean taken off [N m or N].
@@ -154,7 +154,7 @@ class _Column:
 
 
 def relations(missing: Missing, axis: str, *, seed: int = 0) -> tuple[Relation, ...]:
-    """The one or two quantities that the residual torque of an axis goes with most.
+    """The one or two quantities that the residual torque of an axis correlates with most.
 
     Args:
         missing: see `missing_torque`.
@@ -163,7 +163,7 @@ def relations(missing: Missing, axis: str, *, seed: int = 0) -> tuple[Relation, 
 
     Returns:
         At most two, the larger first; the second explains part of what the first leaves. Empty where
-        nothing stands out of shuffled blocks.
+        nothing is significant against shuffled blocks.
     """
     block = round(_BLOCK_S / missing.step)
     k = missing.axes.index(axis)
@@ -182,7 +182,7 @@ def relations(missing: Missing, axis: str, *, seed: int = 0) -> tuple[Relation, 
             break
         found.append(Relation(column.quantity, _size(column, residual, count), column.unit, share, p))
         residual = residual - basis @ (basis.T @ residual)
-        # what goes with the first goes with the second as well: only what is new in it counts
+        # a quantity that correlates with the first explains part of the same: only what is new in it counts
         bases = [(c, _without(b, basis)) for c, b in bases if c is not column]
     return tuple(found)
 

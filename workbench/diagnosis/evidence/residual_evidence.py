@@ -1,4 +1,4 @@
-"""The lines under a finding: what it removes, and what responses and residuals say of it by themselves."""
+"""Residual evidence: lines under a finding, from responses and residuals, whatever the search says."""
 
 from __future__ import annotations
 
@@ -26,17 +26,14 @@ _TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
 
 @dataclass(frozen=True)
 class ResidualEvidence:
-    """What training recordings show beside the runs of a model that lacks something.
-
-    Nothing is computed before a line asks for it.
-    """
+    """Differences of the training recordings and the runs of a model, computed when first used."""
 
     data: Data
     fit: Fit
 
     @property
     def model(self) -> Model:
-        """The model that lacks something."""
+        """The model whose residual is examined."""
         return self.fit.hypothesis.model
 
     @cached_property
@@ -49,7 +46,7 @@ class ResidualEvidence:
 
     @cached_property
     def missing(self) -> Missing | None:
-        """The torque that the model lacks, actuator coordinates; on the ground, its force would be part."""
+        """The residual torque, actuator coordinates; on the ground, its force would be part."""
         if self.data.replay.on_ground:
             return None
         count = self.data.training
@@ -73,7 +70,7 @@ class ResidualEvidence:
 
     @property
     def follows_positions(self) -> bool:
-        """Whether the missing torque of an axis is a smooth function of positions alone."""
+        """Whether the residual torque of an axis is a smooth function of positions alone."""
         return any(s.frequency is None and all("position" in q for q in s.quantities) for s in self.shapes)
 
     def of_finding(self, key: EffectKey) -> list[str]:
@@ -119,7 +116,7 @@ class ResidualEvidence:
 def finding_lines(
     step: AcceptedStep, applied: AppliedEffect, found: Collection[EffectKey] = ()
 ) -> tuple[str, ...]:
-    """What an effect removes, where, and beside which other explanation.
+    """Lines on what an effect removes, where, and on the next explanation.
 
     Args:
         step: at which it was accepted.
@@ -146,7 +143,7 @@ def finding_lines(
 
 
 def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:
-    """Why an effect is certain although something else is missing; none where that was not asked."""
+    """Lines on why an effect is certain although something else is missing; none where not tested."""
     if key not in adequacy:
         return []
     own, found = " and ".join(effect_named(key.effect).depends_on or ("position",)), adequacy[key]
@@ -158,7 +155,7 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
 
 
 def _worst(missing: Missing) -> str:
-    """The axis that lacks most torque."""
+    """The axis with the largest residual torque."""
     power = (missing.torque**2).sum(axis=0)
     return missing.axes[int(power.argmax())]
 

@@ -51,7 +51,7 @@ def shapes(missing: Missing, axis: str) -> tuple[Shape, ...]:
     """Shapes that the residual torque of an axis follows, the one that removes most first.
 
     Args:
-        missing: the torque that a model lacks.
+        missing: the residual torque.
         axis: name.
 
     Returns:
@@ -199,5 +199,5 @@ def splines(values: Sequence[np.ndarray], at: Sequence[np.ndarray]) -> tuple[np.
 
 
 def _centred(basis: np.ndarray, start: Sequence[int]) -> np.ndarray:
-    """Each recording's mean taken off, as off the torque."""
+    """The values less the mean of each recording, as of the torque."""
     return np.concatenate([p - p.mean(axis=0) for p in np.split(basis, start[1:])])

@@ -18,7 +18,7 @@ from ..screening.sensitivity import Linearisation
 from .bounded_least_squares import solve
 from .delays import retry_at_best_delay
 from .normal_equations import Normal, normal, total
-from .uncertainty import covariance_of, with_deviations
+from .uncertainty import covariance_of, scatter, with_deviations
 from .whole_row_delays import across_row_edge, has_whole_row_delay
 
 _ITERATIONS = 6
@@ -204,13 +204,6 @@ def _linearise_together(works: list[_Work], data: Data) -> None:
             (scatter([draw[i] for draw in data.draws], own[i], data) for i in range(data.training)),
             np.zeros((own[0].shape[-1],) * 2),
         )
-
-
-def scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.ndarray:
-    """Covariance (C, C) of the right side that noise causes in one recording, from its draws."""
-    flat = response.reshape(draws[0].size, response.shape[-1])
-    hits = np.stack([flat.T @ (d * data.weight).reshape(-1) for d in draws])
-    return hits.T @ hits / len(hits)
 
 
 def _step(work: _Work, enough: float) -> None:

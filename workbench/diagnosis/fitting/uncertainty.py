@@ -72,6 +72,13 @@ def covariance_of(
     return from_noise * excess + jackknife
 
 
+def scatter(draws: list[np.ndarray], response: np.ndarray, data: Data) -> np.ndarray:
+    """Covariance (C, C) of the right side that noise causes in one recording, from its draws."""
+    flat = response.reshape(draws[0].size, response.shape[-1])
+    hits = np.stack([flat.T @ (d * data.weight).reshape(-1) for d in draws])
+    return hits.T @ hits / len(hits)
+
+
 def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) -> Hypothesis:
     """Standard deviations of the parameters by the delta method."""
     free = []

@@ -8,7 +8,7 @@ from functools import partial
 
 from workbench.core import EffectKey
 
-from ..acceptance import at_noise_floor, halves_excess, holdout_insensitive, near_noise_floor
+from ..acceptance import halves_excess, holdout_insensitive, near_noise_floor
 from ..data import Data
 from ..fitting.refinement import converged
 from ..hypothesis import Fit
@@ -27,7 +27,6 @@ from ..node import (
 )
 from ..policy import POLICY
 from ..problem import Problem
-from ..screening.compliance import other_causes
 from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
@@ -54,29 +53,31 @@ def alternative_starts(node: Node, problem: Problem) -> Node:
     if plain is not None:
         return plain
     visited = [effect_keys(step.fit) for step in node.steps]
-    beginnings = (
-        (_by_training, _sure),
+    starts = (
+        (_start_from_training, _explains_nearly_all),
         (partial(shared_effects, problem.screened), explains_data),  # one of a dozen, not of thousands
-        (best_pair, _sure),
-        (lambda *_: inverse_dynamics_start(problem), _sure),
+        (best_pair, _explains_nearly_all),
+        (lambda *_: inverse_dynamics_start(problem), _explains_nearly_all),
     )
-    for begin, enough in beginnings:
+    for propose, enough in starts:
         if data.budget.spent:
             return node
-        steps = begin(problem.linearisation, data, start, problem.progress)
+        steps = propose(problem.linearisation, data, start, problem.progress)
         if not steps:
             continue
-        begun = with_steps(Node(start, data), steps, problem.seed)
+        started = with_steps(Node(start, data), steps, problem.seed)
         ended = (
-            begun
-            if near_noise_floor(begun.current, begun.data)
-            else forward_selection(begun, problem, visited=visited)
+            started
+            if near_noise_floor(started.current, started.data)
+            else forward_selection(started, problem, visited=visited)
         )
-        plain = _without_stand_ins(ended, begun, problem)
-        for other in (ended, begun) if plain is ended else (plain,):
+        plain = _without_needless_start(ended, started, problem)
+        for other in (ended, started) if plain is ended else (plain,):
             if enough(other, problem):
                 return other
-    return next((other for other in _leaps(node, problem) if _sure(other, problem)), node)
+    return next(
+        (other for other in _provisional_nodes(node, problem) if _explains_nearly_all(other, problem)), node
+    )
 
 
 def with_compliance_from_torque(node: Node, problem: Problem) -> Node:
@@ -98,7 +99,11 @@ def retry_with_refinement(node: Node, problem: Problem) -> Node:
     """
     if node.done or near_noise_floor(node.current, node.data):
         return node
-    others = (o for o in _refined(node, problem, set(), effect_keys(node.current)) if _sure(o, problem))
+    others = (
+        o
+        for o in _refined(node, problem, set(), effect_keys(node.current))
+        if _explains_nearly_all(o, problem)
+    )
     return next((o for o in others if halves_excess(o.current, node.current, node.data)), node)
 
 
@@ -108,22 +113,22 @@ def _accepted_compliance(node: Node, problem: Problem) -> Node | None:
     Later steps have more true causes (friction that hides backlash), and more that only approximate others.
     """
     for count in range(len(node.steps) + 1):
-        plain = _by_torque(node_after(node.steps[:count], problem), problem, 0.0, POLICY.torque_first)
-        led = _allowing_divergence(plain, problem) if plain else None
-        if led and _sure(led, problem):
-            return led
+        plain = _with_compliance(node_after(node.steps[:count], problem), problem, 0.0, POLICY.torque_first)
+        continued = _allowing_divergence(plain, problem) if plain else None
+        if continued and _explains_nearly_all(continued, problem):
+            return continued
     return None
 
 
-def _without_stand_ins(ended: Node, begun: Node, problem: Problem) -> Node:
+def _without_needless_start(ended: Node, started: Node, problem: Problem) -> Node:
     """The node without effects of its start that effects found later have made needless.
 
     Rotor inertias on the axes of an arm approximate a load at its end, until the load itself is found.
     """
-    if len(begun.steps) < 2 or len(ended.steps) == len(begun.steps):
+    if len(started.steps) < 2 or len(ended.steps) == len(started.steps):
         return ended
     last = ended.steps[-1]
-    kept = needed(ended.current, ended.data, effect_keys(begun.current))
+    kept = needed(ended.current, ended.data, effect_keys(started.current))
     idle = sorted(effect_keys(ended.current) - effect_keys(kept), key=str)
     if not idle:
         return ended
@@ -132,11 +137,13 @@ def _without_stand_ins(ended: Node, begun: Node, problem: Problem) -> Node:
     return with_last_step(ended, plain, problem.seed)
 
 
-def _leaps(node: Node, problem: Problem) -> Iterator[Node]:
+def _provisional_nodes(node: Node, problem: Problem) -> Iterator[Node]:
     """Nodes after a provisional step; only where they end shows whether they are right."""
     tried: set[tuple[Keys, EffectKey]] = set()
     yield from _refined(node, problem, tried)
-    plainly = partial(_by_torque, node_after((), problem), problem, POLICY.torque_first, POLICY.torque_plain)
+    plainly = partial(
+        _with_compliance, node_after((), problem), problem, POLICY.torque_first, POLICY.torque_plain
+    )
     for leap in (plainly, partial(_provisional_step, node, problem)):
         provisional = None if problem.data.budget.spent else leap()
         if provisional is not None:
@@ -164,31 +171,6 @@ def _refined(
             problem.progress(f"beginning again from where {step.added} was taken")
             yield _allowing_divergence(node_after(before, problem), problem, basics_first=False)
             return
-
-
-def with_fewer_parameters(node: Node, problem: Problem) -> Node:
-    """The node of two effects with fewer parameters that explain as much as all that were found; else `node`.
-
-    It is tried where an earlier effect was indistinguishable from others: later effects may only correct a
-    wrong choice.
-    """
-    size = node.current.hypothesis.size
-    few = len(node.steps) < 2 or size < 3
-    if few or problem.data.budget.spent or not any(_doubtful(s, node, problem) for s in node.steps[:-1]):
-        return node
-    steps = best_pair(problem.linearisation, problem.data, problem.start, problem.progress)
-    if steps is None:
-        return node
-    other = with_steps(Node(problem.start, problem.data), steps, problem.seed)
-    return (
-        other if other.current.hypothesis.size < size and at_noise_floor(other.current, other.data) else node
-    )
-
-
-def _doubtful(step: AcceptedStep, node: Node, problem: Problem) -> bool:
-    """Whether another cause fits as well, other than the equivalent place at the joint."""
-    model = problem.start.hypothesis.model
-    return bool(other_causes(model, step.added, step.indistinguishable_at(node.current)))
 
 
 def _allowing_divergence(node: Node, problem: Problem, *, basics_first: bool = True) -> Node:
@@ -222,7 +204,7 @@ def _provisional_step(node: Node, problem: Problem) -> Node | None:
     return None if step is None else with_steps(node, (step,), problem.seed, wide=False)
 
 
-def _by_torque(at: Node, problem: Problem, least: float, most: float) -> Node | None:
+def _with_compliance(at: Node, problem: Problem, least: float, most: float) -> Node | None:
     """The node with a compliance that explains the inverse-dynamics residual, not confirmed in the loop.
 
     `least`, `most`: bounds of the share of the residual torque that it leaves.
@@ -234,7 +216,7 @@ def _by_torque(at: Node, problem: Problem, least: float, most: float) -> Node | 
     return with_steps(at, steps, problem.seed, wide=False) if steps else None
 
 
-def _by_training(
+def _start_from_training(
     linearisation: Linearisation, data: Data, start: Fit, progress: Progress
 ) -> tuple[AcceptedStep, ...]:
     """A first step chosen by cross-validation, where the holdout is insensitive; else none."""
@@ -247,7 +229,7 @@ def _by_training(
     return () if step is None else (step,)
 
 
-def _sure(node: Node, problem: Problem) -> bool:
+def _explains_nearly_all(node: Node, problem: Problem) -> bool:
     """Whether a node explains nearly all: alternative starts must explain more than forward selection."""
     return explains_data(node, problem) and (
         node.done

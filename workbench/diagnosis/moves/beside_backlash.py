@@ -69,7 +69,7 @@ class _Option:
         return effect_named(self.entry.key.effect).tier, len(self.active) + len(self.entry.shape)
 
 
-class _Gap:
+class _Backlash:
     """A gap and torques about it, along motions."""
 
     def __init__(self, linearisation: Linearisation, gap: Candidate, training: int) -> None:
@@ -131,7 +131,7 @@ def beside_backlash(
     Returns:
         Backlash alone where nothing else is missing.
     """
-    seen = _Gap(linearisation, gap, training)
+    seen = _Backlash(linearisation, gap, training)
     taken = {a.key for a in current.hypothesis.added}
     options = [o for o in _options(linearisation, gap.key, training) if o.entry.key not in taken]
     chosen: list[_Option] = []
@@ -190,7 +190,7 @@ def _on(column: SensitivityColumn, index: int, training: int) -> tuple[np.ndarra
 
 
 def _best(
-    seen: _Gap, options: Sequence[_Option], torques: Sequence[_Torque], values: np.ndarray
+    seen: _Backlash, options: Sequence[_Option], torques: Sequence[_Torque], values: np.ndarray
 ) -> tuple[_Option, np.ndarray] | None:
     """The simplest option of those that leave about the least, and values to begin with; by slopes alone."""
     now = seen.left(torques, values)

@@ -49,9 +49,9 @@ class JointSolution:
 def solve_jointly(problem: Problem) -> JointSolution | None:
     """The joint solution; None where no torque was recorded, or nothing helps that is certain."""
     problem.progress("solving for all axes and effects at once, along the measured motion")
-    if problem.along is None:
+    if problem.inverse_dynamics is None:
         return None
-    data, start, regression = problem.along
+    data, start, regression = problem.inverse_dynamics
     chosen = selected(regression)
     whole = _fitted(regression, chosen, start, data)
     if whole is None:

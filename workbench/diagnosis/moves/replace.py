@@ -37,7 +37,7 @@ def replace_effects(node: Node, problem: Problem) -> Node:
     for step in reversed(node.steps):
         if node.done or node.data.budget.spent:
             return node
-        found = _in_its_place(step, node, problem)
+        found = _replacements(step, node, problem)
         if found and halves_excess(found[0].fit, node.current, node.data):
             node = forward_selection(with_steps(node, found[:1], problem.seed), problem)
         elif step is node.steps[-1] and not near_noise_floor(node.current, node.data):
@@ -50,7 +50,7 @@ def replace_effects(node: Node, problem: Problem) -> Node:
     return node
 
 
-def _in_its_place(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
+def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
     """Steps with one effect replaced, each by another one and with all others kept, best first."""
     current, data = node.current, node.data
     keys = [

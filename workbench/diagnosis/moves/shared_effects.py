@@ -77,8 +77,8 @@ def shared_effects(
         return ()
     progress(f"fitting {'; '.join(' and '.join(names) for names, _ in sets)} on every axis")
     tried = [with_candidates(linearisation, chosen, start) for _, chosen in sets]
-    raced = zip(sets, successive_halving(tried, start, data)[0], strict=True)
-    fits = [_Fitted(names, f) for (names, _), f in raced if f is not None]
+    competed = zip(sets, successive_halving(tried, start, data)[0], strict=True)
+    fits = [_Fitted(names, f) for (names, _), f in competed if f is not None]
     floor = test_noise_floor(data)
     for found in simplest_first(fits, data, POLICY.later_gain):
         best = replace(found, fit=converged(needed(tune_sliding_speed(found.fit, data, floor), data), data))

@@ -40,7 +40,7 @@ def compliance_candidates(
 
 def _shares(linearisation: Linearisation, training: int, springs: Sequence[AppliedEffect]) -> list[Candidate]:
     """Candidates whose `test_loss` is the share of the residual torque that they leave."""
-    motions = [_relieved(m, linearisation.model) for m in linearisation.motions[:training]]
+    motions = [_without_own_compliance(m, linearisation.model) for m in linearisation.motions[:training]]
 
     def asked(key: EffectKey) -> list[Candidate]:
         if key.effect == _SPRING and springs and all(a.key.axis != key.axis for a in springs):
@@ -77,7 +77,7 @@ def _beside(
     rigid = replace(
         linearisation.model, effects=tuple(e for e in linearisation.model.effects if e.key not in keys)
     )
-    motions = [_relieved(m, rigid) for m in linearisation.motions[:training]]
+    motions = [_without_own_compliance(m, rigid) for m in linearisation.motions[:training]]
     seats = (Placement.of(rigid, k) for k in (*(a.key for a in springs), key))
     known, now = [seat for seat in seats if seat is not None], [a.values for a in springs]
     alone, together = Springs(motions, rigid, known[:-1]), Springs(motions, rigid, known)
@@ -91,7 +91,7 @@ def _beside(
     return [Candidate(key, np.zeros(0), own, left, beside)]
 
 
-def _relieved(motion: Motion, model: Model) -> Motion:
+def _without_own_compliance(motion: Motion, model: Model) -> Motion:
     """The motion without the torque of the model's own compliances: inverse dynamics are rigid."""
     for effect, place, shape in giving_way(model):
         offset = effect.response(motion, model, place, shape).offset

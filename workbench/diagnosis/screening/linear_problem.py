@@ -10,8 +10,8 @@ from workbench.core import EffectKey
 from workbench.effects import places
 
 from ..data import Data
-from ..fitting.fit import scatter
 from ..fitting.normal_equations import Normal, total
+from ..fitting.uncertainty import scatter
 from ..policy import POLICY
 from .screen import Entry, Equations, entries_of, equations_of, responses
 from .sensitivity import Linearisation

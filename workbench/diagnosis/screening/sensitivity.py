@@ -91,12 +91,12 @@ class Linearisation:
         return tuple(on_all_cores(one, range(len(self.runs)), self.motions))
 
     @property
-    def bends(self) -> bool:
+    def has_compliance(self) -> bool:
         """Whether the model has compliances, so that a torque on the links is not one on the motors."""
         return any(effect_named(e.key.effect).splits for e in self.model.effects)
 
     @cached_property
-    def sticks(self) -> bool:
+    def has_stiction(self) -> bool:
         """Whether dry friction holds a coordinate at rest for long.
 
         Small torques do not move it then, and a loop linearised about such a motion is wrong.
@@ -154,7 +154,12 @@ class Linearisation:
         """
         effect = effect_named(applied.key.effect)
         behind_springs = effect.on_links or applied.key.location == "joint"
-        if effect.by_runs or (behind_springs and self.bends) or self.sticks or self.data.replay.on_ground:
+        if (
+            effect.by_runs
+            or (behind_springs and self.has_compliance)
+            or self.has_stiction
+            or self.data.replay.on_ground
+        ):
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)
         motions = [effect.before(m, place, applied.values) for m in self.motions]

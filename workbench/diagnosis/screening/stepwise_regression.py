@@ -172,13 +172,13 @@ def _without_needless(now: Selection, regression: Regression) -> Selection:
     """Without effects that the others together have made needless, the most needless first."""
     while now.chosen:
         rest = [tuple(e for e in now.chosen if e is not out) for out in now.chosen]
-        with_fewer_parameters = [Selection(r, regression.solved(r)) for r in rest]
+        fewer = [Selection(r, regression.solved(r)) for r in rest]
         lost = [
             float((_gain(now.solution, f.solution, regression) / _least((out,))).max())
-            for out, f in zip(now.chosen, with_fewer_parameters, strict=True)
+            for out, f in zip(now.chosen, fewer, strict=True)
         ]
         k = int(np.argmin(lost))
         if lost[k] > 1.0:
             break
-        now = with_fewer_parameters[k]
+        now = fewer[k]
     return now

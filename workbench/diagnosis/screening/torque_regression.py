@@ -213,8 +213,8 @@ def regression_of(start: Fit, data: Data) -> Regression:
         i, whole = fold.recording, np.zeros(len(linearisation.runs[fold.recording]), bool)
         whole[fold.rows] = True
         folds.append(_by_axis(pieces[i][whole[rows[i]]], residuals[i][whole[rows[i]]]))
-    judging = range(data.training, len(rows)) if data.tests_on_holdout else ()
-    held = [_by_axis(pieces[i], residuals[i]) for i in judging]
+    test_rows = range(data.training, len(rows)) if data.tests_on_holdout else ()
+    held = [_by_axis(pieces[i], residuals[i]) for i in test_rows]
     return Regression(
         linearisation,
         tuple(entries),
@@ -242,8 +242,8 @@ def needing(linearisation: Linearisation) -> list[Motion]:
     out = []
     for motion, run, loop in zip(linearisation.motions, linearisation.runs, linearisation.loops, strict=True):
         reading = loop.reading
-        lacking = reading.recording.signals[reading.name] - run.signals[reading.name]
-        out.append(replace(motion, torque=motion.torque - lacking @ np.linalg.inv(reading.to_actuator)))
+        unmodelled = reading.recording.signals[reading.name] - run.signals[reading.name]
+        out.append(replace(motion, torque=motion.torque - unmodelled @ np.linalg.inv(reading.to_actuator)))
     return out
 
 
