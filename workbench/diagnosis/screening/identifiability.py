@@ -66,6 +66,8 @@ def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping
     Nonlinear parameters are held where they are, but for those of effects that have no others.
     """
     effect = effect_named(entry.key.effect)
+    if effect.free(model) == 0:
+        return {}
     own, count = columns_of(entry), len(entry.linear)
     covariance = np.zeros((count + len(effect.nonlinear),) * 2)
     asked = [p.name for p in effect.parameters if p.name not in effect.nonlinear]

@@ -21,7 +21,7 @@ _SAME_TOLERANCE = 1e-9  # share of a column that others leave where they are the
 
 
 class Linear:
-    """Every effect in the shape that shows best, and normal equations of all columns by training recording.
+    """Every effect in its middling shape, and normal equations of all columns by training recording.
 
     Attributes:
         entries: one for each effect in each place.
@@ -36,21 +36,16 @@ class Linear:
         own: Sequence[Normal],
         quiet: np.ndarray,
         scattered: np.ndarray,
-        draws: int,
+        white: float,
         equations: Equations | None = None,
     ) -> None:
-        """`scattered`: covariance of the right side by `draws` of the noise, which may miss directions."""
+        """`scattered`: covariance of the right side by noise; `white`: mean square of noise in one value."""
         self.own, self.quiet, self.equations = tuple(own), quiet, equations
-        whole = total(self.own)
-        self._gram = whole.gram
-        white = whole.gram * quiet.sum() / max(whole.samples, 1)
-        self._noise = (draws * scattered + white) / (draws + 1)
-        best: dict[EffectKey, tuple[float, Entry]] = {}
+        self._gram, self._noise, self._white = total(self.own).gram, scattered, white
+        shapes: dict[EffectKey, list[Entry]] = {}
         for entry in entries:
-            shown = self.shown(entry)
-            if entry.key not in best or shown > best[entry.key][0]:
-                best[entry.key] = shown, entry
-        self.entries = tuple(entry for _, entry in best.values())
+            shapes.setdefault(entry.key, []).append(entry)
+        self.entries = tuple(sorted(own, key=self.shown)[len(own) // 2] for own in shapes.values())
 
     @property
     def excess(self) -> np.ndarray:
@@ -63,11 +58,14 @@ class Linear:
 
     def covariance(self, index: Sequence[int]) -> np.ndarray:
         """Of the coefficients of some columns that are fitted together, by noise alone."""
+        inverse = self._inverse(index)
+        return inverse @ self._noise[np.ix_(index, index)] @ inverse
+
+    def _inverse(self, index: Sequence[int]) -> np.ndarray:
         block = self._gram[np.ix_(index, index)]
         size = np.sqrt(np.maximum(np.diag(block), 1e-300))
         inverse = np.linalg.pinv(block / np.outer(size, size), rcond=1e-10, hermitian=True)
-        inverse = inverse / np.outer(size, size)
-        return inverse @ self._noise[np.ix_(index, index)] @ inverse
+        return inverse / np.outer(size, size)
 
     def shown(self, entry: Entry) -> float:
         """In how many deviations a small effect shows, beyond its own simpler parts."""
@@ -87,8 +85,10 @@ class Linear:
             same = cross @ np.linalg.lstsq(block, cross, rcond=1e-12)[0]
             if same > (1.0 - _SAME_TOLERANCE) * self._gram[column, column]:
                 return 0.0
-        deviation = np.sqrt(self.covariance([*beside, column])[-1, -1])
-        return float(self.small(entry) / max(deviation, 1e-300))
+        index = [*beside, column]
+        # few draws of the noise may miss a direction, in which it is taken as white
+        variance = max(self.covariance(index)[-1, -1], self._white * self._inverse(index)[-1, -1])
+        return float(self.small(entry) / np.sqrt(max(variance, 1e-300)))
 
     def correlation(self, one: Sequence[int], other: Sequence[int]) -> float:
         """The largest of any column of one effect with any of another, without sign."""
@@ -111,7 +111,8 @@ def linear_of(linearisation: Linearisation, data: Data) -> Linear:
     spread = [scatter([draw[i] for draw in data.draws], changes[i], data) for i in each]
     quiet = np.array([np.sum(data.floor[i] * white) * len(linearisation.runs[i]) for i in each])
     known = Equations(tuple(entries), pieces, held_out)
-    return Linear(entries, own, quiet, np.sum(spread, axis=0), len(data.draws), known)
+    level = quiet.sum() / max(sum(p.samples for p in own) * np.count_nonzero(white), 1)
+    return Linear(entries, own, quiet, np.sum(spread, axis=0), level, known)
 
 
 def is_too_large(linearisation: Linearisation, data: Data) -> bool:
@@ -128,7 +129,6 @@ def linear_along(regression: Regression, data: Data) -> Linear:
         piece = total(axes)
         own[fold.recording] = own[fold.recording] + piece if fold.recording in own else piece
         quiet[fold.recording] += sum(a.samples * f for a, f in zip(axes, regression.floor, strict=True))
-    white = sum(
-        total([fold[k] for fold in regression.folds]).gram * f for k, f in enumerate(regression.floor)
-    )
-    return Linear(regression.entries, list(own.values()), quiet, np.asarray(white), 1)
+    each = zip(*regression.folds, strict=True)
+    scattered = np.sum([total(axis).gram * f for axis, f in zip(each, regression.floor, strict=True)], axis=0)
+    return Linear(regression.entries, list(own.values()), quiet, scattered, 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.comparison import is_free
 from workbench.core import EffectKey, Recording
-from workbench.effects import effect_named, places
+from workbench.effects import Door, effect_named, places
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
@@ -20,6 +20,8 @@ from .command_path import by_command_path
 from .propagation import propagate_sensitivities
 from .sensitivity import Linearisation, SensitivityColumn
 
+#: What acts on the motion; what shifts commands or readings is no torque.
+TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
 _BLOCK = 64  # columns propagated together; only those of one effect are compared with each other
 _MOVED = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)  # m, of a foot: values to begin with
 _HELD = 4_000_000  # numbers of a column times columns, of more than a block of which long data get fewer
@@ -139,11 +141,13 @@ def unobservable_effects(linearisation: Linearisation, data: Data) -> list[Effec
     out = []
     for key in places(linearisation.model):
         effect = effect_named(key.effect)
-        of_ground = data.replay.on_ground and effect.of_ground
-        if not data.replay.shows(key.effect) or (
-            of_ground
-            and not effect.guesses(linearisation.motions[: data.training], linearisation.model, None)
-        ):
+        hidden = not data.replay.shows(key.effect)
+        if data.replay.on_ground and effect.of_ground:
+            motions = linearisation.motions[: data.training]
+            hidden = hidden or not effect.guesses(motions, linearisation.model, None)
+        # what shifts commands or readings is no torque, which is all that a measured motion tells
+        along = not data.replay.simulates and effect.door not in TORQUES
+        if hidden or along:
             out.append(key)
     return out
 

@@ -22,13 +22,11 @@ from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
 from ..hypothesis import Fit
 from .propagation import propagate_sensitivities
-from .screen import Entry, limits_of, sizes_of, strength_of
+from .screen import TORQUES, Entry, limits_of, sizes_of, strength_of
 from .sensitivity import Linearisation, SensitivityColumn
 
 _BLOCK = 64  # columns that are filtered together
 _PER_CYCLE = 4  # rows kept per cycle of the filter's corner frequency: behind it nothing is faster
-#: What acts on the motion; what shifts commands or readings is no torque.
-_DOORS = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
 
 
 Chosen = tuple[Entry, ...]
@@ -178,7 +176,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
     entries, motions, sizes = [], needing(linearisation), sizes_of(linearisation)
     for key in places(model):
         effect, place = effect_named(key.effect), Placement.of(model, key)
-        acts = effect.door in _DOORS and not effect.splits and not effect.of_ground
+        acts = effect.door in TORQUES and not effect.splits and not effect.of_ground
         if not acts or effect.free(model) == 0 or not data.replay.shows(key.effect):
             continue
         if effect.door is Door.MOTOR and _is_a_gain(key, linearisation):
@@ -192,7 +190,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
     own: dict[EffectKey, int] = {}
     for applied in model.effects:
         effect = effect_named(applied.key.effect)
-        if effect.door in _DOORS and not effect.splits and not effect.by_runs and effect.parameters:
+        if effect.door in TORQUES and not effect.splits and not effect.by_runs and effect.parameters:
             own[applied.key] = len(columns)
             columns.append(linearisation.total(applied, applied.values))
     rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
