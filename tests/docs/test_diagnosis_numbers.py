@@ -58,6 +58,7 @@ NUMBERS = [
     ),
     ("policy", "tie", percent, "explanations that judge within {}, the one"),
     ("policy", "significant", count, "within {} deviations of none"),
+    ("policy", "small_effect", percent, "at a size of {} of the drives' torque"),
     (
         "policy",
         "most_of_excess",
