@@ -245,6 +245,11 @@ class Identifiability:
     not_excited: tuple[EffectKey, ...]
     expected: tuple[tuple[EffectKey, Mapping[str, Estimate]], ...]
 
+    @property
+    def count(self) -> int:
+        """Of all effects in all places."""
+        return len(self.separable) + len(self.not_excited) + sum(map(len, self.groups))
+
 
 @dataclass(frozen=True)
 class Disagreement:

@@ -35,7 +35,6 @@ from .policy import POLICY
 from .problem import Problem, problem_of
 from .removed_share import removed_share
 from .screening.identifiability import disagreements, identifiability_of
-from .screening.screen import unobservable_effects
 from .search_result import SearchResult
 from .significance import is_significant
 
@@ -82,6 +81,7 @@ def search(
     most = POLICY.most_effects if limit is None else limit
     problem = problem_of(model, data, simulated.clean, most, seed, progress)
     start, first = problem.start, problem.data
+    known, disagreeing = (None, ()) if only_jointly else _distinguishable(problem)
     before = is_consistent(first, start.mean_squares)
     node, joint = Node(start, first, done=before), None
     if not before:
@@ -106,7 +106,8 @@ def search(
         median_explained(first, start, current, data) if diverges(current) else 0.0,
         joint.adequacy if joint else {},
         joint.near if joint else (),
-        *((None, ()) if only_jointly else _distinguishable(problem)),
+        known,
+        disagreeing,
         joint is not None,
     )
 
@@ -115,9 +116,9 @@ def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Di
     """Identifiability and disagreement of the recordings; nothing where there is no linear problem."""
     if problem.linear is None:
         return None, ()
-    linear, data, names = problem.linear, problem.data, [r.name for r in problem.data.recordings]
-    model, unseen = problem.start.hypothesis.model, unobservable_effects(problem.linearisation, data)
-    return identifiability_of(linear, model, data, unseen), disagreements(linear, names)
+    known = identifiability_of(problem.linear, problem.linearisation, problem.data)
+    problem.progress(f"the recordings tell {len(known.separable)} of {known.count} effects from all others")
+    return known, disagreements(problem.linear, [r.name for r in problem.data.recordings])
 
 
 def _only_jointly(start: Node, problem: Problem) -> tuple[Node, JointSolution | None]:

@@ -16,11 +16,8 @@ def told_apart(known: Identifiability | None) -> list[str]:
     """Sentences: how many effects differ in these recordings, and which stand for one another."""
     if known is None:
         return []
-    count = len(known.separable)
-    whole = count + len(known.not_excited) + sum(map(len, known.groups))
-    lines = [
-        f"These recordings can tell {count} of {whole} effects from all others, at 2 % of the drives' torque."
-    ]
+    counts = f"{len(known.separable)} of {known.count} effects"
+    lines = [f"These recordings can tell {counts} from all others, at 2 % of the drives' torque."]
     lines += [
         f"They cannot tell apart: {w.any_of([w.effect_phrase(k) for k in group], 'and')}."
         for group in known.groups

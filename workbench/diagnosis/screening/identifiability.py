@@ -21,25 +21,23 @@ from ..fitting.uncertainty import with_deviations
 from ..hypothesis import Hypothesis, applied_effect
 from ..policy import POLICY
 from .linear_problem import Linear, columns_of
-from .screen import Entry
+from .screen import Entry, unobservable_effects
+from .sensitivity import Linearisation
 
 _UNRELATED_TOLERANCE = 0.5  # correlation of columns below which two effects are never taken for each other
 
 
-def identifiability_of(
-    linear: Linear, model: Model, data: Data, unobservable: Sequence[EffectKey] = ()
-) -> Identifiability:
-    """Which effects of small size the recordings can distinguish, and the deviation that each would have.
-
-    `unobservable`: effects that change nothing in these recordings.
-    """
+def identifiability_of(linear: Linear, linearisation: Linearisation, data: Data) -> Identifiability:
+    """Which effects the recordings can tell apart at a small size, and how well each would be known."""
+    model, unseen = linearisation.model, unobservable_effects(linearisation, data)
     excited = [e for e in linear.entries if linear.shown(e) >= POLICY.significant]
+    silent = [e.key for e in linear.entries if linear.shown(e) < POLICY.significant]
     groups = _groups(linear, excited)
     alike = {key for group in groups for key in group}
     return Identifiability(
         separable=tuple(e.key for e in excited if e.key not in alike),
         groups=groups,
-        not_excited=(*unobservable, *(e.key for e in linear.entries if linear.shown(e) < POLICY.significant)),
+        not_excited=(*unseen, *silent),
         expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, model, data))),
     )
 
