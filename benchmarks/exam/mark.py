@@ -20,6 +20,7 @@ from . import scoring
 from .answers import Answer, Named, answer_of, error_of, errors_of, key_of, with_answer, with_truth
 from .cases import Case
 from .field.judging import judged, refused
+from .field.plant import told
 from .record import Recorded, record
 
 #: Training recordings and seed -> answer.
@@ -91,8 +92,10 @@ def _diagnosed(
     line["visible"] = bool(before.error >= VISIBLE * before.noise_error)
     line["before"] = error_of(model, judging) if data.held_out else float(before.error)
     truth = with_truth(model, case.hidden)
+    training = told(case.field, data.training) if case.field else data.training
+    judging = told(case.field, judging) if case.field else judging
     line["floor"], line["floor_noise"] = errors_of(truth, judging) if known else (None, None)
-    line["asked"] = _asked_for(case, model, data.training)
+    line["asked"] = _asked_for(case, model, training)
     line |= marked(case, answer_of(diagnosis), line)
     if case.field is not None:
         line |= judged(case.field, case.kind, line, diagnosis)
@@ -104,6 +107,8 @@ def _diagnosed(
     line["unexplained_fraction"] = float(diagnosis.unexplained_fraction)
     line["ranking"] = [[str(key), round(float(share), 4)] for key, share in diagnosis.ranking[:6]]
     line["evidence"] = list(diagnosis.evidence)
+    line["notes"] = list(diagnosis.notes)
+    line["near"] = [str(f.key) for f in diagnosis.near]
     line["not_excited"] = [str(key) for key in diagnosis.not_excited]
     line["next_experiment"] = diagnosis.next_experiment
     line["others"] = {name: _asked(case, ask, data, line) for name, ask in others.items()}

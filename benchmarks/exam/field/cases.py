@@ -10,7 +10,7 @@ from ..cases import Case, interleaved
 from ..second.hidden import Hidden
 from .chain import Machine
 from .machines import MACHINES, draw_machine
-from .plant import JOINT, Field, Way, has
+from .plant import JOINT, Field, Way, along, has
 
 FAMILIES = tuple(MACHINES)
 KINDS = ("clean", "wrong_number", "positions_alone", "beside_stranger", "friction_everywhere", "two_units")
@@ -24,7 +24,7 @@ _COUNTS = {
     "friction_everywhere": 2,
     "two_units": 3,
 }
-#: What a torque may be in without anybody having said so, over N m: ft lbf, in lbf, kgf cm, kgf m; or amperes.
+#: What a torque may be in without anybody saying so, over N m: ft lbf, in lbf, kgf cm, kgf m; or amperes.
 _UNITS = (0.7376, 8.8507, 10.197, 0.10197, 1.6)
 _QUADRUPED = ("positions_alone",)  # such logs are made by policies, and hold no more
 _Maker = Callable[[str, int, int, np.random.Generator], Field]
@@ -121,7 +121,9 @@ def _number(machine: Machine, number: int, turn: int, draw: np.random.Generator)
     axes = [link.name for link in machine.links if link.driven]
     turning = [link.name for link in machine.links[1:] if link.driven and not link.slides]
     effect = _NUMBERS[(number + turn) % len(_NUMBERS)]
-    if effect in ("first_moment_error", "link_inertia_error") and not turning:
+    if effect == "first_moment_error":
+        turning = [axis for axis in turning if along(machine, axis) is not None]
+    if effect not in JOINT and not turning:
         effect = "coulomb_friction"
     times = float(draw.uniform(0.35, 0.7) if draw.integers(2) else draw.uniform(1.4, 2.2))
     if effect in JOINT:
@@ -132,6 +134,7 @@ def _number(machine: Machine, number: int, turn: int, draw: np.random.Generator)
     axis = str(draw.choice(turning))
     lacks = (1.0 - times) * has(machine, effect, axis)
     if effect == "link_inertia_error":
+        lacks *= min(1.0, 0.6 / abs(1.0 - times))  # no body has more about one axis than about both others
         return Hidden(effect, axis, "actuator", {"inertia": lacks})
     return Hidden(effect, axis, "actuator", {"along": lacks, "across": 0.0})
 

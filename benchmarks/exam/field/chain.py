@@ -120,7 +120,8 @@ def mjcf(machine: Machine) -> str:
         lines += [
             f'{"  " * (depth + 2)}<body name="{link.name}_link" pos="{_row(link.offset)}">',
             f'{"  " * (depth + 3)}<joint name="{link.name}"{kind} axis="{_row(link.axis)}" '
-            f'damping="{link.damping:.9g}" frictionloss="{link.friction:.9g}" armature="{link.armature:.9g}"/>',
+            f'damping="{link.damping:.9g}" frictionloss="{link.friction:.9g}" '
+            f'armature="{link.armature:.9g}"/>',
             f'{"  " * (depth + 3)}<inertial pos="{_row(link.centre)}" mass="{link.mass:.9g}" '
             f'diaginertia="{_row(link.inertia)}"/>',
         ]

@@ -75,18 +75,23 @@ def has(machine: Machine, effect: str, axis: str) -> float:
         return getattr(link, JOINT[effect][0])
     if effect == "link_inertia_error":
         return float(np.array(link.inertia) @ np.abs(link.axis))
-    if effect == "first_moment_error":
-        return link.mass * float(np.array(link.centre) @ along(machine, axis))
+    way = along(machine, axis)
+    if effect == "first_moment_error" and way is not None:
+        return link.mass * float(np.array(link.centre) @ way)
     raise KeyError(effect)
 
 
-def along(machine: Machine, axis: str) -> np.ndarray:
-    """Unit vector of a link towards the next joint, or the tip, in the link's frame, square to its axis."""
+def along(machine: Machine, axis: str) -> np.ndarray | None:
+    """Unit vector of a link towards the next joint, or the tip, in the link's frame, square to its axis.
+
+    None where these lie on the axis.
+    """
     i = machine.index(axis)
     target = np.array(machine.links[i + 1].offset if i + 1 < len(machine.links) else machine.tip, float)
     own = np.array(machine.links[i].axis)
     target = target - own * (own @ target)
-    return target / np.linalg.norm(target)
+    length = float(np.linalg.norm(target))
+    return target / length if length > 1e-6 else None
 
 
 def stated(machine: Machine, hidden: Sequence[Hidden]) -> Machine:
@@ -109,14 +114,14 @@ def _without(link: Link, each: Hidden, machine: Machine) -> dict[str, object]:
         return {key: max(getattr(link, key) - p[size], 0.0)}
     if each.effect == "link_inertia_error":
         return {"inertia": tuple(np.array(link.inertia) - p["inertia"] * np.abs(link.axis))}
-    if each.effect == "first_moment_error":
-        moved = along(machine, link.name) * p["along"] / link.mass
-        return {"centre": tuple(np.array(link.centre) - moved)}
+    way = along(machine, link.name)
+    if each.effect == "first_moment_error" and way is not None:
+        return {"centre": tuple(np.array(link.centre) - way * p["along"] / link.mass)}
     raise KeyError(each.effect)
 
 
 def recorded(case: Field, folder: Path) -> tuple[Model, list[Recording]]:
-    """The model, whose file is put into `folder` and must stay there, and the recordings, the judging one last.
+    """The model, whose file is put into `folder` and must stay there, and recordings, that to judge by last.
 
     Raises:
         SimulationError: the machine ran away.
@@ -125,6 +130,20 @@ def recorded(case: Field, folder: Path) -> tuple[Model, list[Recording]]:
     file = folder / f"{machine.name}.xml"
     file.write_text(mjcf(stated(machine, case.hidden)), "utf-8")
     return load_model(file), [_record(case, machine, number) for number in range(len(KINDS))]
+
+
+def told(case: Field, recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings with all that is true of the loop and that no log of positions alone shows."""
+    if not case.way.positions_alone:
+        return list(recordings)
+    return [
+        replace(
+            r,
+            controller=replace(r.controller, velocity="sensor"),
+            timing=replace(r.timing, reference_held=case.way.held),
+        )
+        for r in recordings
+    ]
 
 
 def _record(case: Field, machine: Machine, number: int) -> Recording:
