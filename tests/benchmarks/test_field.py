@@ -67,7 +67,9 @@ def test_free_motion_keeps_its_energy(family: str) -> None:
 
 
 def slider(friction: float) -> Machine:
-    link = Link("x", (1, 0, 0), (0, 0, 0), 1.5, (0, 0, 0), (1e-3,) * 3, 0.5, 0.0, friction, slides=True)
+    link = Link(
+        "x", (1, 0, 0), (0, 0, 0), 1.5, (0, 0, 0), (1e-3, 1e-3, 1e-3), 0.5, 0.0, friction, slides=True
+    )
     return Machine("slider", (link,), (0, 0, 0), (0.0,), (0.0,), (0.0,), (0.1,))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,8 @@ class _Draw:
         """Up to `factor` times more or less."""
         return float(usual * factor ** self._generator.uniform(-1.0, 1.0))
 
-    def joint(self, armature: float, damping: float, friction: float) -> dict[str, float]:
+    def joint(self, armature: float, damping: float, friction: float) -> dict[str, Any]:
+        """Numbers of a joint about these."""
         return {
             "armature": self.about(armature, 1.6),
             "damping": self.about(damping, 1.6),
@@ -93,7 +95,7 @@ def _cart(d: _Draw) -> Machine:
     links = (
         Link("cart", X, (0, 0, 0.5), d.about(1.2), (0, 0, 0), (0.003, 0.003, 0.003), slides=True,
              **d.joint(0.3, 4.0, 1.5)),
-        Link("rod", Y, (0, 0, 0), m := d.about(0.25), (0, 0, -long / 2), (m * long**2 / 12,) * 2 + (1e-4,),
+        Link("rod", Y, (0, 0, 0), m := d.about(0.25), (0, 0, -long / 2), (m * long**2 / 12, m * long**2 / 12, 1e-4),
              damping=d.about(0.004), driven=False),
     )  # fmt: skip
     return Machine(
