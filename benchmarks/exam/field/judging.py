@@ -45,6 +45,7 @@ def refused(kind: str, problem: str) -> dict[str, Any]:
         "findings": [],
         "false_findings": 0,
         "first_right": False,
+        "floor": None,
         "removed": None,
         "others": {},
     }

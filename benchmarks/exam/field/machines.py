@@ -95,8 +95,8 @@ def _cart(d: _Draw) -> Machine:
     links = (
         Link("cart", X, (0, 0, 0.5), d.about(1.2), (0, 0, 0), (0.003, 0.003, 0.003), slides=True,
              **d.joint(0.3, 4.0, 1.5)),
-        Link("rod", Y, (0, 0, 0), m := d.about(0.25), (0, 0, -long / 2), (m * long**2 / 12, m * long**2 / 12, 1e-4),
-             damping=d.about(0.004), driven=False),
+        Link("rod", Y, (0, 0, 0), m := d.about(0.25), (0, 0, -long / 2),
+             (m * long**2 / 12, m * long**2 / 12, 1e-4), damping=d.about(0.004), driven=False),
     )  # fmt: skip
     return Machine(
         "field_cart", links, (0, 0, -long), (d.about(250.0, 1.25), 0.0), (d.about(25.0, 1.25), 0.0),
