@@ -140,6 +140,11 @@ def test_one_recording_of_several_is_of_another_unit(tmp_path: Path) -> None:
         np.testing.assert_allclose(times * a.signals["torque_measured"], b.signals["torque_measured"])
 
 
+def test_no_torque_is_shown_where_no_motor_is(tmp_path: Path) -> None:
+    torque = recorded(Field("cart", 3, way=Way(duration=0.5)), tmp_path)[1][1].signals["torque_measured"]
+    assert torque[:, 0].any() and not torque[:, 1].any()
+
+
 def test_a_load_at_the_tip_is_the_same_as_two_bodies() -> None:
     link = loaded(ARM.links[-1], 0.7, ARM.tip)
     own, tip = np.array(ARM.links[-1].centre), np.array(ARM.tip)

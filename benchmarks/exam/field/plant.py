@@ -157,19 +157,19 @@ def _record(case: Field, machine: Machine, number: int) -> Recording:
         asked = np.repeat(logged, way.every, axis=0)[: len(asked)]
     speed, torque, encoder = machine.noise
     draw = np.random.default_rng([case.seed, number, 419])
-    n = len(machine.axes)
+    n, driven = len(machine.axes), np.array([float(link.driven) for link in machine.links])
     quiet = 0.0 if way.positions_alone else speed
     shown = run(
         asked[0], asked, round(way.tick / STEP), way.tick, np.array(machine.kp), np.array(machine.kd),
         quiet * draw.standard_normal(asked.shape), np.full(n, encoder),
-        np.array([float(link.driven) for link in machine.links]), numbers(machine.links),
+        driven, numbers(machine.links),
         _rows(case.strangers, machine), round(_SETTLE / way.tick),
     )[:: way.every]  # fmt: skip
     if not np.isfinite(shown).all():
         raise SimulationError(f"the {case.family} ran away in '{name}'")
     signals = {"position": shown[:, :n], "position_reference": logged}
     if not way.positions_alone:
-        measured = shown[:, 2 * n : 3 * n] + torque * draw.standard_normal((len(shown), n))
+        measured = shown[:, 2 * n : 3 * n] + torque * draw.standard_normal((len(shown), n)) * driven
         unit = way.unit if number == way.odd else 1.0
         signals |= {
             "velocity": shown[:, n : 2 * n],
