@@ -8,7 +8,8 @@ python benchmarks/hidden_effects.py --report marks.jsonl --figures figures
 
 Cases like those of the field, on robots that are no leg with rods (`exam/field/__init__.py`):
 
-python benchmarks/hidden_effects.py --family arm --seed 7 --first 12 --out marks.jsonl
+python benchmarks/hidden_effects.py --family arm --seed 7 --first 12 --out marks.jsonl \\
+    --against benchmarks/field.jsonl    # the first marks of all families
 
 The oracle, which a change of the diagnosis is held against: 120 cases of two simulators, measured machines.
 
