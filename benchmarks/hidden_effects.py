@@ -6,6 +6,11 @@ python benchmarks/hidden_effects.py --out marks.jsonl --cases s0-clean   # those
 python benchmarks/hidden_effects.py --out marks.jsonl --others least_squares sysid  # and other methods
 python benchmarks/hidden_effects.py --report marks.jsonl --figures figures
 
+Cases like those of the field, on robots that are no leg with rods (`exam/field/__init__.py`):
+
+python benchmarks/hidden_effects.py --family arm --seed 7 --first 12 --out marks.jsonl \\
+    --against benchmarks/field.jsonl    # the first marks of all families
+
 The oracle, which a change of the diagnosis is held against: 120 cases of two simulators, measured machines.
 
 python benchmarks/hidden_effects.py --quick --out marks.jsonl --against benchmarks/oracle.jsonl    # 30 cases
@@ -30,6 +35,7 @@ from exam.cases import Case, all_cases
 from exam.compact import compact, machine_line
 from exam.compact import read as read_compact
 from exam.compact import write as write_compact
+from exam.field.cases import FAMILIES, field_cases
 from exam.figures import draw_all
 from exam.mark import mark, revision
 from exam.oracle import QUICK, oracle_cases
@@ -46,6 +52,7 @@ def main() -> None:
         "--out", type=Path, help="one JSON line a case; cases that are there are not run again"
     )
     parser.add_argument("--seed", type=int, default=0, help="draws another exam")
+    parser.add_argument("--family", choices=FAMILIES, help="cases of the field on this robot")
     parser.add_argument("--jobs", type=int, default=-1)
     parser.add_argument("--first", type=int, help="only so many cases; any beginning is a fair sample")
     parser.add_argument("--cases", nargs="*", default=[], help="only cases whose name has one of these in it")
@@ -78,12 +85,14 @@ def main() -> None:
         if arguments.figures:
             draw_all(lines, arguments.figures)
         return
+    if arguments.oracle or arguments.quick:
+        cases = oracle_cases()[: QUICK if arguments.quick else None]
+    elif arguments.family:
+        cases = field_cases(arguments.family, arguments.seed)
+    else:
+        cases = all_cases(arguments.seed)
     chosen = [
-        case
-        for case in (oracle_cases() if arguments.oracle or arguments.quick else all_cases(arguments.seed))[
-            : QUICK if arguments.quick else None
-        ]
-        if not arguments.cases or any(part in case.name for part in arguments.cases)
+        case for case in cases if not arguments.cases or any(part in case.name for part in arguments.cases)
     ][: arguments.first]
     if arguments.list:
         print("\n".join(case.name for case in chosen))

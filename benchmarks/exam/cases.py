@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from workbench.rigs.magnitudes import SMALLEST, Seat
 
 from .outsiders import OUTSIDE, draw_outsider
 from .second.hidden import Hidden
+
+if TYPE_CHECKING:
+    from .field.plant import Field
 
 KINDS = ("single", "pair", "triple", "clean", "outsider")
 #: Magnitudes as a share of the way, in logarithms, from the smallest that is drawn to the largest. The
@@ -51,7 +54,8 @@ class Case:
         hidden: what the rig hides.
         size: of `SIZES`, or ``"drawn"``.
         recorded: ``"usual"`` or one of `ODD`.
-        rig: which simulator records it, the virtual leg or the second one.
+        rig: which simulator records it, the virtual leg, the second one, or that of the `field`.
+        field: the machine and how it is recorded, of a case of the field.
     """
 
     name: str
@@ -60,7 +64,8 @@ class Case:
     hidden: tuple[HiddenEffect | Hidden, ...]
     size: str = "drawn"
     recorded: str = "usual"
-    rig: Literal["virtual", "second"] = "virtual"
+    rig: Literal["virtual", "second", "field"] = "virtual"
+    field: Field | None = None
 
 
 def all_cases(seed: int = 0) -> list[Case]:

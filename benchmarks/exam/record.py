@@ -10,6 +10,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from workbench.core import Recording
+from workbench.effects import load_model
+from workbench.models import Model
 from workbench.recordings import load_recordings, save_recording
 from workbench.rigs import (
     Experiment,
@@ -23,6 +25,7 @@ from workbench.rigs import (
 )
 
 from .cases import Case
+from .field.plant import recorded
 from .second.hidden import Hidden
 from .second.leg import Noise, SecondLeg
 from .second.motions import motions
@@ -32,19 +35,29 @@ from .second.motions import motions
 class Recorded:
     """What a diagnosis is given."""
 
+    model: Model
     training: tuple[Recording, ...]
     held_out: tuple[Recording, ...]
 
 
-def record(case: Case) -> Recorded:
+def record(case: Case, folder: Path) -> Recorded:
     """The demo's experiments, and those without which the hidden effects would not show, or odd ones.
+
+    Args:
+        case: of any simulator.
+        folder: where the model's file is kept, where it has one of its own.
 
     Raises:
         SimulationError: the leg runs away.
     """
+    if case.field is not None:
+        model, made = recorded(case.field, folder)
+        read = _written_and_read(made)
+        return Recorded(model, read[:-1], read[-1:])
+    model = load_model("leg")
     if case.rig == "second":
         read = _written_and_read(_second(case))
-        return Recorded(read[:-1], read[-1:])
+        return Recorded(model, read[:-1], read[-1:])
     sensors, period = Sensors(), 3e-3
     *training, judge = experiments_for([h.effect for h in case.hidden], case.seed)
     match case.recorded:
@@ -69,7 +82,7 @@ def record(case: Case) -> Recorded:
     recordings = [_degraded(r, case.recorded) for r in leg.run([*training, judge])]
     held_out = case.recorded not in ("no_holdout", "one_chirp")
     read = _written_and_read(recordings if held_out else recordings[:-1])
-    return Recorded(read[:-1], read[-1:]) if held_out else Recorded(read, ())
+    return Recorded(model, read[:-1], read[-1:]) if held_out else Recorded(model, read, ())
 
 
 def _second(case: Case) -> list[Recording]:

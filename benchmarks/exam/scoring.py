@@ -11,8 +11,10 @@ from workbench.core import EffectKey
 from .answers import Answer, Named
 
 #: From best to worst. `extra`: all that was hidden, and something that was not. `part`: only some of it, and
-#: nothing else.
-OUTCOMES = ("right", "look-alike", "part", "consistent", "unexplained", "extra", "wrong")
+#: nothing else. `disagreeing` and `refused`: said of recordings that do not go together.
+OUTCOMES = (
+    "right", "look-alike", "disagreeing", "refused", "part", "consistent", "unexplained", "extra", "wrong"
+)  # fmt: skip
 
 #: A model is as good as the true one on data that judge if its error is at most this times the true one's.
 AS_GOOD = 1.05
@@ -22,6 +24,7 @@ ALIKE: frozenset[frozenset[str]] = frozenset(
     frozenset(pair)
     for pair in (
         ("reflected_inertia", "linkage_inertia"),
+        ("reflected_inertia", "link_inertia_error"),
         ("reflected_inertia", "payload_mass"),
         ("linkage_inertia", "payload_mass"),
         ("linkage_inertia", "link_length_error"),

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .cases import KINDS
+from .field.cases import KINDS as FIELD
 from .scoring import OUTCOMES, wilson
 
 Line = Mapping[str, Any]
@@ -67,13 +68,13 @@ def outcomes(lines: Sequence[Line]) -> str:
 
 
 def _rows(lines: Sequence[Line]) -> Iterable[tuple[str, list[Line]]]:
-    for kind in KINDS:
+    for kind in dict.fromkeys((*KINDS, *FIELD)):
         own = [line for line in lines if line["kind"] == kind]
         if kind == "clean":
             yield "clean, usual", [line for line in own if line["recorded"] == "usual"]
             yield "clean, odd or few", [line for line in own if line["recorded"] != "usual"]
-        elif kind == "outsider":
-            yield "outsider", own
+        elif kind in ("outsider", "two_units"):
+            yield kind, own
         else:
             yield f"{kind}, visible", [line for line in own if line["visible"]]
             yield f"{kind}, hardly visible", [line for line in own if not line["visible"]]
@@ -151,6 +152,10 @@ def mistakes(lines: Sequence[Line]) -> str:
             "Several, not all of them named",
             lambda x: x["kind"] in several and x["outcome"] not in ("wrong", "extra") and not x["good"],
         ),
+        (
+            "Of the field: a name, a value, the verdict or what disagrees",
+            lambda x: x["kind"] in FIELD[1:] and x["outcome"] != "extra" and not x["good"],
+        ),
     ]
     ran, failed = ([x for x in lines if ("failed" in x) is yes] for yes in (False, True))
     groups = [("Failed to run", failed), *((title, list(filter(test, ran))) for title, test in sections)]
@@ -162,7 +167,12 @@ def mistakes(lines: Sequence[Line]) -> str:
 
 
 def _floor_is_high(line: Line) -> bool:
-    """Whether rig and catalogue differ by more than noise, so that nobody could be right."""
+    """Whether rig and catalogue differ by more than noise, so that nobody could be right.
+
+    Where something strange is there, or a recording is unlike the others, they do.
+    """
+    if line["kind"] in ("beside_stranger", "two_units"):
+        return False
     return line["floor"] is not None and line["floor"] > 1.15 * line["floor_noise"]
 
 
@@ -189,11 +199,12 @@ def _mistake(line: Line) -> str:
         if line["floor"] is None
         else f", true model {line['floor']:.4f} ({line['floor'] / line['floor_noise']:.2f} times noise)"
     )
+    off = [name for name, near in line.get("within", {}).items() if not near]
     ranking = ", ".join(f"{key} {share:.3f}" for key, share in line["ranking"][:3])
     return (
         f"- `{line['case']}` (error {line['error'] / line['noise_error']:.1f} times noise): hidden "
         f"{truth or 'nothing'}: {line['verdict']}, named {named or 'nothing'}; held-out {line['before']:.4f} "
-        f"-> {after}{floor}; ranking {ranking or 'none'}"
+        f"-> {after}{floor}{'; off: ' + ', '.join(off) if off else ''}; ranking {ranking or 'none'}"
     )
 
 

@@ -1,0 +1,206 @@
+"""A case's machine as an instrument: its model file and its recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import Controller, Excitation, Recording, SimulationError
+from workbench.effects import load_model
+from workbench.models import Model
+
+from ..second.hidden import Hidden
+from .chain import Link, Machine, loaded, mjcf, numbers
+from .machines import draw_machine
+from .march import FOLLOWER, PATCH, STEP, TONE, run
+from .motions import KINDS, reference
+
+#: A number of a joint, the effect that corrects it, and the name of its size.
+JOINT = {
+    "viscous_damping": ("damping", "damping"),
+    "coulomb_friction": ("friction", "torque"),
+    "reflected_inertia": ("armature", "inertia"),
+}
+_SETTLE = 1.5  # s
+
+
+@dataclass(frozen=True)
+class Way:
+    """How a machine is recorded.
+
+    Attributes:
+        duration: of each recording [s].
+        tick: period of the loop [s].
+        every: ticks a row of the log.
+        positions_alone: neither speed nor torque is logged.
+        held: the reference stands still from row to row.
+        odd: number of the recording that is unlike the others, None of none.
+        unit: times its torque.
+        load: mass at its tip [kg].
+    """
+
+    duration: float = 15.0
+    tick: float = 2e-3
+    every: int = 1
+    positions_alone: bool = False
+    held: bool = False
+    odd: int | None = None
+    unit: float = 1.0
+    load: float = 0.0
+
+
+@dataclass(frozen=True)
+class Field:
+    """A family, what its file lacks, what is strange, how it is recorded; all else is drawn from `seed`."""
+
+    family: str
+    seed: int
+    hidden: tuple[Hidden, ...] = ()
+    strangers: tuple[Hidden, ...] = ()
+    way: Way = field(default_factory=Way)
+
+    @property
+    def machine(self) -> Machine:
+        """The true one."""
+        return draw_machine(self.family, self.seed)
+
+
+def has(machine: Machine, effect: str, axis: str) -> float:
+    """What the machine has of the number that an effect corrects (of a first moment along the link)."""
+    link = machine.links[machine.index(axis)]
+    if effect in JOINT:
+        return getattr(link, JOINT[effect][0])
+    if effect == "link_inertia_error":
+        return float(np.array(link.inertia) @ np.abs(link.axis))
+    way = along(machine, axis)
+    if effect == "first_moment_error" and way is not None:
+        return link.mass * float(np.array(link.centre) @ way)
+    raise KeyError(effect)
+
+
+def along(machine: Machine, axis: str) -> np.ndarray | None:
+    """Unit vector of a link towards the next joint, or the tip, in the link's frame, square to its axis.
+
+    None where these lie on the axis.
+    """
+    i = machine.index(axis)
+    target = np.array(machine.links[i + 1].offset if i + 1 < len(machine.links) else machine.tip, float)
+    own = np.array(machine.links[i].axis)
+    target = target - own * (own @ target)
+    length = float(np.linalg.norm(target))
+    return target / length if length > 1e-6 else None
+
+
+def stated(machine: Machine, hidden: Sequence[Hidden]) -> Machine:
+    """The machine as its file has it: without what is hidden.
+
+    Raises:
+        KeyError: something that no file states.
+    """
+    for each in hidden:
+        assert each.axis is not None
+        link = machine.links[machine.index(each.axis)]
+        machine = machine.with_link(each.axis, **_without(link, each, machine))
+    return machine
+
+
+def _without(link: Link, each: Hidden, machine: Machine) -> dict[str, object]:
+    p = each.parameters
+    if each.effect in JOINT:
+        key, size = JOINT[each.effect]
+        return {key: max(getattr(link, key) - p[size], 0.0)}
+    if each.effect == "link_inertia_error":
+        return {"inertia": tuple(np.array(link.inertia) - p["inertia"] * np.abs(link.axis))}
+    way = along(machine, link.name)
+    if each.effect == "first_moment_error" and way is not None:
+        return {"centre": tuple(np.array(link.centre) - way * p["along"] / link.mass)}
+    raise KeyError(each.effect)
+
+
+def recorded(case: Field, folder: Path) -> tuple[Model, list[Recording]]:
+    """The model, whose file is put into `folder` and must stay there, and recordings, that to judge by last.
+
+    Raises:
+        SimulationError: the machine ran away.
+    """
+    machine = case.machine
+    file = folder / f"{machine.name}.xml"
+    file.write_text(mjcf(stated(machine, case.hidden)), "utf-8")
+    return load_model(file), [_record(case, machine, number) for number in range(len(KINDS))]
+
+
+def told(case: Field, recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings with all that is true of the loop and that no log of positions alone shows."""
+    if not case.way.positions_alone:
+        return list(recordings)
+    return [
+        replace(
+            r,
+            controller=replace(r.controller, velocity="sensor"),
+            timing=replace(r.timing, reference_held=case.way.held),
+        )
+        for r in recordings
+    ]
+
+
+def _record(case: Field, machine: Machine, number: int) -> Recording:
+    way, name = case.way, KINDS[number][0]
+    if number == way.odd and way.load:
+        last = loaded(machine.links[-1], way.load, machine.tip)
+        machine = replace(machine, links=(*machine.links[:-1], last))
+    asked = reference(machine, case.seed, number, way.duration, way.tick)
+    logged = asked[:: way.every]
+    if way.held:
+        asked = np.repeat(logged, way.every, axis=0)[: len(asked)]
+    speed, torque, encoder = machine.noise
+    draw = np.random.default_rng([case.seed, number, 419])
+    n, driven = len(machine.axes), np.array([float(link.driven) for link in machine.links])
+    quiet = 0.0 if way.positions_alone else speed
+    shown = run(
+        asked[0], asked, round(way.tick / STEP), way.tick, np.array(machine.kp), np.array(machine.kd),
+        quiet * draw.standard_normal(asked.shape), np.full(n, encoder),
+        driven, numbers(machine.links),
+        _rows(case.strangers, machine), round(_SETTLE / way.tick),
+    )[:: way.every]  # fmt: skip
+    if not np.isfinite(shown).all():
+        raise SimulationError(f"the {case.family} ran away in '{name}'")
+    signals = {"position": shown[:, :n], "position_reference": logged}
+    if not way.positions_alone:
+        measured = shown[:, 2 * n : 3 * n] + torque * draw.standard_normal((len(shown), n)) * driven
+        unit = way.unit if number == way.odd else 1.0
+        signals |= {
+            "velocity": shown[:, n : 2 * n],
+            "torque_command": shown[:, 2 * n : 3 * n],
+            "torque_measured": unit * measured,
+        }
+    return Recording(
+        name=name,
+        axes=machine.axes,
+        coordinates="joint",
+        time=np.arange(len(shown)) * way.tick * way.every,
+        signals=signals,
+        units=tuple("m" if link.slides else "rad" for link in machine.links),
+        controller=Controller("pd", "joint", kp=machine.kp, kd=machine.kd, period_s=way.tick),
+        excitation=Excitation("reference"),
+        rig=machine.name,
+    )
+
+
+def _rows(strangers: Sequence[Hidden], machine: Machine) -> np.ndarray:
+    """The strangers as `march.strange` takes them."""
+    rows = []
+    for each in strangers:
+        p = each.parameters
+        own = machine.index(each.axis or "")
+        if each.effect == "rough_patch":
+            rows.append([PATCH, own, p["torque"], p["angle"], p["width"], 0])
+        elif each.effect == "follower":
+            rows.append([FOLLOWER, own, p["torque"], p["phase"], 0, p["other"]])
+        elif each.effect == "tone":
+            rows.append([TONE, own, p["torque"], p["frequency"], p["phase"], 0])
+        else:
+            raise KeyError(each.effect)
+    return np.array(rows, float).reshape(-1, 6)
