@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.bench_arm import FAST, SLOW, bench_arm, logged
-from workbench.comparison import compare, matched
+from workbench.comparison import compare, matched, matched_ways
 from workbench.core import Recording
 from workbench.effects import load_model
 
@@ -34,11 +34,15 @@ def test_the_reference_between_rows_is_told_beside_a_wrong_number(
     tmp_path: Path, wrong: str, held: bool
 ) -> None:
     machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model", **WRONG[wrong]))
-    for told in matched(model, logs(machine, held=held)):
+    likeliest, *others = matched_ways(model, logs(machine, held=held))
+    for told in likeliest:
         assert told.timing.reference_held is held
         assert any("reference_held" in note for note in told.notes)
-        # inertia of all axes that is wrong hides half a tick
-        assert told.controller.velocity == ("sensor" if wrong != "a centre of mass" else None)
+    # inertia of all axes that is wrong hides half a tick: then both ways to the speed are left to be tried
+    open_to = {
+        way[0].controller.velocity for way in (likeliest, *others) if way[0].timing.reference_held is held
+    }
+    assert open_to == ({"sensor"} if wrong != "a centre of mass" else {"sensor", "difference"})
 
 
 def test_a_right_model_explains_positions_alone(tmp_path: Path) -> None:

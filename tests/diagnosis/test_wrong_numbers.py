@@ -32,6 +32,13 @@ def test_a_rotor_from_positions_alone(tmp_path: Path) -> None:
     assert finding.model_value == pytest.approx(0.15)
 
 
+def test_a_centre_of_mass_from_positions_alone(tmp_path: Path) -> None:
+    """It hides how the loop got its speed; each way is tried, and no rotor of half a tick is left."""
+    (finding,) = told(tmp_path, positions_alone=True, fore_centre=0.07).findings
+    assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "bend")
+    assert finding.parameters["along"].value == pytest.approx(1.3 * (0.14 - 0.07), rel=0.05)
+
+
 def test_a_centre_of_mass(tmp_path: Path) -> None:
     (finding,) = told(tmp_path, fore_centre=0.07).findings
     assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "bend")

@@ -2,7 +2,16 @@
 
 from .by_law import with_torque_by_law
 from .closed_loop import ClosedLoop
-from .compare import cannot_run, compare, evaluate, matched, noise_rules, simulate_with_noise, told
+from .compare import (
+    cannot_run,
+    compare,
+    evaluate,
+    matched,
+    matched_ways,
+    noise_rules,
+    simulate_with_noise,
+    told,
+)
 from .following import MeasuredMotion, followed
 from .long import compare_logs
 from .noise import DRAWS, NoiseModel
@@ -36,6 +45,7 @@ __all__ = [
     "is_free",
     "is_weighable",
     "matched",
+    "matched_ways",
     "needs_inverse",
     "noise_rules",
     "normalised",

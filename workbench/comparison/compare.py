@@ -34,7 +34,7 @@ from .soft_friction import softness_note
 from .standing import check_ground, on_ground
 from .swings import is_free
 from .touching import contact_notes, refuse_overlaps
-from .unlogged import with_the_unlogged
+from .unlogged import readings
 from .where import locate
 
 _FEWEST = 30  # rows: from fewer neither their noise nor the start of a run can be told
@@ -60,7 +60,16 @@ def simulate_with_noise(
 
 def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """Recordings as they are compared with this model: with the axes of a base that floats, and with what
-    their logs leave open of the loop.
+    their logs leave open of the loop by the likeliest answer.
+
+    Raises:
+        InputError: as `matched_ways`.
+    """
+    return matched_ways(model, recordings)[0]
+
+
+def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], ...]:
+    """The same by all answers that may be right to what their logs leave open, the likeliest first.
 
     Raises:
         InputError: none given, other axes, a base that floats on one side only, a transmission that
@@ -85,7 +94,7 @@ def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, .
         if on_ground(r):
             check_ground(model, r)
     refuse_overlaps(model, out)
-    return with_the_unlogged(model, out)
+    return readings(model, out)
 
 
 def compare(

@@ -26,8 +26,11 @@ from .closed_loop import with_loops
 from .inverse import lowpass
 from .noise import NoiseModel
 
+_Speed = Literal["sensor", "difference"]
+_SPEEDS: tuple[_Speed, ...] = "sensor", "difference"
 _BLOCKS = 5
 _NEAR = 0.4  # of the way from one answer to the other: a vote for the one that is as near as that
+_SURE = 0.2  # the same, of all axes together, for an answer beside which the other need not be tried
 _EDGE_S = 0.3
 
 
@@ -42,17 +45,18 @@ class _Asked:
     others: np.ndarray
 
 
-def with_the_unlogged(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
-    """Recordings with what their logs leave open of the loop filled in, each answer with a note.
+def readings(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], ...]:
+    """Recordings by all answers to what their logs leave open of the loop that may be right, likeliest first.
 
     Asked where neither ``[timing] reference_held`` nor ``[controller] velocity`` says it, no torque was
     recorded, and a PD loop is known. The torque by the law along the measured motion less that which the
     model needs is held against both answers; damping, dry friction and weights of each axis may be wrong.
+    Where that does not decide, the run of a model that explains the recordings may.
     """
-    out = list(recordings)
     asked = [i for i, r in enumerate(recordings) if _is_open(model, r)]
     if not asked:
-        return tuple(out)
+        return (tuple(recordings),)
+    out = list(recordings)
     known = with_loops(model, [recordings[i] for i in asked])
     for i, r in zip(asked, known, strict=True):
         out[i] = replace(recordings[i], controller=r.controller)
@@ -60,23 +64,47 @@ def with_the_unlogged(model: Model, recordings: Sequence[Recording]) -> tuple[Re
     each = [_asked(r, plant, levels) for r in known]
     axes = [_joined([of[k] for of in each]) for k in range(model.size)]
     between = [prepare(r, model) for r in known]
-    if any(np.any(e.ticks % e.stride) for e in between):
-        share, std = _share([np.hstack([a.others, a.inertia]) for a in axes], axes, 0)
-        held = share > 0.5
-        sure = std < _NEAR and min(abs(share), abs(share - 1.0)) < _NEAR + 2.0 * std
+    if not any(np.any(e.ticks % e.stride) for e in between):
+        return tuple(_by_speed(out, asked, axes))
+    share, std = _share([np.hstack([a.others, a.inertia]) for a in axes], axes, 0)
+    held = share > 0.5
+    sure = max(std, abs(share - held)) < _SURE
+    found: list[tuple[Recording, ...]] = []
+    for answer in (held,) if sure else (held, not held):
+        taken = list(out)
         for i in asked:
-            out[i] = _noted(_held(out[i], held), _between_rows(held, sure))
-        axes = [replace(a, lacking=a.lacking + held * a.answers[:, 0]) for a in axes]
+            taken[i] = _noted(_held(out[i], answer), _between_rows(answer, sure))
+        found += _by_speed(
+            taken, asked, [replace(a, lacking=a.lacking + answer * a.answers[:, 0]) for a in axes]
+        )
+    return tuple(found)
+
+
+def _by_speed(
+    recordings: Sequence[Recording], asked: Sequence[int], axes: Sequence[_Asked]
+) -> list[tuple[Recording, ...]]:
+    """The recordings with the way in which loops come to know their speed, or with each of them."""
     votes = [_share([a.others], [a], 1) for a in axes]
     clear = [round(share) for share, std in votes if std < _NEAR and abs(share - round(share)) < _NEAR]
-    for answer, how in enumerate(("sensor", "difference")):
-        if clear.count(answer) > 0.5 * len(votes):  # inertia that is wrong hides it on its axes
-            for i in asked:
-                out[i] = _noted(_reading(out[i], how), _SPEED[how])
-    return tuple(out)
+    # inertia that is wrong hides it on its axes
+    decided: list[_Speed] = [
+        how for answer, how in enumerate(_SPEEDS) if clear.count(answer) > 0.5 * len(votes)
+    ]
+    found: list[tuple[Recording, ...]] = []
+    ways: tuple[_Speed, ...] = tuple(decided) or ("difference", "sensor")
+    for how in ways:
+        out = list(recordings)
+        for i in asked:
+            out[i] = _noted(_reading(out[i], how), _SPEED[how] if decided else _UNDECIDED.format(how))
+        found.append(tuple(out))
+    return found
 
 
-_SPEED = {
+_UNDECIDED = (
+    "no speed was logged, and the recordings alone do not tell how the loop got it; taken here as its {0}: "
+    'state velocity = "{0}" in [controller] if you know it'
+)
+_SPEED: dict[_Speed, str] = {
     "sensor": "no speed was logged; the loop's is taken as read without delay, which explains most axes: "
     'state velocity = "sensor" in [controller] if you know it',
     "difference": "no speed was logged; the loop's is taken as the difference of positions over its period, "
@@ -190,7 +218,7 @@ def _held(recording: Recording, held: bool) -> Recording:
     return replace(recording, timing=replace(recording.timing, reference_held=held))
 
 
-def _reading(recording: Recording, how: Literal["sensor", "difference"]) -> Recording:
+def _reading(recording: Recording, how: _Speed) -> Recording:
     return replace(recording, controller=replace(recording.controller, velocity=how))
 
 

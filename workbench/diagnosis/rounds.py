@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.comparison import Simulated, evaluate, followed, matched
+from workbench.comparison import Simulated, evaluate, followed, matched_ways
 from workbench.core import Comparison, InputError, Recording, SimulationError
 from workbench.models import Model
 from workbench.simulation import scored_torque
@@ -41,8 +41,13 @@ def rounds(
         InputError: recordings that do not fit the model, or that show neither loop nor torque.
         SimulationError: the model is unstable in a recording's loop.
     """
-    training, held_out = _matched(model, training, held_out)
-    found = _searched(model, training, held_out, seed, limit, progress)
+    ways = _matched(model, training, held_out)
+    tried = []
+    for k, (training, held_out) in enumerate(ways):
+        if k:
+            progress(f"asking again with another way in which the loop may work, {k + 1} of {len(ways)}")
+        tried.append((_searched(model, training, held_out, seed, limit, progress), training, held_out))
+    found, training, held_out = min(tried, key=lambda t: _preference(t[0], [other for other, *_ in tried]))
     out, most = [found], limit or POLICY.most_effects
     while found.jointly and not found.consistent_after and len(out) < most and _names(found):
         progress("asking again, with what was found in the model")
@@ -55,6 +60,17 @@ def rounds(
             break
         out.append(found)
     return tuple(out)
+
+
+def _preference(found: SearchResult, all_found: Sequence[SearchResult]) -> tuple[int, float]:
+    """What is to be least: parameters among results that tie with the least error, else the error."""
+    errors = [_error(f) for f in all_found]
+    ties = _error(found) <= (1.0 + POLICY.tie) * min(errors)
+    return found.final.hypothesis.size if ties else 10**6, _error(found)
+
+
+def _error(found: SearchResult) -> float:
+    return found.start_data.score(found.final.mean_squares, held_out=found.start_data.held_out)
 
 
 def _names(found: SearchResult) -> bool:
@@ -91,9 +107,11 @@ def _searched(
 
 def _matched(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
-) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
-    every = matched(model, (*training, *held_out))
-    training_recordings, test_recordings = every[: len(training)], every[len(training) :]
+) -> list[tuple[tuple[Recording, ...], tuple[Recording, ...]]]:
+    """Recordings to fit and to test, by all answers that may be right to what their logs leave open."""
+    ways = matched_ways(model, (*training, *held_out))
+    count = len(training)
+    training_recordings, test_recordings = ways[0][:count], ways[0][count:]
     rows = sum(int(r.valid.sum()) for r in training_recordings)
     if rows < POLICY.fewest_rows:
         raise InputError(
@@ -108,7 +126,7 @@ def _matched(
     refuse_coordinates(model, (*training_recordings, *test_recordings))
     refuse_unit(model, training_recordings)
     refuse_wrong_sign_of_torque(model, training_recordings)
-    return training_recordings, test_recordings
+    return [(way[:count], way[count:]) for way in ways]
 
 
 def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comparison]:

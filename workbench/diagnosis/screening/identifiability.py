@@ -88,35 +88,38 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
         linear: all effects and the normal equations by recording.
         names: of the recordings.
     """
-    told = np.flatnonzero(linear.excess > linear.quiet).tolist()  # what is at the noise has nothing to say
-    tried = (
-        [_Apart.of(linear, e, told) for e in linear.entries if len(e.linear) == 1] if len(told) > 1 else []
-    )
-    best = min((t for t in tried if t is not None), key=lambda t: t.left.sum(), default=None)
-    if best is None or (best.left > (1.0 - POLICY.explained) * linear.excess[told]).any():
+    if (linear.excess <= linear.quiet).all():  # what is at the noise contradicts nothing
         return ()
-    if np.ptp(best.sizes) < POLICY.disagreement * np.abs(best.sizes).max():
+    single = [e for e in linear.entries if len(e.linear) == 1 and len(linear.own) > 1]
+    tried = [_BySize.of(linear, e) for e in single]
+    best = min((t for t in tried if t is not None), key=lambda t: t.left.sum(), default=None)
+    if best is None or (best.left > np.maximum((1.0 - POLICY.explained) * linear.excess, linear.quiet)).any():
+        return ()
+    low, high = int(best.sizes.argmin()), int(best.sizes.argmax())
+    apart, deviation = np.ptp(best.sizes), np.hypot(best.deviations[low], best.deviations[high])
+    if apart < max(POLICY.disagreement * np.abs(best.sizes).max(), POLICY.significant * deviation):
         return ()
     effect = effect_named(best.entry.key.effect)
     (name,) = (p.name for p in effect.parameters if p.name not in effect.nonlinear)
     values = [effect.to_parameters(np.array([x]), best.entry.shape)[name] for x in best.sizes]
-    return (Disagreement(tuple(names[i] for i in told), best.entry.key, tuple(map(float, values))),)
+    return (Disagreement(tuple(names[: len(values)]), best.entry.key, tuple(map(float, values))),)
 
 
 @dataclass(frozen=True)
-class _Apart:
-    """An effect by recording: its sizes, and what each leaves above the noise."""
+class _BySize:
+    """An effect by recording: its sizes with deviations, and what each leaves above the noise."""
 
     entry: Entry
     sizes: np.ndarray
+    deviations: np.ndarray
     left: np.ndarray
 
     @staticmethod
-    def of(linear: Linear, entry: Entry, told: list[int]) -> _Apart | None:
+    def of(linear: Linear, entry: Entry) -> _BySize | None:
         """None where a recording shows nothing of it."""
         (k,) = entry.linear
-        gram = np.array([linear.own[i].gram[k, k] for i in told])
-        right = np.array([linear.own[i].right[k] for i in told])
+        gram = np.array([own.gram[k, k] for own in linear.own])
+        right = np.array([own.right[k] for own in linear.own])
         if (gram <= 0.0).any():
             return None
-        return _Apart(entry, right / gram, linear.excess[told] - right**2 / gram)
+        return _BySize(entry, right / gram, 1.0 / np.sqrt(gram), linear.excess - right**2 / gram)
