@@ -42,7 +42,7 @@ def told(*added: EffectKey, indistinguishable: tuple[EffectKey, ...]) -> tuple[f
         start_data=SimpleNamespace(score=lambda *_, **__: 0.0),
     )
     shown = step_of(step, found, False, {_HIP: ("a line",)})
-    return _probability(step, found), shown.indistinguishable_from
+    return _probability(step, found, shown.indistinguishable_from), shown.indistinguishable_from
 
 
 def test_what_does_as_well_makes_a_name_doubtful() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from .loss import test_noise_floor
 from .policy import POLICY
 from .removed_share import removed_share
 from .screening.compliance import other_causes
+from .screening.identifiability import inseparable
 from .search_result import AcceptedStep, SearchResult, has_cause
 from .significance import is_significant
 
@@ -31,6 +32,8 @@ def findings_of(found: SearchResult) -> tuple[Finding, ...]:
         index = next(k for k, s in enumerate(found.steps) if s.added == applied.key)
         step, previous = found.steps[index], _before(found, index)
         score = found.start_data.score
+        same = inseparable(found.linear, applied) if found.linear else ()
+        rivals = dict.fromkeys((*step.indistinguishable_at(found.final), *(k for k in same if k not in keys)))
         findings.append(
             Finding(
                 key=applied.key,
@@ -38,8 +41,8 @@ def findings_of(found: SearchResult) -> tuple[Finding, ...]:
                 error_after=score(step.fit.mean_squares),
                 holdout_error_before=score(previous.mean_squares, held_out=True) if on_holdout else None,
                 holdout_error_after=score(step.fit.mean_squares, held_out=True) if on_holdout else None,
-                probability=_probability(step, found),
-                indistinguishable_from=step.indistinguishable_at(found.final),
+                probability=_probability(step, found, rivals),
+                indistinguishable_from=tuple(rivals),
                 evidence=(
                     *finding_lines(step, applied, keys),
                     *adequacy_lines(applied.key, found.adequacy),
@@ -84,7 +87,7 @@ def _before(found: SearchResult, index: int) -> Fit:
     return next(f for f in reversed(fits[: index + 1]) if own >= {a.key for a in f.hypothesis.added})
 
 
-def _probability(step: AcceptedStep, found: SearchResult) -> float:
+def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[EffectKey]) -> float:
     """Probability that the name is right, from the next loss ratio and the unexplained share.
 
     An explanation 10 % worse leaves about a fifth to doubt. Of those that do as well the simplest is named,
@@ -92,7 +95,7 @@ def _probability(step: AcceptedStep, found: SearchResult) -> float:
     `benchmarks/hidden_effects.py` 8 of 9 names with one rival were true, 1 of 5 with more). What counts as
     a rival does not count as the next explanation besides.
     """
-    indistinguishable = other_causes(found.model, step.added, step.indistinguishable_at(found.final))
+    indistinguishable = other_causes(found.model, step.added, rivals)
     others = (
         left
         for key, left in step.loss_ratios

@@ -61,8 +61,7 @@ def search(
     Args:
         model: where to start.
         training: recordings for fitting.
-        held_out: recordings for testing; without them, or where they are not informative, cross-validation
-            on folds of the training data takes their place.
+        held_out: recordings for testing; without informative ones, folds of the training data are left out.
         seed: of the noise simulations.
         limit: most effects to add one by one; None: as many as the policy has.
         progress: told what is being done.
@@ -109,6 +108,7 @@ def search(
         known,
         disagreeing,
         joint is not None,
+        None if only_jointly else problem.linear,
     )
 
 

@@ -13,6 +13,7 @@ from .adequacy.adequacy import Adequacy
 from .data import Data
 from .hypothesis import Fit
 from .moves.choice import same_cause
+from .screening.linear_problem import Linear
 from .screening.screen import Candidate
 
 
@@ -67,6 +68,7 @@ class SearchResult:
     are certain although something else is missing; `near` those that help beside them and are not certain.
     `identifiability` and `disagreeing` say what the recordings can tell apart and where they contradict each
     other, before any search. `jointly`: whether all axes were solved together.
+    `linear`: the linear problem of all effects that this is read off.
     """
 
     model: Model
@@ -84,6 +86,7 @@ class SearchResult:
     identifiability: Identifiability | None = None
     disagreeing: tuple[Disagreement, ...] = ()
     jointly: bool = False
+    linear: Linear | None = None
 
     @property
     def stopped(self) -> Stopped:

@@ -62,6 +62,17 @@ def test_what_nothing_tells_apart_is_one_group(told: Diagnosis) -> None:
     assert known.not_excited == told.not_excited
 
 
+@pytest.mark.parametrize(("axis", "twins"), [("lift", True), ("bend", False)])
+def test_a_finding_names_what_stands_for_it(axis: str, twins: bool, tmp_path: Path) -> None:
+    """The upper arm turns about one horizontal axis like its rotor; the fore-arm's inertia loads lift too."""
+    number = f"{axis}_armature"
+    machine = bench_arm(tmp_path, "machine", **{number: NUMBERS[number] + 0.03})  # type: ignore[arg-type]
+    logs = [logged(machine, tones, seconds=6.0, seed=k) for k, tones in enumerate((SLOW, FAST))]
+    (finding,) = diagnose(load_model(bench_arm(tmp_path)), logs).findings
+    assert str(finding.key) == f"reflected_inertia@{axis}"
+    assert (EffectKey("link_inertia_error", axis) in finding.indistinguishable_from) is twins
+
+
 def test_longer_recordings_are_expected_to_tell_more(arm: tuple[Model, list[Recording]]) -> None:
     model, _ = arm
     lengths = [logged(Path(model.serial), SLOW, seconds=t) for t in (1.5, 6.0)]

@@ -81,6 +81,26 @@ def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping
     return {name: known.parameters[name] for name in asked}
 
 
+def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]:
+    """Effects that stand for one of the size that it was found with, and it for them."""
+    entries = {e.key: e for e in linear.entries}
+    if applied.key not in entries:
+        return ()
+    own = entries[applied.key]
+    coefficients = effect_named(applied.key.effect).to_coefficients(applied.values)[0]
+    times = (
+        float(np.max(np.abs(coefficients), initial=0.0)) / linear.small(own) if own.strength > 0.0 else 0.0
+    )
+    out = []
+    for other in linear.entries:
+        related = linear.correlation(columns_of(own), columns_of(other)) >= _UNRELATED_TOLERANCE
+        if other is own or not related or not times:
+            continue
+        if times * max(linear.differs(own, other), linear.differs(other, own)) < POLICY.significant:
+            out.append(other.key)
+    return tuple(out)
+
+
 def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, ...]:
     """Of the effect that explains each recording best by itself: sizes that differ from one to another.
 
