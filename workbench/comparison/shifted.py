@@ -12,16 +12,12 @@ from itertools import product
 
 import numpy as np
 
-from workbench.core import Recording, SimulationError
+from workbench.core import Recording
 from workbench.models import Model
 
-from .weighed import is_weighable, torque_left
+from .weighed import best_change, left_before_and_after
 
-_SOME = 2  # recordings are enough
-_BAD = 0.1  # share of a torque left from which it is asked
-_LEFT = 0.2  # of what was left, which no effect but another zero takes off by itself
 _FEW = 3  # axes that are tried in every combination; of more, one at a time and all alike
-_MOST = 8  # axes
 _MOVED = ("position", "position_reference", "link_position")
 
 
@@ -35,9 +31,7 @@ class Shifted:
 
     def __str__(self) -> str:
         each = ", ".join(f"'{axis}' by {np.degrees(by):.0f} deg" for axis, by in self.by.items())
-        now = f"{100 * self.before:.2g} %" if self.before < 1.0 else "all"
-        left = f"the model leaves {100 * self.after:.2g} % of the torque unexplained"
-        return f"moved ({each}), {left}, as it stands {now}"
+        return f"moved ({each}), {left_before_and_after(self.before, self.after, 'as it stands')}"
 
 
 def shifted_axes(model: Model, recordings: Sequence[Recording]) -> Shifted | None:
@@ -50,28 +44,18 @@ def shifted_axes(model: Model, recordings: Sequence[Recording]) -> Shifted | Non
     Returns:
         The move that explains the torque; None where none is needed, or where no torque was logged.
     """
-    some = recordings[:_SOME]
-    if not is_weighable(model, some) or model.size > _MOST:
+    units = recordings[0].units if recordings else ()
+    turning = [i for i, unit in enumerate(units[: model.size]) if unit == "rad"]
+
+    def moves(wrong: Sequence[int]) -> Iterator[tuple[int, ...]]:
+        return _moves(model.size, turning)
+
+    found = best_change(model, recordings, moves, _moved, lambda move: slice(None))
+    if found is None:
         return None
-    turning = [i for i, unit in enumerate(some[0].units[: model.size]) if unit == "rad"]
-    try:
-        before = torque_left(model, some)
-        if before.max(initial=0.0) < _BAD:
-            return None
-        left = {
-            move: torque_left(model, [_moved(r, move) for r in some]) for move in _moves(model.size, turning)
-        }
-    except SimulationError:
-        return None
-    good = {
-        move: float(np.log(np.maximum(x, 1e-12)).sum()) for move, x in left.items() if _explains(x, before)
-    }
-    if not good:
-        return None
-    best = min(good, key=lambda move: good[move])
-    angles = np.where(np.array(best) == 3, -1, best) * np.pi / 2
-    by = {axis: float(a) for axis, a in zip(some[0].axes, angles, strict=False) if a}
-    return Shifted(by, float(before.max()), float(left[best].max()))
+    angles = np.where(np.array(found.change) == 3, -1, found.change) * np.pi / 2
+    by = {axis: float(a) for axis, a in zip(recordings[0].axes, angles, strict=False) if a}
+    return Shifted(by, float(found.before.max()), float(found.after.max()))
 
 
 def _moves(size: int, turning: Sequence[int]) -> Iterator[tuple[int, ...]]:
@@ -93,7 +77,3 @@ def _moved(recording: Recording, move: Sequence[int]) -> Recording:
         for name, x in recording.signals.items()
     }
     return replace(recording, signals=signals)
-
-
-def _explains(left: np.ndarray, before: np.ndarray) -> bool:
-    return bool(left.max() < _LEFT * before.max() and (left <= np.maximum(before, _BAD)).all())

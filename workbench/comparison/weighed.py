@@ -1,13 +1,18 @@
-"""The part of a torque that a model's weight and inertia leave unexplained, whatever its friction."""
+"""The part of a torque that a model's weight and inertia leave unexplained, whatever its friction.
+
+And which change of the columns of a log they explain in its place.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 import scipy
 
-from workbench.core import Recording
+from workbench.core import Recording, SimulationError
 from workbench.effects import Plant, compile_plant
 from workbench.models import Model
 from workbench.recordings import noise_levels
@@ -18,6 +23,61 @@ from .standing import on_ground
 
 _MOST = 4000  # rows of a recording that are looked at
 _FEWEST = 200  # rows that count, below which a motion is no evidence
+_SOME = 2  # recordings are enough to choose a change
+_BAD = 0.1  # share of a torque left from which a change is looked for
+_LEFT = 0.2  # of what was left, which no effect but a change of columns takes off by itself
+_MOST_AXES = 8  # of which changes are tried
+
+Change = TypeVar("Change")
+
+
+@dataclass(frozen=True)
+class Changed(Generic[Change]):
+    """A change of the columns, and the share of each drive's torque that is left before and after, (n,)."""
+
+    change: Change
+    before: np.ndarray
+    after: np.ndarray
+
+
+def best_change(
+    model: Model,
+    recordings: Sequence[Recording],
+    changes: Callable[[Sequence[int]], Iterable[Change]],
+    made: Callable[[Recording, Change], Recording],
+    axes: Callable[[Change], Sequence[int] | slice],
+) -> Changed[Change] | None:
+    """The change of columns after which the model explains the torque; None where none is needed, or does.
+
+    Args:
+        model: what is believed; it may lack friction, or an effect that is no more than a part of the torque.
+        recordings: of its axes; None where no torque was logged.
+        changes: those to try, by the axes whose torque is not explained.
+        made: a recording after a change.
+        axes: those of which the torque has to be explained by it.
+    """
+    some = recordings[:_SOME]
+    if not is_weighable(model, some) or model.size > _MOST_AXES:
+        return None
+    try:
+        before = torque_left(model, some)
+        wrong = np.flatnonzero(before > _BAD).tolist()
+        tried = [(c, torque_left(model, [made(r, c) for r in some])) for c in changes(wrong)] if wrong else []
+    except SimulationError:
+        return None
+    good = [
+        Changed(change, before, left)
+        for change, left in tried
+        if left[axes(change)].max() < _LEFT * before[axes(change)].max()
+        and (left <= np.maximum(before, _BAD)).all()
+    ]
+    return min(good, key=lambda c: np.log(np.maximum(c.after, 1e-12)).sum(), default=None)
+
+
+def left_before_and_after(before: float, after: float, as_it_stands: str) -> str:
+    """What the model leaves of the torque, in words: ``"the model leaves 1 % ..., as it stands 90 %"``."""
+    now = f"{100 * before:.2g} %" if before < 1.0 else "all"
+    return f"the model leaves {100 * after:.2g} % of the torque unexplained, {as_it_stands} {now}"
 
 
 def is_weighable(model: Model, recordings: Sequence[Recording]) -> bool:
