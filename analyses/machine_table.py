@@ -89,7 +89,8 @@ def ratio(answer: Answer, when: Literal["before", "after"]) -> float:
     if "judged" not in answer:
         return math.nan
     end = "after" if named(answer) else "before"
-    return answer["judged"][when if end == "after" else end]["error"] / answer["judged"][end]["noise"]
+    errors = answer["judged"]
+    return (errors["before"] if when == "before" else errors[end])["error"] / errors[end]["noise"]
 
 
 def _right(right: Mapping[str, Any], steps: Sequence[Mapping[str, Any]]) -> Row:

@@ -17,8 +17,7 @@ from exam.field.march import STEP, step
 from exam.field.plant import Field, Way, has, recorded, stated, told
 from exam.second.hidden import Hidden
 
-from workbench.core import EffectKey
-from workbench.core.results import Diagnosis, Disagreement
+from workbench.core import Diagnosis, Disagreement, EffectKey
 from workbench.simulation import Run, simulate
 
 NOBODY = np.zeros((0, 6))

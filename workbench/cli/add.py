@@ -66,8 +66,8 @@ def add(
 
     Into your own file: workbench add arm.xml --from found.json --into arm.xml -o arm_fixed.xml
     """
-    from workbench.effects import check_effect, load_model
-    from workbench.models import AppliedEffect, structural_effect, write_model
+    from workbench.effects import load_model
+    from workbench.models import write_model
     from workbench.report import effect_dict
 
     if not output:
@@ -80,38 +80,14 @@ def add(
     loaded = load_model(model)
     if into is not None:
         check_into(loaded, into, output, force=force)
-    if effect == _AS_IN_MJCF and into is not None:
-        raise InputError(f"{_AS_IN_MJCF} is no number of a file", remedy="leave --into out")
     if effect == _AS_IN_MJCF:
-        new = replace(soft(loaded, values, diagnosis), name=Path(output).stem)
-        write_model(new, output, force=force)
-        if json:
-            content = {
-                "format": FORMAT,
-                "model": new.name,
-                "from": loaded.name,
-                "file": output,
-                "effects": [],
-            }
-            write_result(content, json, files=files_of(loaded), force=force)
-        if not quiet and json != "-":
-            echo(f"Wrote {output}: {loaded.name} with dry friction that sets in as its MJCF has it.")
-        return
-    wanted = parse_place(effect) if effect else None
-    found = read_findings(diagnosis) if diagnosis else []
-    if wanted is not None:
-        match = [f for f in found if f.key == wanted]
-        base = match[0] if match else AppliedEffect(wanted, {})
-        if diagnosis and not match:
-            raise InputError(f"the diagnosis has no finding {wanted}", file=diagnosis)
-        if not base.parameters and not values and wanted.effect in ("linkage_inertia", "linkage_gravity"):
-            base = structural_effect(wanted.effect, loaded.linkage)
-        found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
-    new = settled(loaded, diagnosis, found) if diagnosis else loaded
-    added = []
-    for applied in found:
-        added.append(check_effect(new, applied))
-        new = new.with_effect(added[-1])
+        if into is not None:
+            raise InputError(f"{_AS_IN_MJCF} is no number of a file", remedy="leave --into out")
+        added, new = [], soft(loaded, values, diagnosis)
+        what = "dry friction that sets in as its MJCF has it"
+    else:
+        added, new = with_effects(loaded, effect, values, diagnosis)
+        what = ", ".join(str(a.key) for a in added)
     new = replace(new, name=Path(output).stem)
     written = Into.of(loaded, new, into, output) if into is not None else None
     if written is None:
@@ -134,7 +110,36 @@ def add(
     if written is not None:
         echo("\n".join([*written.lines, *(f"Note: {note}." for note in written.notes)]))
         return
-    echo(f"Wrote {output}: {loaded.name} with {', '.join(str(f.key) for f in found)}.")
+    echo(f"Wrote {output}: {loaded.name} with {what}.")
+
+
+def with_effects(
+    model: Any, effect: str | None, values: list[str] | None, diagnosis: str | None
+) -> tuple[list[Any], Any]:
+    """The effect that is named, or all that a diagnosis found, as they are added, and the model with them.
+
+    Raises:
+        InputError: an effect, a place or a value that is none, or a diagnosis without it.
+    """
+    from workbench.effects import check_effect
+    from workbench.models import AppliedEffect, structural_effect
+
+    found = read_findings(diagnosis) if diagnosis else []
+    if effect:
+        wanted = parse_place(effect)
+        match = [f for f in found if f.key == wanted]
+        base = match[0] if match else AppliedEffect(wanted, {})
+        if diagnosis and not match:
+            raise InputError(f"the diagnosis has no finding {wanted}", file=diagnosis)
+        if not base.parameters and not values and wanted.effect in ("linkage_inertia", "linkage_gravity"):
+            base = structural_effect(wanted.effect, model.linkage)
+        found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
+    new = settled(model, diagnosis, found) if diagnosis else model
+    added = []
+    for applied in found:
+        added.append(check_effect(new, applied))
+        new = new.with_effect(added[-1])
+    return added, new
 
 
 def soft(model: Any, values: list[str] | None, diagnosis: str | None) -> Any:

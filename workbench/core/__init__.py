@@ -1,12 +1,6 @@
 """Types, units and errors that everything else is built from; imports nothing of workbench."""
 
-from .errors import InputError, SimulationError, WorkbenchError
-from .mechanism import Mechanism
-from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Timing
-from .results import (
-    FORMAT,
-    HOPELESS,
-    Comparison,
+from .diagnosis import (
     Diagnosis,
     Disagreement,
     EffectKey,
@@ -14,12 +8,20 @@ from .results import (
     Finding,
     Identifiability,
     Improvement,
-    InverseDynamics,
-    RecordingError,
-    Share,
     Step,
     Stopped,
     Verdict,
+)
+from .errors import InputError, SimulationError, WorkbenchError
+from .mechanism import Mechanism
+from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Timing
+from .results import (
+    FORMAT,
+    HOPELESS,
+    Comparison,
+    InverseDynamics,
+    RecordingError,
+    Share,
 )
 from .shape import Shape
 from .verification import Check, Verification

@@ -163,6 +163,7 @@ class Policy:
     # What recordings can show, and the next experiment
     doubtful: float = 0.9  # probability of a name up to which one experiment more is proposed; more are
     small_effect: float = 0.02  # of the drives' torque, that recordings should show; more is excited
+    related: float = 0.5  # correlation of responses from which two effects are held apart; fewer groups
     disagreement: float = 0.25  # relative difference of sizes by which recordings disagree; fewer do
     told_apart: float = 1.2  # rms error / noise with which an experiment tells two models apart; fewer do
     resolved: float = 0.2  # of the rows a second, the highest frequency that a log shows; faster experiments

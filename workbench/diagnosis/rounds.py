@@ -47,9 +47,11 @@ def rounds(
         if k:
             progress(f"asking again with another way in which the loop may work, {k + 1} of {len(ways)}")
         tried.append((_searched(model, training, held_out, seed, limit, progress), training, held_out))
-    found, training, held_out = min(tried, key=lambda t: _preference(t[0], [other for other, *_ in tried]))
-    out, most = [found], limit or POLICY.most_effects
-    while found.jointly and not found.consistent_after and len(out) < most and _names(found):
+    most = (1.0 + POLICY.tie) * min(_error(t[0]) for t in tried)
+    ties = [t for t in tried if _error(t[0]) <= most]
+    found, training, held_out = min(ties, key=lambda t: (t[0].final.hypothesis.size, _error(t[0])))
+    out, rounds_at_most = [found], limit or POLICY.most_effects
+    while found.jointly and not found.consistent_after and len(out) < rounds_at_most and _names(found):
         progress("asking again, with what was found in the model")
         better = found.final.hypothesis.model
         try:
@@ -62,14 +64,8 @@ def rounds(
     return tuple(out)
 
 
-def _preference(found: SearchResult, all_found: Sequence[SearchResult]) -> tuple[int, float]:
-    """What is to be least: parameters among results that tie with the least error, else the error."""
-    errors = [_error(f) for f in all_found]
-    ties = _error(found) <= (1.0 + POLICY.tie) * min(errors)
-    return found.final.hypothesis.size if ties else 10**6, _error(found)
-
-
 def _error(found: SearchResult) -> float:
+    """The score in the end, on recordings that were not fitted where there are some."""
     return found.start_data.score(found.final.mean_squares, held_out=found.start_data.held_out)
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
 from workbench.diagnosis.fitting.bounded_least_squares import solve
-from workbench.diagnosis.fitting.normal_equations import normal
+from workbench.diagnosis.fitting.normal_equations import Normal, normal
 
 
 @given(st.integers(0, 10_000), st.integers(1, 5), st.booleans())
@@ -54,3 +54,12 @@ def test_what_may_not_move_stays_however_large_it_is() -> None:
     equations = normal(response, response @ [1.0, 2.0])
     found = solve(equations, np.array([-np.inf, -4e4]), np.array([np.inf, -4e4]))
     assert np.isclose(found[1], -4e4)
+
+
+def test_what_rounding_took_below_nothing_is_solved_all_the_same() -> None:
+    """Normal equations of all rows less those of most of them are what two large numbers leave."""
+    gram = np.array([[1.0, 1.001], [1.001, 1.0]])
+    assert np.linalg.eigvalsh(gram)[0] < 0.0
+    free = np.full(2, np.inf)
+    found = solve(Normal(gram, np.array([2.0, 2.0]), 4.0, 10), -free, free)
+    np.testing.assert_allclose(found, 1.0, rtol=0.01)

@@ -11,10 +11,12 @@ from tests.diagnosis.rig import recordings
 from workbench.core import EffectKey
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.fitting.normal_equations import normal
+from workbench.diagnosis.hypothesis import Fit
 from workbench.diagnosis.moves.pairs import best_pair, left_by
 from workbench.diagnosis.problem import starting_fit
 from workbench.diagnosis.screening.screen import Entry
 from workbench.diagnosis.screening.sensitivity import Linearisation
+from workbench.diagnosis.search_result import AcceptedStep
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -39,17 +41,23 @@ def test_pairs_side_by_side_leave_what_each_leaves_by_itself() -> None:
         assert left == pytest.approx(np.sum((rest - best) ** 2), rel=1e-6)
 
 
-def test_a_true_pair_is_found() -> None:
-    hidden = (
-        HiddenEffect("load_dependent_friction", "hip", parameters={"torque": 0.06, "ratio": 0.1}),
-        HiddenEffect("encoder_eccentricity", "knee", parameters={"amplitude": 0.08, "phase": 1.9}),
-    )
+def found(*hidden: HiddenEffect) -> tuple[Fit, tuple[AcceptedStep, AcceptedStep]]:
+    """The leg as it is believed, and the pair that explains what these do."""
     model = load_model("leg")
     training, held_out = recordings(*hidden)
     data, runs = gather(model, training, held_out, seed=0)
     start = starting_fit(model, data, runs.clean)
     steps = best_pair(Linearisation.of(model, data, start.simulated, 4), data, start, lambda text: None)
     assert steps is not None
+    return start, steps
+
+
+def test_a_true_pair_is_found() -> None:
+    hidden = (
+        HiddenEffect("load_dependent_friction", "hip", parameters={"torque": 0.06, "ratio": 0.1}),
+        HiddenEffect("encoder_eccentricity", "knee", parameters={"amplitude": 0.08, "phase": 1.9}),
+    )
+    start, steps = found(*hidden)
     assert {step.added.effect for step in steps} == {h.effect for h in hidden}
     for applied, h in zip(
         sorted(steps[1].fit.hypothesis.free, key=lambda a: a.key.effect, reverse=True), hidden, strict=True
@@ -71,12 +79,7 @@ def test_two_of_three_causes_are_a_pair() -> None:
         HiddenEffect("torque_bias", "knee", parameters={"torque": -0.226}),
         HiddenEffect("command_delay", parameters={"time": 0.00027}),
     )
-    model = load_model("leg")
-    training, held_out = recordings(*hidden)
-    data, runs = gather(model, training, held_out, seed=0)
-    start = starting_fit(model, data, runs.clean)
-    steps = best_pair(Linearisation.of(model, data, start.simulated, 4), data, start, lambda text: None)
-    assert steps is not None
+    _, steps = found(*hidden)
     assert [str(s.added) for s in steps] == ["asymmetric_friction@hip", "torque_bias@knee"]
     assert steps[1].fit.hypothesis.free[0].values["torque"] == pytest.approx(-0.226, abs=0.03)
 

@@ -27,11 +27,12 @@ def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: floa
     scale = np.where(diagonal > 0, 1.0 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 0.0)
     gram = equations.gram * scale[:, None] * scale[None, :]
     right = equations.right * scale
-    # a small ridge keeps combinations that the data do not see where they are; what is left of sums that
-    # were taken off each other may be below nothing by rounding, of no use either way
-    least = max(0.0, -float(np.linalg.eigvalsh(gram)[0])) if count > 1 else 0.0
-    gram = gram + np.diag(damping * np.diag(gram) + _RIDGE + 2.0 * least)
-    root = np.linalg.cholesky(gram)
+    # a small ridge keeps combinations that the data do not see where they are
+    gram = gram + np.diag(damping * np.diag(gram) + _RIDGE)
+    try:
+        root = np.linalg.cholesky(gram)
+    except np.linalg.LinAlgError:  # sums that were taken off each other may be below nothing by rounding
+        root = np.linalg.cholesky(gram - 2.0 * np.linalg.eigvalsh(gram)[0] * np.eye(count))
     target = solve_triangular(root, right, lower=True)
     free = solve_triangular(root.T, target, lower=False)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -24,14 +24,13 @@ from .linear_problem import Linear, columns_of
 from .screen import Entry, unobservable_effects
 from .sensitivity import Linearisation
 
-_UNRELATED_TOLERANCE = 0.5  # correlation of columns below which two effects are never taken for each other
-
 
 def identifiability_of(linear: Linear, linearisation: Linearisation, data: Data) -> Identifiability:
     """Which effects the recordings can tell apart at a small size, and how well each would be known."""
     model, unseen = linearisation.model, unobservable_effects(linearisation, data)
-    excited = [e for e in linear.entries if linear.shown(e) >= POLICY.significant]
-    silent = [e.key for e in linear.entries if linear.shown(e) < POLICY.significant]
+    shows = [linear.shown(e) >= POLICY.significant for e in linear.entries]
+    excited = [e for e, shown in zip(linear.entries, shows, strict=True) if shown]
+    silent = [e.key for e, shown in zip(linear.entries, shows, strict=True) if not shown]
     groups = _groups(linear, excited)
     alike = {key for group in groups for key in group}
     return Identifiability(
@@ -46,7 +45,7 @@ def _groups(linear: Linear, excited: Sequence[Entry]) -> tuple[tuple[EffectKey, 
     """Effects of which one stands for the other, and the other for the one; those linked are one group."""
     sets: dict[EffectKey, set[EffectKey]] = {e.key: {e.key} for e in excited}
     for one, other in combinations(excited, 2):
-        related = linear.correlation(columns_of(one), columns_of(other)) >= _UNRELATED_TOLERANCE
+        related = linear.correlation(columns_of(one), columns_of(other)) >= POLICY.related
         if related and all(
             linear.differs(a, b) < POLICY.significant for a, b in ((one, other), (other, one))
         ):
@@ -93,7 +92,7 @@ def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]
     )
     out = []
     for other in linear.entries:
-        related = linear.correlation(columns_of(own), columns_of(other)) >= _UNRELATED_TOLERANCE
+        related = linear.correlation(columns_of(own), columns_of(other)) >= POLICY.related
         if other is own or not related or not times:
             continue
         if times * max(linear.differs(own, other), linear.differs(other, own)) < POLICY.significant:

@@ -1,0 +1,203 @@
+"""What diagnosing returns: frozen values, made to be read, drawn and written as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from .results import Comparison, Share
+from .shape import Shape
+from .shown import Shown
+
+Verdict = Literal["missing_effect", "partly_explained", "consistent", "unexplained"]
+#: Why a search ended: noise explains the rest, its budget of simulations was spent, or nothing tried helps.
+Stopped = Literal["noise", "budget", "nothing_helps"]
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its standard deviation and unit."""
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class EffectKey:
+    """Names an effect, the axis it acts on (None: all axes), and whether at its drive or its joint."""
+
+    effect: str
+    axis: str | None
+    location: Literal["actuator", "joint"] = "actuator"
+
+    def __str__(self) -> str:
+        place = f"{self.effect}@{self.axis}" if self.axis else self.effect
+        return place if self.location == "actuator" else f"{place}({self.location})"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One effect that explains the data.
+
+    Attributes:
+        key: which effect, where.
+        parameters: name -> estimate.
+        error_after: `Comparison.error` with this effect (and the findings before it) in the model.
+        holdout_error_before, holdout_error_after: the same on data not used for the fit; None where
+            there is none.
+        probability: calibrated chance that the name is right.
+        indistinguishable_from: what explains the same data as well.
+        evidence: one line each.
+        model_value: what the model had of the number that this corrects, None where it corrects none.
+        total: what that number is with the finding.
+    """
+
+    key: EffectKey
+    parameters: Mapping[str, Estimate]
+    error_after: float
+    holdout_error_before: float | None
+    holdout_error_after: float | None
+    probability: float
+    indistinguishable_from: tuple[EffectKey, ...] = ()
+    evidence: tuple[str, ...] = ()
+    model_value: float | None = None
+    total: Estimate | None = None
+
+
+@dataclass(frozen=True)
+class Diagnosis(Shown):
+    """Which physical effect is missing, how sure, what else it could be, what to measure next.
+
+    Attributes:
+        model: the model's name.
+        verdict: ``missing_effect`` where the findings explain nearly all, ``partly_explained`` where they are
+            certain and more than that is missing, ``consistent`` or ``unexplained``.
+        error, noise_error: of the model as given, on the recordings used for fitting.
+        holdout_noise_error: the noise floor of held-out recordings; None where there are none.
+        findings: effects to add, best first; empty where the verdict is ``consistent`` or ``unexplained``.
+        unexplained_fraction: share of squared error above the noise that stays (0 to 1).
+        where: where that rest sits.
+        next_experiment: what to measure to know more; None when nothing is open.
+        not_excited: effects that this data could not have shown.
+        ranking: every candidate tried: (key, share of the squared error above the noise that it removes by
+            itself), best first.
+        before, after: the comparisons behind the verdict.
+        held_out: the same two of held-out recordings; None where there are none.
+        settled: properties of the model that the findings were fitted with and that the model as given has
+            not: ``sliding_speed`` [rad/s], ``flank_retardation_s`` [s], ``full_braking`` (0 or 1).
+        evidence: what the unexplained rest goes with, one line each.
+        shapes: smooth functions that the torque of that rest follows, what removes most first; no causes.
+        used: share of the recordings' rows that were looked at; less than 1 where logs are long.
+        notes: what stands for them, one line each.
+        near: effects that lower the error and are not certain enough to be named.
+        stopped: why the search ended.
+        work: what the search simulated, in steps of one coordinate; the same on any machine.
+        identifiability: what the recordings can tell apart; None where nothing linear can be asked.
+        disagreeing: recordings that an effect explains with a size of its own each.
+    """
+
+    model: str
+    verdict: Verdict
+    error: float
+    noise_error: float
+    findings: tuple[Finding, ...]
+    unexplained_fraction: float
+    where: tuple[Share, ...]
+    next_experiment: str | None
+    not_excited: tuple[EffectKey, ...]
+    ranking: tuple[tuple[EffectKey, float], ...] = ()
+    before: Comparison | None = None
+    after: Comparison | None = None
+    held_out: tuple[Comparison, Comparison] | None = None
+    evidence: tuple[str, ...] = ()
+    shapes: tuple[Shape, ...] = ()
+    settled: Mapping[str, float] = field(default_factory=dict)
+    used: float = 1.0
+    notes: tuple[str, ...] = ()
+    holdout_noise_error: float | None = None
+    near: tuple[Finding, ...] = ()
+    stopped: Stopped = "nothing_helps"
+    work: float = 0.0
+    identifiability: Identifiability | None = None
+    disagreeing: tuple[Disagreement, ...] = ()
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """What recordings can tell apart of small effects, before anything is searched.
+
+    Attributes:
+        separable: effects that each differ from any other.
+        groups: effects that stand for one another.
+        not_excited: effects that do not show.
+        expected: of those that do, fitted alone: a small value of each parameter with its deviation.
+    """
+
+    separable: tuple[EffectKey, ...]
+    groups: tuple[tuple[EffectKey, ...], ...]
+    not_excited: tuple[EffectKey, ...]
+    expected: tuple[tuple[EffectKey, Mapping[str, Estimate]], ...]
+
+    @property
+    def count(self) -> int:
+        """Of all effects in all places."""
+        return len(self.separable) + len(self.not_excited) + sum(map(len, self.groups))
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """Recordings that an effect explains one by one but not all with one size of it."""
+
+    recordings: tuple[str, ...]
+    key: EffectKey
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One effect added by `improve`, with the errors after it; `removed` lists what it made needless."""
+
+    key: EffectKey
+    parameters: Mapping[str, Estimate]
+    error: float
+    holdout_error: float | None
+    indistinguishable_from: tuple[EffectKey, ...] = ()
+    evidence: tuple[str, ...] = ()
+    removed: tuple[EffectKey, ...] = ()
+
+
+@dataclass(frozen=True)
+class Improvement:
+    """The whole way from a model to one that explains the data; what its diagnosis has too is as there.
+
+    Attributes:
+        steps: effects added, in order: causes, or, where `nearest`, what comes nearest to unknown ones.
+    """
+
+    model: str
+    steps: tuple[Step, ...]
+    error_before: float
+    error_after: float
+    holdout_error_before: float | None
+    holdout_error_after: float | None
+    noise_error: float
+    verdict: Verdict
+    before: Comparison | None = None
+    after: Comparison | None = None
+    held_out: tuple[Comparison, Comparison] | None = None
+    diagnosis: Diagnosis | None = None
+    used: float = 1.0
+    notes: tuple[str, ...] = ()
+    holdout_noise_error: float | None = None
+    nearest: bool = False
+
+    @property
+    def kept(self) -> tuple[Step, ...]:
+        """The steps whose effects the last model has: those that no later step made needless."""
+        return tuple(
+            step
+            for i, step in enumerate(self.steps)
+            if not any(step.key in later.removed for later in self.steps[i + 1 :])
+        )
