@@ -84,14 +84,18 @@ def distortion(recordings: Sequence[Recording], **options: object) -> Distortion
     noise = np.sum([s.free * o for s, o in zip(m.spectra, own, strict=True)], axis=0) / free
     shares, sure = [], []
     for power, quiet in found:
+        if not len(power):  # no line of this parity was left silent
+            shares.append(np.full(ny, np.nan))
+            sure.append(np.zeros(ny, bool))
+            continue
         above, total = np.maximum(power - quiet, 0).mean(axis=0), np.mean(level**2, axis=0)
         count = 2 * power.shape[0] * len(m.spectra)
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = power.mean(axis=0) / quiet.mean(axis=0)
         chance = scipy.stats.f.sf(ratio, count, 2 * max(free, 1) * power.shape[0])
-        stands = (chance < _SURE) & (above > 1e-12 * total) if len(power) else np.zeros(ny, bool)
+        stands = (chance < _SURE) & (above > 1e-12 * total)
         share = np.sqrt(np.maximum(power.mean(axis=0) - quiet.mean(axis=0), 0) / total)
-        shares.append(np.where(stands, share, 0.0) if len(power) else np.full(ny, np.nan))
+        shares.append(np.where(stands, share, 0.0))
         sure.append(stands)
     return Distortion(
         outputs=tuple(str(c) for c in m.choice.channels(m.recordings[0])[0]),
