@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from workbench.comparison import compare
-from workbench.core import EffectKey, Estimate, Recording, SimulationError
-from workbench.core.results import Diagnosis
+from workbench.core import Diagnosis, EffectKey, Estimate, Recording, SimulationError
 from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from workbench.core.results import Diagnosis
+from workbench.core import Diagnosis
 
 from .plant import Field, has
 
