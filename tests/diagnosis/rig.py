@@ -5,16 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import pytest
-
 from workbench.core import EffectKey, Recording
-from workbench.diagnosis import search
 from workbench.diagnosis.data import gather
+from workbench.diagnosis.explore import explore
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis, applied_effect
+from workbench.diagnosis.moves.order import ONE_BY_ONE
 from workbench.diagnosis.node import Node, with_steps
-from workbench.diagnosis.problem import Problem, starting_fit
-from workbench.diagnosis.search_result import AcceptedStep, SearchResult
+from workbench.diagnosis.problem import Problem, problem_of
+from workbench.diagnosis.search_result import AcceptedStep
 from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep, validation
 
@@ -41,7 +40,7 @@ SPRING_AND_DELAY = (
 def asked(model: Model, training: Sequence[Recording], held_out: Sequence[Recording] = ()) -> Problem:
     """What a search is asked of these recordings."""
     data, runs = gather(model, training, held_out, seed=0)
-    return Problem(starting_fit(model, data, runs.clean), data, 6, 0, lambda text: None)
+    return problem_of(model, data, runs.clean, 6, 0, lambda text: None)
 
 
 def applied(model: Model, key: EffectKey, **values: float) -> AppliedEffect:
@@ -49,26 +48,26 @@ def applied(model: Model, key: EffectKey, **values: float) -> AppliedEffect:
     return applied_effect(model, AppliedEffect(key), values)
 
 
-def searched_from(
-    monkeypatch: pytest.MonkeyPatch,
-    model: Model,
-    hidden: Sequence[HiddenEffect],
+def node_with(
+    problem: Problem,
     *steps: AppliedEffect,
     loss_ratios: tuple[tuple[EffectKey, float], ...] = (),
+    ranking: tuple[tuple[EffectKey, float], ...] = (),
     iterations: int = 8,
-) -> SearchResult:
-    """What a search makes of these steps, handed to it as those it took; `loss_ratios` the first of them."""
+    **begun: Any,
+) -> Node:
+    """The node after these steps, as if found one by one; `loss_ratios` and `ranking` are of the first."""
+    model, accepted, before = problem.start.hypothesis.base, [], problem.start
+    for k, step in enumerate(steps):
+        (found,) = fit([Hypothesis(model, steps[: k + 1])], problem.data, iterations)
+        assert found is not None
+        told = {} if k else {"loss_ratios": loss_ratios, "ranking": ranking}
+        accepted.append(AcceptedStep.between(before, found, step.key, problem.data, **told))
+        before = found
+    root = Node(problem.start, problem.data)
+    return with_steps(root.begun(**begun), accepted, problem.seed)
 
-    def forward_selection(node: Node, problem: Problem, **_: Any) -> Node:
-        accepted = []
-        for k, step in enumerate(steps):
-            (found,) = fit([Hypothesis(model, steps[: k + 1])], node.data, iterations)
-            assert found is not None
-            close = () if k else loss_ratios
-            accepted.append(
-                AcceptedStep(step.key, found, node.data, 1.0, (), (), (), (), close, (1, 1), True)
-            )
-        return with_steps(node, tuple(accepted), problem.seed)
 
-    monkeypatch.setattr(search, "forward_selection", forward_selection)
-    return search.search(model, *recordings(*hidden))
+def explored_from(problem: Problem, *steps: AppliedEffect, **told: Any) -> Node:
+    """Where a search ends that one effect after the other has led to these steps."""
+    return explore(node_with(problem, *steps, move=ONE_BY_ONE, **told), problem)

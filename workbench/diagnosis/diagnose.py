@@ -16,8 +16,8 @@ from .data import Data
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
-from .moves.trial_fits import Progress
 from .policy import POLICY
+from .problem import Progress
 from .rounds import Rounds, comparisons, part_of, rounds
 from .search_result import SearchResult
 from .verdict import NAMED, verdict_of

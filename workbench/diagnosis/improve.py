@@ -10,7 +10,7 @@ from workbench.models import Model
 
 from .diagnose import diagnosis_of
 from .findings import step_of
-from .moves.trial_fits import Progress
+from .problem import Progress
 from .rounds import Rounds, comparisons, rounds
 from .verdict import NAMED, refuted
 

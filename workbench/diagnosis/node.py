@@ -1,10 +1,10 @@
-"""Nodes of the search, and forward selection from one node to the next."""
+"""Nodes of the search: a fit with the steps that led to it, and what is left of the error there."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,96 +12,101 @@ from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.consistent import consistent
 from workbench.core import EffectKey, SimulationError
 from workbench.effects import effect_named
+from workbench.models import AppliedEffect
 
-from .acceptance import holdout_insensitive, improves_residual, too_little_left, unchanged_on_holdout
+from .adequacy.adequacy import Adequacy
 from .data import Data
 from .fitting.divergence import divergence
 from .hypothesis import Fit
 from .loss import explained, median_explained, rescored
-from .moves.add import next_step
 from .policy import POLICY
-from .problem import Problem
-from .screening.screen import Candidate, screen
+from .problem import Keys, Problem
+from .screening.screen import Candidate
 from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .search_result import AcceptedStep
 
-Keys = frozenset[EffectKey]
-
 
 @dataclass(frozen=True)
+class Growth:
+    """How effects are added to a node one by one.
+
+    Attributes:
+        most: number of effects to add; None: as many as the problem allows.
+        basics_first: inertia, damping and Coulomb friction before others that explain somewhat more.
+        through_divergence: go on where trajectories diverge; the divergence is then measured at the end.
+    """
+
+    most: int | None = None
+    basics_first: bool = True
+    through_divergence: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class Node:
-    """A node of the search: fit, data with noise floor, accepted steps, whether noise explains the rest."""
+    """A node of the search.
+
+    Attributes:
+        current: the fit.
+        data: the recordings with the noise floor of its model.
+        steps: the accepted steps that led to it.
+        done: whether noise explains the rest.
+        move: name of the move that proposed it.
+        growth: how more effects are added to it; None where none are.
+        bold: whether it began with something that no data had confirmed by itself: it has to explain more.
+        as_good: whether it does as well as the node that it was made from, by the rule of its move.
+        jointly: whether its effects were solved for together along the measured motion.
+        adequacy: how each effect of a joint solution stands that is certain although more is missing.
+        near: effects of a joint solution that help and are not certain.
+        enough: whether nothing has to be searched one by one beside it.
+    """
 
     current: Fit
     data: Data
     steps: tuple[AcceptedStep, ...] = ()
     done: bool = False
+    move: str = ""
+    growth: Growth | None = None
+    bold: bool = False
+    as_good: bool = False
+    jointly: bool = False
+    adequacy: Mapping[EffectKey, Adequacy] = field(default_factory=dict)
+    near: tuple[AppliedEffect, ...] = ()
+    enough: bool = False
 
+    def begun(self, **changes: Any) -> Node:
+        """A node like this one for a move to change; what was told of this one is not told of it."""
+        return Node(self.current, self.data, self.steps, self.done, **changes)
 
-def forward_selection(
-    node: Node,
-    problem: Problem,
-    *,
-    allow_divergence: bool = False,
-    basics_first: bool = True,
-    visited: Collection[Keys] = (),
-) -> Node:
-    """The node after forward selection from `node`: one effect a step while one is accepted.
+    @property
+    def keys(self) -> Keys:
+        """Its effects."""
+        return effect_keys(self.current)
 
-    `allow_divergence`: go on where trajectories diverge; the divergence is then measured at the end.
-    `basics_first`: inertia, damping and Coulomb friction before others that explain somewhat more.
-    `visited`: sets of effects whose continuation is known; the selection ends there.
-    """
-    take = partial(next_step, progress=problem.progress, basics_first=basics_first)
-    current, data, steps, done = node.current, node.data, list(node.steps), node.done
-    start, progress = problem.start, problem.progress
-    most = len(steps) + problem.limit
-    while not done and len(steps) < most and not (steps and too_little_left(current, start, data)):
-        if effect_keys(current) in visited or data.budget.spent:
-            break
-        progress(f"screening effects, step {len(steps) + 1}")
-        linearisation, screened = (
-            screened_at(current, data, problem) if steps else (problem.linearisation, problem.screened)
-        )
-        step = take(linearisation, screened, current, data, later=bool(steps))
-        if step is None and holdout_insensitive(current, data):
-            # held-out motion may never show what is missing (a torque limit, for one)
-            progress("judging by the recordings that show most")
-            by_folds = data.cross_validated()
-            screened, _ = screen(linearisation, by_folds, current.simulated, current.hypothesis.free)
-            step = take(linearisation, screened, rescored(current, by_folds), by_folds, later=bool(steps))
-            if step is not None and not unchanged_on_holdout(step.fit, current, data):
-                step = None
-        if step is None:
-            break
-        costless = any(a.key == step.added for a in step.fit.hypothesis.parameter_free)
-        if steps and not costless and not improves_residual(step.fit, current, start, step.data):
-            break
-        progress(f"found {step.added}; simulating the noise")
-        fresh, runs = _refloor(step.fit, data, problem.seed, wide=not allow_divergence)
-        steps.append(replace(step, data=fresh, runs=runs))
-        current = rescored(step.fit, fresh)
-        # the residual of diverging trajectories says nothing about a further effect
-        data, done = fresh, is_consistent(fresh, current.mean_squares)
-        if diverges(current) and not allow_divergence:
-            break
-    return Node(current, data, tuple(steps), done)
+    @property
+    def size(self) -> int:
+        """Number of its free parameters."""
+        return self.current.hypothesis.size
+
+    @property
+    def diverges(self) -> bool:
+        """Whether trajectories of its model diverge for small parameter changes."""
+        return any(effect_named(a.key.effect).diverges for a in self.current.hypothesis.free)
 
 
 def effect_keys(found: Fit) -> Keys:
-    """Its effects."""
+    """The effects of a fit."""
     return frozenset(a.key for a in found.hypothesis.added)
 
 
 def screened_at(current: Fit, data: Data, problem: Problem) -> tuple[Linearisation, Sequence[Candidate]]:
-    """The linearisation about the current fit, and every effect screened there."""
+    """The linearisation about a fit, and every effect screened there."""
     linearisation = linearisation_at(current, data, problem)
     return linearisation, candidates(linearisation, current, data, problem.seed)
 
 
 def linearisation_at(current: Fit, data: Data, problem: Problem) -> Linearisation:
-    """The linearisation about the current fit, from the cache where the same runs were linearised before."""
+    """The linearisation about a fit, from the cache where the same runs were linearised before."""
     if not current.hypothesis.added:
         return problem.linearisation
     for linearisation in problem.linearisations:
@@ -120,23 +125,31 @@ def node_after(steps: tuple[AcceptedStep, ...], problem: Problem) -> Node:
     return Node(rescored(steps[-1].fit, data), data, steps)
 
 
+def explained_share(node: Node, problem: Problem) -> float:
+    """Share of the excess at the start that a node explains; of the median recording where runs diverge."""
+    ends = problem.data, problem.start, node.current, node.data
+    return max(explained(*ends), median_explained(*ends) if node.diverges else 0.0)
+
+
 def explains_data(node: Node, problem: Problem) -> bool:
     """Whether the effects of a node explain the data."""
     if node.done or not node.steps:
         return node.done
-    ends = problem.data, problem.start, node.current, node.data
-    shares = [explained(*ends), median_explained(*ends) if diverges(node.current) else 0.0]
-    return max(shares) >= POLICY.explained
+    return explained_share(node, problem) >= POLICY.explained
 
 
 def with_steps(node: Node, found: Sequence[AcceptedStep], seed: int, *, wide: bool = True) -> Node:
-    """The node after further steps, each with the noise floor of its own model."""
+    """The node after further steps, each with the noise floor of its own model.
+
+    `wide`: the floor is at least the divergence of trajectories.
+    """
     data, steps = node.data, list(node.steps)
     for step in found:
         data, runs = _refloor(step.fit, data, seed, wide=wide)
         steps.append(replace(step, data=data, runs=runs))
     current = rescored(steps[-1].fit, data)
-    return Node(current, data, tuple(steps), is_consistent(data, current.mean_squares))
+    done = is_consistent(data, current.mean_squares)
+    return replace(node, current=current, data=data, steps=tuple(steps), done=done)
 
 
 def with_last_step(node: Node, last: AcceptedStep, seed: int) -> Node:
@@ -154,11 +167,6 @@ def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = Tru
     return consistent(pooled, draws, error, floors, allowed, by_signal=by_signal)
 
 
-def diverges(found: Fit) -> bool:
-    """Whether trajectories of the fitted model diverge for small parameter changes."""
-    return any(effect_named(a.key.effect).diverges for a in found.hypothesis.free)
-
-
 def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated | None]:
     """Data with the noise floor of the fitted model (`wide`: at least its divergence), and its runs.
 
@@ -168,6 +176,6 @@ def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[D
         fresh, simulated = data.of_model(found.hypothesis.model, seed)
     except SimulationError:
         return data.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), None
-    if wide and diverges(found):
+    if wide and any(effect_named(a.key.effect).diverges for a in found.hypothesis.free):
         fresh = replace(fresh, floor=np.maximum(fresh.floor, divergence(found, data)))
     return fresh.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), simulated

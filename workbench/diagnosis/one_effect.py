@@ -13,11 +13,10 @@ from .data import gather
 from .fitting.fit import fit
 from .fitting.refinement import converged, with_candidate
 from .moves.grid_refinement import refined_on_grid
-from .problem import starting_fit
+from .problem import Progress, starting_fit
 from .screening.compliance import compliance_candidates
 from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
-from .search import Progress
 
 
 def fit_effect(

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from workbench.comparison import ClosedLoop, MeasuredMotion, followed, with_torque_by_law
-from workbench.core import Recording, SimulationError
+from workbench.core import EffectKey, Recording, SimulationError
 from workbench.models import Model
 
 from .data import Data, gather
 from .hypothesis import Fit, Hypothesis
 from .loss import rescored
-from .moves.trial_fits import Progress
 from .screening.linear_problem import Linear, is_too_large, linear_along, linear_of
 from .screening.screen import Candidate
 from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .screening.torque_regression import Regression, regression_of
+
+#: Told what is being done.
+Progress = Callable[[str], None]
+#: The effects of a model.
+Keys = frozenset[EffectKey]
 
 _KEPT_LINEARISATIONS = 4  # cached: a search seldom returns to older ones, and each holds every row
 
@@ -37,6 +41,7 @@ class Problem:
         seed: of the noise simulations.
         progress: told what is being done.
         linearisations: of the last nodes, newest first.
+        visited: what was begun already, so that nothing is searched twice.
     """
 
     start: Fit
@@ -47,6 +52,13 @@ class Problem:
     linearisations: deque[Linearisation] = field(
         default_factory=lambda: deque(maxlen=_KEPT_LINEARISATIONS), repr=False
     )
+    visited: set[tuple[object, ...]] = field(default_factory=set, repr=False)
+
+    def is_new(self, *begun: object) -> bool:
+        """Whether something is begun for the first time; it is then no longer new."""
+        new = begun not in self.visited
+        self.visited.add(begun)
+        return new
 
     @cached_property
     def linearisation(self) -> Linearisation:

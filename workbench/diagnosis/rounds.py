@@ -15,7 +15,8 @@ from .checks.loops import refuse_coordinates
 from .checks.sign_check import refuse_wrong_sign_of_torque
 from .checks.units import refuse_unit
 from .policy import POLICY
-from .search import Progress, UnstableLoop, search
+from .problem import Progress
+from .search import UnstableLoop, search
 from .search_result import SearchResult
 from .verdict import NAMED, verdict_of
 

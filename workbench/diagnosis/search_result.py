@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 
 from workbench.comparison import Simulated
 from workbench.core import Disagreement, EffectKey, Identifiability, Stopped
@@ -12,7 +15,9 @@ from workbench.models import AppliedEffect, Model
 from .adequacy.adequacy import Adequacy
 from .data import Data
 from .hypothesis import Fit
+from .loss import test_noise_floor
 from .moves.choice import same_cause
+from .removed_share import removed_share
 from .screening.linear_problem import Linear
 from .screening.screen import Candidate
 
@@ -26,13 +31,13 @@ class AcceptedStep:
         fit: model with it and all earlier ones, refitted.
         data: recordings with the noise floor of that model.
         removed_share: share of the excess squared error before that it removed (`removed_share`).
+        folds: number of folds that improved, and of all.
+        by_holdout: whether the test loss was that of held-out recordings.
         indistinguishable: effects that fit as well, with no fewer free parameters.
         others: models with the best other explanations in place of it, best first.
         dropped: earlier effects that it made needless.
         ranking: the same share of every simulated candidate by itself, best first.
         loss_ratios: other explanations with their test loss over this one's, best first.
-        folds: number of folds that improved, and of all.
-        by_holdout: whether the test loss was that of held-out recordings.
         runs: the model's runs, without and with noise; filled in when the step is accepted.
     """
 
@@ -40,14 +45,21 @@ class AcceptedStep:
     fit: Fit
     data: Data
     removed_share: float
-    indistinguishable: tuple[EffectKey, ...]
-    others: tuple[tuple[EffectKey, Model], ...]
-    dropped: tuple[EffectKey, ...]
-    ranking: tuple[tuple[EffectKey, float], ...]
-    loss_ratios: tuple[tuple[EffectKey, float], ...]
     folds: tuple[int, int]
     by_holdout: bool
+    indistinguishable: tuple[EffectKey, ...] = ()
+    others: tuple[tuple[EffectKey, Model], ...] = ()
+    dropped: tuple[EffectKey, ...] = ()
+    ranking: tuple[tuple[EffectKey, float], ...] = ()
+    loss_ratios: tuple[tuple[EffectKey, float], ...] = ()
     runs: Simulated | None = None
+
+    @staticmethod
+    def between(before: Fit, found: Fit, added: EffectKey, data: Data, **told: Any) -> AcceptedStep:
+        """The step from one fit to one with an effect more, with what is told of it besides."""
+        share = removed_share(before.test_loss, found.test_loss, test_noise_floor(data))
+        folds = int(np.sum(found.fold_losses < before.fold_losses)), len(found.fold_losses)
+        return AcceptedStep(added, found, data, share, folds, data.tests_on_holdout, **told)
 
     def indistinguishable_at(self, end: Fit) -> tuple[EffectKey, ...]:
         """Indistinguishable effects, without those that are in the final fit in any form."""

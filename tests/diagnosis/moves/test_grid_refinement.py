@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.diagnosis.rig import applied, recordings, searched_from
+from tests.diagnosis.rig import applied, asked, explored_from, recordings
 from workbench.core import EffectKey
 from workbench.diagnosis.data import gather
 from workbench.diagnosis.fitting.fit import fit
@@ -16,12 +16,12 @@ from workbench.rigs import HiddenEffect
 LEG = load_model("leg")
 
 
-def test_a_gap_is_brought_to_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_gap_is_brought_to_its_size() -> None:
     hidden = HiddenEffect("backlash", "hip", parameters={"gap": 0.014, "stiffness": 350.0})
     rough = applied(LEG, EffectKey("backlash", "hip"), gap=0.0132, stiffness=310.0)
-    found = searched_from(monkeypatch, LEG, [hidden], rough, iterations=1)
-    assert found.consistent_after
-    (gap,) = found.final.hypothesis.free
+    found = explored_from(asked(LEG, *recordings(hidden)), rough, iterations=1)
+    assert found.done
+    (gap,) = found.current.hypothesis.free
     assert gap.values["gap"] == pytest.approx(0.014, rel=0.02)
     assert gap.values["stiffness"] == pytest.approx(350.0, rel=0.05)
     assert gap.parameters["gap"].std > 0.0, "how well it is known has not changed by the search"

@@ -10,8 +10,8 @@ import pytest
 
 from tests.diagnosis.rig import asked, recordings
 from workbench.core import Controller, EffectKey, Recording
-from workbench.diagnosis.moves import alternative_starts
 from workbench.diagnosis.moves.inverse_dynamics import inverse_dynamics_start
+from workbench.diagnosis.moves.restarts import along_the_motion
 from workbench.diagnosis.node import Node
 from workbench.diagnosis.problem import Problem
 from workbench.effects import load_model
@@ -75,11 +75,9 @@ def problem(folder: Path, friction: float) -> Problem:
     return asked(model, training, [crane("judge", friction, (0.5, 1.0, 1.9), 3)])
 
 
-def test_friction_of_a_hinge_that_nothing_drives(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("shared_effects", "best_pair"):
-        monkeypatch.setattr(alternative_starts, name, lambda *_: ())
+def test_friction_of_a_hinge_that_nothing_drives(tmp_path: Path) -> None:
     lacking = problem(tmp_path, 0.01)
-    node = alternative_starts.alternative_starts(Node(lacking.start, lacking.data), lacking)
+    (node,) = along_the_motion(Node(lacking.start, lacking.data), lacking)
     assert [s.added for s in node.steps] == [EffectKey("coulomb_friction", "pole")]
     (found,) = node.current.hypothesis.free
     assert found.values["torque"] == pytest.approx(0.01, rel=0.05)

@@ -6,11 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from tests.diagnosis.rig import SPRING_AND_DELAY, applied, searched_from
+from tests.diagnosis.rig import SPRING_AND_DELAY, applied, asked, explored_from, recordings
 from workbench.core import EffectKey
-from workbench.diagnosis.moves.replace import replace_effects
-from workbench.diagnosis.node import Node
-from workbench.diagnosis.problem import Problem
+from workbench.diagnosis.moves.replace import replaced
 from workbench.effects import load_model
 
 LEG = load_model("leg")
@@ -18,13 +16,12 @@ PIN, DRIVE = (EffectKey("joint_compliance", "knee", place) for place in ("joint"
 DELAY = EffectKey("sensor_delay", None)
 
 
-def test_a_spring_at_the_drive_is_found_where_one_in_the_pin_was_taken_before_the_delay(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_spring_at_the_drive_is_found_where_one_in_the_pin_was_taken_before_the_delay() -> None:
     pin, late = applied(LEG, PIN, stiffness=85.0, damping=0.1), applied(LEG, DELAY, time=0.0012)
-    found = searched_from(monkeypatch, LEG, SPRING_AND_DELAY, pin, late, loss_ratios=((DRIVE, 1.007),))
-    assert found.consistent_after
-    values = {a.key: a.values for a in found.final.hypothesis.free}
+    problem = asked(LEG, *recordings(*SPRING_AND_DELAY))
+    found = explored_from(problem, pin, late, loss_ratios=((DRIVE, 1.007),))
+    assert found.done
+    values = {a.key: a.values for a in found.current.hypothesis.free}
     assert values.keys() == {DRIVE, DELAY}
     assert values[DRIVE]["stiffness"] == pytest.approx(91.0, rel=0.01)
     last = found.steps[-1]
@@ -34,10 +31,9 @@ def test_a_spring_at_the_drive_is_found_where_one_in_the_pin_was_taken_before_th
     def tried(text: str) -> None:
         raise AssertionError(text)
 
-    problem = Problem(found.start, found.start_data, 6, 0, tried)
+    asked_again = replace(problem, progress=tried)
     far = tuple(replace(step, loss_ratios=((PIN, 2.6),)) for step in found.steps)
-    node = Node(found.final, last.data, far)
-    assert replace_effects(node, problem) is node, "what was far behind is not tried"
-    close = replace(node, steps=tuple(replace(step, loss_ratios=((PIN, 1.1),)) for step in found.steps))
+    assert not list(replaced(replace(found, steps=far), asked_again)), "what was far behind is not tried"
+    close = tuple(replace(step, loss_ratios=((PIN, 1.1),)) for step in found.steps)
     with pytest.raises(AssertionError, match="in place of"):
-        replace_effects(close, problem)
+        next(replaced(replace(found, steps=close), asked_again))

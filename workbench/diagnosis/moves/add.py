@@ -1,28 +1,103 @@
-"""The move that adds one effect: which of the screened and fitted candidates is accepted now."""
+"""One effect more, and one more, as long as one is accepted (forward selection)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-
-import numpy as np
+from functools import partial
 
 from workbench.core import EffectKey
 from workbench.effects import contains
 
-from ..acceptance import explains_training, improves, lowers_error
+from ..acceptance import (
+    explains_training,
+    holdout_insensitive,
+    improves,
+    improves_residual,
+    lowers_error,
+    near_noise_floor,
+    too_little_left,
+    unchanged_on_holdout,
+)
 from ..data import Data
 from ..fitting.refinement import converged, prune
 from ..hypothesis import Fit
+from ..loss import rescored
 from ..naming import equivalents_of, named_beside, special_case
+from ..node import Growth, Node, screened_at, with_last_step, with_steps
+from ..problem import Problem, Progress
 from ..removed_share import removed_share
 from ..screening.command_path import off_command_path
-from ..screening.screen import Candidate
+from ..screening.screen import Candidate, screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import cancel_each_other, identifiable
 from .choice import Explanation, choose, loss_ratios
-from .trial_fits import Progress, SearchState, TrialFits, try_in_order
+from .trial_fits import SearchState, TrialFits, try_in_order
+
+
+def grown(node: Node, problem: Problem) -> Node:
+    """The node after forward selection, as its `growth` says: one effect a step while one is accepted.
+
+    A bold start grows no more from a set of effects from which another has grown before.
+    """
+    how, begun = node.growth, len(node.steps)
+    if how is None or (how.through_divergence and begun and near_noise_floor(node.current, node.data)):
+        return _settled(node, problem)
+    most = begun + (how.most or problem.limit)
+    while len(node.steps) < most and _may_grow(node, how, begun, problem):
+        step = _next_step(node, how, problem)
+        if step is None:
+            break
+        problem.progress(f"found {step.added}; simulating the noise")
+        more = node.begun(move=node.move, growth=how, bold=node.bold)
+        node = with_steps(more, (step,), problem.seed, wide=not how.through_divergence)
+    return _settled(node, problem)
+
+
+def _may_grow(node: Node, how: Growth, begun: int, problem: Problem) -> bool:
+    """Whether one more effect is looked for."""
+    if node.done or node.data.budget.spent:
+        return False
+    if node.steps and too_little_left(node.current, problem.start, node.data):
+        return False
+    # the residual of diverging trajectories says nothing about a further effect
+    if node.diverges and len(node.steps) > begun and not how.through_divergence:
+        return False
+    new = problem.is_new(node.keys, how.basics_first, how.through_divergence)
+    return new or not node.bold  # where a bold start comes to is known already
+
+
+def _next_step(node: Node, how: Growth, problem: Problem) -> AcceptedStep | None:
+    """The next step of a growing node; None where no effect is accepted."""
+    current, data, later = node.current, node.data, bool(node.steps)
+    problem.progress(f"screening effects, step {len(node.steps) + 1}")
+    linearisation, screened = (
+        screened_at(current, data, problem) if later else (problem.linearisation, problem.screened)
+    )
+    take = partial(next_step, progress=problem.progress, later=later, basics_first=how.basics_first)
+    step = take(linearisation, screened, current, data)
+    if step is None and holdout_insensitive(current, data):
+        # held-out motion may never show what is missing (a torque limit, for one)
+        problem.progress("judging by the recordings that show most")
+        by_folds = data.cross_validated()
+        screened, _ = screen(linearisation, by_folds, current.simulated, current.hypothesis.free)
+        step = take(linearisation, screened, rescored(current, by_folds), by_folds)
+        if step is not None and not unchanged_on_holdout(step.fit, current, data):
+            return None
+    if step is None:
+        return None
+    costless = any(a.key == step.added for a in step.fit.hypothesis.parameter_free)
+    if later and not costless and not improves_residual(step.fit, current, problem.start, step.data):
+        return None
+    return step
+
+
+def _settled(node: Node, problem: Problem) -> Node:
+    """The node with its divergence measured, where that was left to the end."""
+    if node.growth is None or not node.growth.through_divergence or not node.steps:
+        return node
+    return with_last_step(node, node.steps[-1], problem.seed)
 
 
 @dataclass(frozen=True)
@@ -114,11 +189,11 @@ def _step(choice: _Choice, tried: TrialFits, at: SearchState) -> AcceptedStep:
     """The accepted step of a choice."""
     before, kept, data = at.current, choice.kept, at.data
     left = {a.key for a in kept.hypothesis.added}
-    return AcceptedStep(
-        added=choice.key,
-        fit=kept,
-        data=data,
-        removed_share=removed_share(before.test_loss, kept.test_loss, at.floor),
+    return AcceptedStep.between(
+        before,
+        kept,
+        choice.key,
+        data,
         indistinguishable=(
             *choice.indistinguishable,
             *(k for k in choice.needless if not contains(choice.key, k)),
@@ -133,8 +208,6 @@ def _step(choice: _Choice, tried: TrialFits, at: SearchState) -> AcceptedStep:
         loss_ratios=loss_ratios(
             choice.key, choice.found.test_loss, ((c.key, f.test_loss) for c, f in tried.fits)
         ),
-        folds=(int(np.sum(kept.fold_losses < before.fold_losses)), len(kept.fold_losses)),
-        by_holdout=data.tests_on_holdout,
     )
 
 

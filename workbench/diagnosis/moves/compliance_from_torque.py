@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from workbench.effects import effect_named
 
 from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit, Hypothesis, applied_effect
-from ..loss import test_noise_floor
 from ..policy import POLICY
-from ..removed_share import removed_share
 from ..screening.compliance import compliance_candidates, equivalents_at_joint
 from ..screening.screen import Candidate
 from ..screening.sensitivity import Linearisation
@@ -68,19 +64,12 @@ def compliance_from_torque(
     close = loss_ratios(plain.key, plain.test_loss, ((c.key, c.test_loss) for c in others))
     steps = []
     for candidate, earlier, found in zip(chosen, (start, *fits), fits, strict=False):
-        removed = removed_share(earlier.test_loss, found.test_loss, test_noise_floor(data))
-        step = AcceptedStep(
-            added=candidate.key,
-            fit=found,
-            data=data,
-            removed_share=removed,
+        step = AcceptedStep.between(earlier, found, candidate.key, data)
+        step = replace(
+            step,
             indistinguishable=equivalents_at_joint(linearisation.model, candidate.key),
-            others=(),
-            dropped=(),
-            ranking=((candidate.key, removed),),  # losses of others are not of this kind
+            ranking=((candidate.key, step.removed_share),),  # losses of others are not of this kind
             loss_ratios=close if candidate is chosen[0] else (),
-            folds=(int(np.sum(found.fold_losses < earlier.fold_losses)), len(found.fold_losses)),
-            by_holdout=data.tests_on_holdout,
         )
         steps.append(step)
     return tuple(steps)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 
@@ -14,10 +15,21 @@ from workbench.models import AppliedEffect, Placement
 from ..data import Data
 from ..fitting.fit import fit, values_of
 from ..hypothesis import Fit, Hypothesis, applied_effect
+from ..node import Node, with_last_step
 from ..policy import POLICY
+from ..problem import Problem
 
 _STEPS = (0.1, 0.04, 0.015)  # of each parameter, one after the other
 _ROUNDS = 3  # at each step, as long as the best is on the rim of the grid
+
+
+def with_refined_gap(node: Node, problem: Problem) -> Iterator[Node]:
+    """The node with parameters of diverging effects refined on a grid."""
+    problem.progress("trying sizes of the gap")
+    better = refined_on_grid(node.current, node.data)
+    if better is not node.current:
+        last = replace(node.steps[-1], fit=better)
+        yield with_last_step(node.begun(as_good=True), last, problem.seed)
 
 
 def refined_on_grid(found: Fit, data: Data) -> Fit:

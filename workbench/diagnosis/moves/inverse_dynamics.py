@@ -10,9 +10,10 @@ from workbench.core import Recording, SimulationError
 from ..data import gather
 from ..fitting.fit import fit
 from ..fitting.refinement import converged
-from ..node import Node, forward_selection
+from ..node import Growth, Node
 from ..problem import Problem, problem_of
 from ..search_result import AcceptedStep
+from .add import grown
 
 
 def inverse_dynamics_start(problem: Problem) -> tuple[AcceptedStep, ...]:
@@ -39,7 +40,7 @@ def inverse_dynamics_start(problem: Problem) -> tuple[AcceptedStep, ...]:
     except SimulationError:
         return ()
     asked = problem_of(model, data, runs.clean, problem.limit, problem.seed, problem.progress)
-    return _in_the_loop(forward_selection(Node(asked.start, asked.data), asked), problem)
+    return _in_the_loop(grown(Node(asked.start, asked.data, growth=Growth()), asked), problem)
 
 
 def _swings(recording: Recording) -> bool:

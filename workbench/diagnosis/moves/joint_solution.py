@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from workbench.comparison import MeasuredMotion
 from workbench.core import EffectKey
+from workbench.effects import effect_named
 from workbench.models import AppliedEffect
 
 from ..acceptance import lowers_error
@@ -17,8 +18,8 @@ from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit
-from ..loss import rescored, test_noise_floor
-from ..node import Node, is_consistent, with_last_step
+from ..loss import explained, rescored, test_noise_floor
+from ..node import Growth, Node, effect_keys, is_consistent, with_last_step
 from ..policy import POLICY
 from ..problem import Problem, evaluated
 from ..removed_share import removed_share
@@ -29,25 +30,51 @@ from ..search_result import AcceptedStep
 from ..significance import INTERVAL, is_significant, significance
 
 
-@dataclass(frozen=True)
-class JointSolution:
-    """A joint solution.
+def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
+    """The joint solution, once; what is no torque along the motion may be missing beside several certain."""
+    if not problem.is_new("joint solution"):
+        return
+    node = solve_jointly(problem)
+    if node is None:
+        return
+    several = _has_several_certain(node)
+    share = explained(problem.data, problem.start, node.current, node.data)
+    enough = (
+        len(node.steps) + len(node.near) > problem.limit
+        or (_corrections_suffice(node) and not one_effect_may_suffice(problem))
+        or (several and share > POLICY.certain_share)
+    )
+    yield replace(node, enough=enough, growth=Growth() if several else None)
 
-    Attributes:
-        node: with the effects that are certain; with all effects where these are at the noise floor.
-        adequacy: how each of them stands against free functions; empty where all is explained.
-        near: effects that help and are not certain.
-        size: number of all selected effects.
+
+def one_effect_may_suffice(problem: Problem) -> bool:
+    """Whether a single effect, as screened, explains the recordings."""
+    least = min((c.test_loss for c in problem.screened), default=problem.start.test_loss)
+    return removed_share(problem.start.test_loss, least, test_noise_floor(problem.data)) >= POLICY.explained
+
+
+def _has_several_certain(node: Node) -> bool:
+    """Whether several effects on more than one axis are certain, too many to approximate one other cause."""
+    keys = [step.added for step in node.steps]
+    return not node.done and len(keys) >= POLICY.certain_effects and len({k.axis for k in keys}) > 1
+
+
+def _corrections_suffice(node: Node) -> bool:
+    """Whether corrections of drive and link parameters alone reach the noise floor."""
+    keys = [step.added for step in node.steps]
+    return node.done and len(keys) > 1 and all(k.axis and _corrects_a_number(k.effect) for k in keys)
+
+
+def _corrects_a_number(effect: str) -> bool:
+    """Whether an effect corrects a number that every drive or link has."""
+    return effect_named(effect).basic or effect_named(effect).adds_up
+
+
+def solve_jointly(problem: Problem) -> Node | None:
+    """The joint solution; None where no torque was recorded, or nothing helps that is certain.
+
+    The node has the effects that are certain; all effects where these are at the noise floor.
     """
-
-    node: Node
-    adequacy: Mapping[EffectKey, Adequacy]
-    near: tuple[AppliedEffect, ...]
-    size: int
-
-
-def solve_jointly(problem: Problem) -> JointSolution | None:
-    """The joint solution; None where no torque was recorded, or nothing helps that is certain."""
     problem.progress("solving for all axes and effects at once, along the measured motion")
     if problem.inverse_dynamics is None:
         return None
@@ -63,11 +90,11 @@ def solve_jointly(problem: Problem) -> JointSolution | None:
         named = _only(whole, known, data)
     if named is None or not lowers_error(named, start, data):
         return None
-    sure = _keys(named)
+    sure = effect_keys(named)
     kept = Selection(tuple(e for e in chosen.chosen if e.key in sure), chosen.solution)
     node = _in_the_loop(_steps(regression, kept, named, start, data), problem)
     near = tuple(a for a in whole.hypothesis.free if a.key not in sure)
-    return None if node is None else JointSolution(node, known, near, len(chosen.chosen))
+    return None if node is None else replace(node, jointly=True, adequacy=known, near=near)
 
 
 def _fitted(regression: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
@@ -124,25 +151,11 @@ def _steps(
     hypotheses = [replace(end.hypothesis, free=tuple(order[: k + 1])) for k in range(len(order))]
     runs = data.run([h.model for h in hypotheses[:-1]])
     fits = [evaluated(h, r, data) for h, r in zip(hypotheses[:-1], runs, strict=True)] + [end]
-    floor = test_noise_floor(data)
     steps, previous = [], before
     for entry, fitted in zip(chosen.chosen, fits, strict=True):
-        loss_ratios, indistinguishable = rivals_of(regression, chosen.chosen, entry)
-        steps.append(
-            AcceptedStep(
-                added=entry.key,
-                fit=fitted,
-                data=data,
-                removed_share=removed_share(previous.test_loss, fitted.test_loss, floor),
-                indistinguishable=indistinguishable,
-                others=(),
-                dropped=(),
-                ranking=(),
-                loss_ratios=loss_ratios,
-                folds=(int(np.sum(fitted.fold_losses < previous.fold_losses)), len(fitted.fold_losses)),
-                by_holdout=data.tests_on_holdout,
-            )
-        )
+        ratios, alike = rivals_of(regression, chosen.chosen, entry)
+        told = {"indistinguishable": alike, "loss_ratios": ratios}
+        steps.append(AcceptedStep.between(previous, fitted, entry.key, data, **told))
         previous = fitted
     return steps
 
@@ -159,7 +172,3 @@ def _in_the_loop(steps: Sequence[AcceptedStep], problem: Problem) -> Node | None
         steps = [replace(s, fit=f, data=data) for s, f in zip(steps, runs_at_all, strict=True)]
     before = Node(rescored(steps[-1].fit, data), data, tuple(steps))
     return with_last_step(before, steps[-1], problem.seed)
-
-
-def _keys(found: Fit) -> tuple[EffectKey, ...]:
-    return tuple(a.key for a in found.hypothesis.free)

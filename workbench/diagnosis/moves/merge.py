@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations, islice
-
-import numpy as np
 
 from workbench.core import EffectKey
 from workbench.models import AppliedEffect
@@ -15,11 +13,10 @@ from ..fitting.delays import is_delay, one_delay_for_two
 from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidate
 from ..hypothesis import Fit, Hypothesis
-from ..loss import rescored, test_noise_floor
-from ..node import Node, diverges, explains_data, with_steps
+from ..loss import rescored
+from ..node import Node, with_steps
 from ..policy import POLICY
 from ..problem import Problem
-from ..removed_share import removed_share
 from ..screening.compliance import equivalents_at_joint
 from ..screening.sensitivity import Linearisation
 from ..screening.stiction import candidates
@@ -27,17 +24,13 @@ from ..search_result import AcceptedStep
 from ..significance import identifiable
 
 
-def merge_effects(node: Node, problem: Problem) -> Node:
-    """The node with one effect of at most half the parameters in place of two; else `node`.
+def merged(node: Node, problem: Problem) -> Iterator[Node]:
+    """Nodes with one effect of at most half the parameters in place of two.
 
     A payload at the foot changes inertia and weight of the linkage together, and is taken for both while a
     third cause is missing. Two delays are merged into one of their total length.
     """
-    if diverges(node.current) or not explains_data(node, problem):
-        return node  # what explains less is not named
     for pair in combinations(node.current.hypothesis.free, 2):
-        if node.data.budget.spent:
-            break
         if all(is_delay(a.key) for a in pair):
             found = _as_late_as_both(pair, node, problem)
         elif sum(len(a.parameters) for a in pair) >= POLICY.merge_from:
@@ -45,10 +38,8 @@ def merge_effects(node: Node, problem: Problem) -> Node:
         else:
             continue
         if found is not None:
-            return with_steps(
-                Node(problem.start, problem.data), _steps(found, pair, node, problem.start), problem.seed
-            )
-    return node
+            root = Node(problem.start, problem.data, as_good=True)
+            yield with_steps(root, _steps(found, pair, node, problem.start), problem.seed)
 
 
 def _in_place_of(
@@ -113,22 +104,14 @@ def _steps(
     steps: list[AcceptedStep] = []
     before = rescored(start, data)
     for key, now in zip(order, (*(f or last for f in fits), last), strict=True):
-        removed = removed_share(before.test_loss, now.test_loss, test_noise_floor(data))
-        step = next((s for s in node.steps if s.added == key), None) or AcceptedStep(
-            added=key,
-            fit=now,
-            data=data,
-            removed_share=removed,
-            indistinguishable=equivalents_at_joint(last.hypothesis.base, key),
-            others=(),
-            dropped=(),
-            ranking=((key, removed),),
-            loss_ratios=(),
-            folds=(0, 0),
-            by_holdout=data.tests_on_holdout,
+        own = AcceptedStep.between(before, now, key, data)
+        told = next((s for s in node.steps if s.added == key), None)
+        if told is None:
+            same = equivalents_at_joint(last.hypothesis.base, key)
+            told = replace(own, indistinguishable=same, ranking=((key, own.removed_share),))
+        steps.append(
+            replace(told, fit=now, data=data, removed_share=own.removed_share, dropped=(), folds=own.folds)
         )
-        folds = int(np.sum(now.fold_losses < before.fold_losses)), len(now.fold_losses)
-        steps.append(replace(step, fit=now, data=data, removed_share=removed, dropped=(), folds=folds))
         before = now
     return tuple(steps)
 

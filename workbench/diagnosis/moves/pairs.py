@@ -19,7 +19,7 @@ from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
 from ..policy import POLICY
-from ..removed_share import removed_share, removed_shares
+from ..removed_share import removed_shares
 from ..screening.screen import Candidate, Entry, entries_of, equations, judge, limits_of
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
@@ -105,22 +105,19 @@ def _steps(
             and f.fit.training_loss < POLICY.pair_rival * best.fit.training_loss
         ]
         steps.append(
-            AcceptedStep(
-                added=keys[n],
-                fit=result,
-                data=data,
-                removed_share=removed_share(before[n].test_loss, result.test_loss, floor),
+            AcceptedStep.between(
+                before[n],
+                result,
+                keys[n],
+                data,
                 indistinguishable=tuple(
                     k
                     for k, f in instead
                     if f.test_loss <= best.fit.test_loss * (1.0 + POLICY.tie) and not contains(k, keys[n])
                 ),
                 others=tuple((k, f.hypothesis.model) for k, f in instead),
-                dropped=(),
                 ranking=shares,
                 loss_ratios=loss_ratios(keys[n], best.fit.test_loss, ((k, f.test_loss) for k, f in instead)),
-                folds=(int(np.sum(result.fold_losses < before[n].fold_losses)), len(result.fold_losses)),
-                by_holdout=data.tests_on_holdout,
             )
         )
     return steps[0], steps[1]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,11 +11,11 @@ from ..acceptance import halves_excess, near_noise_floor
 from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidate
 from ..hypothesis import Fit
-from ..loss import explained, test_noise_floor
-from ..node import Node, diverges, forward_selection, with_steps
+from ..loss import test_noise_floor
+from ..node import Growth, Node, with_steps
 from ..policy import POLICY
 from ..problem import Problem
-from ..removed_share import removed_share, removed_shares
+from ..removed_share import removed_shares
 from ..screening.compliance import compliance_candidates, equivalents_at_joint
 from ..screening.sensitivity import Linearisation
 from ..screening.stiction import candidates
@@ -24,30 +24,19 @@ from ..significance import identifiable
 from .choice import EffectLoss, Explanation, loss_ratios
 
 
-def replace_effects(node: Node, problem: Problem) -> Node:
-    """The node with effects replaced by others of nearly the same loss; `node` where none is much better.
+def replaced(node: Node, problem: Problem) -> Iterator[Node]:
+    """Nodes with one effect replaced by another of nearly the same loss, the last effects first.
 
     While a delay is missing, a spring in the joint is taken for one at the drive: they can be distinguished
     only once all other causes are in the model. A replacement of the last effect may need one more effect.
-    It is tried where nearly all is explained and more than noise is left: what explains less is not named.
     """
-    share = explained(problem.data, problem.start, node.current, node.data)
-    if not node.steps or share < POLICY.explained or diverges(node.current):
-        return node
     for step in reversed(node.steps):
-        if node.done or node.data.budget.spent:
-            return node
         found = _replacements(step, node, problem)
         if found and halves_excess(found[0].fit, node.current, node.data):
-            node = forward_selection(with_steps(node, found[:1], problem.seed), problem)
+            yield with_steps(node.begun(growth=Growth()), found[:1], problem.seed)
         elif step is node.steps[-1] and not near_noise_floor(node.current, node.data):
-            one_more = replace(problem, limit=1)
-            led = [forward_selection(with_steps(node, (each,), problem.seed), one_more) for each in found]
-            good = [o for o in led if o.done or near_noise_floor(o.current, o.data)]
-            node = min(
-                good, key=lambda o: (not o.done, o.current.hypothesis.size, o.current.test_loss), default=node
-            )
-    return node
+            for each in found:
+                yield with_steps(node.begun(growth=Growth(most=1)), (each,), problem.seed)
 
 
 def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[AcceptedStep, ...]:
@@ -85,19 +74,13 @@ def _step(
     """The step of one replacement; `left`: test loss of each candidate."""
     (candidate, found), data = explanation, node.data
     found = converged(found, data)
-    floor = test_noise_floor(data)
     alike = [key for key, test_loss in left if test_loss <= found.test_loss * (1.0 + POLICY.tie)]
     pins = equivalents_at_joint(node.current.hypothesis.base, candidate.key)
-    return AcceptedStep(
-        added=candidate.key,
-        fit=found,
-        data=data,
-        removed_share=removed_share(rest.test_loss, found.test_loss, floor),
-        indistinguishable=tuple(dict.fromkeys(key for key in (*alike, *pins) if key != candidate.key)),
-        others=(),
-        dropped=(step.added,),
-        ranking=removed_shares(rest.test_loss, left, floor),
-        loss_ratios=loss_ratios(candidate.key, found.test_loss, left),
+    return replace(
+        AcceptedStep.between(rest, found, candidate.key, data),
         folds=(int(np.sum(found.fold_losses < node.current.fold_losses)), len(found.fold_losses)),
-        by_holdout=data.tests_on_holdout,
+        indistinguishable=tuple(dict.fromkeys(key for key in (*alike, *pins) if key != candidate.key)),
+        dropped=(step.added,),
+        ranking=removed_shares(rest.test_loss, left, test_noise_floor(data)),
+        loss_ratios=loss_ratios(candidate.key, found.test_loss, left),
     )

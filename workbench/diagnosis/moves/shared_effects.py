@@ -23,7 +23,7 @@ from ..fitting.refinement import converged, tune_sliding_speed, with_candidates
 from ..hypothesis import Fit
 from ..loss import rescored, test_noise_floor
 from ..policy import POLICY
-from ..removed_share import removed_share, removed_shares
+from ..removed_share import removed_shares
 from ..screening.screen import Candidate, Entry, equations, judge, limits_of
 from ..screening.sensitivity import Linearisation, SensitivityColumn
 from ..search_result import AcceptedStep
@@ -199,21 +199,8 @@ def _steps(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> tu
     before, steps = start, []
     for result in (*grown, best.fit):
         added = next(a.key for a in order if a.key not in _keys(before) and a.key in _keys(result))
-        steps.append(
-            AcceptedStep(
-                added=added,
-                fit=result,
-                data=data,
-                removed_share=removed_share(before.test_loss, result.test_loss, floor),
-                indistinguishable=(),
-                others=(),
-                dropped=(),
-                ranking=ranking,
-                loss_ratios=loss_ratios(added, best.fit.test_loss, instead),
-                folds=(int(np.sum(result.fold_losses < before.fold_losses)), len(result.fold_losses)),
-                by_holdout=data.tests_on_holdout,
-            )
-        )
+        told = {"ranking": ranking, "loss_ratios": loss_ratios(added, best.fit.test_loss, instead)}
+        steps.append(AcceptedStep.between(before, result, added, data, **told))
         before = result
     return tuple(steps)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -15,14 +15,38 @@ from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
+from ..node import Node, with_last_step, with_steps
 from ..policy import POLICY
+from ..problem import Problem, Progress
 from ..removed_share import removed_share
 from ..screening.screen import Candidate, screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import is_significant, sizes_of
 
-Progress = Callable[[str], None]
+
+def without_needless(node: Node, problem: Problem) -> Iterator[Node]:
+    """Nodes without an earlier effect that later ones made needless."""
+    last = node.steps[-1]
+    for step in node.steps[:-1]:
+        rest = without(step, node.current, node.data) if step.added != last.added else None
+        if rest:
+            plain = replace(last, fit=rest, dropped=(*last.dropped, step.added))
+            yield with_last_step(node.begun(as_good=True), plain, problem.seed)
+
+
+def simplified(node: Node, problem: Problem) -> Iterator[Node]:
+    """Nodes with special cases in place of a refinement that fit as well."""
+    for step in node.steps:
+        last = step is node.steps[-1]
+        simple = simplify(step, node.current, node.data, problem.progress, last=last)
+        if not simple:
+            continue
+        at = node.begun(as_good=True)
+        if last:
+            simple = (replace(simple[0], dropped=step.dropped), *simple[1:])
+            at = replace(at, steps=node.steps[:-1])
+        yield with_steps(at, simple, problem.seed)
 
 
 def simplify(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,13 +18,12 @@ from ..fitting.refinement import tune_sliding_speed, with_candidate
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
 from ..policy import POLICY
+from ..problem import Progress
 from ..screening.command_path import off_command_path
 from ..screening.compliance import compliance_candidates
 from ..screening.screen import Candidate
 from ..screening.sensitivity import Linearisation
 from .choice import Explanation
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)

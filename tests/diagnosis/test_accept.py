@@ -1,0 +1,103 @@
+"""Which node of a search takes the place of the best one so far."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from workbench.core import EffectKey
+from workbench.diagnosis.accept import CERTAIN, EXPLAINED, UNEXPLAINED, accepts, standing
+from workbench.diagnosis.loss import rescored
+from workbench.diagnosis.node import Node
+from workbench.diagnosis.problem import Problem
+from workbench.effects import load_model
+from workbench.models import AppliedEffect
+from workbench.rigs import HiddenEffect
+
+from .rig import applied, asked, node_with, recordings
+
+LEG = load_model("leg")
+FRICTION = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.4})
+
+
+@cache
+def lacking() -> tuple[Problem, Node]:
+    """A leg that lacks friction, and the node that has it."""
+    problem = asked(LEG, *recordings(FRICTION))
+    friction = applied(LEG, EffectKey("coulomb_friction", "knee"), torque=0.39)
+    return problem, node_with(problem, friction)
+
+
+def leaving(share: float, parameters: int = 1, **told: object) -> Node:
+    """A node that leaves this share of the excess, with so many free parameters."""
+    problem, node = lacking()
+    floor = problem.data.floor
+    squares = floor + share * np.maximum(problem.start.mean_squares - floor, 0.0)
+    (one,) = node.current.hypothesis.free
+    estimate = one.parameters["torque"]
+    more = AppliedEffect(one.key, {f"p{k}": estimate for k in range(parameters)})
+    hypothesis = replace(node.current.hypothesis, free=(more,))
+    fit = replace(node.current, hypothesis=hypothesis, mean_squares=squares)
+    return replace(node, current=rescored(fit, problem.data), data=problem.data, done=False, **told)  # type: ignore[arg-type]
+
+
+def test_what_noise_explains_is_explained() -> None:
+    problem, node = lacking()
+    assert node.done and standing(node, problem) == EXPLAINED
+    assert accepts(node, Node(problem.start, problem.data), problem)
+
+
+@pytest.mark.parametrize(
+    ("share", "bold", "jointly", "level"),
+    [
+        (0.04, False, False, EXPLAINED),
+        (0.04, True, False, UNEXPLAINED),  # one of many bold starts may do so by chance
+        (0.015, True, False, EXPLAINED),
+        (0.3, False, False, UNEXPLAINED),
+        (0.3, False, True, CERTAIN),
+    ],
+)
+def test_bold_starts_have_to_explain_more(share: float, bold: bool, jointly: bool, level: int) -> None:
+    assert standing(leaving(share, bold=bold, jointly=jointly), lacking()[0]) == level
+
+
+@pytest.mark.parametrize(
+    ("child", "best", "taken"),
+    [
+        (leaving, (0.04, 1), True),  # explained goes before unexplained
+        ((0.018, 3), (0.04, 1), True),  # at most half of the excess, whatever it takes
+        ((0.03, 3), (0.04, 1), False),
+        ((0.03, 1), (0.04, 3), False),  # fewer parameters count where no more than noise is left
+    ],
+)
+def test_less_error_or_fewer_parameters(child: object, best: tuple[float, int], taken: bool) -> None:
+    problem = lacking()[0]
+    new = leaving(0.03) if child is leaving else leaving(*child)  # type: ignore[misc]
+    old = leaving(0.5) if child is leaving else leaving(*best)
+    assert accepts(new, old, problem) is taken
+
+
+def test_what_a_move_found_to_do_as_well_is_taken_unless_it_has_more_parameters() -> None:
+    problem = lacking()[0]
+    assert accepts(leaving(0.041, 2, as_good=True), leaving(0.04, 2), problem)
+    assert not accepts(leaving(0.041, 3, as_good=True), leaving(0.04, 2), problem)
+    assert not accepts(leaving(0.041, 2), leaving(0.04, 2), problem)
+
+
+def test_of_two_at_the_noise_the_one_with_fewer_parameters() -> None:
+    problem, node = lacking()
+    wide = replace(leaving(0.0, 4), done=True)
+    assert accepts(node, wide, problem) and not accepts(wide, node, problem)
+    together = replace(node, jointly=True)
+    assert accepts(node, together, problem), "fitted in the loop, of two with as many"
+    assert not accepts(together, node, problem)
+
+
+def test_the_first_effects_are_taken_where_nothing_was_and_a_bold_guess_is_not() -> None:
+    problem = lacking()[0]
+    root = Node(problem.start, problem.data)
+    assert accepts(leaving(0.6), root, problem)
+    assert not accepts(leaving(0.6, bold=True), root, problem)

@@ -1,0 +1,81 @@
+"""The search among nodes: moves propose others, the cheapest first, until none takes the best one's place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from heapq import heappop, heappush
+from itertools import count
+
+from .accept import accepts
+from .moves.add import grown
+from .moves.move import Move
+from .moves.order import MOVES
+from .node import Node, node_after
+from .problem import Problem
+from .significance import is_significant
+
+
+def explore(root: Node, problem: Problem) -> Node:
+    """The best node that moves lead to from a root, without last effects that may be nothing.
+
+    A proposed node is grown one effect at a time, as far as it asks for. Where it leads takes the place of
+    the best node so far by one rule (`accepts`); all moves are then asked about the new one too.
+    """
+    agenda, best = _Agenda(problem), root
+    agenda.add(root)
+    while not best.enough:
+        child = agenda.next(best)
+        if child is None:
+            break
+        end = grown(child, problem)
+        agenda.add(end)
+        taken = next((node for node in (end, child) if accepts(node, best, problem)), None)
+        best = taken or best
+        if taken is child and child is not end:
+            agenda.add(child)
+    return without_insignificant_end(best, problem)
+
+
+class _Agenda:
+    """Moves from nodes, the first of `MOVES` first; nothing is worked out before it is asked for."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem, self._number = problem, count()
+        self._queue: list[tuple[int, int, Node, Iterator[Node]]] = []
+
+    def add(self, node: Node) -> None:
+        """All moves from a node."""
+        for rank, move in enumerate(MOVES):
+            heappush(self._queue, (rank, next(self._number), node, self._proposed(move, node)))
+
+    def next(self, best: Node) -> Node | None:
+        """The next proposal that is wanted beside the best node; None where there is none left."""
+        while self._queue:
+            rank, _, node, proposals = self._queue[0]
+            move = MOVES[rank]
+            affordable = move.cheap or not best.data.budget.spent
+            wanted = affordable and move.wanted(node, best, self._problem)
+            child = next(proposals, None) if wanted else None
+            if child is not None:
+                return replace(child, move=move.name)
+            heappop(self._queue)
+        return None
+
+    def _proposed(self, move: Move, node: Node) -> Iterator[Node]:
+        """What a move proposes, once for each set of effects."""
+        if self._problem.is_new(move.name, node.keys):
+            yield from move.propose(node, self._problem)
+
+
+def without_insignificant_end(node: Node, problem: Problem) -> Node:
+    """The node without insignificant last effects; what they explained stays unexplained."""
+    steps = node.steps
+    while steps:
+        last = next(a for a in steps[-1].fit.hypothesis.added if a.key == steps[-1].added)
+        if last in steps[-1].fit.hypothesis.parameter_free or is_significant(last):
+            break
+        steps = steps[:-1]
+    if len(steps) == len(node.steps):
+        return node
+    return node_after(steps, problem)

@@ -1,0 +1,126 @@
+"""All moves in the order in which they are tried: what costs little, and what is most often right, first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from workbench.comparison import MeasuredMotion
+
+from ..accept import EXPLAINED, standing
+from ..acceptance import near_noise_floor
+from ..loss import explained
+from ..node import Growth, Node, explains_data
+from ..policy import POLICY
+from ..problem import Problem
+from ..screening.compliance import other_causes
+from . import restarts
+from .grid_refinement import with_refined_gap
+from .joint_solution import of_all_axes, one_effect_may_suffice
+from .merge import merged
+from .move import Move
+from .replace import replaced
+from .simplify import simplified, without_needless
+
+ONE_BY_ONE = "one effect after the other"  #: what other starts are held against
+_LIKELY_COMPLIANCE = "a gap or soft joint that the torque may show"
+_FROM_TRAINING = "what explains most of the fitted recordings"
+
+
+def _plain(node: Node, problem: Problem) -> Iterator[Node]:
+    yield node.begun(growth=Growth())
+
+
+# When a move is wanted: of `node`, with the best node so far
+
+
+def _first(node: Node, best: Node, problem: Problem) -> bool:
+    return not node.move
+
+
+def _jointly_first(node: Node, best: Node, problem: Problem) -> bool:
+    """Where no loop is known, where axes are many, or where no single effect explains the recordings."""
+    first = isinstance(problem.data.replay, MeasuredMotion) or problem.is_expensive
+    return not node.move and problem.limit > 1 and (first or not one_effect_may_suffice(problem))
+
+
+def _jointly_last(node: Node, best: Node, problem: Problem) -> bool:
+    several = standing(best, problem) < EXPLAINED or len(best.steps) > 1
+    return not node.move and problem.limit > 1 and several
+
+
+def _unexplained(node: Node, best: Node, problem: Problem) -> bool:
+    """Beside one effect after the other, where nothing explains the recordings."""
+    return _is_plain(node, problem) and standing(best, problem) < EXPLAINED
+
+
+def _above_noise(node: Node, best: Node, problem: Problem) -> bool:
+    """Beside one effect after the other, where more than noise is left."""
+    return _is_plain(node, problem) and _may_be_wrong(best, problem)
+
+
+def _above_noise_after_all(node: Node, best: Node, problem: Problem) -> bool:
+    several = problem.limit > 1 and node.move in (ONE_BY_ONE, _LIKELY_COMPLIANCE, _FROM_TRAINING)
+    return several and _may_be_wrong(best, problem)
+
+
+def _unexplained_or_ambiguous(node: Node, best: Node, problem: Problem) -> bool:
+    """Where nothing explains the recordings, or an early effect may be another: later ones may correct it."""
+    if not _is_plain(node, problem):
+        return False
+    return standing(best, problem) < EXPLAINED or (node is best and _is_ambiguous(node, problem))
+
+
+def _best(node: Node, best: Node, problem: Problem) -> bool:
+    """Of what was found one by one, and is the best."""
+    return node is best and bool(node.steps) and not node.jointly
+
+
+def _best_with_gap(node: Node, best: Node, problem: Problem) -> bool:
+    return node.diverges and (node is best or node.move == ONE_BY_ONE)
+
+
+def _best_above_noise(node: Node, best: Node, problem: Problem) -> bool:
+    """Where all is explained, as what explains less is not named, and it is not at the noise."""
+    share = explained(problem.data, problem.start, node.current, node.data)
+    return _best(node, best, problem) and not node.done and not node.diverges and share >= POLICY.explained
+
+
+def _best_explains(node: Node, best: Node, problem: Problem) -> bool:
+    return _best(node, best, problem) and not node.diverges and explains_data(node, problem)
+
+
+def _is_plain(node: Node, problem: Problem) -> bool:
+    return node.move == ONE_BY_ONE and problem.limit > 1
+
+
+def _may_be_wrong(best: Node, problem: Problem) -> bool:
+    if standing(best, problem) < EXPLAINED:
+        return True
+    return not best.done and not near_noise_floor(best.current, best.data)
+
+
+def _is_ambiguous(node: Node, problem: Problem) -> bool:
+    model, more = problem.start.hypothesis.model, node.size > POLICY.plain_parameters
+    return more and any(
+        other_causes(model, step.added, step.indistinguishable_at(node.current)) for step in node.steps[:-1]
+    )
+
+
+MOVES = (
+    Move("all axes together", of_all_axes, _jointly_first, cheap=True),
+    Move(ONE_BY_ONE, _plain, _first),
+    Move("other sizes of a gap", with_refined_gap, _best_with_gap),
+    Move("a gap or soft joint that the torque shows", restarts.clear_compliance, _above_noise),
+    Move("what the fitted recordings show", restarts.on_training, _unexplained),
+    Move("one cause on every axis", restarts.on_all_axes, _unexplained),
+    Move("two causes at once", restarts.two_at_once, _unexplained_or_ambiguous),
+    Move("the torque along the motion", restarts.along_the_motion, _unexplained),
+    Move("a refinement in place of a basic effect", restarts.a_refinement, _above_noise_after_all),
+    Move(_LIKELY_COMPLIANCE, restarts.likely_compliance, _unexplained),
+    Move(_FROM_TRAINING, restarts.what_training_shows, _unexplained),
+    Move("another cause in place of one", replaced, _best_above_noise),
+    Move("one cause in place of two", merged, _best_explains),
+    Move("without what became needless", without_needless, _best, cheap=True),
+    Move("a special case in place of a refinement", simplified, _best, cheap=True),
+    Move("all axes together, after all", of_all_axes, _jointly_last, cheap=True),
+)  # fmt: skip
