@@ -70,4 +70,4 @@ def node_with(
 
 def explored_from(problem: Problem, *steps: AppliedEffect, **told: Any) -> Node:
     """Where a search ends that one effect after the other has led to these steps."""
-    return explore(node_with(problem, *steps, move=ONE_BY_ONE, **told), problem)
+    return explore(node_with(problem, *steps, move=ONE_BY_ONE, **told), problem)[0]

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from workbench.core import EffectKey
-from workbench.diagnosis.accept import CERTAIN, EXPLAINED, UNEXPLAINED, accepts, standing
+from workbench.diagnosis.accept import CERTAIN, EXPLAINED, UNEXPLAINED, standing
+from workbench.diagnosis.accept import accepts as judged
 from workbench.diagnosis.loss import rescored
 from workbench.diagnosis.node import Node
 from workbench.diagnosis.problem import Problem
@@ -21,6 +22,13 @@ from .rig import applied, asked, node_with, recordings
 
 LEG = load_model("leg")
 FRICTION = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.4})
+
+
+def accepts(child: Node, best: Node, problem: Problem) -> bool:
+    """Whether it is taken."""
+    taken, why = judged(child, best, problem)
+    assert why, "a reason is always told"
+    return taken
 
 
 @cache

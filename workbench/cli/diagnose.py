@@ -22,6 +22,7 @@ from .common import (
     WholeOption,
     check_outputs,
     deliver,
+    deliver_sheet,
     files_of,
     open_pair,
 )
@@ -41,6 +42,14 @@ def diagnose(
             "--shape", metavar="FILE", help="Draw what no effect explains as .png or .svg: a shape, no cause."
         ),
     ] = None,
+    trace: Annotated[
+        str | None,
+        typer.Option(
+            "--trace",
+            metavar="FILE",
+            help="Write a page of what was tried, what it left, and why it was not it.",
+        ),
+    ] = None,
     whole: WholeOption = False,
     seed: SeedOption = 0,
     force: ForceOption = False,
@@ -52,22 +61,18 @@ def diagnose(
     """
     from workbench.diagnosis import diagnose as run
     from workbench.effects import load_model
+    from workbench.report import trace_sheet
 
-    check_outputs(json, html, shape, force=force)
+    check_outputs(json, html, shape, trace, force=force)
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
         result = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
     result = replace(result, used=data.share, notes=(*result.notes, *data.notes))
-    deliver(
-        result,
-        json=json,
-        html=html,
-        force=force,
-        quiet=quiet,
-        files=files_of(loaded, [*data.training, *data.held_out]),
-        seeds={"noise": seed},
-    )
+    files, seeds = files_of(loaded, [*data.training, *data.held_out]), {"noise": seed}
+    deliver(result, json=json, html=html, force=force, quiet=quiet, files=files, seeds=seeds)
+    if trace is not None:
+        deliver_sheet(trace_sheet(result), trace, files=files, seeds=seeds, force=force)
     if shape is not None:
         _draw(result, shape, force, quiet or json == "-")
 

@@ -10,6 +10,7 @@ from .diagnosis import (
     Improvement,
     Step,
     Stopped,
+    Tried,
     Verdict,
 )
 from .errors import InputError, SimulationError, WorkbenchError
@@ -52,6 +53,7 @@ __all__ = [
     "Step",
     "Stopped",
     "Timing",
+    "Tried",
     "Verdict",
     "Verification",
     "WorkbenchError",

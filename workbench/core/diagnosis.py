@@ -96,6 +96,7 @@ class Diagnosis(Shown):
         work: what the search simulated, in steps of one coordinate; the same on any machine.
         identifiability: what the recordings can tell apart; None where nothing linear can be asked.
         disagreeing: recordings that an effect explains with a size of its own each.
+        trace: what was tried, in this order.
     """
 
     model: str
@@ -122,6 +123,7 @@ class Diagnosis(Shown):
     work: float = 0.0
     identifiability: Identifiability | None = None
     disagreeing: tuple[Disagreement, ...] = ()
+    trace: tuple[Tried, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -153,6 +155,34 @@ class Disagreement:
     recordings: tuple[str, ...]
     key: EffectKey
     values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One thing that a search tried, and what came of it.
+
+    Attributes:
+        move: what was tried, in words.
+        begun_with: effects of the model that it began from.
+        added: effects that came one after the other from there, each with what its best rivals would have
+            removed of the squared error above the noise by themselves, best first.
+        effects: effects in the end, fitted together.
+        times_noise: error over noise, at the start and after each of `added`.
+        explained: share of the squared error above the noise that is gone in the end.
+        parameters: number of free parameters in the end.
+        taken: whether it took the place of the best so far.
+        why: why, or why not.
+    """
+
+    move: str
+    begun_with: tuple[EffectKey, ...]
+    added: tuple[tuple[EffectKey, tuple[tuple[EffectKey, float], ...]], ...]
+    effects: tuple[EffectKey, ...]
+    times_noise: tuple[float, ...]
+    explained: float
+    parameters: int
+    taken: bool
+    why: str
 
 
 @dataclass(frozen=True)

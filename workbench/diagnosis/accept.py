@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
 from .loss import explained, rescored
-from .node import Node, explains_data
+from .node import Node, explained_share, explains_data
 from .policy import POLICY
 from .problem import Problem
 
@@ -21,24 +21,28 @@ def standing(node: Node, problem: Problem) -> int:
     return CERTAIN if node.jointly else UNEXPLAINED
 
 
-def accepts(child: Node, best: Node, problem: Problem) -> bool:
-    """Whether a node takes the place of the best one so far.
+def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
+    """Whether a node takes the place of the best one so far, and why, or why not.
 
-    It says more than that; or as much, with at most half of its excess; or with no more than the
-    noise, or as well by the rule of the move that made it from another, and fewer parameters.
+    It says more than that; or as much, with at most half of its excess; or with no more than the noise, or
+    as well by the rule of the move that made it from another, and no more parameters.
     """
     new, old = standing(child, problem), standing(best, problem)
-    if new != old:
-        return new > old
+    if new < old or (new == old == UNEXPLAINED and child.bold):
+        return False, _too_little(child, problem)
+    if new > old:
+        return True, "it explains the recordings" if new == EXPLAINED else "its effects are certain"
     if not best.steps:
-        return bool(child.steps) and not child.bold
+        return bool(child.steps), "the best so far" if child.steps else "no effect helps by itself"
     if not best.done and halves_excess(rescored(child.current, best.data), best.current, best.data):
-        return True
+        return True, "it leaves less than half of the excess error of the best so far"
     # of two with as many parameters the one that was fitted in its loop
-    sizes = (child.size, child.jointly), (best.size, best.jointly)
-    if child.as_good and sizes[0] <= sizes[1]:
-        return True
-    return sizes[0] < sizes[1] and (child.done or at_noise_floor(child.current, child.data))
+    size, others = (child.size, child.jointly), (best.size, best.jointly)
+    if child.as_good and size <= others:
+        return True, "it does as well with no more parameters"
+    if size < others and (child.done or at_noise_floor(child.current, child.data)):
+        return True, "noise explains the rest, with fewer parameters"
+    return False, "it leaves more than half of the excess error of the best so far, and is no simpler"
 
 
 def _explains_nearly_all(node: Node, problem: Problem) -> bool:
@@ -47,3 +51,11 @@ def _explains_nearly_all(node: Node, problem: Problem) -> bool:
         return True
     share = explained(problem.data, problem.start, node.current, node.data)
     return share > POLICY.explained_elsewhere
+
+
+def _too_little(node: Node, problem: Problem) -> str:
+    share = explained_share(node, problem)
+    asked = POLICY.explained_elsewhere if node.bold else POLICY.explained
+    # cut, not rounded: what is not enough must not read as if it were
+    gone = f"it explains {int(100 * share)} % of the squared error above the noise"
+    return f"{gone}, less than the {100 * asked:.0f} % that are asked for" if share < asked else gone

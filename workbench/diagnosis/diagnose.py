@@ -100,6 +100,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         work=sum(f.start_data.budget.done for f in found),
         identifiability=first.identifiability,
         disagreeing=first.disagreeing,
+        trace=first.trace,
         notes=(
             *before.notes,
             *_softness(first),

@@ -7,34 +7,62 @@ from dataclasses import replace
 from heapq import heappop, heappush
 from itertools import count
 
+from workbench.core import Tried
+
 from .accept import accepts
 from .moves.add import grown
 from .moves.move import Move
 from .moves.order import MOVES
-from .node import Node, node_after
+from .node import Node, explained_share, node_after
 from .problem import Problem
 from .significance import is_significant
 
+_RANKED = 8  # rivals that are told of each effect that was added
 
-def explore(root: Node, problem: Problem) -> Node:
-    """The best node that moves lead to from a root, without last effects that may be nothing.
+
+def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
+    """The best node that moves lead to from a root, without last effects that may be nothing; and the trace.
 
     A proposed node is grown one effect at a time, as far as it asks for. Where it leads takes the place of
     the best node so far by one rule (`accepts`); all moves are then asked about the new one too.
     """
-    agenda, best = _Agenda(problem), root
+    agenda, best, trace = _Agenda(problem), root, []
     agenda.add(root)
     while not best.enough:
-        child = agenda.next(best)
-        if child is None:
+        proposal = agenda.next(best)
+        if proposal is None:
             break
+        parent, child = proposal
         end = grown(child, problem)
         agenda.add(end)
-        taken = next((node for node in (end, child) if accepts(node, best, problem)), None)
-        best = taken or best
-        if taken is child and child is not end:
-            agenda.add(child)
-    return without_insignificant_end(best, problem)
+        for node in dict.fromkeys((end, child)):
+            taken, why = accepts(node, best, problem)
+            if node is end or taken:
+                trace.append(_tried(parent, node, taken, why, problem))
+            if taken:
+                best = node
+                if node is not end:
+                    agenda.add(node)
+                break
+    return without_insignificant_end(best, problem), tuple(trace)
+
+
+def _tried(parent: Node, node: Node, taken: bool, why: str, problem: Problem) -> Tried:
+    """What came of a proposal, from the steps that it shares with its parent on."""
+    shared = sum(1 for a, b in zip(parent.steps, node.steps, strict=False) if a.added == b.added)
+    before = node_after(node.steps[:shared], problem)
+    fits = [(before.current, before.data), *((s.fit, s.data) for s in node.steps[shared:])]
+    return Tried(
+        node.move,
+        tuple(a.key for a in before.current.hypothesis.added),
+        tuple((s.added, s.ranking[:_RANKED]) for s in node.steps[shared:]),
+        tuple(a.key for a in node.current.hypothesis.added),
+        tuple(data.score(fit.mean_squares) / data.score(data.floor) for fit, data in fits),
+        explained_share(node, problem) if node.steps else 0.0,
+        node.size,
+        taken,
+        why,
+    )
 
 
 class _Agenda:
@@ -49,8 +77,8 @@ class _Agenda:
         for rank, move in enumerate(MOVES):
             heappush(self._queue, (rank, next(self._number), node, self._proposed(move, node)))
 
-    def next(self, best: Node) -> Node | None:
-        """The next proposal that is wanted beside the best node; None where there is none left."""
+    def next(self, best: Node) -> tuple[Node, Node] | None:
+        """The next proposal that is wanted beside the best node, after the node that it is made from."""
         while self._queue:
             rank, _, node, proposals = self._queue[0]
             move = MOVES[rank]
@@ -58,7 +86,7 @@ class _Agenda:
             wanted = affordable and move.wanted(node, best, self._problem)
             child = next(proposals, None) if wanted else None
             if child is not None:
-                return replace(child, move=move.name)
+                return node, replace(child, move=move.name)
             heappop(self._queue)
         return None
 

@@ -62,13 +62,13 @@ def search(
     start, first = problem.start, problem.data
     known, disagreeing = (None, ()) if only_jointly else _distinguishable(problem)
     before = is_consistent(first, start.mean_squares)
-    node = Node(start, first, done=before)
+    node, trace = Node(start, first, done=before), ()
     if not before:
         if not data.replay.on_ground:
             refuse_wrong_sign_in_loop(
                 model, training, first.score(start.mean_squares), first.score(first.floor)
             )
-        node = (solve_jointly(problem) or node) if only_jointly else explore(node, problem)
+        node, trace = (solve_jointly(problem) or node, ()) if only_jointly else explore(node, problem)
     current, data = node.current, node.data
     # a signal that is a little off after all that could be found is no sign of one more effect
     done = node.done or (len(node.steps) > 0 and is_consistent(data, current.mean_squares, by_signal=False))
@@ -89,6 +89,7 @@ def search(
         disagreeing,
         node.jointly,
         None if only_jointly else problem.linear,
+        trace,
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from workbench.comparison import Simulated
-from workbench.core import Disagreement, EffectKey, Identifiability, Stopped
+from workbench.core import Disagreement, EffectKey, Identifiability, Stopped, Tried
 from workbench.models import AppliedEffect, Model
 
 from .adequacy.adequacy import Adequacy
@@ -80,7 +80,7 @@ class SearchResult:
     are certain although something else is missing; `near` those that help beside them and are not certain.
     `identifiability` and `disagreeing` say what the recordings can tell apart and where they contradict each
     other, before any search. `jointly`: whether all axes were solved together.
-    `linear`: the linear problem of all effects that this is read off.
+    `linear`: the linear problem of all effects that this is read off. `trace`: what was tried.
     """
 
     model: Model
@@ -99,6 +99,7 @@ class SearchResult:
     disagreeing: tuple[Disagreement, ...] = ()
     jointly: bool = False
     linear: Linear | None = None
+    trace: tuple[Tried, ...] = ()
 
     @property
     def stopped(self) -> Stopped:

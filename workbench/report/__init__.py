@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .page import render_page, write_page
     from .shapes import shape_figure
     from .sheet import Sheet, render_sheet, write_sheet
+    from .trace_sheet import trace_sheet
 
 __all__ = [
     "Sheet",
@@ -46,6 +47,7 @@ __all__ = [
     "sentence",
     "shape_figure",
     "spectrum_figure",
+    "trace_sheet",
     "truth_table",
     "verification_dict",
     "verification_sheet",
@@ -65,6 +67,7 @@ _HOME = {
     "residual_figure": "figures",
     "save_figure": "figures",
     "shape_figure": "shapes",
+    "trace_sheet": "trace_sheet",
     "spectrum_figure": "figures",
     "verification_sheet": "check_sheet",
     "write_page": "page",

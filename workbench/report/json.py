@@ -23,6 +23,7 @@ from workbench.core.files import write_whole
 
 from .json_parts import clean, effect_dict, key_dict, key_dicts, share_dicts
 from .told_apart import disagreement_dicts, identifiability_dict
+from .trace import trace_dicts
 
 Truth = Sequence[Mapping[str, Any]]
 
@@ -79,6 +80,7 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "stopped": result.stopped,
             "identifiability": identifiability_dict(result.identifiability),
             "disagreeing": disagreement_dicts(result.disagreeing),
+            "trace": trace_dicts(result.trace),
         }
     )
 

@@ -17,6 +17,7 @@ from .scores import scores
 from .shapes import shape_rows
 from .shares import bar_width, share_groups
 from .told_apart import disagreement_lines, expected_rows, told_apart
+from .trace import HEADER, trace_rows
 from .truth import truth_rows
 
 Result = Comparison | Diagnosis | Improvement
@@ -41,6 +42,8 @@ def sections(
         "effects": _effects(result),
         "effects_title": _effects_title(result),
         "ranking": _ranking(diagnosis),
+        "trace": trace_rows(diagnosis.trace) if diagnosis else [],
+        "trace_header": HEADER,
         "next_experiment": plain(diagnosis.next_experiment)
         if diagnosis and diagnosis.next_experiment
         else "",

@@ -5,20 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.diagnosis.rig import applied, asked, recordings
+from tests.diagnosis.rig import applied, asked, node_with, recordings
 from workbench.core import EffectKey, SimulationError
 from workbench.diagnosis.acceptance import near_noise_floor
-from workbench.diagnosis.fitting.fit import fit
-from workbench.diagnosis.hypothesis import Hypothesis
+from workbench.diagnosis.explore import explore
 from workbench.diagnosis.loss import test_noise_floor as noise_floor
 from workbench.diagnosis.moves import beside_backlash as module
-from workbench.diagnosis.moves.alternative_starts import with_compliance_from_torque
 from workbench.diagnosis.moves.beside_backlash import beside_backlash
 from workbench.diagnosis.moves.compliance_from_torque import compliance_from_torque
-from workbench.diagnosis.node import Node, with_steps
+from workbench.diagnosis.moves.order import ONE_BY_ONE
 from workbench.diagnosis.problem import Problem
 from workbench.diagnosis.screening.compliance import compliance_candidates
-from workbench.diagnosis.search_result import AcceptedStep
 from workbench.effects import load_model
 from workbench.models import Model
 from workbench.rigs import HiddenEffect
@@ -93,14 +90,10 @@ def test_an_inertia_that_stood_for_a_gap_makes_room_for_it() -> None:
     )
     friction = applied(LEG, COULOMB, torque=0.2)
     stand_in = applied(LEG, EffectKey("reflected_inertia", "knee"), inertia=0.0017)
-    steps = []
-    for free in ((friction,), (friction, stand_in)):
-        (found,) = fit([Hypothesis(LEG, free)], problem.data)
-        assert found is not None
-        steps.append(AcceptedStep(free[-1].key, found, problem.data, 1.0, (), (), (), (), (), (1, 1), True))
-    node = with_steps(Node(problem.start, problem.data), steps, 0)
+    node = node_with(problem, friction, stand_in, move=ONE_BY_ONE)
     assert not node.done
-    better = with_compliance_from_torque(node, problem)
+    better, trace = explore(node, problem)
+    assert trace[-1].taken and set(trace[-1].effects) == better.keys
     assert near_noise_floor(better.current, better.data)
     values = {a.key: a.values for a in better.current.hypothesis.free}
     assert set(values) == {KEY, COULOMB, INERTIA}

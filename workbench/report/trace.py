@@ -1,0 +1,54 @@
+"""The trace of a search: what was tried, what it left, and why it was taken or not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from workbench.core import EffectKey, Tried
+
+from . import wording as w
+from .json_parts import key_dict, key_dicts
+from .numbers import number, percent, plain
+
+HEADER = ("What was tried", "Effects in the model then", ">Error / noise", ">Explained", "Taken?", "Why")
+
+
+def trace_rows(trace: Sequence[Tried]) -> list[tuple[str, ...]]:
+    """A row of texts for each thing that was tried, as `HEADER` has them."""
+    return [
+        (
+            f"{k}. {w.capital(t.move)}",
+            _named(t.effects),
+            number(t.times_noise[-1]),
+            percent(t.explained),
+            "yes" if t.taken else "no",
+            plain(t.why),
+        )
+        for k, t in enumerate(trace, 1)
+    ]
+
+
+def trace_dicts(trace: Sequence[Tried]) -> list[dict[str, Any]]:
+    """The JSON of a trace."""
+    return [
+        {
+            "move": t.move,
+            "begun_with": key_dicts(t.begun_with),
+            "added": [
+                {**key_dict(key), "rivals": [{**key_dict(k), "share": share} for k, share in rivals]}
+                for key, rivals in t.added
+            ],
+            "effects": key_dicts(t.effects),
+            "times_noise": list(t.times_noise),
+            "explained": t.explained,
+            "parameters": t.parameters,
+            "taken": t.taken,
+            "why": t.why,
+        }
+        for t in trace
+    ]
+
+
+def _named(effects: Sequence[EffectKey]) -> str:
+    return w.any_of([w.effect_phrase(k) for k in effects], "and") if effects else "none"

@@ -1,0 +1,98 @@
+"""The page of ``workbench diagnose --trace``: everything that the search tried, drawn and in tables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.figure import Figure
+
+from workbench.core import Diagnosis, Tried
+from workbench.core.palette import COLOURS
+from workbench.core.picture import Picture
+
+from . import wording as w
+from .answer import diagnosis_sentence
+from .figures import house_style
+from .numbers import number, percent
+from .sheet import Section, Sheet, SheetTable
+from .trace import HEADER, trace_rows
+
+
+def trace_sheet(result: Diagnosis) -> Sheet:
+    """The page of a trace: a drawing, a table of what was tried, and the rivals of every effect added."""
+    trace = result.trace
+    first = (
+        "Each line begins with a model and adds effects. It takes the place of the best so far where it "
+        "explains what that does not, leaves less than half of its excess error, or is simpler and as good."
+        if trace
+        else "Nothing was searched: the model explains the recordings as it is."
+    )
+    return Sheet(
+        kind="trace",
+        model=result.model,
+        tone="missing_effect" if result.verdict == "partly_explained" else result.verdict,
+        sentence=diagnosis_sentence(result),
+        lines=(first,),
+        key_numbers=(
+            ("Tried", str(len(trace)), "starts and changes"),
+            ("Taken", str(sum(t.taken for t in trace)), "one after the other"),
+        ),
+        sections=(_tried(trace), *_rivals(trace)) if trace else (),
+        picture=(trace_figure(trace), _words(trace)) if trace else None,
+    )
+
+
+def trace_figure(trace: Sequence[Tried]) -> Figure:
+    """Error over noise of everything that was tried, a line each, from top to bottom in the order tried."""
+    with house_style():
+        figure = Picture(figsize=(7.2, 0.9 + 0.42 * len(trace)), layout="constrained")
+        ax = figure.subplots()
+        for row, t in enumerate(trace):
+            colour = COLOURS["after" if t.taken else "quiet"][0]
+            ax.plot(t.times_noise, [row] * len(t.times_noise), "-", color=colour, lw=1.4)
+            ax.plot(t.times_noise[:-1], [row] * (len(t.times_noise) - 1), ".", color=colour, ms=5)
+            ax.plot(
+                t.times_noise[-1],
+                row,
+                "o",
+                ms=7,
+                color=colour,
+                markerfacecolor=colour if t.taken else "white",
+            )
+        ax.axvline(1.0, color=COLOURS["noise"][0], ls=(0, (1, 2)))
+        ax.set_yticks(range(len(trace)), [f"{k}. {t.move}" for k, t in enumerate(trace, 1)])
+        ax.invert_yaxis()
+        ax.set_xscale("log")
+        ax.set_xlabel("error / noise floor of the fitted recordings (dotted: the noise)")
+        ax.set_title("A dot for each effect added; filled where it ends: taken")
+    return figure
+
+
+def _tried(trace: Sequence[Tried]) -> Section:
+    table = SheetTable("In the order tried", HEADER, tuple(trace_rows(trace)))
+    return Section("tried", "What was tried", tables=(table,))
+
+
+def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:
+    rows = tuple(
+        (
+            f"{k}. {w.capital(w.effect_phrase(key))}",
+            "; ".join(f"{w.effect_phrase(r)} {percent(s)}" for r, s in rivals),
+        )
+        for k, t in enumerate(trace, 1)
+        for key, rivals in t.added
+        if rivals
+    )
+    if not rows:
+        return ()
+    caption = (
+        "Share of the squared error above the noise at that place that each removes by itself, best first"
+    )
+    table = SheetTable(caption, ("Effect added", "What was fitted for its place"), rows)
+    return (Section("rivals", "What each effect was chosen from", tables=(table,)),)
+
+
+def _words(trace: Sequence[Tried]) -> str:
+    last = next((t for t in reversed(trace) if t.taken), trace[-1])
+    left = number(last.times_noise[-1])
+    return f"{len(trace)} things were tried; the last one taken leaves {left} times the noise."
