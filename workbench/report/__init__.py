@@ -23,9 +23,9 @@ if TYPE_CHECKING:
         spectrum_figure,
     )
     from .page import render_page, write_page
+    from .search_sheet import trace_sheet
     from .shapes import shape_figure
     from .sheet import Sheet, render_sheet, write_sheet
-    from .trace_sheet import trace_sheet
 
 __all__ = [
     "Sheet",
@@ -67,7 +67,7 @@ _HOME = {
     "residual_figure": "figures",
     "save_figure": "figures",
     "shape_figure": "shapes",
-    "trace_sheet": "trace_sheet",
+    "trace_sheet": "search_sheet",
     "spectrum_figure": "figures",
     "verification_sheet": "check_sheet",
     "write_page": "page",

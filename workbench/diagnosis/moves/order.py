@@ -34,7 +34,13 @@ def _plain(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def _first(node: Node, best: Node, problem: Problem) -> bool:
-    return not node.move
+    return not node.move and (not best.steps or _may_be_wrong(best, problem))
+
+
+def _alike_first(node: Node, best: Node, problem: Problem) -> bool:
+    """Where no single effect explains the recordings: drives of one make may lack the same."""
+    several = not node.move and problem.limit > 1 and standing(best, problem) < EXPLAINED
+    return several and not one_effect_may_suffice(problem)
 
 
 def _jointly_first(node: Node, best: Node, problem: Problem) -> bool:
@@ -108,11 +114,12 @@ def _is_ambiguous(node: Node, problem: Problem) -> bool:
 
 MOVES = (
     Move("all axes together", of_all_axes, _jointly_first, cheap=True),
+    Move("one cause on every axis", restarts.on_all_axes, _alike_first),
     Move(ONE_BY_ONE, _plain, _first),
     Move("other sizes of a gap", with_refined_gap, _best_with_gap),
     Move("a gap or soft joint that the torque shows", restarts.clear_compliance, _above_noise),
     Move("what the fitted recordings show", restarts.on_training, _unexplained),
-    Move("one cause on every axis", restarts.on_all_axes, _unexplained),
+    Move("one cause on every axis, after all", restarts.on_all_axes, _unexplained),
     Move("two causes at once", restarts.two_at_once, _unexplained_or_ambiguous),
     Move("the torque along the motion", restarts.along_the_motion, _unexplained),
     Move("a refinement in place of a basic effect", restarts.a_refinement, _above_noise_after_all),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,8 +24,8 @@ from ..hypothesis import Fit
 from ..loss import rescored, test_noise_floor
 from ..policy import POLICY
 from ..removed_share import removed_shares
-from ..screening.screen import Candidate, Entry, equations, judge, limits_of
-from ..screening.sensitivity import Linearisation, SensitivityColumn
+from ..screening.screen import Candidate, Entry, Equations, entries_of, equations, judge, limits_of
+from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import cancel_each_other, identifiable
 from .choice import loss_ratios, simplest_first
@@ -49,6 +49,7 @@ def shared_effects(
     data: Data,
     start: Fit,
     progress: Callable[[str], None],
+    whole: Equations | None = None,
 ) -> tuple[AcceptedStep, ...]:
     """Steps with one effect (or a few that belong together) on all axes that need it.
 
@@ -61,6 +62,7 @@ def shared_effects(
         data: its recordings.
         start: the model as it is.
         progress: told what is being done.
+        whole: the equations of all effects, where they are known.
 
     Returns:
         One step an effect and axis, the largest first; without their own data and runs.
@@ -72,7 +74,8 @@ def shared_effects(
     if holdout_insensitive(start, data):  # an insensitive holdout cannot test
         data = data.cross_validated()
         start = rescored(start, data)
-    sets = _promising(screened, linearisation, data, start)[: POLICY.sets_simulated]
+    whole = whole or _equations(linearisation, data, start)
+    sets = _promising(screened, linearisation, data, start, whole)[: POLICY.sets_simulated]
     if not sets:
         return ()
     progress(f"fitting {'; '.join(' and '.join(names) for names, _ in sets)} on every axis")
@@ -115,45 +118,72 @@ def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None)
 
 
 def _promising(
-    screened: Sequence[Candidate], linearisation: Linearisation, data: Data, start: Fit
+    screened: Sequence[Candidate], linearisation: Linearisation, data: Data, start: Fit, whole: Equations
 ) -> list[tuple[tuple[str, ...], list[Candidate]]]:
-    """Sets of effects by their loss on the linearised loop, with the loss of each axis."""
+    """Sets of effects by their loss on the linearised loop, the best of each kind."""
     at_drives = {
         (c.key.effect, c.key.axis): c
         for c in screened
         if c.key.axis is not None and c.key.location == "actuator" and np.isfinite(c.test_loss)
     }
-    there = {effect for effect, _ in at_drives}
-    names = [effect.name for effect in EFFECTS if effect.of_a_make and effect.name in there]
-    columns, entries = _columns(linearisation, [c for c in at_drives.values() if c.key.effect in names])
-    if not columns:
-        return []
-    pieces, held_out = equations(linearisation, [], columns, data, start.simulated)
     floor, excess = test_noise_floor(data), _excess(start, data)
-    options = (*((name,) for name in names), _FRICTION, _DRIVES)
-    everywhere = set(linearisation.model.driven)
-    tries = [(option, everywhere) for option in options]
-    for option in options:
-        gains = {a: start.test_loss - _least(at_drives, option, a) for a in everywhere}
-        shown = {a for a in everywhere if gains[a] > POLICY.axis_share * excess[a]}
-        if POLICY.axes_alike <= len(shown) < len(everywhere):
-            tries.append((option, shown))
-    found: list[tuple[float, tuple[str, ...], list[Candidate]]] = []
-    for option, axes in tries:
-        own = [e for name in option for e in entries if e.key.effect == name and e.key.axis in axes]
-        if len(own) < 2:
-            continue
-        gone = (1.0 - POLICY.promising) * sum(excess[a] for a in axes)
+    best: dict[tuple[str, ...], tuple[float, list[Candidate]]] = {}
+    for option, own in _sets(at_drives, linearisation, whole, excess, start.test_loss):
+        gone = (1.0 - POLICY.promising) * sum(excess[a] for a in {e.key.axis for e in own} if a)
         most = floor + max(start.test_loss - floor, 0.0) - gone
         bounds = [np.concatenate(b) for b in zip(*(limits_of(linearisation, e) for e in own), strict=True)]
         index = [k for e in own for k in e.linear]
         fixed = [e.fixed for e in own if e.fixed is not None]
-        test_loss, solution = judge(pieces, held_out, index, fixed, (bounds[0], bounds[1]))
-        parts = np.split(solution, np.cumsum([len(e.linear) for e in own])[:-1])
-        chosen = [Candidate(e.key, x, e.shape, test_loss) for e, x in zip(own, parts, strict=True)]
-        if test_loss < most:
-            found.append((test_loss, option, chosen))
-    return [(option, chosen) for _, option, chosen in sorted(found, key=lambda f: f[0])]
+        held_out = whole.held_out if data.tests_on_holdout else None
+        test_loss, solution = judge(whole.pieces, held_out, index, fixed, (bounds[0], bounds[1]))
+        if test_loss < min(most, best[option][0] if option in best else np.inf):
+            parts = np.split(solution, np.cumsum([len(e.linear) for e in own])[:-1])
+            chosen = [Candidate(e.key, x, e.shape, test_loss) for e, x in zip(own, parts, strict=True)]
+            best[option] = test_loss, chosen
+    return [(option, chosen) for option, (_, chosen) in sorted(best.items(), key=lambda b: b[1][0])]
+
+
+def _sets(
+    at_drives: Mapping[tuple[str, str], Candidate],
+    linearisation: Linearisation,
+    whole: Equations,
+    excess: Mapping[str, float],
+    before: float,
+) -> Iterator[tuple[tuple[str, ...], list[Entry]]]:
+    """Effects of a make on all axes, or on those that show them: in the best shape of each, and all alike."""
+    there = {effect for effect, _ in at_drives}
+    names = [effect.name for effect in EFFECTS if effect.of_a_make and effect.name in there]
+    entries = {(e.key.effect, e.key.axis, _shape(e.shape)): e for e in whole.entries if _drives(e, names)}
+    everywhere = set(linearisation.model.driven)
+    for option in (*((name,) for name in names), _FRICTION, _DRIVES):
+        gains = {a: before - _least(at_drives, option, a) for a in everywhere}
+        shown = {a for a in everywhere if gains[a] > POLICY.axis_share * excess[a]}
+        for axes in (
+            (everywhere, shown) if POLICY.axes_alike <= len(shown) < len(everywhere) else (everywhere,)
+        ):
+            places = [(n, a) for n in option for a in sorted(axes) if (n, a) in at_drives]
+            shaped = [entries.get((n, a, _shape(at_drives[n, a].shape))) for n, a in places]
+            own = [e for e in shaped if e is not None]
+            if len(own) > 1:
+                yield option, own
+    for name in names:
+        for shape in {s for n, _, s in entries if n == name and s}:
+            alike = [entries[name, a, shape] for a in sorted(everywhere) if (name, a, shape) in entries]
+            if len(alike) == len(everywhere):
+                yield (name,), alike
+
+
+def _drives(entry: Entry, names: Sequence[str]) -> bool:
+    return entry.key.location == "actuator" and entry.key.axis is not None and entry.key.effect in names
+
+
+def _shape(shape: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
+    return tuple(sorted(shape.items()))
+
+
+def _equations(linearisation: Linearisation, data: Data, start: Fit) -> Equations:
+    columns, entries = entries_of(linearisation)
+    return Equations(tuple(entries), *equations(linearisation, [], columns, data, start.simulated))
 
 
 def _excess(start: Fit, data: Data) -> dict[str, float]:
@@ -166,21 +196,6 @@ def _excess(start: Fit, data: Data) -> dict[str, float]:
 def _least(candidates: Mapping[tuple[str, str], Candidate], names: Sequence[str], axis: str) -> float:
     """Test loss that the best of these effects would leave by itself on one axis."""
     return min((candidates[n, axis].test_loss for n in names if (n, axis) in candidates), default=np.inf)
-
-
-def _columns(
-    linearisation: Linearisation, candidates: Sequence[Candidate]
-) -> tuple[list[SensitivityColumn], list[Entry]]:
-    """Columns of candidates in their best shape, and where they stand."""
-    columns: list[SensitivityColumn] = []
-    entries: list[Entry] = []
-    for c in candidates:
-        linear, fixed = linearisation.columns(c.key, c.shape)
-        first = len(columns)
-        columns += [*linear, *([fixed] if fixed else [])]
-        last = first + len(linear)
-        entries.append(Entry(c.key, c.shape, list(range(first, last)), last if fixed else None, 1.0))
-    return columns, entries
 
 
 def _steps(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> tuple[AcceptedStep, ...]:

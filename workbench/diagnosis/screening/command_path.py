@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from .screen import Candidate
 
 
-#: What a drive's measured torque is off its command, and what a limit takes away of it, row by row.
-_Passed = tuple[np.ndarray, np.ndarray] | None
+#: What a drive's measured torque is off its command, and what a limit takes away of it, row by row; and the
+#: share that this drive has of what all are off.
+_Passed = tuple[np.ndarray, np.ndarray, float] | None
 
 
 def by_command_path(
@@ -50,12 +51,13 @@ def by_command_path(
 def _told(candidate: Candidate, passed: _Passed, without: float) -> Candidate:
     if passed is None:
         return candidate
-    off, taken = passed
+    off, taken, share = passed
     before, after = float(np.sum(off**2)), float(np.sum((off - taken) ** 2))
     left = after / before if before > 0.0 else 1.0
     if left >= POLICY.limit_left:
         return candidate
-    return replace(candidate, test_loss=min(candidate.test_loss, left * without))
+    # it takes nothing off what other drives lack
+    return replace(candidate, test_loss=min(candidate.test_loss, (1.0 - share * (1.0 - left)) * without))
 
 
 def off_command_path(linearisation: Linearisation, candidate: Candidate, found: Fit) -> bool:
@@ -68,7 +70,7 @@ def off_command_path(linearisation: Linearisation, candidate: Candidate, found: 
     read, fitted = (_passed(linearisation, candidate.key, shape) for shape in shapes)
     if read is None or fitted is None:
         return False
-    own, now = (float(np.sum((off - taken) ** 2)) for off, taken in (read, fitted))
+    own, now = (float(np.sum((off - taken) ** 2)) for off, taken, _ in (read, fitted))
     return now - own > POLICY.sure**2 * own / len(read[0])
 
 
@@ -76,7 +78,7 @@ def _far_worse(one: _Passed, other: _Passed) -> bool:
     if one is None or other is None:
         return False
     limited = (one[1] != 0.0) | (other[1] != 0.0)
-    left, best = (float(np.sum((off - taken)[limited] ** 2)) for off, taken in (one, other))
+    left, best = (float(np.sum((off - taken)[limited] ** 2)) for off, taken, _ in (one, other))
     return left > POLICY.far_worse * best
 
 
@@ -85,11 +87,15 @@ def _passed(linearisation: Linearisation, key: EffectKey, shape: Mapping[str, fl
     effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
     if effect.door is not Door.COMMAND or not effect.by_runs or place is None or not shape:
         return None
-    off, taken = [], []
+    every, measured, taken = [], [], []
     for motion in linearisation.motions:
         tap = effect.response(motion, linearisation.model, place, shape).tap
         if motion.line.measured is None or tap is None:
             return None
-        off.append((motion.line.measured - motion.line.passed[0])[:, place.index])
+        every.append(motion.line.measured - motion.line.passed[0])
+        measured.append(motion.line.measured)
         taken.append(tap[:, place.index])
-    return np.concatenate(off), np.concatenate(taken)
+    off = np.concatenate(every)
+    squares = np.sum(off**2, axis=0) / np.maximum(np.var(np.concatenate(measured), axis=0), 1e-300)
+    share = float(squares[place.index] / squares.sum()) if squares.any() else 1.0
+    return off[:, place.index], np.concatenate(taken), share

@@ -61,8 +61,10 @@ def candidates(
     before = rescored(
         replace(current, simulated=simulated.clean, mean_squares=along.mean_squares(simulated.clean)), along
     )
-    moving = Linearisation.of(model, along, before.simulated, len(runs))
     floor_along = test_noise_floor(along)
+    if before.test_loss < POLICY.at_noise * floor_along:
+        return tuple(in_loop)  # no torque is missing along the motion, and so no friction
+    moving = Linearisation.of(model, along, before.simulated, len(runs))
     scale = (current.test_loss - floor) / max(before.test_loss - floor_along, 1e-12)
 
     def better(own: Candidate, other: Candidate) -> Candidate:
