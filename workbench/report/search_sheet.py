@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from workbench.core import Diagnosis, Tried
 from workbench.core.palette import COLOURS
@@ -38,7 +39,6 @@ def trace_sheet(result: Diagnosis) -> Sheet:
             ("Taken", str(sum(t.taken for t in trace)), "one after the other"),
         ),
         sections=(_tried(trace), *_rivals(trace)) if trace else (),
-        picture=(trace_figure(trace), _words(trace)) if trace else None,
     )
 
 
@@ -61,8 +61,12 @@ def trace_figure(trace: Sequence[Tried]) -> Figure:
             )
         ax.axvline(1.0, color=COLOURS["noise"][0], ls=(0, (1, 2)))
         ax.set_yticks(range(len(trace)), [f"{k}. {t.move}" for k, t in enumerate(trace, 1)])
-        ax.invert_yaxis()
+        ax.set_ylim(len(trace) - 0.4, -0.6)
         ax.set_xscale("log")
+        most = max(max(t.times_noise) for t in trace)
+        ticks = [x for x in (1, 2, 3, 5, 10, 20, 30, 50, 100, 200, 500, 1000) if x <= 1.2 * most]
+        ax.set_xticks(ticks, [str(x) for x in ticks], minor=False)
+        ax.xaxis.set_minor_locator(NullLocator())
         ax.set_xlabel("error / noise floor of the fitted recordings (dotted: the noise)")
         ax.set_title("A dot for each effect added; filled where it ends: taken")
     return figure
@@ -70,25 +74,21 @@ def trace_figure(trace: Sequence[Tried]) -> Figure:
 
 def _tried(trace: Sequence[Tried]) -> Section:
     table = SheetTable("In the order tried", HEADER, tuple(trace_rows(trace)))
-    return Section("tried", "What was tried", tables=(table,))
+    picture = trace_figure(trace), _words(trace)
+    return Section("tried", "What was tried", tables=(table,), picture=picture)
 
 
 def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:
-    rows = tuple(
-        (
-            f"{k}. {w.capital(w.effect_phrase(key))}",
-            "; ".join(f"{w.effect_phrase(r)} {percent(s)}" for r, s in rivals),
-        )
-        for k, t in enumerate(trace, 1)
-        for key, rivals in t.added
-        if rivals
-    )
+    rows = []
+    for k, t in enumerate(trace, 1):
+        for key, rivals in t.added:
+            others = [f"{w.effect_phrase(r)} {percent(share)}" for r, share in rivals if r != key]
+            if others:
+                rows.append((f"{k}. {w.capital(w.effect_phrase(key))}", "; ".join(others)))
     if not rows:
         return ()
-    caption = (
-        "Share of the squared error above the noise at that place that each removes by itself, best first"
-    )
-    table = SheetTable(caption, ("Effect added", "What was fitted for its place"), rows)
+    caption = "Share of the squared error above the noise there that each removes by itself, best first"
+    table = SheetTable(caption, ("Effect added", "What else was fitted for its place"), tuple(rows))
     return (Section("rivals", "What each effect was chosen from", tables=(table,)),)
 
 

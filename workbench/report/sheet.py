@@ -118,7 +118,7 @@ class SheetTable:
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """One part of the page: sentences, then its tables, drawings, and a list."""
+    """One part of the page: sentences, a picture with its description, then tables, drawings, and a list."""
 
     id: str
     title: str
@@ -126,6 +126,7 @@ class Section:
     tables: tuple[SheetTable, ...] = ()
     drawings: tuple[Drawing, ...] = ()
     remarks: tuple[str, ...] = ()
+    picture: tuple[Figure, str] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,13 +178,7 @@ def render_sheet(
     """The page as HTML text; see `write_sheet`."""
     panels = [p for s in sheet.sections for d in s.drawings for p in d.panels]
     numbered = iter(range(len(panels)))
-    fallback = None
-    if sheet.picture is not None and panels:
-        from .figures import figure_bytes  # slow to import, and only pictures need it
-
-        figure, words = sheet.picture
-        picture = base64.b64encode(figure_bytes(figure, "png", dpi=110)).decode("ascii")
-        fallback = {"picture": picture, "words": plain(words)}
+    fallback = _picture(sheet.picture if panels else None)
     return template("sheet.html.j2").render(
         kind=plain(sheet.kind),
         model=plain(sheet.model),
@@ -217,7 +212,19 @@ def _section(section: Section, numbered: Iterator[int]) -> dict[str, Any]:
             for d in section.drawings
         ],
         "remarks": [plain(r) for r in section.remarks],
+        "picture": _picture(section.picture),
     }
+
+
+def _picture(picture: tuple[Figure, str] | None) -> dict[str, str] | None:
+    """A figure as the page embeds it, with what it shows in words."""
+    if picture is None:
+        return None
+    from .figures import figure_bytes  # slow to import, and only pictures need it
+
+    figure, words = picture
+    encoded = base64.b64encode(figure_bytes(figure, "png", dpi=110)).decode("ascii")
+    return {"picture": encoded, "words": plain(words)}
 
 
 def _table(table: SheetTable) -> dict[str, Any]:

@@ -18,7 +18,7 @@ def trace_rows(trace: Sequence[Tried]) -> list[tuple[str, ...]]:
     """A row of texts for each thing that was tried, as `HEADER` has them."""
     return [
         (
-            f"{k}. {w.capital(t.move)}",
+            f"{k}. {w.capital(t.move)}" + (f", from {_named(t.begun_with)}" if t.begun_with else ""),
             _named(t.effects),
             number(t.times_noise[-1]),
             percent(t.explained),

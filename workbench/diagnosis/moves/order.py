@@ -119,7 +119,7 @@ MOVES = (
     Move("other sizes of a gap", with_refined_gap, _best_with_gap),
     Move("a gap or soft joint that the torque shows", restarts.clear_compliance, _above_noise),
     Move("what the fitted recordings show", restarts.on_training, _unexplained),
-    Move("one cause on every axis, after all", restarts.on_all_axes, _unexplained),
+    Move("one cause on every axis, after all", restarts.on_all_axes, _above_noise),
     Move("two causes at once", restarts.two_at_once, _unexplained_or_ambiguous),
     Move("the torque along the motion", restarts.along_the_motion, _unexplained),
     Move("a refinement in place of a basic effect", restarts.a_refinement, _above_noise_after_all),
