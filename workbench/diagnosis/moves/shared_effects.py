@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import EFFECTS
+from workbench.effects import EFFECTS, Door, of_a_make
 
 from ..acceptance import (
     degrades_holdout,
@@ -31,8 +31,9 @@ from ..significance import cancel_each_other, identifiable
 from .choice import loss_ratios, simplest_first
 
 # What a plain model of drives leaves out together: sets that are tried beside each effect by itself.
-_FRICTION = ("coulomb_friction", "viscous_damping")
-_DRIVES = (*_FRICTION, "reflected_inertia")
+_BASIC = sorted((e for e in EFFECTS if e.search.basic and e.locations), key=lambda e: e.name)
+_FRICTION = tuple(e.name for e in _BASIC if e.door is Door.FRICTION)
+_DRIVES = (*_FRICTION, *(e.name for e in _BASIC if e.door is not Door.FRICTION))
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ def _promising(
         if c.key.axis is not None and c.key.location == "actuator" and np.isfinite(c.test_loss)
     }
     there = {effect for effect, _ in at_drives}
-    names = [effect.name for effect in EFFECTS if effect.of_a_make and effect.name in there]
+    names = [effect.name for effect in EFFECTS if of_a_make(effect) and effect.name in there]
     columns, entries = _columns(linearisation, [c for c in at_drives.values() if c.key.effect in names])
     if not columns:
         return []
@@ -194,7 +195,7 @@ def _steps(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> tu
     floor = test_noise_floor(data)
     alone = [(a.key, test_loss) for a, test_loss in zip(whole.free, left, strict=True) if test_loss < np.inf]
     ranking = removed_shares(start.test_loss, alone, floor)
-    forms = set(best.effects) | {e.name for e in EFFECTS if set(e.contains) & set(best.effects)}
+    forms = set(best.effects) | {e.name for e in EFFECTS if set(e.search.contains) & set(best.effects)}
     instead = [(f.fit.hypothesis.free[0].key, f.fit.test_loss) for f in fits if not set(f.effects) & forms]
     before, steps = start, []
     for result in (*grown, best.fit):
