@@ -8,6 +8,7 @@ from .chain import Build, FlankTerm, FrictionTerm, HysteresisTerm, SensorErrors,
 from .check import axis_units, check_effect, load_model
 from .compliance import Compliance
 from .contact import OnGround
+from .corrected import OfBody
 from .flexible import link_inertia, rotor_inertia
 from .friction_constraint import rigid_in_steps
 from .ground import feet_of, plate_columns, settle_contacts
@@ -63,6 +64,7 @@ __all__ = [
     "Line",
     "LinkMotion",
     "Motion",
+    "OfBody",
     "OnGround",
     "Parameter",
     "Parameters",
