@@ -42,7 +42,6 @@ class AsymmetricFriction(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Four columns, each nonzero in one direction only."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         sign = smooth_sign(speed)
         up, down = 0.5 * (1.0 + sign), 0.5 * (1.0 - sign)
@@ -51,7 +50,6 @@ class AsymmetricFriction(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A friction level of the tendon that depends on the speed."""
-        assert place is not None
         parameters = tuple(values[p.name] for p in self.parameters)
         build.chain.friction.append(FrictionTerm(place.tendon, asymmetric_level, parameters))
 

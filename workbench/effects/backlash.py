@@ -66,7 +66,6 @@ class Backlash(Compliance):
         self, motions: Sequence[Motion], model: Model, place: Place
     ) -> Sequence[tuple[Values, float]]:
         """The gap that foresees best what passes through it: a grid, then downhill from its best."""
-        assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
         if inertia <= 0.0:  # a rotor as heavy as all that turns leaves nothing behind it
             return []
@@ -87,7 +86,6 @@ class Backlash(Compliance):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what the links do not feel of the motor's motion while they cross the gap."""
-        assert place is not None
         inertia, column = link_inertia(motion, model, place)
         passage = Passage.of(motion, model, place)
         retardation = shape.get("retardation", model.flank_retardation_s)
@@ -104,7 +102,6 @@ class Backlash(Compliance):
         shape: Values,
     ) -> bool:
         """Where the torque does not lead it by the hand."""
-        assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
         retardation = shape.get("retardation", model.flank_retardation_s)
         pieces = [Passage.of(m, model, place) for m in motions]
@@ -112,6 +109,5 @@ class Backlash(Compliance):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A joint for the motor and a tendon with a dead band to the links."""
-        assert place is not None
         stiffness = values["stiffness"]
         split(build, model, place, stiffness, model.flank_retardation_s * stiffness, values["gap"])

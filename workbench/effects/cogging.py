@@ -23,7 +23,6 @@ _FINEST = 400  # of these, multiples of a quarter of a ripple over the whole arc
 
 def _told(motions: Sequence[Motion], place: Place, values: Values) -> bool:
     """Over most of a period."""
-    assert place is not None
     rows = [m.along(place)[0] for m in motions]
     arc = max(float(r.max()) for r in rows) - min(float(r.min()) for r in rows)
     return values["order"] * arc >= 2.0 * np.pi * _LEAST
@@ -31,7 +30,6 @@ def _told(motions: Sequence[Motion], place: Place, values: Values) -> bool:
 
 def _orders(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
     """Orders that the missing torque shows most of, by least squares on the torque itself."""
-    assert place is not None
     position = np.concatenate([m.along(place)[0] for m in motions])
     lacking = np.concatenate([((m.required(model) - m.torque) * m.gain)[:, place.index] for m in motions])
     lacking = lacking - lacking.mean()
@@ -78,13 +76,11 @@ class Cogging(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns, sine and cosine; their coefficients are a cos p and a sin p."""
-        assert place is not None
         angle = shape["order"] * motion.along(place)[0]
         return Response(np.stack([single(place, row, motion) for row in (np.sin(angle), np.cos(angle))]))
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A torque of the position, on the drive."""
-        assert place is not None
         parameters = values["torque"], values["order"], values["phase"]
         build.chain.torques.append(TorqueTerm(place.tendon, ripple, parameters))
 

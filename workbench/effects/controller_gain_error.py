@@ -39,12 +39,10 @@ class ControllerGainError(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: what each gain asks for; coefficients are the scales minus one."""
-        assert place is not None
         shares = motion.law(place.index)
         return Response(np.zeros_like(shares), commands=shares)
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Scales of the loop's gains."""
-        assert place is not None
         build.chain.kp_scale[place.index] *= values["kp_scale"]
         build.chain.kd_scale[place.index] *= values["kd_scale"]

@@ -53,10 +53,9 @@ class OfBody:
 
 
 def there(
-    effect: str, model: Model, place: Placement | None, beside: Sequence[AppliedEffect] = ()
+    effect: str, model: Model, place: Placement, beside: Sequence[AppliedEffect] = ()
 ) -> list[dict[str, float]]:
     """Values of each effect of this name that a model has in this place, and of those `beside` them."""
-    assert place is not None
     where = effect, model.axes[place.index], place.location
     known = (*beside, *model.effects)
     return [e.values for e in known if (e.key.effect, e.key.axis, e.key.location) == where]
@@ -67,11 +66,6 @@ def added(effect: str, parameter: str, model: Model, place: Placement) -> float:
     return sum(values[parameter] for values in there(effect, model, place))
 
 
-def down_to(most: Own) -> Callable[[Model, Placement | None], tuple[float, float]]:
+def down_to(most: Own) -> Callable[[Model, Placement], tuple[float, float]]:
     """Bounds of what is added to a number of which so much may be taken off."""
-
-    def bounds(model: Model, place: Placement | None) -> tuple[float, float]:
-        assert place is not None
-        return -most(model, place), float("inf")
-
-    return bounds
+    return lambda model, place: (-most(model, place), float("inf"))

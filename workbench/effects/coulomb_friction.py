@@ -39,11 +39,9 @@ class CoulombFriction(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the sign of the speed."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         return Response(single(place, -smooth_sign(speed), motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Friction loss of the tendon."""
-        assert place is not None
         build.spec.tendon(place.tendon).frictionloss += values["torque"]

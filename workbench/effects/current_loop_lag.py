@@ -32,12 +32,10 @@ class CurrentLoopLag(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: the lagging torque minus the torque without lag."""
-        assert place is not None
         lag = motion.line.lag.copy()
         lag[place.index] += shape["time_constant"]
         return Response.passed(motion, replace(motion.line, lag=lag))
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Lag of the chain; lags of one drive add up."""
-        assert place is not None
         build.chain.lag[place.index] += values["time_constant"]

@@ -43,7 +43,6 @@ class EncoderEccentricity(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns, sine and cosine of the angle; their coefficients are e cos p and e sin p."""
-        assert place is not None
         position, speed, _ = motion.along(place)
         sine, cosine = np.sin(position), np.cos(position)
         pairs = ((sine, speed * cosine), (cosine, -speed * sine))
@@ -51,7 +50,6 @@ class EncoderEccentricity(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Sine and cosine of the sensor."""
-        assert place is not None
         (sine, cosine), _ = _CHART.solved(values)
         build.chain.sensors.sine[place.index] += sine
         build.chain.sensors.cosine[place.index] += cosine

@@ -29,11 +29,9 @@ class EncoderOffset(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: the position read is one more."""
-        assert place is not None
         one, zero = np.ones(len(motion.position)), np.zeros(len(motion.position))
         return Response.read(motion, read_on(place, one, zero, motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Offset of the sensor."""
-        assert place is not None
         build.chain.sensors.offset[place.index] += values["angle"]

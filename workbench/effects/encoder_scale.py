@@ -27,11 +27,9 @@ class EncoderScale(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: the motion itself; its coefficient is the scale minus one."""
-        assert place is not None
         position, speed, _ = motion.along(place)
         return Response.read(motion, read_on(place, position, speed, motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Scale of the sensor."""
-        assert place is not None
         build.chain.sensors.scale[place.index] *= values["scale"]

@@ -78,7 +78,6 @@ class FirstMomentError(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus what the shifted mass needs, per kg m."""
-        assert place is not None
         link, centre = _now(model, place)
         return Response(
             -np.stack([shifting(motion, place.index, w, centre) for w in (link.along, link.across)])

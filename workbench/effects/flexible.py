@@ -208,5 +208,4 @@ def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count
 
 def stiffest(model: Model, place: Place) -> float:
     """Stiffness [N m/rad or N/m] beyond which a fit need not look: the rotor would ring at `_RIGID`."""
-    assert place is not None
     return rotor_inertia(model, place.index) * (2.0 * np.pi * _RIGID) ** 2

@@ -67,7 +67,6 @@ class JointCompliance(Compliance):
         self, motions: Sequence[Motion], model: Model, place: Place
     ) -> Sequence[tuple[Values, float]]:
         """What the lacking torque asks for, from antiresonances from 4 Hz on, hardly and well damped."""
-        assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
         if inertia <= 0.0:  # a rotor as heavy as all that turns leaves nothing behind it
             return []
@@ -90,7 +89,6 @@ class JointCompliance(Compliance):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what the links do not feel of the motor's motion, as the spring winds up."""
-        assert place is not None
         inertia, column = link_inertia(motion, model, place)
         torque = transmitted(motion, model, place)
         moved = torque - torque[0]  # from rest, wound up by the weights; `free_responses` say the rest
@@ -99,14 +97,12 @@ class JointCompliance(Compliance):
 
     def free_responses(self, motion: Motion, model: Model, place: Place, shape: Values) -> np.ndarray:
         """How a spring unwinds that was wound up, or winding, at the first row."""
-        assert place is not None
         inertia, column = link_inertia(motion, model, place)
         wind = free_wind(len(column), motion.step, inertia, shape["stiffness"], shape["damping"])
         return column[:, :, None] * wind[:, None, :]
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A joint for the motor and a tendon to the links."""
-        assert place is not None
         split(build, model, place, values["stiffness"], values["damping"])
 
 

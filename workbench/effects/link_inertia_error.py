@@ -67,7 +67,6 @@ class LinkInertiaError(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus what the inertia needs, per kg m^2."""
-        assert place is not None
         axis = link_at(model, place).axis
         return Response(-turning(motion, place.index, np.outer(axis, axis))[None])
 

@@ -60,7 +60,6 @@ class LinkLengthError(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus what a link that is a little longer needs more, per metre."""
-        assert place is not None
         key = EffectKey(self.name, model.axes[place.index])
         longer = model.with_effect(AppliedEffect(key, {"length": Estimate(_PROBE, 0.0, "m")}))
         more = (motion.required(longer) - motion.required(model)) / _PROBE
@@ -68,7 +67,6 @@ class LinkLengthError(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """The end of the link, and every body that sits just there."""
-        assert place is not None
         link, end = build.spec.joint(model.joints[place.index]).parent, link_ends(model)[place.index]
         ends: list[mujoco.MjsBody | mujoco.MjsSite | mujoco.MjsGeom]
         if end:

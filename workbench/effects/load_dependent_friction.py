@@ -38,7 +38,6 @@ class LoadDependentFriction(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus the sign of the speed, by itself and times the size of the motor torque."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         sign = smooth_sign(speed)
         load = np.abs(motion.gain * motion.torque)[:, place.index]
@@ -46,7 +45,6 @@ class LoadDependentFriction(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A friction level of the tendon that depends on the motor torque."""
-        assert place is not None
         parameters = values["torque"], values["ratio"]
         build.chain.friction.append(FrictionTerm(place.tendon, loaded_level, parameters))
 

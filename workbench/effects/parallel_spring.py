@@ -34,7 +34,6 @@ _MOMENT = Chart((Unknown("stiffness"), Unknown("moment", lower=-INF)), _values, 
 
 def _rests_near(motions: Sequence[Motion], place: Place, values: Values) -> bool:
     """Where it does not rest so far away that it is a constant torque."""
-    assert place is not None
     positions = np.concatenate([m.along(place)[0] for m in motions])
     return bool(abs(values["rest"] - positions.mean()) < _FAR * np.ptp(positions))
 
@@ -63,14 +62,12 @@ class ParallelSpring(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus the position, and one; the coefficients are k and k q0."""
-        assert place is not None
         position, _, _ = motion.along(place)
         rows = (-position, np.ones_like(position))
         return Response(np.stack([single(place, row, motion) for row in rows]))
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Stiffness of the tendon; a second spring on the same tendon adds to the first."""
-        assert place is not None
         tendon = build.spec.tendon(place.tendon)
         before = float(tendon.stiffness[0])
         rest = float(tendon.springlength[0]) if before else 0.0

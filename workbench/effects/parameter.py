@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
 from .motion import Motion
 from .setting import Setting
 
 INF = float("inf")
 Values = Mapping[str, float]
-Place = Placement | None
+#: A `Placement`; None for what acts on the whole machine, which an effect knows of itself.
+Place = Any
 
 
 @dataclass(frozen=True)

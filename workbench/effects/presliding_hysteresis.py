@@ -18,7 +18,6 @@ from .response import Response, single
 
 def _distances(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
     """Presliding distances from a ten-thousandth of the whole way to all of it."""
-    assert place is not None
     way = max(float(np.ptp(m.along(place)[0])) for m in motions) + 1e-9
     return 1.0 / (way * np.geomspace(1e-4, 1.0, 9))
 
@@ -42,7 +41,6 @@ _DISTANCE = Chart((Unknown("torque"), _RATIO), _values, _solved)
 
 def _slides(motions: Sequence[Motion], place: Place, values: Values) -> bool:
     """Where it slides: what only ever winds up is a spring."""
-    assert place is not None
     way = max(float(np.ptp(m.along(place)[0])) for m in motions)
     return values["stiffness"] * way > values["torque"]
 
@@ -76,13 +74,11 @@ class PreslidingHysteresis(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the state that the motion winds up."""
-        assert place is not None
         position, _, _ = motion.along(place)
         return Response(single(place, -wound(position, shape["ratio"]), motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A spring of its own on the axis's coordinate, whose stiffness and rest follow the state."""
-        assert place is not None
         if values["torque"] == 0.0:  # no friction: the share of a stiffness of nothing is no number
             return
         name = f"hysteresis:{len(build.chain.hysteresis)}"

@@ -29,11 +29,9 @@ class QuadraticDrag(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the speed times its size."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         return Response(single(place, -speed * np.abs(speed), motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Second damping coefficient of the tendon."""
-        assert place is not None
         build.spec.tendon(place.tendon).damping[1] += values["drag"]

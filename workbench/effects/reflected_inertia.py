@@ -45,13 +45,11 @@ class ReflectedInertia(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the acceleration."""
-        assert place is not None
         _, _, acceleration = motion.along(place)
         return Response(single(place, -acceleration, motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Armature of the tendon; what is less than that has, of the joint that holds the rotor."""
-        assert place is not None
         tendon = build.spec.tendon(place.tendon)
         whole = tendon.armature + values["inertia"]
         tendon.armature = max(whole, 0.0)

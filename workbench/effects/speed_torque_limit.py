@@ -26,7 +26,6 @@ _SIMPLEX = np.array([[0.0, 0.0], [0.05, 0.0], [0.0, 0.05]])  # in the logarithm 
 
 def _lines(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Values]:
     """Lines that cut something off; the likely one if the torque was measured."""
-    assert place is not None
     asked, speed, measured = at_tap(motions, place.index)
     top, fast = float(np.abs(asked).max()) + 1e-9, float(np.abs(speed).max()) + 1e-9
     stalls, ends = (0.4, 0.6, 0.9, 1.3, 2.0), np.geomspace(0.4, 3.0, 6)
@@ -45,7 +44,6 @@ def _lines(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Va
 
 def _falls(motions: Sequence[Motion], place: Place, values: Values) -> bool:
     """Where the line falls steeply: a limit that was reached at one speed may be either's."""
-    assert place is not None
     fastest = max(float(np.abs(m.velocity[:, place.index]).max()) for m in motions)
     return values["no_load_speed"] < _FLAT * fastest
 
@@ -91,7 +89,6 @@ class SpeedTorqueLimit(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what the falling ceiling takes away."""
-        assert place is not None
         stall, no_load = motion.line.stall.copy(), motion.line.no_load.copy()
         stall[place.index], no_load[place.index] = shape["stall_torque"], shape["no_load_speed"]
         full = bool(shape.get("full_braking", motion.line.full_braking))
@@ -99,7 +96,6 @@ class SpeedTorqueLimit(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Line of the chain."""
-        assert place is not None
         build.chain.stall[place.index] = values["stall_torque"]
         build.chain.no_load[place.index] = values["no_load_speed"]
 

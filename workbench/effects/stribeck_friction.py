@@ -20,7 +20,6 @@ from .setting import SLIDING_SPEED
 
 def _speeds(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
     """Stribeck speeds from 0.5 % to 50 % of the top speed in the first recording."""
-    assert place is not None
     _, speed, _ = motions[0].along(place)
     return (float(np.quantile(np.abs(speed), 0.99)) + 1e-9) * np.geomspace(0.005, 0.5, 9)
 
@@ -67,7 +66,6 @@ class StribeckFriction(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: the plateau and the excess at low speed."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         plateau = -smooth_sign(speed)
         excess = plateau * np.exp(-((speed / shape["speed"]) ** 2))
@@ -75,7 +73,6 @@ class StribeckFriction(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A friction level of the tendon that depends on the speed."""
-        assert place is not None
         parameters = values["coulomb"], values["static"], values["speed"]
         build.chain.friction.append(FrictionTerm(place.tendon, stribeck_level, parameters))
 

@@ -47,14 +47,12 @@ class ThermalDerating(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the torque times its filtered square."""
-        assert place is not None
         torque = motion.torque[:, place.index]
         lost = torque * heat(torque, motion.step, shape["time_constant"])
         return Response(single(place, -motion.gain[:, place.index] * lost, motion)[None])
 
     def before(self, motion: Motion, place: Place, values: Values) -> Motion:
         """With a motor that stays cold."""
-        assert place is not None
         warm = heat(motion.torque[:, place.index], motion.step, values["time_constant"])
         gain = motion.gain.copy()
         gain[:, place.index] /= np.maximum(1.0 - values["coefficient"] * warm, 1e-3)
@@ -62,6 +60,5 @@ class ThermalDerating(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Derating of the chain."""
-        assert place is not None
         build.chain.heating[place.index] = values["coefficient"]
         build.chain.heat_time[place.index] = values["time_constant"]

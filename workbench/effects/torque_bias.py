@@ -29,10 +29,8 @@ class TorqueBias(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column of ones."""
-        assert place is not None
         return Response(single(place, np.ones(len(motion.position)), motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Bias of the chain."""
-        assert place is not None
         build.chain.bias[place.index] += values["torque"]

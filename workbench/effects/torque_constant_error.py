@@ -27,10 +27,8 @@ class TorqueConstantError(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: the measured torque; its coefficient is the gain minus one."""
-        assert place is not None
         return Response(single(place, motion.torque[:, place.index], motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Gain of the chain."""
-        assert place is not None
         build.chain.gain[place.index] *= values["gain"]

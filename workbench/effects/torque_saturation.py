@@ -19,7 +19,6 @@ from .response import Response
 
 def _ceilings(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[float]:
     """Ceilings from a tenth of the highest torque to all of it; the likely one if it was measured."""
-    assert place is not None
     asked, _, measured = at_tap(motions, place.index)
     top = float(np.abs(asked).max()) + 1e-9
     if measured is None:
@@ -62,12 +61,10 @@ class TorqueSaturation(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what the ceiling takes away."""
-        assert place is not None
         limit = motion.line.limit.copy()
         limit[place.index] = min(limit[place.index], shape["limit"])
         return Response.passed(motion, replace(motion.line, limit=limit))
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Limit of the chain."""
-        assert place is not None
         build.chain.limit[place.index] = min(build.chain.limit[place.index], values["limit"])

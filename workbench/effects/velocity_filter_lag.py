@@ -36,7 +36,6 @@ class VelocityFilterLag(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: the filtered velocity minus the velocity."""
-        assert place is not None
         speed = motion.along(place)[1]
         change = lagged(speed, motion.step, shape["time_constant"]) - speed
         return Response(
@@ -46,7 +45,6 @@ class VelocityFilterLag(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Lag of the sensor; lags of one sensor add up."""
-        assert place is not None
         build.chain.sensors.lag[place.index] += values["time_constant"]
 
 

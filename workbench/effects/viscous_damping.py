@@ -40,11 +40,9 @@ class ViscousDamping(Effect):
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the speed."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         return Response(single(place, -speed, motion)[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Damping of the tendon."""
-        assert place is not None
         build.spec.tendon(place.tendon).damping[0] += values["damping"]
