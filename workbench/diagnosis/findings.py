@@ -67,11 +67,13 @@ def near_findings(found: SearchResult) -> tuple[Finding, ...]:
 
 def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
     """The number of the model that an effect corrects: before, and now."""
-    own = model_value(effect_named(applied.key.effect), model, Placement.of(model, applied.key))
+    effect = effect_named(applied.key.effect)
+    number = effect.corrects.called if effect.corrects else ""
+    own = model_value(effect, model, Placement.of(model, applied.key))
     if own is None:
-        return {}
+        return {"number": number}
     (more,) = applied.parameters.values()
-    return {"model_value": own, "total": replace(more, value=own + more.value)}
+    return {"number": number, "model_value": own, "total": replace(more, value=own + more.value)}
 
 
 def _before(found: SearchResult, index: int) -> Fit:

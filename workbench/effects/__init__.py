@@ -1,6 +1,6 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
-from .base import Door, Effect, Structural, Trace, model_value
+from .base import Door, Effect, Trace, model_value
 from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, giving_way, places
@@ -42,6 +42,7 @@ from .setting import SETTINGS
 from .settled import with_settled
 from .springs import Springs
 from .stiffness import tendon_row
+from .structural import Structural
 from .structure import crank_of
 
 __all__ = [

@@ -7,11 +7,12 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, axis_tendon
 
-from .base import WHOLE, Search, Structural, Words
+from .base import WHOLE, Search, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Place, Values
 from .response import Response
+from .structural import Structural
 
 
 class ActuatorInertiaCoupling(Structural):

@@ -20,6 +20,7 @@ class AtJoint:
         parameter: the effect's, added to it; `rest`: another one that says where a spring rests.
         own: None where a model is not known to have one.
         power: of the ratio between axis and joint, by which it is turned.
+        called: what a person calls it; empty where an effect is missing, rather than a number wrong.
     """
 
     number: str
@@ -27,6 +28,7 @@ class AtJoint:
     own: Own | None = None
     power: int = 2
     rest: str = ""
+    called: str = ""
 
     def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> JointNumber | None:
         """Which number of the model's MJCF or URDF holds this; None where none does."""
@@ -42,9 +44,10 @@ class AtJoint:
 
 @dataclass(frozen=True)
 class OfBody:
-    """The mass, centre or inertia of a link's body; `own` as in `AtJoint`."""
+    """The mass, centre or inertia of a link's body; `own` and `called` as in `AtJoint`."""
 
     own: Own | None = None
+    called: str = ""
 
     def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> BodyNumbers | None:
         """Which numbers of the model's MJCF or URDF hold this."""

@@ -28,7 +28,7 @@ class CoulombFriction(Effect):
     )
     door = Door.FRICTION
     locations = ("actuator", "joint")
-    corrects = AtJoint("frictionloss", "torque", _own, power=1)
+    corrects = AtJoint("frictionloss", "torque", _own, power=1, called="dry friction")
     words = Words(
         source="Coulomb 1785; Armstrong-Helouvry et al., Automatica 30(7), 1994",
         shows="torque residual steps at each reversal, odd in speed, independent of its size",

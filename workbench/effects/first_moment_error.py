@@ -61,7 +61,7 @@ class FirstMomentError(Effect):
         ),
     )
     door = Door.MECHANISM
-    corrects = OfBody()
+    corrects = OfBody(called="first moment")
     words = Words(
         source="base parameters of a link; Khalil and Dombre, Modeling, Identification and Control "
         "of Robots, Ch. 9",

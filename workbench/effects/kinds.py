@@ -6,11 +6,12 @@ from collections.abc import Iterable
 
 from workbench.models import Model
 
-from .base import Door, Effect, Structural, Trace
+from .base import Door, Effect, Trace
 from .compliance import Compliance
 from .contact import OnGround
 from .corrected import OfBody
 from .setting import SLIDING_SPEED
+from .structural import Structural
 
 
 def tier_of(effect: Effect) -> int:

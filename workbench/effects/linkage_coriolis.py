@@ -7,11 +7,12 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import WHOLE, Structural, Words
+from .base import WHOLE, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Place, Values
 from .response import Response
+from .structural import Structural
 from .structure import is_parallelogram
 
 

@@ -7,10 +7,11 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import WHOLE, Search, Structural, Words
+from .base import WHOLE, Search, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import INF, Parameter, Parameters, Place, Values
+from .structural import Structural
 from .structure import crank_of, inertia_columns, is_parallelogram
 from .weights import add_inertia
 

@@ -34,7 +34,7 @@ class ReflectedInertia(Effect):
         )
     )
     door = Door.MECHANISM
-    corrects = AtJoint("armature", "inertia", _own)
+    corrects = AtJoint("armature", "inertia", _own, called="rotor inertia")
     words = Words(
         source="paper, Eqs. 7 and 9",
         shows="torque residual proportional to the drive's acceleration; FRF magnitude at high frequency",

@@ -29,7 +29,7 @@ class ViscousDamping(Effect):
     )
     door = Door.FRICTION
     locations = ("actuator", "joint")
-    corrects = AtJoint("damping", "damping", _own)
+    corrects = AtJoint("damping", "damping", _own, called="damping")
     words = Words(
         source="Newtonian lubricant film; Armstrong-Helouvry et al., Automatica 30(7), 1994",
         shows="torque residual odd and linear in speed; FRF magnitude at low frequency",
