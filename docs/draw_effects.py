@@ -30,8 +30,8 @@ from workbench.effects import (
     Trace,
     check_effect,
     compile_plant,
+    kinds,
     load_model,
-    moves_feet,
 )
 from workbench.effects.linkage_coriolis import LinkageCoriolis
 from workbench.models import AppliedEffect, Model
@@ -64,7 +64,7 @@ def nominal_of(effect: Effect) -> Model:
     if isinstance(effect.corrects, OfBody):  # a parallelogram has these as its linkage
         return replace(load_model("leg_kin_only"), linkage=None)
     nominal = next(model for model in map(load_model, LEGS) if not model.has(effect.name))
-    return with_effect(nominal, "payload_mass", None, LOAD) if moves_feet(effect) else nominal
+    return with_effect(nominal, "payload_mass", None, LOAD) if kinds.moves_feet(effect) else nominal
 
 
 def draw(effect: Effect) -> None:

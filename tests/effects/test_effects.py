@@ -21,7 +21,7 @@ from workbench.effects import (
     compile_plant,
     effect_named,
     held,
-    is_dry,
+    kinds,
     load_model,
     places,
 )
@@ -95,7 +95,7 @@ def test_the_simulation_obeys_the_equation(case: Case) -> None:
     size = np.sqrt(np.mean(expected**2, axis=0)).max()
     assert size > 0.02 * np.sqrt(np.mean(drive**2))
     speed = along(case, motion)
-    slides = np.abs(speed) > (0.05 * np.abs(speed).max() if is_dry(case.effect) else -1.0)
+    slides = np.abs(speed) > (0.05 * np.abs(speed).max() if kinds.is_dry(case.effect) else -1.0)
     assert slides.mean() > 0.6
     rows = slides & (np.arange(len(slides)) > 20)
     wrong = np.abs(lacking - expected)[rows] > 0.02 * size + 0.01 * np.abs(expected)[rows]

@@ -12,18 +12,7 @@ from tests.effects.cases import CASES, ON_A_PLATE, VALUES, Case, reference
 from tests.effects.test_effects import midway
 from tests.simulation.make import having
 from workbench.core import EffectKey
-from workbench.effects import (
-    EFFECTS,
-    Door,
-    compile_plant,
-    effect_named,
-    free_parameters,
-    is_dry,
-    late_alike,
-    load_model,
-    moves_feet,
-    places,
-)
+from workbench.effects import EFFECTS, Door, compile_plant, effect_named, kinds, load_model, places
 from workbench.models import Model, Placement
 
 FRICTION = [c for c in CASES if c.effect.door is Door.FRICTION and c.whole and c.model == "leg"]
@@ -36,7 +25,7 @@ def test_dry_is_what_holds_at_the_slowest_speed(case: Case) -> None:
     shape = case.effect.parameters.to_coefficients(dict(case.values))[1]
     model = load_model(case.model)
     columns = case.effect.response(creeping, model, Placement.of(model, case.key), shape).columns
-    assert is_dry(case.effect) == bool(np.abs(columns).max() > 0.01)
+    assert kinds.is_dry(case.effect) == bool(np.abs(columns).max() > 0.01)
 
 
 def foot(model: Model) -> np.ndarray:
@@ -51,11 +40,11 @@ def test_only_a_length_of_a_link_moves_a_foot() -> None:
     model = load_model(ON_A_PLATE)
     for key in places(model):
         moved = np.linalg.norm(foot(having(model, key, **VALUES[key.effect])) - foot(model))
-        assert moves_feet(effect_named(key.effect)) == (moved > 1e-6), key
+        assert kinds.moves_feet(effect_named(key.effect)) == (moved > 1e-6), key
 
 
 def test_delays_of_the_whole_machine_are_alike_without_measured_torque() -> None:
-    alike = {e.name: late_alike(e, EFFECTS) for e in EFFECTS}
+    alike = {e.name: kinds.late_alike(e, EFFECTS) for e in EFFECTS}
     assert alike.pop("command_delay") == ("sensor_delay",)
     assert alike.pop("sensor_delay") == ("command_delay",)
     assert not any(alike.values())
@@ -65,6 +54,6 @@ def test_what_identification_gave_is_not_free_until_it_is_used() -> None:
     bare, gravity = load_model("leg_kin_only"), effect_named("linkage_gravity")
     assert bare.linkage is not None
     measured = replace(bare, linkage=replace(bare.linkage, identified=True))
-    assert free_parameters(gravity, measured) == 0
+    assert kinds.free_parameters(gravity, measured) == 0
     used = having(measured, EffectKey("linkage_gravity", None), **VALUES["linkage_gravity"])
-    assert free_parameters(gravity, used) == 2
+    assert kinds.free_parameters(gravity, used) == 2

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.core import Recording
-from workbench.effects import Motion, OnGround, Plant, bends_reading, effect_named, has_hidden_state
+from workbench.effects import Motion, OnGround, Plant, effect_named, kinds
 from workbench.models import Model
 from workbench.recordings import NoiseLevels, white_noise
 from workbench.simulation import (
@@ -100,7 +100,9 @@ class Swings:
     def shows(self, effect: str) -> bool:
         """Neither what has a state that no sensor shows where a swing begins, nor a bent reading."""
         known = effect_named(effect)
-        return not (isinstance(known, OnGround) or has_hidden_state(known) or bends_reading(known))
+        return not (
+            isinstance(known, OnGround) or kinds.has_hidden_state(known) or kinds.bends_reading(known)
+        )
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Swings:
         """The same sensors for other recordings."""

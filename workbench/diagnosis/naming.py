@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import EFFECTS, contains, effect_named, late_alike
+from workbench.effects import EFFECTS, contains, effect_named, kinds
 from workbench.models import Model, Placement
 from workbench.simulation import scored_torque
 
@@ -65,7 +65,7 @@ def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]
     effect = effect_named(key.effect)
     twins = effect.search.twins if key.location == "actuator" else ()
     if all(scored_torque(r) != "torque_measured" for r in recordings):
-        twins = (*twins, *late_alike(effect, EFFECTS))
+        twins = (*twins, *kinds.late_alike(effect, EFFECTS))
     return (*(replace(key, effect=name) for name in twins), *equivalents_at_joint(model, key))
 
 

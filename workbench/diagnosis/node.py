@@ -11,7 +11,7 @@ import numpy as np
 from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.consistent import consistent
 from workbench.core import EffectKey, SimulationError
-from workbench.effects import effect_named, runs_part
+from workbench.effects import effect_named, kinds
 
 from .acceptance import holdout_insensitive, improves_residual, too_little_left, unchanged_on_holdout
 from .data import Data
@@ -156,7 +156,7 @@ def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = Tru
 
 def diverges(found: Fit) -> bool:
     """Whether trajectories of the fitted model diverge for small parameter changes."""
-    return any(runs_part(effect_named(a.key.effect)) for a in found.hypothesis.free)
+    return any(kinds.runs_part(effect_named(a.key.effect)) for a in found.hypothesis.free)
 
 
 def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated | None]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from workbench.comparison import matched
 from workbench.core import EffectKey, InputError, Recording
-from workbench.effects import Compliance, effect_named, runs_part
+from workbench.effects import Compliance, effect_named, kinds
 from workbench.models import AppliedEffect, Model
 
 from .data import gather
@@ -68,7 +68,7 @@ def fit_effect(
     found = fit([hypothesis], data)[0]
     if found is None:
         raise InputError(f"the model does not run with {key}", remedy="choose another effect")
-    if runs_part(effect_named(key.effect)):
+    if kinds.runs_part(effect_named(key.effect)):
         progress(f"trying sizes of {key}")
     found = refined_on_grid(converged(found, data), data)
     return found.hypothesis.free[-1], found.hypothesis.model

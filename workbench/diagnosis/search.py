@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from workbench.comparison import MeasuredMotion, cannot_run, noise_rules
 from workbench.core import Disagreement, Identifiability, Recording, SimulationError
-from workbench.effects import adds_up, effect_named
+from workbench.effects import effect_named, kinds
 from workbench.models import Model
 
 from .checks.sign_check import refuse_wrong_sign_in_loop
@@ -176,7 +176,7 @@ def _corrections_suffice(joint: JointSolution) -> bool:
 
 def _corrects_a_number(effect: str) -> bool:
     """Whether an effect corrects a number that every drive or link has."""
-    return effect_named(effect).search.basic or adds_up(effect_named(effect))
+    return effect_named(effect).search.basic or kinds.adds_up(effect_named(effect))
 
 
 def _is_simpler(one: Node, other: Node) -> bool:

@@ -1,5 +1,6 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
+from . import kinds
 from .base import Door, Effect, Trace, model_value
 from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
@@ -14,23 +15,6 @@ from .friction_constraint import rigid_in_steps
 from .ground import feet_of, plate_columns, settle_contacts
 from .ground_friction import FEWEST_SLIPS, ratio_in_slip
 from .into_file import Change, InFile, into_file, open_text
-from .kinds import (
-    adds_up,
-    bends_reading,
-    by_runs,
-    depends_on,
-    free_parameters,
-    has_hidden_state,
-    is_dry,
-    is_pure_delay,
-    is_spring,
-    late_alike,
-    moves_feet,
-    of_a_make,
-    on_links,
-    runs_part,
-    tier_of,
-)
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
 from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
@@ -78,48 +62,34 @@ __all__ = [
     "TorqueChain",
     "TorqueTerm",
     "Trace",
-    "adds_up",
     "axis_units",
-    "bends_reading",
     "build",
-    "by_runs",
     "call_law",
     "check_effect",
     "compile_plant",
     "contains",
     "crank_of",
-    "depends_on",
     "effect_named",
     "feet_of",
     "follow",
-    "free_parameters",
     "giving_way",
-    "has_hidden_state",
     "heat",
     "held",
     "into_file",
-    "is_dry",
-    "is_pure_delay",
-    "is_spring",
-    "late_alike",
+    "kinds",
     "law",
     "link_inertia",
     "load_model",
     "model_value",
-    "moves_feet",
-    "of_a_make",
-    "on_links",
     "open_text",
     "places",
     "plate_columns",
     "ratio_in_slip",
     "rigid_in_steps",
     "rotor_inertia",
-    "runs_part",
     "settle_contacts",
     "smooth_sign",
     "tendon_row",
-    "tier_of",
     "torque_bounds",
     "with_settled",
     "wound",

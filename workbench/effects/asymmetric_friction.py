@@ -36,6 +36,7 @@ class AsymmetricFriction(Effect):
         reveal="steady runs at the same speeds in both directions",
         mujoco="torque function of the speed: the level of the axis's friction loss, step by step",
     )
+    # twins: unequal Coulomb torques are equal ones and a constant torque
     search = Search(
         contains=("viscous_damping", "coulomb_friction"), twins=("torque_bias",), trace=Trace.EVEN
     )

@@ -94,13 +94,7 @@ class Backlash(Compliance):
         share = (passage.load - passage.passed + error) / inertia
         return Response(np.zeros((0, *motion.position.shape)), offset=share[:, None] * column)
 
-    def foretells(
-        self,
-        motions: Sequence[Motion],
-        model: Model,
-        place: Place,
-        shape: Values,
-    ) -> bool:
+    def foretells(self, motions: Sequence[Motion], model: Model, place: Place, shape: Values) -> bool:
         """Where the torque does not lead it by the hand."""
         inertia, _ = link_inertia(motions[0], model, place)
         retardation = shape.get("retardation", model.flank_retardation_s)

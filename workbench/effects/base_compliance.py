@@ -54,11 +54,7 @@ _RINGING = Chart(
             least=lambda shape: 1e-6 * shape["rate"],
         ),
         Unknown(
-            "share",
-            linear=False,
-            upper=5.0,
-            reach=lambda shape: max(0.5 * shape["share"], 0.02),
-            least=1e-3,
+            "share", linear=False, upper=5.0, reach=lambda shape: max(0.5 * shape["share"], 0.02), least=1e-3
         ),
         Unknown(
             "mass",

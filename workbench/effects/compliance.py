@@ -56,13 +56,7 @@ class Compliance(Effect):
         del model, place, shape
         return np.zeros((*motion.position.shape, 0))
 
-    def foretells(
-        self,
-        motions: Sequence[Motion],
-        model: Model,
-        place: Place,
-        shape: Values,
-    ) -> bool:
+    def foretells(self, motions: Sequence[Motion], model: Model, place: Place, shape: Values) -> bool:
         """Whether its response says something by itself, where it asks measured torque for its state."""
         del motions, model, place, shape
         return True

@@ -26,13 +26,7 @@ class ContactCompliance(OnGround):
     name = "contact_compliance"
     parameters = Parameters(
         Parameter(
-            "stiffness",
-            "N/m",
-            lower=_SOFTEST,
-            upper=_STIFFEST,
-            least=1.0,
-            example=30000.0,
-            linear=False,
+            "stiffness", "N/m", lower=_SOFTEST, upper=_STIFFEST, least=1.0, example=30000.0, linear=False
         ),
         Parameter(
             "damping",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from workbench.core import EffectKey, Shape, Share
-from workbench.effects import Door, depends_on, effect_named
+from workbench.effects import Door, effect_named, kinds
 from workbench.models import AppliedEffect, Model, rotors
 
 from ..adequacy.adequacy import Adequacy
@@ -146,7 +146,7 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
     """Lines on why an effect is certain although something else is missing; none where not tested."""
     if key not in adequacy:
         return []
-    own, found = " and ".join(depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
+    own, found = " and ".join(kinds.depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
     share, spread = 100.0 * found.share, 100.0 * found.spread
     return [
         f"a free smooth function of {own} explains hardly more: this law reaches {share:.0f} % of it",

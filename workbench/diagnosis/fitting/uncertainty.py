@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from workbench.core import Estimate
-from workbench.effects import Effect, effect_named, is_dry
+from workbench.effects import Effect, effect_named, kinds
 from workbench.models import AppliedEffect
 
 from ..data import Data
@@ -102,7 +102,7 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         )
         many = len(effect.parameters) > 1
         soft = POLICY.onset_deviation_of_many if many else POLICY.onset_deviation
-        onset = soft * is_dry(effect) * np.abs(middle)
+        onset = soft * kinds.is_dry(effect) * np.abs(middle)
         neutral = np.array([p.neutral for p in effect.parameters])
         share = POLICY.start_deviation if data.replay.on_ground else POLICY.model_deviation
         fine = np.sqrt(late**2 + onset**2 + (share * (middle - neutral)) ** 2)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol, TypeVar
 
 from workbench.core import EffectKey
-from workbench.effects import contains, effect_named, free_parameters, runs_part, tier_of
+from workbench.effects import contains, effect_named, kinds
 from workbench.models import Model
 
 from ..acceptance import at_noise_floor
@@ -39,7 +39,7 @@ def choose(
 
     def cost(c: Candidate) -> tuple[int, int, bool]:
         effect = effect_named(c.key.effect)
-        return free_parameters(effect, model), tier_of(effect), runs_part(effect)
+        return kinds.free_parameters(effect, model), kinds.tier_of(effect), kinds.runs_part(effect)
 
     known = [(c, f) for c, f in helpful if c in parameter_free]
     done = [(c, f) for c, f in helpful if at_noise_floor(f, data)]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.effects import effect_named, runs_part
+from workbench.effects import effect_named, kinds
 
 from ..data import Data
 from ..fitting.fit import fit
@@ -60,7 +60,7 @@ def compliance_from_torque(
     plain, *others = known
     progress(f"beginning with {plain.key}, which the torque shows")
     chosen = [plain]
-    if runs_part(effect_named(plain.key.effect)):
+    if kinds.runs_part(effect_named(plain.key.effect)):
         chosen = beside_backlash(linearisation, plain, start, data.training)
     fits = _fits(linearisation, chosen, start, data)
     if fits is None or not identifiable(linearisation, fits[-1]):

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import effect_named, runs_part
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
@@ -30,7 +30,7 @@ def refined_on_grid(found: Fit, data: Data) -> Fit:
         found: a fit.
         data: recordings and weights.
     """
-    loose = [a for a in found.hypothesis.free if runs_part(effect_named(a.key.effect))]
+    loose = [a for a in found.hypothesis.free if kinds.runs_part(effect_named(a.key.effect))]
     some = data.part(data.most_informative(found.mean_squares, POLICY.informative_share))
     hypothesis = found.hypothesis
     for applied in loose:

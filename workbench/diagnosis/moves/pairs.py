@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import contains, effect_named, free_parameters, is_dry
+from workbench.effects import contains, effect_named, kinds
 
 from ..acceptance import degrades_holdout, explains_most, improves_an_axis
 from ..data import Data
@@ -133,7 +133,9 @@ def _other(pair: Pair, key: EffectKey) -> EffectKey:
 def _screened(linearisation: Linearisation, data: Data, start: Fit) -> list[Pair]:
     """Pairs of effects by what they leave on data that they were not fitted on, the best shapes of each."""
     columns, entries = entries_of(linearisation)
-    entries = [e for e in entries if free_parameters(effect_named(e.key.effect), linearisation.model) > 0]
+    entries = [
+        e for e in entries if kinds.free_parameters(effect_named(e.key.effect), linearisation.model) > 0
+    ]
     rows = sum(r.position.size for r in data.recordings)
     pairs = [(a, b) for a, b in combinations(entries, 2) if may_stand_together(a.key, b.key)]
     if not pairs or 2.0 * rows * len(columns) > POLICY.pair_values:
@@ -168,7 +170,9 @@ def may_stand_together(one: EffectKey, other: EffectKey) -> bool:
     if one == other or contains(one, other) or contains(other, one):
         return False
     return not (
-        is_dry(effect_named(one.effect)) and is_dry(effect_named(other.effect)) and one.axis == other.axis
+        kinds.is_dry(effect_named(one.effect))
+        and kinds.is_dry(effect_named(other.effect))
+        and one.axis == other.axis
     )
 
 

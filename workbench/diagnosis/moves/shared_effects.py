@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import EFFECTS, Door, of_a_make
+from workbench.effects import EFFECTS, Door, kinds
 
 from ..acceptance import (
     degrades_holdout,
@@ -125,7 +125,7 @@ def _promising(
         if c.key.axis is not None and c.key.location == "actuator" and np.isfinite(c.test_loss)
     }
     there = {effect for effect, _ in at_drives}
-    names = [effect.name for effect in EFFECTS if of_a_make(effect) and effect.name in there]
+    names = [effect.name for effect in EFFECTS if kinds.of_a_make(effect) and effect.name in there]
     columns, entries = _columns(linearisation, [c for c in at_drives.values() if c.key.effect in names])
     if not columns:
         return []

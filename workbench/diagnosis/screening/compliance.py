@@ -8,17 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import (
-    Compliance,
-    Motion,
-    Springs,
-    crank_of,
-    effect_named,
-    giving_way,
-    is_spring,
-    places,
-    runs_part,
-)
+from workbench.effects import Compliance, Motion, Springs, crank_of, effect_named, giving_way, kinds, places
 from workbench.models import AppliedEffect, Crank, Model, Placement
 from workbench.simulation import on_all_cores
 
@@ -39,7 +29,7 @@ def compliance_candidates(
         found_before: effects of the model whose parameters may change. A spring among them was fitted to the
             total compliance, so that another one is fitted together with it.
     """
-    springs = tuple(a for a in found_before if is_spring(effect_named(a.key.effect)))
+    springs = tuple(a for a in found_before if kinds.is_spring(effect_named(a.key.effect)))
     asked = training, *(a.key for a in springs)
     if asked not in linearisation.compliances:
         linearisation.compliances[asked] = _shares(linearisation, training, springs)
@@ -51,7 +41,11 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
     motions = [_without_own_compliance(m, linearisation.model) for m in linearisation.motions[:training]]
 
     def asked(key: EffectKey) -> list[Candidate]:
-        if is_spring(effect_named(key.effect)) and springs and all(a.key.axis != key.axis for a in springs):
+        if (
+            kinds.is_spring(effect_named(key.effect))
+            and springs
+            and all(a.key.axis != key.axis for a in springs)
+        ):
             return _beside(springs, key, linearisation, training)
         effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
         guesses = effect.guesses(motions, linearisation.model, place)
@@ -72,7 +66,7 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
         c
         for c in found
         if c.test_loss <= POLICY.compliance_times * found[0].test_loss
-        or (c.test_loss <= POLICY.compliance_beside_gap and not runs_part(effect_named(c.key.effect)))
+        or (c.test_loss <= POLICY.compliance_beside_gap and not kinds.runs_part(effect_named(c.key.effect)))
     ][: POLICY.compliance_candidates]
 
 

@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from workbench.core import Disagreement, EffectKey, Estimate, Identifiability
-from workbench.effects import effect_named, free_parameters
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect, Model
 
 from ..data import Data
@@ -63,7 +63,7 @@ def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping
     Nonlinear parameters are held where they are, but for those of effects that have no others.
     """
     effect = effect_named(entry.key.effect)
-    if free_parameters(effect, model) == 0:
+    if kinds.free_parameters(effect, model) == 0:
         return {}
     own, count = columns_of(entry), len(entry.linear)
     covariance = np.zeros((count + len(effect.parameters.nonlinear),) * 2)

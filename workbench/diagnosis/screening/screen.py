@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.comparison import is_free
 from workbench.core import EffectKey, Recording
-from workbench.effects import Compliance, Door, OnGround, effect_named, moves_feet, places
+from workbench.effects import Compliance, Door, OnGround, effect_named, kinds, places
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
@@ -119,7 +119,7 @@ def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
         if isinstance(effect, OnGround):
             own = effect.guesses(linearisation.motions[: data.training])
             tried += [(key, np.zeros(0), shape) for shape in own]
-        elif moves_feet(effect):
+        elif kinds.moves_feet(effect):
             tried += [(key, np.array([value]), {}) for value in _MOVED]
     models = []
     for key, coefficients, shape in tried:
@@ -163,7 +163,7 @@ def _blocks(
         replay = linearisation.data.replay
         if isinstance(effect, Compliance | OnGround) or not replay.shows(key.effect):
             continue  # see `compliance_candidates` and `on_the_ground`
-        if moves_feet(effect) and replay.on_ground:
+        if kinds.moves_feet(effect) and replay.on_ground:
             continue  # how deep a foot goes is no torque along the motion
         for shape in effect.parameters.shapes(linearisation.motions, linearisation.model, place):
             linear, fixed = linearisation.columns(key, shape)

@@ -10,17 +10,7 @@ from typing import Any
 import numpy as np
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import (
-    Compliance,
-    Effect,
-    Motion,
-    Plant,
-    by_runs,
-    compile_plant,
-    effect_named,
-    is_dry,
-    on_links,
-)
+from workbench.effects import Compliance, Effect, Motion, Plant, compile_plant, effect_named, kinds
 from workbench.models import AppliedEffect, Model, Placement, own_friction
 from workbench.simulation import on_all_cores
 
@@ -112,7 +102,7 @@ class Linearisation:
         Small torques do not move it then, and a loop linearised about such a motion is wrong.
         """
         known = (*own_friction(self.model), *self.model.effects)
-        dry = [e.key for e in known if is_dry(effect_named(e.key.effect))]
+        dry = [e.key for e in known if kinds.is_dry(effect_named(e.key.effect))]
         for place in filter(None, (Placement.of(self.model, key) for key in dry)):
             moved = [np.abs(np.diff(m.along(place)[0])) / m.step for m in self.motions]
             if np.mean(np.concatenate(moved) < self.model.sliding_speed) > POLICY.sticking_rows:
@@ -163,9 +153,9 @@ class Linearisation:
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """
         effect = effect_named(applied.key.effect)
-        behind_springs = on_links(effect) or applied.key.location == "joint"
+        behind_springs = kinds.on_links(effect) or applied.key.location == "joint"
         if (
-            by_runs(effect)
+            kinds.by_runs(effect)
             or (behind_springs and self.has_compliance)
             or self.has_stiction
             or self.data.replay.on_ground

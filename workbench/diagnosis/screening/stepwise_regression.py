@@ -8,7 +8,7 @@ from itertools import combinations, groupby
 
 import numpy as np
 
-from workbench.effects import contains, effect_named, tier_of
+from workbench.effects import contains, effect_named, kinds
 
 from ..moves.pairs import may_stand_together
 from ..policy import POLICY
@@ -165,7 +165,7 @@ def _least(new: Chosen) -> float:
 def _cost(new: Chosen) -> tuple[int, int]:
     """Free parameters, refinements."""
     effects = [effect_named(e.key.effect) for e in new]
-    return sum(len(e.parameters) for e in effects), sum(map(tier_of, effects))
+    return sum(len(e.parameters) for e in effects), sum(map(kinds.tier_of, effects))
 
 
 def _without_needless(now: Selection, regression: Regression) -> Selection:

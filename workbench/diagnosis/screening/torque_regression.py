@@ -14,16 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import (
-    Compliance,
-    Door,
-    Motion,
-    OnGround,
-    by_runs,
-    effect_named,
-    free_parameters,
-    places,
-)
+from workbench.effects import Compliance, Door, Motion, OnGround, effect_named, kinds, places
 from workbench.models import Placement
 
 from ..data import Data
@@ -186,7 +177,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
     for key in places(model):
         effect, place = effect_named(key.effect), Placement.of(model, key)
         acts = effect.door in TORQUES and not isinstance(effect, Compliance | OnGround)
-        if not acts or free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
+        if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
             continue
         if effect.door is Door.MOTOR and _is_a_gain(key, linearisation):
             continue
@@ -200,7 +191,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
     for applied in model.effects:
         effect = effect_named(applied.key.effect)
         gives_way = isinstance(effect, Compliance)
-        if effect.door in TORQUES and not gives_way and not by_runs(effect) and effect.parameters:
+        if effect.door in TORQUES and not gives_way and not kinds.by_runs(effect) and effect.parameters:
             own[applied.key] = len(columns)
             columns.append(linearisation.total(applied, applied.values))
     rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
