@@ -40,9 +40,8 @@ TORQUES = [
     and not (isinstance(c.effect, Compliance | OnGround) or c.key.effect in BY_THE_SQUARE)
 ]
 every_torque = pytest.mark.parametrize("case", TORQUES, ids=str)
-#: Nothing in the motion tells these: without gravity, and with the same inertia everywhere, where zero is;
-#: without a payload, where the foot is.
-UNSEEN = ("encoder_offset@slide", "link_length_error@knee")
+#: Without a payload nothing in the motion tells where the foot is.
+UNSEEN = ("link_length_error@knee",)
 
 
 def midway(case: Case, run: Recording) -> tuple[Track, Motion]:
@@ -106,12 +105,15 @@ def test_the_simulation_obeys_the_equation(case: Case) -> None:
 def test_every_parameter_matters_and_a_written_model_simulates_alike(case: Case, tmp_path: Path) -> None:
     write_model(case.added, tmp_path / "written.toml")
     models = [load_model(tmp_path / "written.toml")]
-    for name, value in case.values:
+    # without gravity, and with the same inertia everywhere, nothing tells where a sensor's zero is
+    no_zero = case.effect.door is Door.SENSOR and case.model == "emps"
+    seen = [p.name for p in case.effect.parameters if not (no_zero and p.unit == "rad")]
+    for name, value in [pair for pair in case.values if pair[0] in seen]:
         changed = tuple({**dict(case.values), name: 1.1 * value}.items())
         models.append(replace(case, values=changed).added)
     again, *changes = runs(case.model, models)
     np.testing.assert_array_equal(again.position, with_effect(case).position)
-    if str(case.key) in UNSEEN:
+    if str(case.key) in UNSEEN or (case.values and not seen):
         return
     moved = [np.abs(run.position - again.position).max() for run in (reference(case.model), *changes)]
     assert min(moved) > 1e-5 * np.ptp(again.position, axis=0).max()
