@@ -44,19 +44,19 @@ def catalogue() -> Iterator[str]:
         if PAGE.with_name("images").joinpath("effects", f"{effect.name}.png").is_file():
             yield f"![Its signature over speed, position and time](images/effects/{effect.name}.png)\n"
         yield f"- Equation: {escaped(about)}"
-        yield f"- Source: {escaped(effect.source)}"
-        yield f"- Shows in: {escaped(effect.shows)}"
-        yield f"- Stands out in: {escaped(effect.reveal)}"
-        yield f"- In MuJoCo: {escaped(effect.mujoco)}"
-        if effect.contains:
-            yield f"- Contains: {', '.join(f'`{name}`' for name in effect.contains)}"
-        if effect.twins:
-            yield f"- Cannot be told from: {', '.join(f'`{name}`' for name in effect.twins)}"
+        yield f"- Source: {escaped(effect.words.source)}"
+        yield f"- Shows in: {escaped(effect.words.shows)}"
+        yield f"- Stands out in: {escaped(effect.words.reveal)}"
+        yield f"- In MuJoCo: {escaped(effect.words.mujoco)}"
+        if effect.search.contains:
+            yield f"- Contains: {', '.join(f'`{name}`' for name in effect.search.contains)}"
+        if effect.search.twins:
+            yield f"- Cannot be told from: {', '.join(f'`{name}`' for name in effect.search.twins)}"
 
 
 def where(effect: Effect) -> str:
     """Axis and location in words."""
-    if effect.axes == "all":
+    if not effect.locations:
         return "the whole machine"
     return "one axis, drive or pin" if "joint" in effect.locations else "one axis, drive"
 

@@ -50,7 +50,7 @@ def test_names_that_are_offered_are_those_that_there_are() -> None:
         "leg": tuple(leg),
         "leg_on_plate": tuple(e.name for e in plate_experiments()),
     } == complete.EXPERIMENTS
-    assert complete.effect_names() == {e.name: e.axes == "all" for e in EFFECTS}
+    assert complete.effect_names() == {e.name: not e.locations for e in EFFECTS}
     for effect in EFFECTS:
         assert complete.parameter_names(effect.name) == tuple(p.name for p in effect.parameters)
     assert complete.parameter_names("../core/units") == ()

@@ -41,7 +41,7 @@ def test_a_small_effect_changes_what_its_columns_say(key: EffectKey, values: dic
     motion = replay.motion(compile_plant(BLIND), 0, plain)
     loop = replay.loop(compile_plant(BLIND), 0, motion)
     effect = effect_named(key.effect)
-    coefficients, shape = effect.to_coefficients(values)
+    coefficients, shape = effect.parameters.to_coefficients(values)
     made = effect.response(motion, BLIND, Placement.of(BLIND, key), shape)
     readings = {} if made.readings is None else dict(enumerate(made.readings))
     ((position, torque),) = replay.propagate([loop], [Disturbance(made.columns, readings=readings)])

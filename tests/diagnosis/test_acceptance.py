@@ -30,10 +30,10 @@ def test_nothing_is_named_at_the_limit_of_what_can_be(
 ) -> None:
     model, key = load_model("leg"), EffectKey(effect, "knee")
     if value is None:
-        _, upper = effect_named(effect).bounds(model, Placement.of(model, key))
+        _, upper = effect_named(effect).parameters.bounds(model, Placement.of(model, key))
         value = float(upper[0]) + 1.0
     elif effect == "viscous_damping":
-        lower, _ = effect_named(effect).bounds(model, Placement.of(model, key))
+        lower, _ = effect_named(effect).parameters.bounds(model, Placement.of(model, key))
         value = float(lower[0])
         assert value < 0.0
     applied = AppliedEffect(key, {name: Estimate(value, 0.0, "")})

@@ -13,30 +13,18 @@ from tests.bench_arm import bench_arm
 from tests.simulation.make import arm_experiment, having, leg_experiment, slide_experiment
 from workbench.comparison import Replay, replay_of
 from workbench.core import EffectKey, Recording
-from workbench.effects import Effect, Motion, effect_named, load_model, places
+from workbench.effects import EFFECTS, Effect, Motion, OnGround, effect_named, load_model, places
 from workbench.models import Model, Placement
 from workbench.rigs import PERFECT, Plate, VirtualLeg, plate_experiments
 from workbench.simulation import Run, simulate
 
-#: One set of parameters an effect, for a rotary axis.
+#: One set of parameters an effect, for a rotary axis: those it is drawn with, or others.
 VALUES: dict[str, dict[str, float]] = {
-    "actuator_inertia_coupling": {},
-    "linkage_inertia": {"M11": 0.00967, "M12": 0.002893, "M22": 0.00516},
-    "linkage_gravity": {"g1": 0.163091, "g2": 0.132743},
+    **{effect.name: effect.parameters.examples for effect in EFFECTS},
     "viscous_damping": {"damping": 0.1},
-    "coulomb_friction": {"torque": 0.3},
-    "reflected_inertia": {"inertia": 0.01},
     "payload_mass": {"mass": 0.2},
     "torque_constant_error": {"gain": 0.85},
-    "torque_bias": {"torque": -0.4},
     "command_delay": {"time": 0.0023},
-    "parallel_spring": {"stiffness": 1.5, "rest": 0.3},
-    "asymmetric_friction": {
-        "damping_positive": 0.1,
-        "damping_negative": 0.02,
-        "torque_positive": 0.2,
-        "torque_negative": 0.4,
-    },
     "stribeck_friction": {"coulomb": 0.15, "static": 0.4, "speed": 0.5},
     "load_dependent_friction": {"torque": 0.1, "ratio": 0.1},
     "quadratic_drag": {"drag": 0.02},
@@ -59,11 +47,29 @@ VALUES: dict[str, dict[str, float]] = {
     "first_moment_error": {"along": 0.08, "across": -0.05},
     "link_inertia_error": {"inertia": 0.012},
     "contact_compliance": {"stiffness": 2e4, "damping": 100.0},
-    "ground_friction": {"coefficient": 0.35},
 }
-#: The same for a slide of 95 kg.
+#: How much larger numbers of a slide of 95 kg are: 60 N for 1 N m, and 0.04 m for 1 rad.
+SLIDE = {
+    "N*m": 60.0,
+    "N*m*s/rad": 60.0 / 0.04,
+    "N*m*s^2/rad^2": 60.0 / 0.04**2,
+    "N*m/rad": 60.0 / 0.04,
+    "rad": 0.04,
+    "rad/s": 0.04,
+    "kg*m^2": 60.0 / 0.04,
+    "1/(N*m)^2": 60.0**-2,
+    "1/rev": 1.0 / 0.04,
+}
+
+
+def on_the_slide(effect: Effect) -> dict[str, float]:
+    units = {p.name: p.unit for p in effect.parameters}
+    return {name: value * SLIDE.get(units[name], 1.0) for name, value in VALUES[effect.name].items()}
+
+
+#: The same for that slide.
 ON_THE_SLIDE = {
-    **VALUES,
+    **{effect.name: on_the_slide(effect) for effect in EFFECTS},
     "viscous_damping": {"damping": 200.0},
     "coulomb_friction": {"torque": 20.0},
     "reflected_inertia": {"inertia": 9.0},
@@ -143,7 +149,9 @@ def cases() -> list[Case]:
             parts = () if fixed else PARTS.get(key.effect, ())
             for given in (values[key.effect], *parts):
                 out.append(Case(name, key, tuple(given.items())))
-    contacts = [key for key in places(load_model(ON_A_PLATE)) if effect_named(key.effect).of_ground]
+    contacts = [
+        key for key in places(load_model(ON_A_PLATE)) if isinstance(effect_named(key.effect), OnGround)
+    ]
     arm = [EffectKey(name, "bend") for name in ("first_moment_error", "link_inertia_error")]
     out += [Case(ON_AN_ARM, key, tuple(VALUES[key.effect].items())) for key in arm]
     return [*out, *(Case(ON_A_PLATE, key, tuple(VALUES[key.effect].items())) for key in contacts)]
@@ -188,7 +196,7 @@ def with_effect(case: Case) -> Recording:
 def equation(case: Case, motion: Motion) -> np.ndarray:
     """The effect's torque (N, n) by its equation, with the parameters of the case."""
     effect, model = case.effect, load_model(case.model)
-    coefficients, shape = effect.to_coefficients(dict(case.values))
+    coefficients, shape = effect.parameters.to_coefficients(dict(case.values))
     answer = effect.response(motion, model, Placement.of(model, case.key), shape)
     torque = np.zeros_like(motion.position) if answer.offset is None else answer.offset
     if len(answer.columns):

@@ -9,7 +9,7 @@ import pytest
 
 from tests.cli.here import run
 from workbench.core import EffectKey, Estimate, InputError
-from workbench.effects import EFFECTS, Parameter, check_effect, load_model, places
+from workbench.effects import EFFECTS, Parameter, check_effect, load_model, model_value, places
 from workbench.models import AppliedEffect, Placement
 
 LEG = load_model("leg")
@@ -40,7 +40,7 @@ def test_a_value_that_no_body_can_have_is_refused(effect, parameter) -> None:
     beyond = [math.nan, math.inf, -math.inf]
     if math.isfinite(parameter.upper):
         beyond.append(parameter.upper + 1.0)
-    own = effect.model_value(LEG, Placement.of(LEG, key))
+    own = model_value(effect, LEG, Placement.of(LEG, key))
     lower = parameter.lower if own is None else -own
     if math.isfinite(lower):
         beyond.append(lower - 1.0)

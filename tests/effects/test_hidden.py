@@ -131,7 +131,7 @@ def test_parameters_are_recovered_from_noisy_recordings(hidden: Hidden) -> None:
     recordings = hidden.recorded(asked, noisy=True)
     effect = effect_named(hidden.effect)
     start = {
-        name: value * hidden.start.get(name, 1.1 if name in effect.nonlinear else 1.3)
+        name: value * hidden.start.get(name, 1.1 if name in effect.parameters.nonlinear else 1.3)
         for name, value in hidden.values.items()
     }
     estimates = {name: Estimate(value, 0.0, "") for name, value in start.items()}

@@ -34,7 +34,9 @@ def test_the_first_guess_is_the_limit(tmp_path: Path, effect: str, wanted: dict[
     replay = replay_of(model, [recording])
     [[run]] = replay.run([model])
     motion = replay.motion(compile_plant(model), 0, replace(run, source=None))
-    shapes = effect_named(effect).shapes([motion], model, Placement.of(model, EffectKey(effect, "m")))
+    shapes = effect_named(effect).parameters.shapes(
+        [motion], model, Placement.of(model, EffectKey(effect, "m"))
+    )
     assert len(shapes) == 1
     for name, value in wanted.items():
         assert shapes[0][name] == pytest.approx(value, rel=0.02)

@@ -25,7 +25,7 @@ def true_track(case: Case) -> Track:
 def test_the_log_shows_what_the_equation_says(case: Case) -> None:
     run, track, model = with_effect(case), true_track(case), load_model(case.model)
     motion = motion_of(track, run, compile_plant(model), np.eye(model.size))
-    coefficients, shape = case.effect.to_coefficients(dict(case.values))
+    coefficients, shape = case.effect.parameters.to_coefficients(dict(case.values))
     answer = case.effect.response(motion, model, Placement.of(model, case.key), shape)
     expected = np.zeros((2, *track.position.shape)) if answer.reading is None else answer.reading
     if answer.readings is not None:
@@ -49,7 +49,7 @@ def test_the_command_is_that_of_the_true_gains(case: Case) -> None:
     model = load_model(case.model)
     run = experiment(case.model).with_signals(**with_effect(case).signals)
     motion = motion_of(true_track(case), run, compile_plant(model), np.eye(model.size))
-    coefficients, _ = case.effect.to_coefficients(dict(case.values))
+    coefficients, _ = case.effect.parameters.to_coefficients(dict(case.values))
     place = Placement.of(model, case.key)
     assert place is not None
     answer = case.effect.response(motion, model, place, {})

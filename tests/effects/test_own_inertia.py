@@ -42,10 +42,12 @@ def test_inertia_goes_either_way(arm: Model, more: float) -> None:
 
 
 def test_no_more_than_the_rotor_can_be_missing(arm: Model) -> None:
-    lower, _ = effect_named("reflected_inertia").bounds(arm, Placement.of(arm, EffectKey("", "a")))
+    lower, _ = effect_named("reflected_inertia").parameters.bounds(arm, Placement.of(arm, EffectKey("", "a")))
     assert lower == pytest.approx([-0.018])
     less = with_effect(arm, "reflected_inertia", inertia=-0.015)
-    again, _ = effect_named("reflected_inertia").bounds(less, Placement.of(arm, EffectKey("", "a")))
+    again, _ = effect_named("reflected_inertia").parameters.bounds(
+        less, Placement.of(arm, EffectKey("", "a"))
+    )
     assert again == pytest.approx([-0.003]), "what was taken off already counts"
 
 

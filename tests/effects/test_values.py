@@ -38,7 +38,7 @@ def beyond(effect: Effect, name: str, key: EffectKey, model: str) -> Iterator[fl
     if (
         len(effect.parameters) == 1
     ):  # its one coefficient is the parameter, or less than it by what is neutral
-        lows, highs = effect.bounds(loaded, Placement.of(loaded, key))
+        lows, highs = effect.parameters.bounds(loaded, Placement.of(loaded, key))
         low = lows[0] + parameter.neutral if len(lows) else low
         high = highs[0] + parameter.neutral if len(highs) else high
     yield low - 1e-3 * max(1.0, abs(low)) if math.isfinite(low) else -2 * MOST

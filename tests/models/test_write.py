@@ -33,14 +33,17 @@ def applied(draw: st.DrawFn, model: Model) -> AppliedEffect:
     """An effect that this model can have, with values that a body can have."""
     key = draw(st.sampled_from(places(model)))
     effect = effect_named(key.effect)
-    low, high = effect.bounds(model, Placement.of(model, key))
+    low, high = effect.parameters.bounds(model, Placement.of(model, key))
     spans = zip(np.maximum(low, -1e3), np.minimum(high, 1e3), strict=True)
     coefficients = np.array([draw(st.floats(float(a), float(b))) for a, b in spans])
-    lowest = {name: low for name, (low, _) in effect.shape_bounds(model, Placement.of(model, key)).items()}
-    shape = {name: draw(st.floats(max(lowest[name], 1e-6), 0.2)) for name in effect.nonlinear}
+    lowest = {
+        name: low
+        for name, (low, _) in effect.parameters.shape_bounds(model, Placement.of(model, key)).items()
+    }
+    shape = {name: draw(st.floats(max(lowest[name], 1e-6), 0.2)) for name in effect.parameters.nonlinear}
     std = draw(st.floats(0, 1))
     # unknowns that fits move need not be the parameters, which have bounds of their own
-    values = effect.to_parameters(coefficients, shape)
+    values = effect.parameters.to_values(coefficients, shape)
     below = {"damping", "inertia"}  # increments, which may be negative
     values = {
         p.name: values[p.name] if p.name in below else max(values[p.name], p.lower)

@@ -85,6 +85,7 @@ def test_a_wrong_number_is_told_with_what_it_is_instead(diagnosis):
         finding,
         key=EffectKey("viscous_damping", "thigh"),
         parameters={"damping": Estimate(-0.32, 0.01, "N*m*s/rad")},
+        number="damping",
         model_value=0.6,
         total=Estimate(0.28, 0.01, "N*m*s/rad"),
     )
@@ -98,6 +99,7 @@ def test_a_wrong_number_is_told_with_what_it_is_instead(diagnosis):
     moment = replace(
         finding,
         key=EffectKey("first_moment_error", "bend"),
+        number="first moment",
         parameters={"along": Estimate(0.09, 0.002, "kg*m"), "across": Estimate(0.0, 0.001, "kg*m")},
     )
     told = sentence(replace(diagnosis, findings=(moment,)))

@@ -75,7 +75,7 @@ def predicted(model: Model, asked: Recording, run: Recording) -> list[tuple[np.n
     torques, taps = [], {}
     for number, (key, values) in enumerate(EFFECTS):
         effect = effect_named(key.effect)
-        coefficients, shape = effect.to_coefficients(values)
+        coefficients, shape = effect.parameters.to_coefficients(values)
         answer = effect.response(motion, model, Placement.of(model, key), shape)
         torques.append(np.tensordot(coefficients, answer.columns, axes=1))
         if answer.offset is not None:

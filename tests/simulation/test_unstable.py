@@ -32,7 +32,7 @@ def with_effect(name: str, value: float) -> Model:
     """The leg with an effect all whose parameters have this value."""
     model = load_model("leg")
     effect = next(e for e in EFFECTS if e.name == name)
-    key = EffectKey(name, None if effect.axes == "all" else "hip")
+    key = EffectKey(name, None if not effect.locations else "hip")
     values = {p.name: Estimate(value, 0.0, p.unit) for p in effect.parameters}
     return model.with_effect(check_effect(model, AppliedEffect(key, values)))
 

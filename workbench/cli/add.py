@@ -121,7 +121,7 @@ def with_effects(
     Raises:
         InputError: an effect, a place or a value that is none, or a diagnosis without it.
     """
-    from workbench.effects import check_effect
+    from workbench.effects import Structural, check_effect, effect_named
     from workbench.models import AppliedEffect, structural_effect
 
     found = read_findings(diagnosis) if diagnosis else []
@@ -131,7 +131,8 @@ def with_effects(
         base = match[0] if match else AppliedEffect(wanted, {})
         if diagnosis and not match:
             raise InputError(f"the diagnosis has no finding {wanted}", file=diagnosis)
-        if not base.parameters and not values and wanted.effect in ("linkage_inertia", "linkage_gravity"):
+        structural = isinstance(known := effect_named(wanted.effect), Structural) and known.parameters
+        if not base.parameters and not values and structural:
             base = structural_effect(wanted.effect, model.linkage)
         found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
     new = settled(model, diagnosis, found) if diagnosis else model

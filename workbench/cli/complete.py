@@ -116,7 +116,7 @@ def effect_names() -> dict[str, bool]:
     for file in sorted(_EFFECTS.glob("*.py")):
         text = file.read_text(encoding="utf-8")
         if re.search(rf'^    name = "{file.stem}"$', text, re.MULTILINE):
-            found[file.stem] = re.search(r'^    axes = "all"$', text, re.MULTILINE) is not None
+            found[file.stem] = re.search(r"^    locations = WHOLE$", text, re.MULTILINE) is not None
     return found
 
 

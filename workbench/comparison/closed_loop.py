@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.core import Recording
-from workbench.effects import Motion, Plant, effect_named
+from workbench.effects import Motion, OnGround, Plant, effect_named
 from workbench.models import Model
 from workbench.simulation import (
     Disturbance,
@@ -57,7 +57,7 @@ class ClosedLoop:
 
     def shows(self, effect: str) -> bool:
         """Off the ground, all but contacts with it."""
-        return not effect_named(effect).of_ground
+        return not isinstance(effect_named(effect), OnGround)
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> ClosedLoop:
         """The same for other recordings."""

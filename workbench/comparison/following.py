@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.core import Recording, SimulationError
-from workbench.effects import Motion, Plant, compile_plant, effect_named, giving_way
+from workbench.effects import Motion, OnGround, Plant, compile_plant, effect_named, giving_way
 from workbench.models import Model
 from workbench.simulation import Disturbance, SensorNoise
 
@@ -70,7 +70,7 @@ class MeasuredMotion:
 
     def shows(self, effect: str) -> bool:
         """Off the ground, all but contacts with it."""
-        return not effect_named(effect).of_ground
+        return not isinstance(effect_named(effect), OnGround)
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> MeasuredMotion:
         """The same, with the same filter, for other recordings of the same kind."""

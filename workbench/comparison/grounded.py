@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.core import Recording, SimulationError
-from workbench.effects import Motion, Plant, compile_plant, effect_named
+from workbench.effects import Motion, Plant, compile_plant, effect_named, kinds
 from workbench.models import Model
 from workbench.recordings import white_noise
 from workbench.simulation import (
@@ -67,7 +67,7 @@ class Grounded:
 
     def shows(self, effect: str) -> bool:
         """Whether windows can tell anything of an effect."""
-        return not effect_named(effect).needs_the_past
+        return not kinds.has_hidden_state(effect_named(effect))
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Grounded:
         """The same for other recordings."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import Controller, InputError, Recording
-from workbench.effects import FEWEST_SLIPS, Contact, Plant, effect_named, ratio_in_slip
+from workbench.effects import FEWEST_SLIPS, Contact, Plant, effect_named, kinds, ratio_in_slip
 from workbench.models import Model
 from workbench.recordings import NoiseLevels
 from workbench.recordings.resample import looks_held
@@ -57,7 +57,7 @@ def check_ground(model: Model, recording: Recording) -> None:
             "on the ground a model runs under the logged torque: name its column",
         )  # fmt: skip
     for applied in model.effects:
-        if effect_named(applied.key.effect).needs_the_past:
+        if kinds.has_hidden_state(effect_named(applied.key.effect)):
             raise refuse(
                 f"{applied.key} has a state that no sensor shows", "effects",
                 f"on the ground, models start from measured states: leave {applied.key} out",

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.core import Recording
-from workbench.effects import Motion, Plant, effect_named
+from workbench.effects import Motion, OnGround, Plant, effect_named, kinds
 from workbench.models import Model
 from workbench.recordings import NoiseLevels, white_noise
 from workbench.simulation import (
@@ -36,8 +36,6 @@ from .starts import local_state, shaken
 from .swing_starts import swing_starts
 
 _TORQUES = ("torque_command", "torque_measured", "torque_feedforward")
-# Of no motion but that of gravity, another scale of a reading is a spring of another law.
-_BENT = ("encoder_scale", "encoder_eccentricity")
 _NOISE = 1.5  # times the white noise of a torque, below which it is nothing else
 
 
@@ -102,7 +100,9 @@ class Swings:
     def shows(self, effect: str) -> bool:
         """Neither what has a state that no sensor shows where a swing begins, nor a bent reading."""
         known = effect_named(effect)
-        return not (known.of_ground or known.needs_the_past or known.splits or effect in _BENT)
+        return not (
+            isinstance(known, OnGround) or kinds.has_hidden_state(known) or kinds.bends_reading(known)
+        )
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Swings:
         """The same sensors for other recordings."""

@@ -50,7 +50,8 @@ class Finding:
         probability: calibrated chance that the name is right.
         indistinguishable_from: what explains the same data as well.
         evidence: one line each.
-        model_value: what the model had of the number that this corrects, None where it corrects none.
+        number: which number of the model this corrects, in words; empty where an effect was missing.
+        model_value: what the model had of that number, None where it states none.
         total: what that number is with the finding.
     """
 
@@ -62,6 +63,7 @@ class Finding:
     probability: float
     indistinguishable_from: tuple[EffectKey, ...] = ()
     evidence: tuple[str, ...] = ()
+    number: str = ""
     model_value: float | None = None
     total: Estimate | None = None
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.comparison import softness_note
 from workbench.core import Diagnosis, Recording, Verdict
+from workbench.effects import SETTINGS
 from workbench.models import Model
 
 from .checks.units import doubted
@@ -130,11 +131,7 @@ def _held_out_floor(data: Data) -> float | None:
 def _model_settings(found: SearchResult) -> dict[str, float]:
     """Properties of the model that were fitted together with the findings, where they changed."""
     given, end = found.model, found.final.hypothesis.model
-    pairs = {
-        "sliding_speed": (given.sliding_speed, end.sliding_speed),
-        "flank_retardation_s": (given.flank_retardation_s, end.flank_retardation_s),
-        "full_braking": (given.actuators.full_braking, end.actuators.full_braking),
-    }
+    pairs = {s.name: (s.get(given), s.get(end)) for s in SETTINGS}
     return {name: float(new) for name, (old, new) in pairs.items() if new != old}
 
 

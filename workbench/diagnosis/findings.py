@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
-from workbench.effects import effect_named
+from workbench.effects import effect_named, model_value
 from workbench.models import AppliedEffect, Model, Placement
 
 from .evidence.residual_evidence import ResidualEvidence, adequacy_lines, finding_lines
@@ -67,11 +67,13 @@ def near_findings(found: SearchResult) -> tuple[Finding, ...]:
 
 def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
     """The number of the model that an effect corrects: before, and now."""
-    own = effect_named(applied.key.effect).model_value(model, Placement.of(model, applied.key))
+    effect = effect_named(applied.key.effect)
+    number = effect.corrects.called if effect.corrects else ""
+    own = model_value(effect, model, Placement.of(model, applied.key))
     if own is None:
-        return {}
+        return {"number": number}
     (more,) = applied.parameters.values()
-    return {"model_value": own, "total": replace(more, value=own + more.value)}
+    return {"number": number, "model_value": own, "total": replace(more, value=own + more.value)}
 
 
 def _before(found: SearchResult, index: int) -> Fit:

@@ -68,7 +68,7 @@ def blocks(hypothesis: Hypothesis) -> list[tuple[AppliedEffect, slice]]:
     out, start = [], 0
     for applied in hypothesis.free:
         effect = effect_named(applied.key.effect)
-        size = len(effect.to_coefficients(applied.values)[0]) + len(effect.nonlinear)
+        size = len(effect.parameters.to_coefficients(applied.values)[0]) + len(effect.parameters.nonlinear)
         out.append((applied, slice(start, start + size)))
         start += size
     return out
@@ -82,14 +82,14 @@ def step_bounds(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
     low, high = [np.zeros(0)], [np.zeros(0)]
     for applied, _ in blocks(hypothesis):
         effect = effect_named(applied.key.effect)
-        coefficients, shape = effect.to_coefficients(applied.values)
+        coefficients, shape = effect.parameters.to_coefficients(applied.values)
         place = Placement.of(hypothesis.base, applied.key)
-        lower, upper = effect.bounds(hypothesis.base, place)
-        own, limits = effect.reach(shape), effect.shape_bounds(hypothesis.base, place)
-        reach = np.array([own[name] for name in effect.nonlinear])
-        now = np.array([shape[name] for name in effect.nonlinear])
-        floor = np.array([limits[name][0] for name in effect.nonlinear])
-        ceiling = np.array([limits[name][1] for name in effect.nonlinear])
+        lower, upper = effect.parameters.bounds(hypothesis.base, place)
+        own, limits = effect.parameters.reach(shape), effect.parameters.shape_bounds(hypothesis.base, place)
+        reach = np.array([own[name] for name in effect.parameters.nonlinear])
+        now = np.array([shape[name] for name in effect.parameters.nonlinear])
+        floor = np.array([limits[name][0] for name in effect.parameters.nonlinear])
+        ceiling = np.array([limits[name][1] for name in effect.parameters.nonlinear])
         low += [lower - coefficients, np.maximum(-reach, floor - now)]
         high += [upper - coefficients, np.maximum(np.minimum(reach, ceiling - now), low[-1])]
     return np.concatenate(low), np.concatenate(high)
@@ -100,10 +100,13 @@ def moved(hypothesis: Hypothesis, change: np.ndarray) -> Hypothesis:
     free = []
     for applied, block in blocks(hypothesis):
         effect = effect_named(applied.key.effect)
-        coefficients, shape = effect.to_coefficients(applied.values)
+        coefficients, shape = effect.parameters.to_coefficients(applied.values)
         own = change[block]
-        shape = {name: shape[name] + own[len(coefficients) + k] for k, name in enumerate(effect.nonlinear)}
-        values = effect.to_parameters(coefficients + own[: len(coefficients)], shape)
+        shape = {
+            name: shape[name] + own[len(coefficients) + k]
+            for k, name in enumerate(effect.parameters.nonlinear)
+        }
+        values = effect.parameters.to_values(coefficients + own[: len(coefficients)], shape)
         free.append(applied_effect(hypothesis.base, applied, values))
     return replace(hypothesis, free=tuple(free))
 

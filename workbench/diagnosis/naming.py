@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import Effect, contains, effect_named
+from workbench.effects import EFFECTS, contains, effect_named, kinds
 from workbench.models import Model, Placement
 from workbench.simulation import scored_torque
 
@@ -63,17 +63,18 @@ def special_case(
 def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]) -> tuple[EffectKey, ...]:
     """Effects and places that no data can distinguish from this one, or no log without measured torque."""
     effect = effect_named(key.effect)
-    twins = effect.twins if key.location == "actuator" else ()
+    twins = effect.search.twins if key.location == "actuator" else ()
     if all(scored_torque(r) != "torque_measured" for r in recordings):
-        twins = (*twins, *effect.twins_by_command)
+        twins = (*twins, *kinds.late_alike(effect, EFFECTS))
     return (*(replace(key, effect=name) for name in twins), *equivalents_at_joint(model, key))
 
 
 def _can_be_distinguished(candidate: Candidate) -> bool:
-    return type(effect_named(candidate.key.effect)).differs is not Effect.differs
+    return effect_named(candidate.key.effect).search.differs is not None
 
 
 def _differs(linearisation: Linearisation, fit: Fit) -> bool:
     last = fit.hypothesis.free[-1]
     place = Placement.of(fit.hypothesis.model, last.key)
-    return effect_named(last.key.effect).differs(linearisation.motions, place, last.values)
+    differs = effect_named(last.key.effect).search.differs
+    return differs is not None and differs(linearisation.motions, place, last.values)

@@ -11,7 +11,7 @@ import numpy as np
 from workbench.comparison import Scale, Simulated, normalised
 from workbench.comparison.consistent import consistent
 from workbench.core import EffectKey, SimulationError
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect
 
 from .adequacy.adequacy import Adequacy
@@ -91,7 +91,7 @@ class Node:
     @property
     def diverges(self) -> bool:
         """Whether trajectories of its model diverge for small parameter changes."""
-        return any(effect_named(a.key.effect).diverges for a in self.current.hypothesis.free)
+        return any(kinds.runs_part(effect_named(a.key.effect)) for a in self.current.hypothesis.free)
 
 
 def effect_keys(found: Fit) -> Keys:
@@ -176,6 +176,6 @@ def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[D
         fresh, simulated = data.of_model(found.hypothesis.model, seed)
     except SimulationError:
         return data.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), None
-    if wide and any(effect_named(a.key.effect).diverges for a in found.hypothesis.free):
+    if wide and any(kinds.runs_part(effect_named(a.key.effect)) for a in found.hypothesis.free):
         fresh = replace(fresh, floor=np.maximum(fresh.floor, divergence(found, data)))
     return fresh.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), simulated

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from workbench.comparison import matched
 from workbench.core import EffectKey, InputError, Recording
-from workbench.effects import effect_named
+from workbench.effects import Compliance, effect_named, kinds
 from workbench.models import AppliedEffect, Model
 
 from .data import gather
@@ -51,7 +51,7 @@ def fit_effect(
     progress(f"looking for values of {key} to start from")
     tried = (
         compliance_candidates(linearisation, data.training, start.test_loss)
-        if effect_named(key.effect).splits
+        if isinstance(effect_named(key.effect), Compliance)
         else candidates(linearisation, start, data, seed)
     )
     candidate = next((c for c in tried if c.key == key), None)
@@ -67,7 +67,7 @@ def fit_effect(
     found = fit([hypothesis], data)[0]
     if found is None:
         raise InputError(f"the model does not run with {key}", remedy="choose another effect")
-    if effect_named(key.effect).diverges:
+    if kinds.runs_part(effect_named(key.effect)):
         progress(f"trying sizes of {key}")
     found = refined_on_grid(converged(found, data), data)
     return found.hypothesis.free[-1], found.hypothesis.model

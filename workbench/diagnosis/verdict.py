@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from workbench.core import Verdict
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 
 from .acceptance import contradicts_holdout
 from .evidence.residual_evidence import ResidualEvidence
@@ -52,7 +52,7 @@ def _another_shape(found: SearchResult) -> bool:
     A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
     """
     added = found.final.hypothesis.free
-    named = any(effect_named(a.key.effect).depends_on == ("position",) for a in added)
+    named = any(kinds.depends_on(effect_named(a.key.effect)) == ("position",) for a in added)
     return named and ResidualEvidence(found.final_data, found.final).follows_positions
 
 

@@ -1,11 +1,15 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
-from .base import Door, Effect, Parameter, Trace
+from . import kinds
+from .base import Door, Effect, Trace, model_value
 from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, giving_way, places
 from .chain import Build, FlankTerm, FrictionTerm, HysteresisTerm, SensorErrors, TorqueChain, TorqueTerm
 from .check import axis_units, check_effect, load_model
+from .compliance import Compliance
+from .contact import OnGround
+from .corrected import OfBody
 from .flexible import link_inertia, rotor_inertia
 from .friction_constraint import rigid_in_steps
 from .ground import feet_of, plate_columns, settle_contacts
@@ -14,12 +18,15 @@ from .into_file import Change, InFile, into_file, open_text
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
 from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
+from .parameter import Parameter, Parameters
 from .passage import Passage
 from .presliding_hysteresis import wound
 from .response import Response, smooth_sign
+from .setting import SETTINGS
 from .settled import with_settled
 from .springs import Springs
 from .stiffness import tendon_row
+from .structural import Structural
 from .structure import crank_of
 
 __all__ = [
@@ -27,8 +34,10 @@ __all__ = [
     "EFFECTS",
     "FEWEST_SLIPS",
     "LONGEST",
+    "SETTINGS",
     "Build",
     "Change",
+    "Compliance",
     "Contact",
     "Door",
     "Effect",
@@ -40,12 +49,16 @@ __all__ = [
     "Line",
     "LinkMotion",
     "Motion",
+    "OfBody",
+    "OnGround",
     "Parameter",
+    "Parameters",
     "Passage",
     "Plant",
     "Response",
     "SensorErrors",
     "Springs",
+    "Structural",
     "TorqueChain",
     "TorqueTerm",
     "Trace",
@@ -63,9 +76,11 @@ __all__ = [
     "heat",
     "held",
     "into_file",
+    "kinds",
     "law",
     "link_inertia",
     "load_model",
+    "model_value",
     "open_text",
     "places",
     "plate_columns",

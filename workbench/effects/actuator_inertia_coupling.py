@@ -2,41 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement, axis_tendon
+from workbench.models import Model, axis_tendon
 
-from .base import Door, Effect
+from .base import WHOLE, Search, Words
 from .chain import Build
 from .motion import Motion
+from .parameter import Place, Values
 from .response import Response
+from .structural import Structural
 
 
-class ActuatorInertiaCoupling(Effect):
+class ActuatorInertiaCoupling(Structural):
     """J^T diag(J_i) J and J^T diag(B_i) J in place of diag(J_i) and diag(B_i) on the serial joints."""
 
     name = "actuator_inertia_coupling"
-    door = Door.MECHANISM
-    on_links = True
-    basic = True
-    axes = "all"
-    needs = "drives with inertia that move more than their own joints"
-    source = "paper, Eqs. 10 to 14"
-    shows = "inertia coupling between the axes at every posture; FRF off the diagonal"
-    reveal = "sum- and difference-mode multisines about one posture"
-    mujoco = "native: armature and damping of the axes' tendons instead of the joints'"
+    locations = WHOLE
+    words = Words(
+        source="paper, Eqs. 10 to 14",
+        shows="inertia coupling between the axes at every posture; FRF off the diagonal",
+        reveal="sum- and difference-mode multisines about one posture",
+        mujoco="native: armature and damping of the axes' tendons instead of the joints'",
+        needs="drives with inertia that move more than their own joints",
+    )
+    search = Search(basic=True)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Where a drive moves more than its own joint."""
         moves_more = not np.array_equal(model.transmission, np.eye(model.size))
         return moves_more and any(model.actuators.inertia) and not model.has(self.name)
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: diag at the drives minus diag at the joints, both from the actuators."""
         back = np.linalg.inv(model.transmission)
         total = np.zeros_like(motion.acceleration)
@@ -49,9 +47,7 @@ class ActuatorInertiaCoupling(Effect):
             total -= at_drives - at_joints
         return Response(np.zeros((0, *total.shape)), offset=total)
 
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Move the diagonal from the joints to the drives' tendons."""
         drives = zip(model.joints, model.actuators.inertia, model.actuators.damping, strict=True)
         for index, (name, inertia, damping) in enumerate(drives):

@@ -2,59 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter, Trace
+from .base import Door, Effect, Search, Trace, Words
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values
 from .response import Response, single, smooth_sign
+from .setting import SLIDING_SPEED
 
 
 class AsymmetricFriction(Effect):
     """torque = -(f+ + d+ w) for w > 0 and (f- - d- w) for w < 0."""
 
     name = "asymmetric_friction"
-    parameters = (
-        Parameter("damping_positive", "N*m*s/rad"),
-        Parameter("damping_negative", "N*m*s/rad"),
-        Parameter("torque_positive", "N*m"),
-        Parameter("torque_negative", "N*m"),
+    parameters = Parameters(
+        Parameter("damping_positive", "N*m*s/rad", example=0.1),
+        Parameter("damping_negative", "N*m*s/rad", example=0.02),
+        Parameter("torque_positive", "N*m", example=0.2),
+        Parameter("torque_negative", "N*m", example=0.4),
+        settles=(SLIDING_SPEED,),
     )
     door = Door.FRICTION
-    depends_on = ("speed",)
-    dry = True
-    tier = 1
-    twins = ("torque_bias",)  # unequal Coulomb torques are equal ones and a constant torque
-    contains = ("viscous_damping", "coulomb_friction")
     locations = ("actuator", "joint")
-    of_a_make = True
-    trace = Trace.EVEN
-    source = "Janot, Gautier, Brunot, Workshop on Nonlinear System Identification Benchmarks, 2019"
-    shows = "torque residual against speed has another slope or step for each direction"
-    reveal = "steady runs at the same speeds in both directions"
-    mujoco = "torque function of the speed: the level of the axis's friction loss, step by step"
+    words = Words(
+        source="Janot, Gautier, Brunot, Workshop on Nonlinear System Identification Benchmarks, 2019",
+        shows="torque residual against speed has another slope or step for each direction",
+        reveal="steady runs at the same speeds in both directions",
+        mujoco="torque function of the speed: the level of the axis's friction loss, step by step",
+    )
+    # twins: unequal Coulomb torques are equal ones and a constant torque
+    search = Search(
+        contains=("viscous_damping", "coulomb_friction"), twins=("torque_bias",), trace=Trace.EVEN
+    )
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Four columns, each nonzero in one direction only."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         sign = smooth_sign(speed)
         up, down = 0.5 * (1.0 + sign), 0.5 * (1.0 - sign)
         rows = (-speed * up, -speed * down, -np.maximum(sign, 0.0), -np.minimum(sign, 0.0))
         return Response(np.stack([single(place, row, motion) for row in rows]))
 
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A friction level of the tendon that depends on the speed."""
-        assert place is not None
         parameters = tuple(values[p.name] for p in self.parameters)
         build.chain.friction.append(FrictionTerm(place.tendon, asymmetric_level, parameters))
 

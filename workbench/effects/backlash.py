@@ -2,61 +2,70 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.core import EffectKey
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter, Trace
+from .base import Search, Trace, Words
 from .chain import Build
-from .flexible import can_split, frequencies, link_inertia, split, stiffest
+from .compliance import Compliance
+from .flexible import frequencies, link_inertia, split, stiffest
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values
 from .passage import Passage, best_gap, foresees, left_by
 from .response import Response
+from .setting import FLANK_RETARDATION
 
 
-class Backlash(Effect):
+class Backlash(Compliance):
     """torque on the link = k dead(r - q), zero for |r - q| < gap/2; the motor's angle r is logged.
 
     While a flank touches, it is damped by k t (r' - q'); t is the model's `flank_retardation_s`.
     """
 
     name = "backlash"
-    parameters = (
-        Parameter("gap", "rad", about="all the play, from one flank to the other"),
-        Parameter("stiffness", "N*m/rad", lower=1e-3, about="of either flank"),
+    parameters = Parameters(
+        Parameter(
+            "gap",
+            "rad",
+            about="all the play, from one flank to the other",
+            within=lambda model, place: (0.0, 1.0),
+            least=1e-5,
+            blur=lambda values, position, torque: values["gap"] / 12.0,
+            example=0.03,
+            linear=False,
+        ),
+        Parameter(
+            "stiffness",
+            "N*m/rad",
+            lower=1e-3,
+            about="of either flank",
+            within=lambda model, place: (1e-3, stiffest(model, place)),
+            least=1e-3,
+            blur=lambda values, position, torque: values["stiffness"] / 18.0,
+            example=200.0,
+            linear=False,
+        ),
+        settles=(FLANK_RETARDATION,),
     )
-    nonlinear = ("gap", "stiffness")
-    by_runs = True
-    splits = True
-    diverges = True
-    door = Door.MECHANISM
-    tier = 1
-    contains = ("joint_compliance",)
     locations = ("actuator", "joint")
-    needs_the_past = True
-    trace = Trace.ODD
-    needs = "inertia on both sides: of the drive in [actuators] or as armature, and of the link; once"
-    source = "Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38(10), 2002"
-    shows = "torque residual in bursts where the transmitted torque changes sign; small limit cycles"
-    reveal = "slow reversals with little load on the axis, and a sweep of small amplitude"
-    mujoco = (
-        "native: a joint for the motor, and a tendon to the links whose spring has a dead band; "
-        "damping of flanks is a torque function"
+    words = Words(
+        source="Nordin and Gutman, Controlling mechanical systems with backlash, Automatica 38(10), 2002",
+        shows="torque residual in bursts where the transmitted torque changes sign; small limit cycles",
+        reveal="slow reversals with little load on the axis, and a sweep of small amplitude",
+        mujoco="native: a joint for the motor, and a tendon to the links whose spring has a dead band; "
+        "damping of flanks is a torque function",
+        needs="inertia on both sides: of the drive in [actuators] or as armature, and of the link; once",
     )
-
-    def applies(self, model: Model, key: EffectKey) -> bool:
-        """Where a rotor can be taken off its link, once."""
-        return can_split(model, key)
+    search = Search(contains=("joint_compliance",), trace=Trace.ODD)
+    diverges = True
 
     def guesses(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[tuple[Mapping[str, float], float]]:
+        self, motions: Sequence[Motion], model: Model, place: Place
+    ) -> Sequence[tuple[Values, float]]:
         """The gap that foresees best what passes through it: a grid, then downhill from its best."""
-        assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
         if inertia <= 0.0:  # a rotor as heavy as all that turns leaves nothing behind it
             return []
@@ -75,30 +84,8 @@ class Backlash(Effect):
             return []
         return [(shape, least / max(rigid, 1e-300))]
 
-    def stated(self, model: Model, shape: Mapping[str, float]) -> Model:
-        """How the flanks are damped."""
-        return replace(model, flank_retardation_s=shape.get("retardation", model.flank_retardation_s))
-
-    def stated_words(self, model: Model) -> str:
-        """How the flanks are damped."""
-        late = model.flank_retardation_s
-        return f"its flanks are damped by {1e3 * late:.3g} ms times their stiffness" if late else ""
-
-    def shapes(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[Mapping[str, float]]:
-        """The guesses."""
-        return [shape for shape, _ in self.guesses(motions, model, place)]
-
-    def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
-        """Up to what is as good as rigid."""
-        return {"gap": (0.0, 1.0), "stiffness": (1e-3, stiffest(model, place))}
-
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what the links do not feel of the motor's motion while they cross the gap."""
-        assert place is not None
         inertia, column = link_inertia(motion, model, place)
         passage = Passage.of(motion, model, place)
         retardation = shape.get("retardation", model.flank_retardation_s)
@@ -107,34 +94,14 @@ class Backlash(Effect):
         share = (passage.load - passage.passed + error) / inertia
         return Response(np.zeros((0, *motion.position.shape)), offset=share[:, None] * column)
 
-    def foretells(
-        self,
-        motions: Sequence[Motion],
-        model: Model,
-        place: Placement | None,
-        shape: Mapping[str, float],
-    ) -> bool:
+    def foretells(self, motions: Sequence[Motion], model: Model, place: Place, shape: Values) -> bool:
         """Where the torque does not lead it by the hand."""
-        assert place is not None
         inertia, _ = link_inertia(motions[0], model, place)
         retardation = shape.get("retardation", model.flank_retardation_s)
         pieces = [Passage.of(m, model, place) for m in motions]
         return foresees(pieces, inertia, shape["gap"], shape["stiffness"], retardation)
 
-    def blur(
-        self, values: Mapping[str, float], position_noise: float, torque_noise: float
-    ) -> dict[str, float]:
-        """How well the torque tells them: only motors are seen, and some links at a pin are in front."""
-        return {"gap": values["gap"] / 12.0, "stiffness": values["stiffness"] / 18.0}
-
-    def least(self, shape: Mapping[str, float]) -> np.ndarray:
-        """Less makes a difference to when a flank is met, not to where."""
-        return np.array([1e-5, 1e-3])
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A joint for the motor and a tendon with a dead band to the links."""
-        assert place is not None
         stiffness = values["stiffness"]
         split(build, model, place, stiffness, model.flank_retardation_s * stiffness, values["gap"])

@@ -2,55 +2,106 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from functools import partial
 
 import mujoco
 import numpy as np
 
 from workbench.core import EffectKey, SimulationError
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter, Trace
+from .base import WHOLE, Search, Trace, Words
 from .chain import Build
+from .compliance import Compliance
 from .flexible import free_wind, frequencies, spring_wind
 from .lacking import Lack, refined, share_left
 from .motion import Motion
+from .parameter import Chart, Parameter, Parameters, Place, Unknown, Values
 from .response import Response
 
 BASE_JOINT = "base:x"
 _NONE = np.zeros(0)
 
 
-class BaseCompliance(Effect):
+def _known(name: str, values: Values, position: float, torque: float) -> float:
+    """A fourteenth: how well a tree knows what its machine weighs sideways (see `weights`)."""
+    return values[name] / 14.0
+
+
+def _values(coefficients: np.ndarray, shape: Values) -> dict[str, float]:
+    """Stiffness and damping of what rings at this rate with this share of critical damping."""
+    rate, mass = shape["rate"], shape["mass"]
+    damping = 2.0 * shape["share"] * mass * rate
+    return {"stiffness": mass * rate**2, "damping": damping, "mass": mass}
+
+
+def _solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
+    """Rate and share of the fixture without the machine."""
+    mass, rate = values["mass"], float(np.sqrt(values["stiffness"] / values["mass"]))
+    return _NONE, {"rate": rate, "share": values["damping"] / (2.0 * mass * rate), "mass": mass}
+
+
+#: rate^2 = k / m, share = d / (2 sqrt(k m)): what shows each by itself, of a fixture that rings, not creeps.
+_RINGING = Chart(
+    (
+        Unknown(
+            "rate",
+            linear=False,
+            lower=0.1,
+            upper=1e5,
+            reach=lambda shape: 0.2 * shape["rate"],
+            least=lambda shape: 1e-6 * shape["rate"],
+        ),
+        Unknown(
+            "share", linear=False, upper=5.0, reach=lambda shape: max(0.5 * shape["share"], 0.02), least=1e-3
+        ),
+        Unknown(
+            "mass",
+            linear=False,
+            lower=1e-3,
+            reach=lambda shape: 0.5 * shape["mass"],
+            least=lambda shape: 1e-6 * shape["mass"],
+        ),
+    ),
+    _values,
+    _solved,
+)
+
+
+class BaseCompliance(Compliance):
     """m x'' + d x' + k x = force of the machine on its base along x; the machine rides on it."""
 
     name = "base_compliance"
-    parameters = (
-        Parameter("stiffness", "N/m", lower=1e-3),
-        Parameter("damping", "N*s/m"),
-        Parameter("mass", "kg", lower=1e-3, about="of the moving part of the fixture, without the machine"),
+    parameters = Parameters(
+        Parameter("stiffness", "N/m", lower=1e-3, example=4000.0, blur=partial(_known, "stiffness")),
+        Parameter("damping", "N*s/m", example=20.0, blur=partial(_known, "damping")),
+        Parameter(
+            "mass",
+            "kg",
+            lower=1e-3,
+            example=10.0,
+            blur=partial(_known, "mass"),
+            about="of the moving part of the fixture, without the machine",
+        ),
+        chart=_RINGING,
     )
-    # rate^2 = k / m, share = d / (2 sqrt(k m)): what shows each by itself
-    nonlinear = ("rate", "share", "mass")
-    by_runs = True
-    splits = True
-    door = Door.MECHANISM
-    tier = 1
-    axes = "all"
-    needs_the_past = True
-    trace = Trace.RESONANCE
-    source = "Newton's law for a base on a spring; Ott et al., Base force feedback, IROS 2006"
-    shows = "torque residual at one frequency on all axes that push the base sideways; FRF peaks in common"
-    reveal = "chirps of each axis through the fixture's resonance, and an accelerometer on the base"
-    mujoco = "native: a slide joint with stiffness and damping between world and base"
+    locations = WHOLE
+    words = Words(
+        source="Newton's law for a base on a spring; Ott et al., Base force feedback, IROS 2006",
+        shows="torque residual at one frequency on all axes that push the base sideways; FRF peaks in common",
+        reveal="chirps of each axis through the fixture's resonance, and an accelerometer on the base",
+        mujoco="native: a slide joint with stiffness and damping between world and base",
+    )
+    search = Search(trace=Trace.RESONANCE)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Once."""
         return not model.has(self.name)
 
     def guesses(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[tuple[Mapping[str, float], float]]:
+        self, motions: Sequence[Motion], model: Model, place: Place
+    ) -> Sequence[tuple[Values, float]]:
         """What the lacking torque asks for, from resonances from 2 Hz on, of fixtures light and heavy."""
         machine, starts = motions[0].momentum()[1], []
         for together in frequencies(motions, 2.0, 80.0, 12):
@@ -67,67 +118,21 @@ class BaseCompliance(Effect):
 
         found = refined(left, starts)
         values = dict(zip((p.name for p in self.parameters), map(float, found), strict=True))
-        return [(self.to_coefficients(values)[1], share_left(made, left(found)))]
+        return [(_solved(values)[1], share_left(made, left(found)))]
 
-    def shapes(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[Mapping[str, float]]:
-        """The guesses."""
-        return [shape for shape, _ in self.guesses(motions, model, place)]
-
-    def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
-        """Any fixture that rings rather than creeps."""
-        return {"rate": (0.1, 1e5), "share": (0.0, 5.0), "mass": (1e-3, np.inf)}
-
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what the base's acceleration makes the links feel."""
-        recoil = _recoil(motion, self.to_parameters(_NONE, shape))
+        recoil = _recoil(motion, _values(_NONE, shape))
         return Response(np.zeros((0, *motion.position.shape)), offset=recoil)
 
-    def free_responses(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> np.ndarray:
+    def free_responses(self, motion: Motion, model: Model, place: Place, shape: Values) -> np.ndarray:
         """How a base swings out that was away from its rest, or moving, at the first row."""
-        values, (_, column) = self.to_parameters(_NONE, shape), _push(motion)
+        values, (_, column) = _values(_NONE, shape), _push(motion)
         total = values["mass"] + motion.momentum()[1]
         sway = free_wind(len(column), motion.step, total, values["stiffness"], values["damping"])
         return column[:, :, None] * sway[:, None, :]
 
-    def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
-        """Stiffness and damping of what rings at this rate with this share of critical damping."""
-        rate, mass = shape["rate"], shape["mass"]
-        damping = 2.0 * shape["share"] * mass * rate
-        return {"stiffness": mass * rate**2, "damping": damping, "mass": mass}
-
-    def to_coefficients(self, values: Mapping[str, float]) -> tuple[np.ndarray, dict[str, float]]:
-        """Rate and share of the fixture without the machine."""
-        mass, rate = values["mass"], float(np.sqrt(values["stiffness"] / values["mass"]))
-        return _NONE, {"rate": rate, "share": values["damping"] / (2.0 * mass * rate), "mass": mass}
-
-    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
-        """No coefficients."""
-        return _NONE, _NONE
-
-    def blur(
-        self, values: Mapping[str, float], position_noise: float, torque_noise: float
-    ) -> dict[str, float]:
-        """A fourteenth: how well a tree knows what its machine weighs sideways (see `weights`)."""
-        return {name: value / 14.0 for name, value in values.items()}
-
-    def least(self, shape: Mapping[str, float]) -> np.ndarray:
-        """Small beside the others."""
-        return np.array([1e-6 * shape["rate"], 1e-3, 1e-6 * shape["mass"]])
-
-    def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
-        """A fifth of the rate, half of the mass, some damping."""
-        share = max(0.5 * shape["share"], 0.02)
-        return {"rate": 0.2 * shape["rate"], "share": share, "mass": 0.5 * shape["mass"]}
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A slide with the fixture's mass, before the first joint of the body that stands on the ground."""
         root = _root(build.spec, model)
         _put_first(build, root, values["mass"])
@@ -187,7 +192,7 @@ def _push(motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     return -np.gradient(np.einsum("ki,ki->k", sideways, motion.velocity), motion.step), -sideways
 
 
-def _recoil(motion: Motion, values: Mapping[str, float]) -> np.ndarray:
+def _recoil(motion: Motion, values: Values) -> np.ndarray:
     """Torque (N, n) that the links feel as the base gives way to their motion."""
     push, column = _push(motion)
     total = values["mass"] + motion.momentum()[1]

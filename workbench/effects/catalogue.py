@@ -1,89 +1,64 @@
-"""The catalogue: every effect there is, in one tuple that anyone can read."""
+"""The catalogue: every effect there is, in one list that anyone can read."""
 
 from __future__ import annotations
 
 from difflib import get_close_matches
+from importlib import import_module
 from pathlib import Path
 
 from workbench.core import EffectKey, InputError
 from workbench.models import Model, Placement
 
-from .actuator_inertia_coupling import ActuatorInertiaCoupling
-from .asymmetric_friction import AsymmetricFriction
-from .backlash import Backlash
 from .base import Effect
-from .base_compliance import BaseCompliance
-from .cogging import Cogging
-from .command_delay import CommandDelay
-from .contact_compliance import ContactCompliance
-from .controller_gain_error import ControllerGainError
-from .coulomb_friction import CoulombFriction
-from .current_loop_lag import CurrentLoopLag
-from .encoder_eccentricity import EncoderEccentricity
-from .encoder_offset import EncoderOffset
-from .encoder_scale import EncoderScale
-from .first_moment_error import FirstMomentError
-from .ground_friction import GroundFriction
-from .joint_compliance import JointCompliance
-from .link_inertia_error import LinkInertiaError
-from .link_length_error import LinkLengthError
-from .linkage_coriolis import LinkageCoriolis
-from .linkage_gravity import LinkageGravity
-from .linkage_inertia import LinkageInertia
-from .load_dependent_friction import LoadDependentFriction
-from .parallel_spring import ParallelSpring
-from .payload_mass import PayloadMass
-from .presliding_hysteresis import PreslidingHysteresis
-from .quadratic_drag import QuadraticDrag
-from .reflected_inertia import ReflectedInertia
-from .sensor_delay import SensorDelay
-from .speed_torque_limit import SpeedTorqueLimit
-from .stribeck_friction import StribeckFriction
-from .thermal_derating import ThermalDerating
-from .torque_bias import TorqueBias
-from .torque_constant_error import TorqueConstantError
-from .torque_saturation import TorqueSaturation
-from .velocity_filter_lag import VelocityFilterLag
-from .viscous_damping import ViscousDamping
+from .compliance import Compliance
 
-EFFECTS: tuple[Effect, ...] = (
-    ActuatorInertiaCoupling(),
-    LinkageInertia(),
-    LinkageGravity(),
-    LinkageCoriolis(),
-    ViscousDamping(),
-    CoulombFriction(),
-    ReflectedInertia(),
-    PayloadMass(),
-    FirstMomentError(),
-    TorqueConstantError(),
-    TorqueBias(),
-    CommandDelay(),
-    ParallelSpring(),
-    AsymmetricFriction(),
-    StribeckFriction(),
-    LoadDependentFriction(),
-    QuadraticDrag(),
-    TorqueSaturation(),
-    SpeedTorqueLimit(),
-    Cogging(),
-    EncoderOffset(),
-    EncoderScale(),
-    EncoderEccentricity(),
-    SensorDelay(),
-    VelocityFilterLag(),
-    ControllerGainError(),
-    CurrentLoopLag(),
-    ThermalDerating(),
-    PreslidingHysteresis(),
-    JointCompliance(),
-    Backlash(),
-    BaseCompliance(),
-    LinkInertiaError(),
-    LinkLengthError(),
-    ContactCompliance(),
-    GroundFriction(),
+#: Each is a file of its name, with a class of its name.
+_NAMES = (
+    "actuator_inertia_coupling",
+    "linkage_inertia",
+    "linkage_gravity",
+    "linkage_coriolis",
+    "viscous_damping",
+    "coulomb_friction",
+    "reflected_inertia",
+    "payload_mass",
+    "first_moment_error",
+    "torque_constant_error",
+    "torque_bias",
+    "command_delay",
+    "parallel_spring",
+    "asymmetric_friction",
+    "stribeck_friction",
+    "load_dependent_friction",
+    "quadratic_drag",
+    "torque_saturation",
+    "speed_torque_limit",
+    "cogging",
+    "encoder_offset",
+    "encoder_scale",
+    "encoder_eccentricity",
+    "sensor_delay",
+    "velocity_filter_lag",
+    "controller_gain_error",
+    "current_loop_lag",
+    "thermal_derating",
+    "presliding_hysteresis",
+    "joint_compliance",
+    "backlash",
+    "base_compliance",
+    "link_inertia_error",
+    "link_length_error",
+    "contact_compliance",
+    "ground_friction",
 )
+
+
+def _effect(name: str) -> Effect:
+    kind = name.title().replace("_", "")
+    return getattr(import_module(f".{name}", __package__), kind)()
+
+
+EFFECTS: tuple[Effect, ...] = tuple(map(_effect, _NAMES))
 
 _BY_NAME = {effect.name: effect for effect in EFFECTS}
 
@@ -109,7 +84,7 @@ def places(model: Model) -> tuple[EffectKey, ...]:
     """
     keys: list[EffectKey] = []
     for effect in EFFECTS:
-        if effect.axes == "all":
+        if not effect.locations:
             candidates = [EffectKey(effect.name, None)]
         else:
             candidates = [
@@ -128,14 +103,18 @@ def _pin_differs(model: Model, index: int) -> bool:
     return bool((row != [float(j == index) for j in range(model.size)]).any())
 
 
-def giving_way(model: Model) -> list[tuple[Effect, Placement | None, dict[str, float]]]:
+def giving_way(model: Model) -> list[tuple[Compliance, Placement | None, dict[str, float]]]:
     """What lets a model's motors, links and base move apart: each effect, its place and nonlinear values."""
-    split = [(effect_named(a.key.effect), a) for a in model.effects if effect_named(a.key.effect).splits]
-    return [(e, Placement.of(model, a.key), e.to_coefficients(a.values)[1]) for e, a in split]
+    known = [(effect_named(a.key.effect), a) for a in model.effects]
+    return [
+        (e, Placement.of(model, a.key), e.parameters.to_coefficients(a.values)[1])
+        for e, a in known
+        if isinstance(e, Compliance)
+    ]
 
 
 def contains(general: EffectKey, special: EffectKey) -> bool:
     """Whether an effect has another one as a special case in the same place."""
     effect = effect_named(general.effect)
     same = (general.axis, general.location) == (special.axis, special.location)
-    return special.effect in effect.contains and (same or effect.axes == "all")
+    return special.effect in effect.search.contains and (same or not effect.locations)

@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import Estimate, InputError
 from workbench.models import MOST, AppliedEffect, Model, Placement, read_model
 
-from .base import is_rotary
+from .base import is_rotary, model_value
 from .catalogue import effect_named
 
 
@@ -38,24 +38,25 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
     def refuse(problem: str, remedy: str = "") -> InputError:
         return InputError(problem, file=model.source, remedy=remedy)
 
-    if effect.axes == "each" and key.axis not in model.driven:
+    if effect.locations and key.axis not in model.driven:
         choices = ", ".join(f"{effect.name}@{axis}" for axis in model.driven)
         raise refuse(f"{effect.name} acts on one axis, not on '{key.axis or 'all'}'", f"say which: {choices}")
-    if effect.axes == "all" and key.axis is not None:
+    if not effect.locations and key.axis is not None:
         raise refuse(f"{effect.name} acts on all axes at once", f"leave '@{key.axis}' out")
-    if key.location not in effect.locations:
-        raise refuse(
-            f"{effect.name} cannot sit at the {key.location}", f"it sits at the {effect.locations[0]}"
-        )
+    seats = effect.locations or ("actuator",)
+    if key.location not in seats:
+        raise refuse(f"{effect.name} cannot sit at the {key.location}", f"it sits at the {seats[0]}")
     if not effect.applies(model, key):
-        raise refuse(f"{effect.name} does not apply to model '{model.name}'", f"it needs {effect.needs}")
+        raise refuse(
+            f"{effect.name} does not apply to model '{model.name}'", f"it needs {effect.words.needs}"
+        )
     known = {p.name: p for p in effect.parameters}
     for name in applied.parameters:
         if name not in known:
             raise refuse(f"{effect.name} has no parameter '{name}'", f"it has {', '.join(known) or 'none'}")
     place, checked = Placement.of(model, key), {}
-    own = effect.model_value(model, place)  # what may be taken off: then it may be negative
-    low, high = effect.bounds(model, place)
+    own = model_value(effect, model, place)  # what may be taken off: then it may be negative
+    low, high = effect.parameters.bounds(model, place)
     for name, parameter in known.items():
         unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
         in_unit = "" if unit == "1" else f" {unit}"
@@ -72,8 +73,8 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
                 "give a value that a body can have",
             )
         checked[name] = Estimate(estimate.value, estimate.std, unit)
-    coefficients, _ = effect.to_coefficients({name: e.value for name, e in checked.items()})
-    low, high = effect.bounds(model, place)
+    coefficients, _ = effect.parameters.to_coefficients({name: e.value for name, e in checked.items()})
+    low, high = effect.parameters.bounds(model, place)
     slack = 1e-9 * np.maximum(1.0, np.abs(coefficients))
     if np.any(coefficients < low - slack) or np.any(coefficients > high + slack):
         given = ", ".join(f"{name} = {e.value:g}" for name, e in checked.items())

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter
+from .base import Door, Effect, Search, Words
 from .chain import Build, TorqueTerm
 from .law import law
 from .motion import Motion
+from .parameter import INF, Parameter, Parameters, Place, Unknown, Values, wave
 from .response import Response, single
 
 _LEAST = 0.75  # periods within the motion: less is a bend, which any spring may have
@@ -20,92 +21,66 @@ _TRIED = 6  # orders that go on to the linearised loop
 _FINEST = 400  # of these, multiples of a quarter of a ripple over the whole arc
 
 
+def _told(motions: Sequence[Motion], place: Place, values: Values) -> bool:
+    """Over most of a period."""
+    rows = [m.along(place)[0] for m in motions]
+    arc = max(float(r.max()) for r in rows) - min(float(r.min()) for r in rows)
+    return values["order"] * arc >= 2.0 * np.pi * _LEAST
+
+
+def _orders(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
+    """Orders that the missing torque shows most of, by least squares on the torque itself."""
+    position = np.concatenate([m.along(place)[0] for m in motions])
+    lacking = np.concatenate([((m.required(model) - m.torque) * m.gain)[:, place.index] for m in motions])
+    lacking = lacking - lacking.mean()
+    arc = float(np.ptp(position)) + 1e-9
+    orders = 0.5 * np.pi / arc * np.arange(round(4 * _LEAST), _FINEST)
+    orders = orders[orders >= 1.0] if motions[0].axis_units[place.index] == "rad" else orders
+    # the sums of a histogram are those of the rows, as long as its bins are finer than a ripple
+    edges = np.linspace(position.min(), position.max() + 1e-12, 8 * _FINEST + 1)
+    index = np.clip(np.searchsorted(edges, position, side="right") - 1, 0, 8 * _FINEST - 1)
+    count = np.bincount(index, minlength=8 * _FINEST)
+    total = np.bincount(index, weights=lacking, minlength=8 * _FINEST)
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    gain = np.array([_explained(order * middle, count, total) for order in orders])
+    peaks = np.flatnonzero((gain >= np.roll(gain, 1)) & (gain >= np.roll(gain, -1)))
+    best = peaks[np.argsort(-gain[peaks])[:_TRIED]]
+    return orders[best]
+
+
+#: One step of a fit is less than what brings ripples out of step within a radian.
+_ORDER = Unknown("order", lower=0.1, linear=False, starts=_orders, reach=lambda shape: 0.3)
+
+
 class Cogging(Effect):
     """torque = + a sin(n q + p)."""
 
     name = "cogging"
-    parameters = (
-        Parameter("torque", "N*m"),
-        Parameter("order", "1/rev", lower=0.1, about="periods a turn"),
-        Parameter("phase", "rad", lower=-np.pi, upper=np.pi),
+    parameters = Parameters(
+        Parameter("torque", "N*m", example=0.2),
+        Parameter(
+            "order", "1/rev", lower=0.1, about="periods a turn", example=24.0, linear=False, told=_told
+        ),
+        Parameter("phase", "rad", lower=-np.pi, upper=np.pi, example=0.6),
+        chart=wave("torque", "phase", INF, _ORDER),
     )
-    nonlinear = ("order",)
     door = Door.MOTOR
-    depends_on = ("position",)
-    tier = 1
-    source = (
-        "Jahns and Soong, Pulsating torque minimization techniques, IEEE Trans. Ind. Electron. 43(2), 1996"
+    words = Words(
+        source="Jahns and Soong, Pulsating torque minimization techniques, IEEE Trans. Ind. "
+        "Electron. 43(2), 1996",
+        shows="torque residual a sine of the angle, of the same size at every speed",
+        reveal="a slow steady sweep over the whole range, in both directions",
+        mujoco="torque function of the position",
     )
-    shows = "torque residual a sine of the angle, of the same size at every speed"
-    reveal = "a slow steady sweep over the whole range, in both directions"
-    mujoco = "torque function of the position"
+    search = Search(depends_on=("position",))
 
-    def shapes(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[Mapping[str, float]]:
-        """Orders that the missing torque shows most of, by least squares on the torque itself."""
-        assert place is not None
-        position = np.concatenate([m.along(place)[0] for m in motions])
-        lacking = np.concatenate([((m.required(model) - m.torque) * m.gain)[:, place.index] for m in motions])
-        lacking = lacking - lacking.mean()
-        arc = float(np.ptp(position)) + 1e-9
-        orders = 0.5 * np.pi / arc * np.arange(round(4 * _LEAST), _FINEST)
-        orders = orders[orders >= 1.0] if motions[0].axis_units[place.index] == "rad" else orders
-        # the sums of a histogram are those of the rows, as long as its bins are finer than a ripple
-        edges = np.linspace(position.min(), position.max() + 1e-12, 8 * _FINEST + 1)
-        index = np.clip(np.searchsorted(edges, position, side="right") - 1, 0, 8 * _FINEST - 1)
-        count = np.bincount(index, minlength=8 * _FINEST)
-        total = np.bincount(index, weights=lacking, minlength=8 * _FINEST)
-        middle = 0.5 * (edges[1:] + edges[:-1])
-        gain = np.array([_explained(order * middle, count, total) for order in orders])
-        peaks = np.flatnonzero((gain >= np.roll(gain, 1)) & (gain >= np.roll(gain, -1)))
-        best = peaks[np.argsort(-gain[peaks])[:_TRIED]]
-        return [{"order": float(orders[k])} for k in best]
-
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns, sine and cosine; their coefficients are a cos p and a sin p."""
-        assert place is not None
         angle = shape["order"] * motion.along(place)[0]
         return Response(np.stack([single(place, row, motion) for row in (np.sin(angle), np.cos(angle))]))
 
-    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
-        """Any phase."""
-        return np.full(2, -np.inf), np.full(2, np.inf)
-
-    def identifiable(
-        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
-    ) -> bool:
-        """Over most of a period."""
-        assert place is not None
-        rows = [m.along(place)[0] for m in motions]
-        arc = max(float(r.max()) for r in rows) - min(float(r.min()) for r in rows)
-        return values["order"] * arc >= 2.0 * np.pi * _LEAST
-
-    def reach(self, shape: Mapping[str, float]) -> dict[str, float]:
-        """Less than what brings ripples out of step within a radian."""
-        return {"order": 0.3}
-
-    def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
-        """Amplitude and phase of the two."""
-        sine, cosine = map(float, coefficients)
-        return {
-            "torque": float(np.hypot(sine, cosine)),
-            "order": shape["order"],
-            "phase": float(np.arctan2(cosine, sine)),
-        }
-
-    def to_coefficients(self, values: Mapping[str, float]) -> tuple[np.ndarray, dict[str, float]]:
-        """a cos p and a sin p."""
-        parts = np.array([np.cos(values["phase"]), np.sin(values["phase"])])
-        return values["torque"] * parts, {"order": values["order"]}
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A torque of the position, on the drive."""
-        assert place is not None
         parameters = values["torque"], values["order"], values["phase"]
         build.chain.torques.append(TorqueTerm(place.tendon, ripple, parameters))
 

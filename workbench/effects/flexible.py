@@ -26,9 +26,9 @@ from .base import is_rotary
 from .chain import Build, FlankTerm
 from .lacking import Lack
 from .motion import Motion
+from .parameter import Place
 from .structure import crank_of, gravity_columns, inertia_columns
 
-SPLITTING = ("joint_compliance", "backlash")
 _RIGID = 200.0  # Hz: what rings faster, no loop and no log of a millisecond's rows tells from rigid
 _NOTHING = 1e-9  # kg, kg m^2: what a joint's body must have, beside a rotor of 1e-2 kg m^2
 
@@ -36,17 +36,6 @@ _NOTHING = 1e-9  # kg, kg m^2: what a joint's body must have, beside a rotor of 
 def rotor_name(index: int, location: str) -> str:
     """Joint on the motor's side of an axis."""
     return f"rotor:{location}:{index}"
-
-
-def can_split(model: Model, key: EffectKey) -> bool:
-    """Whether an axis can be given a spring in series: once, and where its rotor's inertia is its own."""
-    if key.axis is None:
-        return False
-    if any(e.key.effect in SPLITTING and _seat(e.key) == _seat(key) for e in model.effects):
-        return False
-    row = model.transmission[model.axes.index(key.axis)]
-    alone = np.count_nonzero(row) == 1 or model.has("actuator_inertia_coupling")
-    return rotor_inertia(model, model.axes.index(key.axis)) > 0 and (key.location == "joint" or alone)
 
 
 def rotor_inertia(model: Model, index: int) -> float:
@@ -217,7 +206,6 @@ def frequencies(motions: Sequence[Motion], slowest: float, fastest: float, count
     return 2.0 * np.pi * np.geomspace(min(slowest, 0.5 * rate), rate, count)
 
 
-def stiffest(model: Model, place: Placement | None) -> float:
+def stiffest(model: Model, place: Place) -> float:
     """Stiffness [N m/rad or N/m] beyond which a fit need not look: the rotor would ring at `_RIGID`."""
-    assert place is not None
     return rotor_inertia(model, place.index) * (2.0 * np.pi * _RIGID) ** 2

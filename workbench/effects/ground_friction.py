@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.core import EffectKey
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter
+from .base import WHOLE, Words
 from .chain import Build
+from .contact import NEEDS, OnGround
 from .ground import set_friction
 from .motion import Contact, Motion
-from .response import Response
+from .parameter import Parameter, Parameters, Place, Values
 
 _PRESSED = 10.0  # of the force's noise: below, a ratio of forces says little
 _SLIPS = 6.0  # of the slip's noise
@@ -21,49 +21,29 @@ _FASTER = 0.005  # m/s: slower may be a foot that rolls or gives way
 FEWEST_SLIPS = 20  # rows from which slipping tells the coefficient
 
 
-class GroundFriction(Effect):
+class GroundFriction(OnGround):
     """tangential force <= mu normal force, and as large while the foot slips."""
 
     name = "ground_friction"
-    parameters = (Parameter("coefficient", "1", upper=5.0),)
-    door = Door.MECHANISM
-    axes = "all"
-    nonlinear = ("coefficient",)
-    by_runs = True
-    of_ground = True
-    needs = "a [ground] table, and to be there once at most"
-    source = "Coulomb 1785; B. Brogliato, Nonsmooth Mechanics, 3rd ed. 2016, Ch. 4"
-    shows = "tangential force that stays at a fixed share of the normal one while the foot slips"
-    reveal = "pulling a pressed foot sideways until it slips, at several loads"
-    mujoco = "native: friction of the contact pair"
+    parameters = Parameters(Parameter("coefficient", "1", upper=5.0, least=0.01, example=0.35, linear=False))
+    locations = WHOLE
+    words = Words(
+        source="Coulomb 1785; B. Brogliato, Nonsmooth Mechanics, 3rd ed. 2016, Ch. 4",
+        shows="tangential force that stays at a fixed share of the normal one while the foot slips",
+        reveal="pulling a pressed foot sideways until it slips, at several loads",
+        mujoco="native: friction of the contact pair",
+        needs=NEEDS,
+    )
 
-    def applies(self, model: Model, key: EffectKey) -> bool:
-        """Where the model has a ground, whose friction this replaces."""
-        return model.ground is not None and not model.has(self.name)
-
-    def guesses(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[tuple[Mapping[str, float], float]]:
+    def guesses(self, motions: Sequence[Motion]) -> Sequence[Values]:
         """The middle ratio of forces while a foot slips; none where none ever slipped."""
         ratios = [ratio_in_slip(m.contact) for m in motions if m.contact is not None]
         all_ratios = np.concatenate(ratios) if ratios else np.zeros(0)
         if len(all_ratios) < FEWEST_SLIPS:
             return ()
-        return (({"coefficient": float(np.clip(np.median(all_ratios), 1e-3, 5.0))}, 0.5),)
+        return ({"coefficient": float(np.clip(np.median(all_ratios), 1e-3, 5.0))},)
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
-        """No torque that a motion alone would tell; simulations do."""
-        return Response(np.zeros((0, *motion.position.shape)), offset=np.zeros_like(motion.position))
-
-    def least(self, shape: Mapping[str, float]) -> np.ndarray:
-        """A hundredth."""
-        return np.array([0.01])
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Friction of the contacts."""
         set_friction(build, values["coefficient"])
 

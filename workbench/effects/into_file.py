@@ -78,8 +78,8 @@ def into_file(model: Model, file: Path) -> InFile:
     written: list[tuple[AppliedEffect, JointNumber | BodyNumbers]] = []
     left: list[AppliedEffect] = []
     for applied in model.effects:
-        place = Placement.of(model, applied.key)
-        number = effect_named(applied.key.effect).in_file(model, place, applied.values)
+        corrects, place = effect_named(applied.key.effect).corrects, Placement.of(model, applied.key)
+        number = corrects and place and corrects.in_file(model, place, applied.values)
         if number is None or (isinstance(number, JointNumber) and number.number not in target.numbers):
             left.append(applied)
         else:

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import mujoco
 import numpy as np
 
 from workbench.core import EffectKey, Estimate
-from workbench.models import AppliedEffect, Model, Placement
+from workbench.models import AppliedEffect, Model
 
-from .base import Door, Effect, Parameter
+from .base import Door, Effect, Search, Words
 from .chain import Build
 from .flexible import rotor_name
 from .links import link_ends
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values
 from .response import Response
 from .structure import crank_of, is_parallelogram
 from .weights import add_gravity, add_inertia, masses_at_the_end, weight_at_the_end
 
 _PROBE = 1e-3  # of the link's length: the change behind the column
+
+
+def _known(values: Values, position_noise: float, torque_noise: float) -> float:
+    """A fifteenth: how well a tree knows what hangs on a link's end (see `weights`)."""
+    return abs(values["length"]) / 15.0
 
 
 class LinkLengthError(Effect):
@@ -32,18 +36,21 @@ class LinkLengthError(Effect):
     """
 
     name = "link_length_error"
-    parameters = (Parameter("length", "m", lower=-np.inf),)
-    door = Door.MECHANISM
-    on_links = True
-    moves_feet = True
-    tier = 1
-    needs = "a link that ends at one further joint, or at the payload site"
-    source = "geometric calibration; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6"
-    shows = (
-        "inertia, coupling and gravity of the axis before the link, in the proportions of a mass at its end"
+    parameters = Parameters(
+        Parameter(
+            "length", "m", lower=-np.inf, within=lambda model, place: (-0.1, 0.1), blur=_known, example=0.03
+        )
     )
-    reveal = "a measured position of the foot; with torques alone, a payload at the foot"
-    mujoco = "native: position of the body or the site at the link's end"
+    door = Door.MECHANISM
+    words = Words(
+        source="geometric calibration; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6",
+        shows="inertia, coupling and gravity of the axis before the link, in the proportions of a "
+        "mass at its end",
+        reveal="a measured position of the foot; with torques alone, a payload at the foot",
+        mujoco="native: position of the body or the site at the link's end",
+        needs="a link that ends at one further joint, or at the payload site",
+    )
+    search = Search(tier=1)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """To links that have an end: a further joint, or the payload site away from their own joint."""
@@ -51,31 +58,15 @@ class LinkLengthError(Effect):
             return False
         return link_ends(model)[model.axes.index(key.axis)] is not None
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus what a link that is a little longer needs more, per metre."""
-        assert place is not None
         key = EffectKey(self.name, model.axes[place.index])
         longer = model.with_effect(AppliedEffect(key, {"length": Estimate(_PROBE, 0.0, "m")}))
         more = (motion.required(longer) - motion.required(model)) / _PROBE
         return Response(-(motion.gain * more)[None])
 
-    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
-        """A tenth of a metre either way."""
-        return np.full(1, -0.1), np.full(1, 0.1)
-
-    def blur(
-        self, values: Mapping[str, float], position_noise: float, torque_noise: float
-    ) -> dict[str, float]:
-        """A fifteenth: how well a tree knows what hangs on a link's end (see `weights`)."""
-        return {"length": abs(values["length"]) / 15.0}
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """The end of the link, and every body that sits just there."""
-        assert place is not None
         link, end = build.spec.joint(model.joints[place.index]).parent, link_ends(model)[place.index]
         ends: list[mujoco.MjsBody | mujoco.MjsSite | mujoco.MjsGeom]
         if end:

@@ -50,9 +50,8 @@ def link_of(model: Model, axis: str | None) -> Link | None:
     return links[model.axes.index(axis)]
 
 
-def link_at(model: Model, place: Placement | None) -> Link:
+def link_at(model: Model, place: Placement) -> Link:
     """The link of a place where an effect of links applies."""
-    assert place is not None
     link = link_of(model, model.axes[place.index])
     assert link is not None
     return link

@@ -2,52 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter, Trace
+from .base import Door, Effect, Search, Trace, Words
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values
 from .response import Response, single, smooth_sign
+from .setting import SLIDING_SPEED
 
 
 class LoadDependentFriction(Effect):
     """torque = -(f + r |u|) sign(w), u the torque of the axis's motor."""
 
     name = "load_dependent_friction"
-    parameters = (Parameter("torque", "N*m"), Parameter("ratio", "1", upper=0.9))
+    parameters = Parameters(
+        Parameter("torque", "N*m", example=0.1),
+        Parameter("ratio", "1", upper=0.9, example=0.15),
+        settles=(SLIDING_SPEED,),
+    )
     door = Door.FRICTION
-    depends_on = ("speed", "load")
-    dry = True
-    tier = 1
-    contains = ("coulomb_friction",)
     locations = ("actuator", "joint")
-    of_a_make = True
-    trace = Trace.ODD
-    source = "Hamon, Gautier, Garrec, New dry friction model with load- and velocity-dependence, ICRA 2010"
-    shows = "torque residual steps at each reversal, the more the higher the motor torque"
-    reveal = "slow motion with many reversals, once with and once without a load"
-    mujoco = "torque function of the motor torque: the level of the axis's friction loss, step by step"
+    words = Words(
+        source="Hamon, Gautier, Garrec, New dry friction model with load- and velocity-dependence, ICRA 2010",
+        shows="torque residual steps at each reversal, the more the higher the motor torque",
+        reveal="slow motion with many reversals, once with and once without a load",
+        mujoco="torque function of the motor torque: the level of the axis's friction loss, step by step",
+    )
+    search = Search(contains=("coulomb_friction",), depends_on=("load",), trace=Trace.ODD)
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus the sign of the speed, by itself and times the size of the motor torque."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         sign = smooth_sign(speed)
         load = np.abs(motion.gain * motion.torque)[:, place.index]
         return Response(np.stack([single(place, row, motion) for row in (-sign, -load * sign)]))
 
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A friction level of the tendon that depends on the motor torque."""
-        assert place is not None
         parameters = values["torque"], values["ratio"]
         build.chain.friction.append(FrictionTerm(place.tendon, loaded_level, parameters))
 

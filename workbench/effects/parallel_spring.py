@@ -2,80 +2,72 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.models import JointNumber, Model, Placement, turned_joint
+from workbench.models import Model
 
-from .base import INF, Door, Effect, Parameter, Trace
+from .base import Door, Effect, Search, Trace, Words
 from .chain import Build
+from .corrected import AtJoint
 from .motion import Motion
+from .parameter import INF, Chart, Parameter, Parameters, Place, Unknown, Values
 from .response import Response, single
 
 _FAR = 10.0  # spans of the motion: the torque of a spring that rests beyond hardly changes
+
+
+def _values(coefficients: np.ndarray, shape: Values) -> dict[str, float]:
+    """Stiffness, and the rest position where its torque vanishes."""
+    stiffness, moment = map(float, coefficients)
+    return {"stiffness": stiffness, "rest": moment / stiffness if stiffness > 1e-12 else 0.0}
+
+
+def _solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
+    """k and k q0."""
+    return np.array([values["stiffness"], values["stiffness"] * values["rest"]]), {}
+
+
+_MOMENT = Chart((Unknown("stiffness"), Unknown("moment", lower=-INF)), _values, _solved)
+
+
+def _rests_near(motions: Sequence[Motion], place: Place, values: Values) -> bool:
+    """Where it does not rest so far away that it is a constant torque."""
+    positions = np.concatenate([m.along(place)[0] for m in motions])
+    return bool(abs(values["rest"] - positions.mean()) < _FAR * np.ptp(positions))
 
 
 class ParallelSpring(Effect):
     """torque = -k (q - q0)."""
 
     name = "parallel_spring"
-    parameters = (
-        Parameter("stiffness", "N*m/rad"),
-        Parameter("rest", "rad", lower=-INF),
+    parameters = Parameters(
+        Parameter("stiffness", "N*m/rad", example=1.5),
+        Parameter("rest", "rad", lower=-INF, example=0.3),
+        chart=_MOMENT,
     )
     door = Door.MECHANISM
-    depends_on = ("position",)
-    contains = ("torque_bias",)
     locations = ("actuator", "joint")
-    trace = Trace.EVEN
-    source = "Hooke 1678; parallel elastic actuation"
-    shows = "torque residual linear in position at every speed; FRF magnitude at low frequency"
-    reveal = "a slow sweep over the widest range of positions"
-    mujoco = "native: stiffness of the axis's tendon"
+    corrects = AtJoint("stiffness", "stiffness", rest="rest")
+    words = Words(
+        source="Hooke 1678; parallel elastic actuation",
+        shows="torque residual linear in position at every speed; FRF magnitude at low frequency",
+        reveal="a slow sweep over the widest range of positions",
+        mujoco="native: stiffness of the axis's tendon",
+    )
+    search = Search(
+        differs=_rests_near, contains=("torque_bias",), depends_on=("position",), trace=Trace.EVEN, tier=0
+    )
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus the position, and one; the coefficients are k and k q0."""
-        assert place is not None
         position, _, _ = motion.along(place)
         rows = (-position, np.ones_like(position))
         return Response(np.stack([single(place, row, motion) for row in rows]))
 
-    def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
-        """Stiffness, and the rest position where its torque vanishes."""
-        stiffness, moment = map(float, coefficients)
-        return {"stiffness": stiffness, "rest": moment / stiffness if stiffness > 1e-12 else 0.0}
-
-    def to_coefficients(self, values: Mapping[str, float]) -> tuple[np.ndarray, dict[str, float]]:
-        """k and k q0."""
-        return np.array([values["stiffness"], values["stiffness"] * values["rest"]]), {}
-
-    def differs(
-        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
-    ) -> bool:
-        """Where it does not rest so far away that it is a constant torque."""
-        assert place is not None
-        positions = np.concatenate([m.along(place)[0] for m in motions])
-        return bool(abs(values["rest"] - positions.mean()) < _FAR * np.ptp(positions))
-
-    def in_file(
-        self, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> JointNumber | None:
-        """Stiffness of the joint, and where it rests."""
-        assert place is not None
-        turned = turned_joint(model, place)
-        if turned is None:
-            return None
-        joint, ratio = turned
-        return JointNumber(joint, "stiffness", values["stiffness"] * ratio**2, values["rest"] / ratio)
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Stiffness of the tendon; a second spring on the same tendon adds to the first."""
-        assert place is not None
         tendon = build.spec.tendon(place.tendon)
         before = float(tendon.stiffness[0])
         rest = float(tendon.springlength[0]) if before else 0.0

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter, Trace
+from .base import WHOLE, Door, Effect, Search, Trace, Words
 from .chain import Build
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values
 from .response import Response
 
 
@@ -19,25 +18,23 @@ class PayloadMass(Effect):
     """A point mass at the payload site: torque = -m J^T (d(J w)/dt - g), J the site's Jacobian."""
 
     name = "payload_mass"
-    parameters = (Parameter("mass", "kg"),)
+    parameters = Parameters(Parameter("mass", "kg", example=0.3))
     door = Door.MECHANISM
-    on_links = True
-    basic = True
-    axes = "all"
-    trace = Trace.EVEN
-    needs = "a place: name a site of the MJCF in [payload], or add one at the end"
-    source = "Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8"
-    shows = "inertia on all axes that move the site together with gravity of the same mass"
-    reveal = "a slow sweep over the whole range (weight), then a fast chirp (inertia)"
-    mujoco = "native: a body of that mass at the site"
+    locations = WHOLE
+    words = Words(
+        source="Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8",
+        shows="inertia on all axes that move the site together with gravity of the same mass",
+        reveal="a slow sweep over the whole range (weight), then a fast chirp (inertia)",
+        mujoco="native: a body of that mass at the site",
+        needs="a place: name a site of the MJCF in [payload], or add one at the end",
+    )
+    search = Search(trace=Trace.EVEN, basic=True)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Where the model says which site carries it."""
         return model.payload_site is not None
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: the torque of a mass of 1 kg."""
         assert model.payload_site is not None
         jacobian = motion.kinematics(model.payload_site)
@@ -45,9 +42,7 @@ class PayloadMass(Effect):
         acceleration = np.einsum("kij,kj->ki", jacobian, motion.acceleration) + drift
         return Response(-np.einsum("kij,ki->kj", jacobian, acceleration - motion.gravity)[None])
 
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A body at the site; no bigger than a point, but with an inertia that MuJoCo accepts."""
         site = build.spec.site(model.payload_site)
         mass = values["mass"]

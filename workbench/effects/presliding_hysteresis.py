@@ -2,97 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import INF, Door, Effect, Parameter, Trace
+from .base import Door, Effect, Search, Trace, Words
 from .chain import Build, HysteresisTerm
 from .motion import Motion
+from .parameter import Chart, Parameter, Parameters, Place, Unknown, Values
 from .response import Response, single
+
+
+def _distances(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
+    """Presliding distances from a ten-thousandth of the whole way to all of it."""
+    way = max(float(np.ptp(m.along(place)[0])) for m in motions) + 1e-9
+    return 1.0 / (way * np.geomspace(1e-4, 1.0, 9))
+
+
+def _values(coefficients: np.ndarray, shape: Values) -> dict[str, float]:
+    """Stiffness is the ratio times the torque."""
+    torque = float(coefficients[0])
+    return {"torque": torque, "stiffness": shape["ratio"] * torque}
+
+
+def _solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
+    """Torque, and stiffness over torque."""
+    torque = values["torque"]
+    return np.array([torque]), {"ratio": values["stiffness"] / max(torque, 1e-12)}
+
+
+#: Stiffness over torque: one over the distance on which friction builds up.
+_RATIO = Unknown("ratio", lower=1e-3, upper=1e9, linear=False, starts=_distances)
+_DISTANCE = Chart((Unknown("torque"), _RATIO), _values, _solved)
+
+
+def _slides(motions: Sequence[Motion], place: Place, values: Values) -> bool:
+    """Where it slides: what only ever winds up is a spring."""
+    way = max(float(np.ptp(m.along(place)[0])) for m in motions)
+    return values["stiffness"] * way > values["torque"]
+
+
+def _worn(values: Values, position_noise: float, torque_noise: float) -> float:
+    """Dither within the presliding distance f / k wears the memory off, as a stiffer spring would."""
+    share = position_noise * values["stiffness"] / max(values["torque"], 1e-12)
+    return 1.5 * min(share, 1.0) * values["stiffness"]
 
 
 class PreslidingHysteresis(Effect):
     """torque = -f z, dz/dt = (k/f) w (1 - sign(w) z)."""
 
     name = "presliding_hysteresis"
-    parameters = (Parameter("torque", "N*m"), Parameter("stiffness", "N*m/rad", lower=1e-6))
-    nonlinear = ("ratio",)  # stiffness over torque: one over the distance on which friction builds up
-    door = Door.FRICTION
-    depends_on = ("speed",)
-    tier = 1
-    contains = ("coulomb_friction",)
-    locations = ("actuator", "joint")
-    of_a_make = True
-    needs_the_past = True
-    trace = Trace.ODD
-    source = "Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1, 1968"
-    shows = "torque residual a loop over position that closes after each reversal, alike at every speed"
-    reveal = "small slow reversals within the presliding distance, then larger ones"
-    mujoco = (
-        "state of a tendon's spring, step by step; as plain MJCF a spring with `springyield` (MuJoCo 4), "
-        "which yields at once where this one does by and by"
+    parameters = Parameters(
+        Parameter("torque", "N*m", example=0.25),
+        Parameter("stiffness", "N*m/rad", lower=1e-6, blur=_worn, told=_slides, example=10.0),
+        chart=_DISTANCE,
     )
+    door = Door.FRICTION
+    locations = ("actuator", "joint")
+    words = Words(
+        source="Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1, 1968",
+        shows="torque residual a loop over position that closes after each reversal, alike at every speed",
+        reveal="small slow reversals within the presliding distance, then larger ones",
+        mujoco="state of a tendon's spring, step by step; as plain MJCF a spring with `springyield` "
+        "(MuJoCo 4), "
+        "which yields at once where this one does by and by",
+    )
+    search = Search(contains=("coulomb_friction",), trace=Trace.ODD, hidden_state=True)
 
-    def shapes(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[Mapping[str, float]]:
-        """Presliding distances from a ten-thousandth of the whole way to all of it."""
-        assert place is not None
-        positions = [m.along(place)[0] for m in motions]
-        way = max(float(np.ptp(p)) for p in positions) + 1e-9
-        return [{"ratio": float(1.0 / d)} for d in way * np.geomspace(1e-4, 1.0, 9)]
-
-    def shape_bounds(self, model: Model, place: Placement | None) -> dict[str, tuple[float, float]]:
-        """Any distance."""
-        return {"ratio": (1e-3, 1e9)}
-
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the state that the motion winds up."""
-        assert place is not None
         position, _, _ = motion.along(place)
         return Response(single(place, -wound(position, shape["ratio"]), motion)[None])
 
-    def identifiable(
-        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
-    ) -> bool:
-        """Where it slides: what only ever winds up is a spring."""
-        assert place is not None
-        positions = [m.along(place)[0] for m in motions]
-        way = max(float(np.ptp(p)) for p in positions)
-        return values["stiffness"] * way > values["torque"]
-
-    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
-        """No negative friction."""
-        return np.zeros(1), np.full(1, INF)
-
-    def to_parameters(self, coefficients: np.ndarray, shape: Mapping[str, float]) -> dict[str, float]:
-        """Stiffness is the ratio times the torque."""
-        torque = float(coefficients[0])
-        return {"torque": torque, "stiffness": shape["ratio"] * torque}
-
-    def to_coefficients(self, values: Mapping[str, float]) -> tuple[np.ndarray, dict[str, float]]:
-        """Torque, and stiffness over torque."""
-        torque = values["torque"]
-        return np.array([torque]), {"ratio": values["stiffness"] / max(torque, 1e-12)}
-
-    def blur(
-        self, values: Mapping[str, float], position_noise: float, torque_noise: float
-    ) -> dict[str, float]:
-        """Dither within the presliding distance f / k wears the memory off, as a stiffer spring would."""
-        share = position_noise * values["stiffness"] / max(values["torque"], 1e-12)
-        return {"stiffness": 1.5 * min(share, 1.0) * values["stiffness"]}
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A spring of its own on the axis's coordinate, whose stiffness and rest follow the state."""
-        assert place is not None
         if values["torque"] == 0.0:  # no friction: the share of a stiffness of nothing is no number
             return
         name = f"hysteresis:{len(build.chain.hysteresis)}"

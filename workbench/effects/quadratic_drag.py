@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter
+from .base import Door, Effect, Words
 from .chain import Build
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values
 from .response import Response, single
 
 
@@ -18,27 +17,21 @@ class QuadraticDrag(Effect):
     """torque = -c w |w|."""
 
     name = "quadratic_drag"
-    parameters = (Parameter("drag", "N*m*s^2/rad^2"),)
+    parameters = Parameters(Parameter("drag", "N*m*s^2/rad^2", example=0.03))
     door = Door.FRICTION
-    depends_on = ("speed",)
     locations = ("actuator", "joint")
-    of_a_make = True
-    source = "Rayleigh's drag equation; windage and churning losses"
-    shows = "torque residual odd in speed, growing with its square"
-    reveal = "steady runs at several speeds up to the highest, in both directions"
-    mujoco = "native: quadratic damping of the axis's tendon (MuJoCo 4)"
+    words = Words(
+        source="Rayleigh's drag equation; windage and churning losses",
+        shows="torque residual odd in speed, growing with its square",
+        reveal="steady runs at several speeds up to the highest, in both directions",
+        mujoco="native: quadratic damping of the axis's tendon (MuJoCo 4)",
+    )
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the speed times its size."""
-        assert place is not None
         _, speed, _ = motion.along(place)
         return Response(single(place, -speed * np.abs(speed), motion)[None])
 
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Second damping coefficient of the tendon."""
-        assert place is not None
         build.spec.tendon(place.tendon).damping[1] += values["drag"]

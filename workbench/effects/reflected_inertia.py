@@ -2,67 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from workbench.models import Model, Placement, rotors
 
-import numpy as np
-
-from workbench.core import EffectKey
-from workbench.models import JointNumber, Model, Placement, rotors, turned_joint
-
-from .base import Door, Effect, Parameter
+from .base import Door, Effect, Search, Words
 from .chain import Build
+from .corrected import AtJoint, added, down_to
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values
 from .response import Response, single
+
+
+def _own(model: Model, place: Placement) -> float:
+    """What the model states of the drive's own, and what was added."""
+    own = float(rotors(model)[0][place.index])
+    return own + added("reflected_inertia", "inertia", model, place)
+
+
+def _most_less(model: Model, place: Placement) -> float:
+    """The drive's own may turn out smaller than stated, but stays above a tenth of it in all."""
+    own = rotors(model)[0][place.index]
+    return max(0.9 * own + added("reflected_inertia", "inertia", model, place), 0.0)
 
 
 class ReflectedInertia(Effect):
     """torque = -J a on the drive, J = N^2 J_m added (paper, Eq. 7)."""
 
     name = "reflected_inertia"
-    parameters = (Parameter("inertia", "kg*m^2", about="added to what the model has"),)
+    parameters = Parameters(
+        Parameter(
+            "inertia", "kg*m^2", about="added to what the model has", within=down_to(_most_less), example=0.01
+        )
+    )
     door = Door.MECHANISM
-    depends_on = ("acceleration",)
-    basic = True
-    of_a_make = True
-    source = "paper, Eqs. 7 and 9"
-    shows = "torque residual proportional to the drive's acceleration; FRF magnitude at high frequency"
-    reveal = "a fast chirp of this axis about one posture, the other axes held"
-    mujoco = "native: armature of the axis's tendon"
+    corrects = AtJoint("armature", "inertia", _own, called="rotor inertia")
+    words = Words(
+        source="paper, Eqs. 7 and 9",
+        shows="torque residual proportional to the drive's acceleration; FRF magnitude at high frequency",
+        reveal="a fast chirp of this axis about one posture, the other axes held",
+        mujoco="native: armature of the axis's tendon",
+    )
+    search = Search(depends_on=("acceleration",), basic=True, of_a_make=True)
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the acceleration."""
-        assert place is not None
         _, _, acceleration = motion.along(place)
         return Response(single(place, -acceleration, motion)[None])
 
-    def bounds(self, model: Model, place: Placement | None) -> tuple[np.ndarray, np.ndarray]:
-        """The drive's own inertia may turn out smaller than stated, but stays above a tenth of it in all."""
-        assert place is not None
-        own, key = rotors(model)[0][place.index], EffectKey(self.name, model.axes[place.index])
-        added = sum(e.values["inertia"] for e in model.effects if e.key == key)
-        return np.array([-max(0.9 * own + added, 0.0)]), np.array([np.inf])
-
-    def model_value(self, model: Model, place: Placement | None) -> float:
-        """What the model states of the drive's own, and what was added."""
-        assert place is not None
-        own = float(rotors(model)[0][place.index])
-        return own + sum(e.values["inertia"] for e in model.effects if self.sits(e.key, model, place))
-
-    def in_file(
-        self, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> JointNumber | None:
-        """Armature of the joint."""
-        assert place is not None
-        turned = turned_joint(model, place)
-        return turned and JointNumber(turned[0], "armature", values["inertia"] * turned[1] ** 2)
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Armature of the tendon; what is less than that has, of the joint that holds the rotor."""
-        assert place is not None
         tendon = build.spec.tendon(place.tendon)
         whole = tendon.armature + values["inertia"]
         tendon.armature = max(whole, 0.0)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter, Trace
+from .base import WHOLE, Door, Effect, Search, Trace, Words
 from .chain import Build
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values, rows
 from .response import Response
 
 
@@ -19,29 +18,21 @@ class SensorDelay(Effect):
     """measured position and velocity (t) = true ones (t - T), on all axes; the loop reads the same."""
 
     name = "sensor_delay"
-    parameters = (Parameter("time", "s", upper=0.2),)
-    nonlinear = ("time",)
-    twins_by_command = ("command_delay",)
-    by_runs = True
+    parameters = Parameters(
+        Parameter("time", "s", upper=0.2, starts=rows(0.1, 12.0, 12), example=0.003, linear=False)
+    )
     door = Door.SENSOR
-    axes = "all"
-    needs_the_past = True
-    trace = Trace.DELAY
-    source = "transport delay of sensors and bus"
-    shows = "motion late against the measured torque; FRF phase falls with frequency, the torque's does not"
-    reveal = "a multisine up to a quarter of the control rate, with measured torque"
-    mujoco = "native: delay of the sensors"
+    locations = WHOLE
+    words = Words(
+        source="transport delay of sensors and bus",
+        shows="motion late against the measured torque; FRF phase falls with frequency, the torque's "
+        "does not",
+        reveal="a multisine up to a quarter of the control rate, with measured torque",
+        mujoco="native: delay of the sensors",
+    )
+    search = Search(trace=Trace.DELAY, hidden_state=True)
 
-    def shapes(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[Mapping[str, float]]:
-        """Delays from a tenth of a row to some rows beyond the controller's usual step."""
-        step = motions[0].step
-        return [{"time": float(t)} for t in np.geomspace(0.1 * step, max(12.0 * step, 0.012), 12)]
-
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what was so long ago minus what is."""
         time = motion.step * np.arange(len(motion.position))
         then = np.maximum(time - shape["time"], 0.0)
@@ -52,8 +43,6 @@ class SensorDelay(Effect):
         pair = before - motion.position, slower - motion.velocity
         return Response(np.zeros((0, *motion.position.shape)), reading=np.stack(pair))
 
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Delay of the sensors."""
         build.chain.sensors.delay_s += values["time"]

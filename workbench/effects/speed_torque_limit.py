@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -11,15 +11,47 @@ from numba import njit
 from scipy.optimize import minimize
 
 from workbench.core import EffectKey
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter
+from .base import Door, Effect, Search, Words
 from .chain import Build
 from .motion import Motion, at_tap
+from .parameter import Parameter, Parameters, Place, Values
 from .response import Response
+from .setting import FULL_BRAKING
 
 _FLAT = 5.0  # times the fastest speed: a line that ends beyond hardly falls
 _SIMPLEX = np.array([[0.0, 0.0], [0.05, 0.0], [0.0, 0.05]])  # in the logarithm of both
+
+
+def _lines(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Values]:
+    """Lines that cut something off; the likely one if the torque was measured."""
+    asked, speed, measured = at_tap(motions, place.index)
+    top, fast = float(np.abs(asked).max()) + 1e-9, float(np.abs(speed).max()) + 1e-9
+    stalls, ends = (0.4, 0.6, 0.9, 1.3, 2.0), np.geomspace(0.4, 3.0, 6)
+    if measured is not None:
+        top = float(np.abs(measured).max()) + 1e-9
+        stalls, ends = np.geomspace(0.3, 10.0, 24), np.geomspace(0.3, 20.0, 20)
+    tried = [(top * s, fast * e) for s in stalls for e in ends]
+    ways = [(s, v, braking) for braking in (False, True) for s, v in tried]
+    if measured is not None:
+        off = partial(_off, asked, speed, measured)
+        ways = [_downhill(off, min(ways, key=lambda way: off(*way)))]
+    return [
+        {"stall_torque": float(s), "no_load_speed": float(v), "full_braking": float(b)} for s, v, b in ways
+    ]
+
+
+def _falls(motions: Sequence[Motion], place: Place, values: Values) -> bool:
+    """Where the line falls steeply: a limit that was reached at one speed may be either's."""
+    fastest = max(float(np.abs(m.velocity[:, place.index]).max()) for m in motions)
+    return values["no_load_speed"] < _FLAT * fastest
+
+
+def _shift(values: Values, position_noise: float, torque_noise: float) -> float:
+    """A third of the noise at rest, all of it where the line falls."""
+    share = torque_noise / values["stall_torque"]
+    return share * values["no_load_speed"]
 
 
 class SpeedTorqueLimit(Effect):
@@ -29,85 +61,41 @@ class SpeedTorqueLimit(Effect):
     """
 
     name = "speed_torque_limit"
-    parameters = (
-        Parameter("stall_torque", "N*m", lower=1e-6),
-        Parameter("no_load_speed", "rad/s", lower=1e-6),
+    parameters = Parameters(
+        Parameter(
+            "stall_torque",
+            "N*m",
+            lower=1e-6,
+            blur=lambda values, position, torque: 0.3 * torque,
+            example=1.2,
+            linear=False,
+        ),
+        Parameter("no_load_speed", "rad/s", lower=1e-6, blur=_shift, example=2.5, linear=False),
+        starts=_lines,
+        settles=(FULL_BRAKING,),
     )
-    nonlinear = ("stall_torque", "no_load_speed")
-    by_runs = True
     door = Door.COMMAND
-    tier = 1
-    contains = ("torque_saturation",)
-    of_a_make = True
-    source = "torque-speed line of DC motors; Hughes, Electric Motors and Drives, Ch. 3"
-    shows = "measured torque has a ceiling that falls as speed rises"
-    reveal = "hard accelerations from rest up to the highest speed, in both directions"
-    mujoco = "torque function of the speed"
+    words = Words(
+        source="torque-speed line of DC motors; Hughes, Electric Motors and Drives, Ch. 3",
+        shows="measured torque has a ceiling that falls as speed rises",
+        reveal="hard accelerations from rest up to the highest speed, in both directions",
+        mujoco="torque function of the speed",
+    )
+    search = Search(differs=_falls, contains=("torque_saturation",))
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Once a drive: two lines are no line."""
         return not model.has(self.name, key.axis)
 
-    def shapes(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[Mapping[str, float]]:
-        """Lines that cut something off; the likely one if the torque was measured."""
-        assert place is not None
-        asked, speed, measured = at_tap(motions, place.index)
-        top, fast = float(np.abs(asked).max()) + 1e-9, float(np.abs(speed).max()) + 1e-9
-        stalls, ends = (0.4, 0.6, 0.9, 1.3, 2.0), np.geomspace(0.4, 3.0, 6)
-        if measured is not None:
-            top = float(np.abs(measured).max()) + 1e-9
-            stalls, ends = np.geomspace(0.3, 10.0, 24), np.geomspace(0.3, 20.0, 20)
-        tried = [(top * s, fast * e) for s in stalls for e in ends]
-        ways = [(s, v, braking) for braking in (False, True) for s, v in tried]
-        if measured is not None:
-            off = partial(_off, asked, speed, measured)
-            ways = [_downhill(off, min(ways, key=lambda way: off(*way)))]
-        return [
-            {"stall_torque": float(s), "no_load_speed": float(v), "full_braking": float(b)}
-            for s, v, b in ways
-        ]
-
-    def stated(self, model: Model, shape: Mapping[str, float]) -> Model:
-        """Whether the drives keep their stall torque against the motion."""
-        full = bool(shape.get("full_braking", model.actuators.full_braking))
-        return replace(model, actuators=replace(model.actuators, full_braking=full))
-
-    def stated_words(self, model: Model) -> str:
-        """Whether braking is limited alike."""
-        return "torque against the motion keeps the stall torque" if model.actuators.full_braking else ""
-
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what the falling ceiling takes away."""
-        assert place is not None
         stall, no_load = motion.line.stall.copy(), motion.line.no_load.copy()
         stall[place.index], no_load[place.index] = shape["stall_torque"], shape["no_load_speed"]
         full = bool(shape.get("full_braking", motion.line.full_braking))
         return Response.passed(motion, replace(motion.line, stall=stall, no_load=no_load, full_braking=full))
 
-    def differs(
-        self, motions: Sequence[Motion], place: Placement | None, values: Mapping[str, float]
-    ) -> bool:
-        """Where the line falls steeply: a limit that was reached at one speed may be either's."""
-        assert place is not None
-        fastest = max(float(np.abs(m.velocity[:, place.index]).max()) for m in motions)
-        return values["no_load_speed"] < _FLAT * fastest
-
-    def blur(
-        self, values: Mapping[str, float], position_noise: float, torque_noise: float
-    ) -> dict[str, float]:
-        """A third of the noise at rest, all of it where the line falls."""
-        share = torque_noise / values["stall_torque"]
-        return {"stall_torque": 0.3 * torque_noise, "no_load_speed": share * values["no_load_speed"]}
-
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Line of the chain."""
-        assert place is not None
         build.chain.stall[place.index] = values["stall_torque"]
         build.chain.no_load[place.index] = values["no_load_speed"]
 

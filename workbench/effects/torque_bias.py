@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import INF, Door, Effect, Parameter, Trace
+from .base import Door, Effect, Search, Trace, Words
 from .chain import Build
 from .motion import Motion
+from .parameter import INF, Parameter, Parameters, Place, Values
 from .response import Response, single
 
 
@@ -18,24 +17,20 @@ class TorqueBias(Effect):
     """torque = + b, behind the tap of the measured torque."""
 
     name = "torque_bias"
-    parameters = (Parameter("torque", "N*m", lower=-INF),)
+    parameters = Parameters(Parameter("torque", "N*m", lower=-INF, example=-0.4))
     door = Door.MOTOR
-    trace = Trace.EVEN
-    source = "current-sensor offset; Janot et al. 2019 (offset of the EMPS)"
-    shows = "torque residual even in speed, the same at every position, speed and time"
-    reveal = "standing still at several positions, each approached from both sides"
-    mujoco = "bias of the actuator"
+    words = Words(
+        source="current-sensor offset; Janot et al. 2019 (offset of the EMPS)",
+        shows="torque residual even in speed, the same at every position, speed and time",
+        reveal="standing still at several positions, each approached from both sides",
+        mujoco="bias of the actuator",
+    )
+    search = Search(trace=Trace.EVEN)
 
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column of ones."""
-        assert place is not None
         return Response(single(place, np.ones(len(motion.position)), motion)[None])
 
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Bias of the chain."""
-        assert place is not None
         build.chain.bias[place.index] += values["torque"]

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-
 import numpy as np
 import scipy
 
-from workbench.models import Model, Placement
+from workbench.models import Model
 
-from .base import Door, Effect, Parameter, Trace
+from .base import Door, Effect, Search, Trace, Words
 from .chain import Build
 from .motion import Motion
+from .parameter import Parameter, Parameters, Place, Values, rows
 from .response import Response, read_on
 
 _NONE = 1e-9  # of a row: a lag of which a fit has left nothing
@@ -21,32 +20,22 @@ class VelocityFilterLag(Effect):
     """T dv/dt = w - v, v the measured velocity; the loop reads the same."""
 
     name = "velocity_filter_lag"
-    parameters = (Parameter("time_constant", "s", upper=0.5),)
-    nonlinear = ("time_constant",)
-    by_runs = True
-    door = Door.SENSOR
-    of_a_make = True
-    needs_the_past = True
-    trace = Trace.DELAY
-    source = "first-order low-pass of the drive's speed estimate; Ellis, Control System Design Guide, Ch. 9"
-    shows = (
-        "less damping of the loop at high frequency; measured velocity behind the measured position's rate"
+    parameters = Parameters(
+        Parameter("time_constant", "s", upper=0.5, starts=rows(0.2, 40.0, 12), example=0.008, linear=False)
     )
-    reveal = "a chirp or multisine beyond the filter's corner, with position and velocity logged"
-    mujoco = "filter of the velocity that is read"
+    door = Door.SENSOR
+    words = Words(
+        source="first-order low-pass of the drive's speed estimate; Ellis, Control System Design "
+        "Guide, Ch. 9",
+        shows="less damping of the loop at high frequency; measured velocity behind the measured "
+        "position's rate",
+        reveal="a chirp or multisine beyond the filter's corner, with position and velocity logged",
+        mujoco="filter of the velocity that is read",
+    )
+    search = Search(trace=Trace.DELAY, of_a_make=True, hidden_state=True)
 
-    def shapes(
-        self, motions: Sequence[Motion], model: Model, place: Placement | None
-    ) -> Sequence[Mapping[str, float]]:
-        """Corners from a fifth of a row on."""
-        step = motions[0].step
-        return [{"time_constant": float(t)} for t in np.geomspace(0.2 * step, max(40.0 * step, 0.04), 12)]
-
-    def response(
-        self, motion: Motion, model: Model, place: Placement | None, shape: Mapping[str, float]
-    ) -> Response:
+    def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: the filtered velocity minus the velocity."""
-        assert place is not None
         speed = motion.along(place)[1]
         change = lagged(speed, motion.step, shape["time_constant"]) - speed
         return Response(
@@ -54,11 +43,8 @@ class VelocityFilterLag(Effect):
             reading=read_on(place, np.zeros_like(speed), change, motion),
         )
 
-    def install(
-        self, build: Build, model: Model, place: Placement | None, values: Mapping[str, float]
-    ) -> None:
+    def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """Lag of the sensor; lags of one sensor add up."""
-        assert place is not None
         build.chain.sensors.lag[place.index] += values["time_constant"]
 
 

@@ -18,14 +18,6 @@ from .wording import (
     worst_signal,
 )
 
-#: What of a model an effect corrects, where it is no effect that is missing.
-_NUMBERS = {
-    "viscous_damping": "damping",
-    "coulomb_friction": "dry friction",
-    "reflected_inertia": "rotor inertia",
-    "link_inertia_error": "inertia",
-    "first_moment_error": "first moment",
-}
 _FEW = 3  # numbers or names that are told one by one
 
 
@@ -79,7 +71,7 @@ def improvement_sentence(result: Improvement) -> str:
 
 def corrects(finding: Finding) -> bool:
     """Whether it says that a number of the model is wrong, rather than that an effect is missing."""
-    return finding.key.effect == "first_moment_error" or bool(finding.model_value)
+    return bool(finding.model_value if finding.model_value is not None else finding.number)
 
 
 def _wrong(findings: Sequence[Finding]) -> str:
@@ -87,7 +79,9 @@ def _wrong(findings: Sequence[Finding]) -> str:
     if not findings:
         return ""
     if len(findings) > _FEW:
-        names = any_of(effect_phrases([f.key for f in findings], _NUMBERS), "and")
+        names = any_of(
+            effect_phrases([f.key for f in findings], {f.key.effect: f.number for f in findings}), "and"
+        )
         return f"{capital(_count(len(findings)))} numbers of the model are wrong: {names}."
     told = any_of([_corrected(f) for f in findings], "and")
     return f"{'A number' if len(findings) == 1 else 'Numbers'} of the model {_be(findings)} wrong: {told}."
@@ -95,7 +89,7 @@ def _wrong(findings: Sequence[Finding]) -> str:
 
 def _corrected(finding: Finding) -> str:
     """``"the damping on the knee drive is 0.28 ± 0.02 N m s/rad, not 0.6"``."""
-    what = f"the {_NUMBERS.get(finding.key.effect, plain(finding.key.effect))} {place(finding.key)}"
+    what = f"the {finding.number or plain(finding.key.effect)} {place(finding.key)}"
     if finding.total is not None and finding.model_value is not None:
         return f"{what} is {interval(finding.total)}, not {number(finding.model_value)}{_or(finding)}"
     more = any_of([f"{interval(e)} {plain(name)}" for name, e in finding.parameters.items()], "and")

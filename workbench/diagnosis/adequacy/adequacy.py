@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import EffectKey, Estimate
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect, Placement, alike_axes
 
 from ..data import Data
@@ -72,7 +72,7 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
         out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], applied, out)
     for k, a in enumerate(applied):
         # a body that was added is certain only where nothing else is wrong: masses of links do the same
-        if a.key.axis and not effect_named(a.key.effect).depends_on:
+        if a.key.axis and not kinds.depends_on(effect_named(a.key.effect)):
             out[a.key] = adequacy_of_mass(
                 multi_axis_law(linearisation, found, data, [part[:, 1] for part in acts], k)
             )
@@ -131,15 +131,17 @@ def _together(
     An unexplained residual on one axis does not weaken a law that has one size on all.
     """
     values = {a.key: a.parameters for a in applied}
-    laws = [{effect_named(k.effect).depends_on for k in keys} - {()} for _, keys in axes]
+    laws = [{kinds.depends_on(effect_named(k.effect)) for k in keys} - {()} for _, keys in axes]
     out: dict[EffectKey, Adequacy] = {}
     for own in set().union(*laws):
         there = [axes[i] for i, found in enumerate(laws) if own in found]
-        keys = [k for _, keys in there for k in keys if effect_named(k.effect).depends_on == own]
+        keys = [k for _, keys in there for k in keys if kinds.depends_on(effect_named(k.effect)) == own]
         doubted = [k for k in keys if not alone[k].is_adequate]
         if len(there) < 2 or not doubted or any(alone[k].size <= 0.0 for k in doubted):
             continue
-        parts = [np.array([effect_named(k.effect).depends_on == own for k in keys]) for _, keys in there]
+        parts = [
+            np.array([kinds.depends_on(effect_named(k.effect)) == own for k in keys]) for _, keys in there
+        ]
         law = np.concatenate([a.laws[:, p].sum(axis=1) for (a, _), p in zip(there, parts, strict=True)])
         rest = np.concatenate([a.laws[:, ~p].sum(axis=1) for (a, _), p in zip(there, parts, strict=True)])
         known = {q: np.concatenate([a.own[q] for a, _ in there]) for q in _QUANTITIES}
@@ -175,7 +177,7 @@ def _agrees(
 
 def _of_axis(axis: _Axis, keys: Sequence[EffectKey]) -> dict[EffectKey, Adequacy]:
     """Of all effects at one coordinate; those of the same quantities are parts of one law."""
-    depends = [effect_named(k.effect).depends_on for k in keys]
+    depends = [kinds.depends_on(effect_named(k.effect)) for k in keys]
     found = {own: _of_law(axis, depends, own) for own in dict.fromkeys(d for d in depends if d)}
     return {k: found[own] for k, own in zip(keys, depends, strict=True) if own}
 

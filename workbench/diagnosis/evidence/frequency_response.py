@@ -80,7 +80,7 @@ def response_lines(found: Responses, key: EffectKey) -> list[str]:
     """What the responses say for one effect; nothing where they cannot tell."""
     effect = effect_named(key.effect)
     side = "output" if effect.door is Door.SENSOR else "input"
-    match effect.trace:
+    match effect.search.trace:
         case Trace.DELAY:
             return delay_line(found, key.axis, side)
         case Trace.GAIN:

@@ -51,7 +51,7 @@ def next_experiment(
         if rivals:
             return (
                 f"{finding.key} and {rivals[0]} are one thing in two names on this machine: no motion tells "
-                f"them apart. What shows its size best: {effect_named(finding.key.effect).reveal}."
+                f"them apart. What shows its size best: {effect_named(finding.key.effect).words.reveal}."
             )
     if verdict == "unexplained" or (verdict != "consistent" and not found.consistent_after):
         model = found.final.hypothesis.model if findings else found.model
@@ -61,7 +61,7 @@ def next_experiment(
 
 def _ways(key: EffectKey, rival: EffectKey) -> str:
     """In which experiments two effects stand out; what one says within the other is said once."""
-    one, other = (effect_named(k.effect).reveal for k in (key, rival))
+    one, other = (effect_named(k.effect).words.reveal for k in (key, rival))
     return max(one, other, key=len) if one in other or other in one else f"{one}; {other}"
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from workbench.core import EffectKey, Shape, Share
-from workbench.effects import Door, effect_named
+from workbench.effects import Door, effect_named, kinds
 from workbench.models import AppliedEffect, Model, rotors
 
 from ..adequacy.adequacy import Adequacy
@@ -76,7 +76,7 @@ class ResidualEvidence:
     def of_finding(self, key: EffectKey) -> list[str]:
         """Lines that bear on one effect."""
         effect, lines = effect_named(key.effect), []
-        if effect.trace is not None and self.responses is not None:
+        if effect.search.trace is not None and self.responses is not None:
             lines += response_lines(self.responses, key)
         if effect.door in _TORQUES and self.missing is not None:
             missing = self.missing
@@ -138,15 +138,15 @@ def finding_lines(
         beside = f"simpler than {key}, which" if share > step.removed_share else f"next best, {key},"
         lines.append(f"{beside} removes {100 * min(max(share, 0.0), 1.0):.1f} %")
     effect = effect_named(applied.key.effect)
-    words = effect.stated_words(step.fit.hypothesis.model)
-    return (*lines, *([words] if words else []), f"where to see it: {effect.shows}")
+    words = (s.words(step.fit.hypothesis.model) for s in effect.parameters.settles)
+    return (*lines, *filter(None, words), f"where to see it: {effect.words.shows}")
 
 
 def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:
     """Lines on why an effect is certain although something else is missing; none where not tested."""
     if key not in adequacy:
         return []
-    own, found = " and ".join(effect_named(key.effect).depends_on or ("position",)), adequacy[key]
+    own, found = " and ".join(kinds.depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
     share, spread = 100.0 * found.share, 100.0 * found.spread
     return [
         f"a free smooth function of {own} explains hardly more: this law reaches {share:.0f} % of it",

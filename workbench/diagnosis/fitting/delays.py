@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Trace, effect_named, places
+from workbench.effects import effect_named, kinds, places
 from workbench.models import AppliedEffect
 
 from ..hypothesis import Hypothesis, applied_effect
@@ -16,8 +16,7 @@ from ..hypothesis import Hypothesis, applied_effect
 
 def is_delay(key: EffectKey) -> bool:
     """Whether an effect is a delay or a lag, and nothing else."""
-    effect = effect_named(key.effect)
-    return effect.trace is Trace.DELAY and len(effect.parameters) == 1
+    return kinds.is_pure_delay(effect_named(key.effect))
 
 
 def with_delay(hypothesis: Hypothesis, key: EffectKey, seconds: float) -> Hypothesis:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import contains, effect_named
+from workbench.effects import contains, effect_named, kinds
 from workbench.models import AppliedEffect, Placement, structural_effect
 
 from ..data import Data
@@ -31,7 +31,7 @@ def with_candidate(linearisation: Linearisation, candidate: Candidate, current: 
     free = tuple(
         applied_effect(linearisation.model, a, {**a.values, **candidate.beside.get(a.key, {})}) for a in free
     )
-    if effect.free(linearisation.model) == 0:
+    if kinds.free_parameters(effect, linearisation.model) == 0:
         added = structural_effect(effect.name, linearisation.model.linkage)
         return Hypothesis(base, free, (*current.hypothesis.parameter_free, added))
     coefficients, shape = candidate.coefficients, candidate.shape
@@ -45,9 +45,11 @@ def with_candidate(linearisation: Linearisation, candidate: Candidate, current: 
         x = np.stack([np.concatenate([t.ravel() for t in c.torque]) for c in linear], axis=1)
         y = np.concatenate([t.ravel() for t in target.torque])
         coefficients = np.linalg.lstsq(x, y, rcond=None)[0]
-        lower, _ = effect.bounds(linearisation.model, Placement.of(linearisation.model, candidate.key))
+        lower, _ = effect.parameters.bounds(
+            linearisation.model, Placement.of(linearisation.model, candidate.key)
+        )
         coefficients = np.maximum(coefficients, lower)
-    values, base = effect.to_parameters(coefficients, shape), effect.stated(base, shape)
+    values, base = effect.parameters.to_values(coefficients, shape), effect.parameters.stated(base, shape)
     added = applied_effect(linearisation.model, AppliedEffect(candidate.key), values)
     return Hypothesis(
         base, (*(a for a in free if a not in given_up), added), current.hypothesis.parameter_free
@@ -67,7 +69,7 @@ def tune_sliding_speed(found: Fit, data: Data, floor: float) -> Fit:
     The sliding speed [rad/s] is a property of the contact, not of an effect. The grid is evaluated on the
     most informative recordings; how far parameters move between grid points widens their intervals.
     """
-    dry = any(effect_named(a.key.effect).dry for a in found.hypothesis.free)
+    dry = any(kinds.is_dry(effect_named(a.key.effect)) for a in found.hypothesis.free)
     if (
         not dry
         or found.training_loss < POLICY.noise_slack * floor
@@ -94,7 +96,7 @@ def converged(found: Fit, data: Data) -> Fit:
     A later effect must not win by what an unfinished fit had still to gain.
     """
     free = found.hypothesis.free
-    if not free or any(effect_named(a.key.effect).diverges for a in free):
+    if not free or any(kinds.runs_part(effect_named(a.key.effect)) for a in free):
         return found
     for _ in range(_ROUNDS):
         better = fit([found.hypothesis], data, iterations=4, enough=FINE_TOLERANCE)[0]

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from workbench.core import Estimate
-from workbench.effects import Effect, effect_named
+from workbench.effects import Effect, effect_named, kinds
 from workbench.models import AppliedEffect
 
 from ..data import Data
@@ -85,8 +85,8 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
     floor = data.pool(data.floor)
     for applied, block in blocks(hypothesis):
         effect = effect_named(applied.key.effect)
-        coefficients, shape = effect.to_coefficients(applied.values)
-        unknowns = np.array([*coefficients, *(shape[name] for name in effect.nonlinear)])
+        coefficients, shape = effect.parameters.to_coefficients(applied.values)
+        unknowns = np.array([*coefficients, *(shape[name] for name in effect.parameters.nonlinear)])
         own = covariance[block, block]
 
         values = partial(_values, effect, len(coefficients))
@@ -102,13 +102,13 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         )
         many = len(effect.parameters) > 1
         soft = POLICY.onset_deviation_of_many if many else POLICY.onset_deviation
-        onset = soft * effect.dry * np.abs(middle)
+        onset = soft * kinds.is_dry(effect) * np.abs(middle)
         neutral = np.array([p.neutral for p in effect.parameters])
         share = POLICY.start_deviation if data.replay.on_ground else POLICY.model_deviation
         fine = np.sqrt(late**2 + onset**2 + (share * (middle - neutral)) ** 2)
         axis = applied.key.axis
         noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]
-        blur = effect.blur(applied.values, *(float(x) for x in np.sqrt(noise)))
+        blur = effect.parameters.blur(applied.values, *(float(x) for x in np.sqrt(noise)))
         fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in effect.parameters]))
         deviation = np.hypot(deviation, fine)
         parameters = {
@@ -121,6 +121,6 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
 
 def _values(effect: Effect, count: int, unknowns: np.ndarray) -> np.ndarray:
     """Parameters of an effect from its `count` linear coefficients and its nonlinear parameters."""
-    shape = dict(zip(effect.nonlinear, unknowns[count:], strict=True))
-    named = effect.to_parameters(unknowns[:count], shape)
+    shape = dict(zip(effect.parameters.nonlinear, unknowns[count:], strict=True))
+    named = effect.parameters.to_values(unknowns[:count], shape)
     return np.array([named[p.name] for p in effect.parameters])

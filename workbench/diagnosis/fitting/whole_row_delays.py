@@ -22,7 +22,7 @@ def has_whole_row_delay(hypothesis: Hypothesis) -> bool:
 
 def _is_a_command_s(applied: AppliedEffect) -> bool:
     effect = effect_named(applied.key.effect)
-    return is_delay(applied.key) and effect.door is Door.COMMAND and "time" in effect.nonlinear
+    return is_delay(applied.key) and effect.door is Door.COMMAND and "time" in effect.parameters.nonlinear
 
 
 def across_row_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> list[Hypothesis]:
@@ -46,7 +46,7 @@ def across_row_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> l
         if not _is_a_command_s(applied):
             continue
         effect = effect_named(applied.key.effect)
-        index = block.stop - len(effect.nonlinear) + effect.nonlinear.index("time")
+        index = block.stop - len(effect.parameters.nonlinear) + effect.parameters.nonlinear.index("time")
         own = hypothesis.base.actuators.delay_s
         rows = (own + applied.values["time"]) / step
         for edge in (np.floor(rows) - _OVER_STEP, np.ceil(rows) + _OVER_STEP):

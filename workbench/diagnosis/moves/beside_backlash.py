@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from workbench.core import EffectKey, SimulationError
-from workbench.effects import Passage, compile_plant, effect_named, link_inertia
+from workbench.effects import Passage, compile_plant, effect_named, kinds, link_inertia
 from workbench.models import Model, Placement
 
 from ..fitting.refinement import with_candidates
@@ -66,7 +66,7 @@ class _Option:
     @property
     def rank(self) -> tuple[int, int]:
         """Simpler ones first."""
-        return effect_named(self.entry.key.effect).tier, len(self.active) + len(self.entry.shape)
+        return kinds.tier_of(effect_named(self.entry.key.effect)), len(self.active) + len(self.entry.shape)
 
 
 class _Backlash:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol, TypeVar
 
 from workbench.core import EffectKey
-from workbench.effects import contains, effect_named
+from workbench.effects import contains, effect_named, kinds
 from workbench.models import Model
 
 from ..acceptance import at_noise_floor
@@ -39,7 +39,7 @@ def choose(
 
     def cost(c: Candidate) -> tuple[int, int, bool]:
         effect = effect_named(c.key.effect)
-        return effect.free(model), effect.tier, effect.diverges
+        return kinds.free_parameters(effect, model), kinds.tier_of(effect), kinds.runs_part(effect)
 
     known = [(c, f) for c, f in helpful if c in parameter_free]
     done = [(c, f) for c, f in helpful if at_noise_floor(f, data)]
@@ -47,13 +47,13 @@ def choose(
 
     def only_form(c: Candidate) -> bool:
         """Whether the best explanation is a refinement of this one, whose fit may not find back to it."""
-        return contains(top.key, c.key) and len(effect_named(top.key.effect).contains) == 1
+        return contains(top.key, c.key) and len(effect_named(top.key.effect).search.contains) == 1
 
     basic = [
         (c, f)
         for c, f in helpful
         if basics_first
-        and effect_named(c.key.effect).basic
+        and effect_named(c.key.effect).search.basic
         and cost(c) <= cost(top)
         and before - f.test_loss > POLICY.basic_share * (before - most)
         and not (most < POLICY.near_noise * floor and f.test_loss > POLICY.far_worse * most)
@@ -90,8 +90,8 @@ def _refined(one: Explanation, all_: Sequence[Explanation], data: Data) -> bool:
 
 def better_refinement(added: EffectKey, ranking: Sequence[tuple[EffectKey, float]]) -> EffectKey | None:
     """The refinement that leaves much less than the basic effect that was taken; None where there is none."""
-    others = [(share, key) for key, share in ranking if not effect_named(key.effect).basic]
-    if not others or not effect_named(added.effect).basic:
+    others = [(share, key) for key, share in ranking if not effect_named(key.effect).search.basic]
+    if not others or not effect_named(added.effect).search.basic:
         return None
     most, best = max(others, key=lambda sk: sk[0])
     left = 1.0 - dict(ranking).get(added, 1.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 
 from ..data import Data
 from ..fitting.fit import fit
@@ -56,7 +56,7 @@ def compliance_from_torque(
     plain, *others = known
     progress(f"beginning with {plain.key}, which the torque shows")
     chosen = [plain]
-    if effect_named(plain.key.effect).diverges:
+    if kinds.runs_part(effect_named(plain.key.effect)):
         chosen = beside_backlash(linearisation, plain, start, data.training)
     fits = _fits(linearisation, chosen, start, data)
     if fits is None or not identifiable(linearisation, fits[-1]):

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
@@ -42,7 +42,7 @@ def refined_on_grid(found: Fit, data: Data) -> Fit:
         found: a fit.
         data: recordings and weights.
     """
-    loose = [a for a in found.hypothesis.free if effect_named(a.key.effect).diverges]
+    loose = [a for a in found.hypothesis.free if kinds.runs_part(effect_named(a.key.effect))]
     some = data.part(data.most_informative(found.mean_squares, POLICY.informative_share))
     hypothesis = found.hypothesis
     for applied in loose:
@@ -75,13 +75,13 @@ def _downhill(hypothesis: Hypothesis, key: EffectKey, step: float, data: Data) -
 def _around(hypothesis: Hypothesis, applied: AppliedEffect, step: float) -> list[Hypothesis]:
     """The hypothesis, and those with an effect's nonlinear values a step up and down."""
     effect = effect_named(applied.key.effect)
-    bounds = effect.shape_bounds(hypothesis.base, Placement.of(hypothesis.base, applied.key))
+    bounds = effect.parameters.shape_bounds(hypothesis.base, Placement.of(hypothesis.base, applied.key))
     out = [hypothesis]
-    for signs in product((-1.0, 0.0, 1.0), repeat=len(effect.nonlinear)):
+    for signs in product((-1.0, 0.0, 1.0), repeat=len(effect.parameters.nonlinear)):
         if not any(signs):
             continue
         values = dict(applied.values)
-        for name, sign in zip(effect.nonlinear, signs, strict=True):
+        for name, sign in zip(effect.parameters.nonlinear, signs, strict=True):
             values[name] = float(np.clip(values[name] * (1.0 + step) ** sign, *bounds[name]))
         moved = applied_effect(hypothesis.base, applied, values)
         free = tuple(moved if a.key == applied.key else a for a in hypothesis.free)

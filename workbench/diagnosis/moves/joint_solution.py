@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.comparison import MeasuredMotion
 from workbench.core import EffectKey
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect
 
 from ..acceptance import lowers_error
@@ -67,7 +67,7 @@ def _corrections_suffice(node: Node) -> bool:
 
 def _corrects_a_number(effect: str) -> bool:
     """Whether an effect corrects a number that every drive or link has."""
-    return effect_named(effect).basic or effect_named(effect).adds_up
+    return effect_named(effect).search.basic or kinds.adds_up(effect_named(effect))
 
 
 def solve_jointly(problem: Problem) -> Node | None:

@@ -15,7 +15,6 @@ import numpy as np
 from workbench.comparison import MeasuredMotion, followed
 from workbench.core import EffectKey
 from workbench.effects import effect_named, places
-from workbench.models import Placement
 from workbench.simulation import scored_torque
 
 from ..data import gather
@@ -26,8 +25,6 @@ from ..policy import POLICY
 from ..screening.screen import Entry, equations, judge, limits_of
 from ..screening.sensitivity import Linearisation, SensitivityColumn
 from ..search_result import SearchResult
-
-_LINEAR = ("reflected_inertia", "viscous_damping", "coulomb_friction", "payload_mass")
 
 
 @dataclass(frozen=True)
@@ -113,12 +110,10 @@ def _columns(linearisation: Linearisation) -> tuple[list[SensitivityColumn], lis
     columns: list[SensitivityColumn] = []
     entries: list[Entry] = []
     for key in places(linearisation.model):
-        if key.effect not in _LINEAR or key.location != "actuator":
+        effect = effect_named(key.effect)
+        if not effect.search.basic or len(effect.parameters.linear) != 1 or key.location != "actuator":
             continue
-        shapes = effect_named(key.effect).shapes(
-            linearisation.motions, linearisation.model, Placement.of(linearisation.model, key)
-        )
-        linear, fixed = linearisation.columns(key, next(iter(shapes)))
+        linear, fixed = linearisation.columns(key, {})
         if fixed is None and len(linear) == 1:
             entries.append(Entry(key, {}, [len(columns)], None, 1.0))
             columns += linear

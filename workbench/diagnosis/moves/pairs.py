@@ -9,7 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import contains, effect_named
+from workbench.effects import contains, effect_named, kinds
 
 from ..acceptance import degrades_holdout, explains_most, improves_an_axis
 from ..data import Data
@@ -130,7 +130,9 @@ def _other(pair: Pair, key: EffectKey) -> EffectKey:
 def _screened(linearisation: Linearisation, data: Data, start: Fit) -> list[Pair]:
     """Pairs of effects by what they leave on data that they were not fitted on, the best shapes of each."""
     columns, entries = entries_of(linearisation)
-    entries = [e for e in entries if effect_named(e.key.effect).free(linearisation.model) > 0]
+    entries = [
+        e for e in entries if kinds.free_parameters(effect_named(e.key.effect), linearisation.model) > 0
+    ]
     rows = sum(r.position.size for r in data.recordings)
     pairs = [(a, b) for a, b in combinations(entries, 2) if may_stand_together(a.key, b.key)]
     if not pairs or 2.0 * rows * len(columns) > POLICY.pair_values:
@@ -164,7 +166,11 @@ def may_stand_together(one: EffectKey, other: EffectKey) -> bool:
     """Whether two effects are neither two forms of one cause nor dry frictions that share a stiction."""
     if one == other or contains(one, other) or contains(other, one):
         return False
-    return not (effect_named(one.effect).dry and effect_named(other.effect).dry and one.axis == other.axis)
+    return not (
+        kinds.is_dry(effect_named(one.effect))
+        and kinds.is_dry(effect_named(other.effect))
+        and one.axis == other.axis
+    )
 
 
 def left_by(whole: Normal, pairs: Sequence[tuple[Entry, Entry]]) -> np.ndarray:

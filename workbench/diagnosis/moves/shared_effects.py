@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import EFFECTS
+from workbench.effects import EFFECTS, Door, kinds
 
 from ..acceptance import (
     degrades_holdout,
@@ -31,8 +31,9 @@ from ..significance import cancel_each_other, identifiable
 from .choice import loss_ratios, simplest_first
 
 # What a plain model of drives leaves out together: sets that are tried beside each effect by itself.
-_FRICTION = ("coulomb_friction", "viscous_damping")
-_DRIVES = (*_FRICTION, "reflected_inertia")
+_BASIC = sorted((e for e in EFFECTS if e.search.basic and e.locations), key=lambda e: e.name)
+_FRICTION = tuple(e.name for e in _BASIC if e.door is Door.FRICTION)
+_DRIVES = (*_FRICTION, *(e.name for e in _BASIC if e.door is not Door.FRICTION))
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,7 @@ def _sets(
 ) -> Iterator[tuple[tuple[str, ...], list[Entry]]]:
     """Effects of a make on all axes, or on those that show them: in the best shape of each, and all alike."""
     there = {effect for effect, _ in at_drives}
-    names = [effect.name for effect in EFFECTS if effect.of_a_make and effect.name in there]
+    names = [effect.name for effect in EFFECTS if kinds.of_a_make(effect) and effect.name in there]
     entries = {(e.key.effect, e.key.axis, _shape(e.shape)): e for e in whole.entries if _drives(e, names)}
     everywhere = set(linearisation.model.driven)
     for option in (*((name,) for name in names), _FRICTION, _DRIVES):
@@ -209,7 +210,7 @@ def _steps(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> tu
     floor = test_noise_floor(data)
     alone = [(a.key, test_loss) for a, test_loss in zip(whole.free, left, strict=True) if test_loss < np.inf]
     ranking = removed_shares(start.test_loss, alone, floor)
-    forms = set(best.effects) | {e.name for e in EFFECTS if set(e.contains) & set(best.effects)}
+    forms = set(best.effects) | {e.name for e in EFFECTS if set(e.search.contains) & set(best.effects)}
     instead = [(f.fit.hypothesis.free[0].key, f.fit.test_loss) for f in fits if not set(f.effects) & forms]
     before, steps = start, []
     for result in (*grown, best.fit):

@@ -68,7 +68,7 @@ def simplify(
         One or two steps; without their own data and runs.
     """
     given_up = next((a for a in current.hypothesis.free if a.key == step.added), None)
-    special = effect_named(given_up.key.effect).contains if given_up else ()
+    special = effect_named(given_up.key.effect).search.contains if given_up else ()
     if given_up is None or len(special) <= last:
         return ()
     progress(f"asking whether less than {given_up.key} will do")
@@ -139,7 +139,8 @@ def _steps(
     """Steps of the special cases in place of one step; `fits`: without any of them, and with all."""
     rest, found = fits
     keys = [c.key for c in chosen]
-    twins = effect_named(given_up.effect).twins  # equivalents of the refinement are none of its special case
+    # equivalents of the refinement are none of its special case
+    twins = effect_named(given_up.effect).search.twins
     indistinguishable = tuple(k for k in step.indistinguishable if k not in keys and k.effect not in twins)
     last = replace(step, added=keys[-1], fit=found, dropped=(given_up,), indistinguishable=indistinguishable)
     if len(keys) == 1:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 
 from ..acceptance import at_noise_floor, improves
 from ..data import Data
@@ -62,7 +62,8 @@ class SearchState:
         return tuple(
             c
             for c in self.candidates
-            if effect_named(c.key.effect).free(self.linearisation.model) == 0 and not c.shape
+            if kinds.free_parameters(effect_named(c.key.effect), self.linearisation.model) == 0
+            and not c.shape
         )
 
     def parameter_free_helps(self, fits: Sequence[Explanation]) -> bool:
@@ -117,7 +118,9 @@ def _free_tiers(at: SearchState) -> tuple[list[Candidate], list[Candidate]]:
     best_left = max(min((c.test_loss for c in free), default=0.0) - at.floor, 0.0)
     most = POLICY.screened_times * best_left + POLICY.screened_slack * at.excess
     free = [c for c in free if c.test_loss - at.floor <= most]
-    simple, refined = ([c for c in free if effect_named(c.key.effect).tier == tier] for tier in (0, 1))
+    simple, refined = (
+        [c for c in free if kinds.tier_of(effect_named(c.key.effect)) == tier] for tier in (0, 1)
+    )
     return simple[: POLICY.simple_simulated], refined[: POLICY.refined_simulated]
 
 
@@ -138,7 +141,7 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> TrialFits:
     pairs: list[Explanation] = []
     at_first: list[tuple[EffectKey, float]] = []
     for diverges in (False, True):
-        part = [c for c in chosen if effect_named(c.key.effect).diverges is diverges]
+        part = [c for c in chosen if kinds.runs_part(effect_named(c.key.effect)) is diverges]
         if not part:
             continue
         tried = [with_candidate(at.linearisation, c, at.current) for c in part]

@@ -8,15 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Motion, Springs, crank_of, effect_named, giving_way, places
+from workbench.effects import Compliance, Motion, Springs, crank_of, effect_named, giving_way, kinds, places
 from workbench.models import AppliedEffect, Crank, Model, Placement
 from workbench.simulation import on_all_cores
 
 from ..policy import POLICY
 from .screen import Candidate
 from .sensitivity import Linearisation
-
-_SPRING = "joint_compliance"
 
 
 def compliance_candidates(
@@ -31,7 +29,7 @@ def compliance_candidates(
         found_before: effects of the model whose parameters may change. A spring among them was fitted to the
             total compliance, so that another one is fitted together with it.
     """
-    springs = tuple(a for a in found_before if a.key.effect == _SPRING)
+    springs = tuple(a for a in found_before if kinds.is_spring(effect_named(a.key.effect)))
     asked = training, *(a.key for a in springs)
     if asked not in linearisation.compliances:
         linearisation.compliances[asked] = _shares(linearisation, training, springs)
@@ -43,18 +41,21 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
     motions = [_without_own_compliance(m, linearisation.model) for m in linearisation.motions[:training]]
 
     def asked(key: EffectKey) -> list[Candidate]:
-        if key.effect == _SPRING and springs and all(a.key.axis != key.axis for a in springs):
+        if (
+            kinds.is_spring(effect_named(key.effect))
+            and springs
+            and all(a.key.axis != key.axis for a in springs)
+        ):
             return _beside(springs, key, linearisation, training)
-        guesses = effect_named(key.effect).guesses(
-            motions, linearisation.model, Placement.of(linearisation.model, key)
-        )
+        effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
+        guesses = effect.guesses(motions, linearisation.model, place)
         some = [(shape, left) for shape, left in guesses if left < POLICY.compliance_left]
         return [Candidate(key, np.zeros(0), shape, left) for shape, left in some]
 
     asked_of = [
         key
         for key in places(linearisation.model)
-        if effect_named(key.effect).splits
+        if isinstance(effect_named(key.effect), Compliance)
         and linearisation.data.replay.shows(key.effect)
         and equivalent_at_drive(linearisation.model, key) is None
     ]
@@ -65,7 +66,7 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
         c
         for c in found
         if c.test_loss <= POLICY.compliance_times * found[0].test_loss
-        or (c.test_loss <= POLICY.compliance_beside_gap and not effect_named(c.key.effect).diverges)
+        or (c.test_loss <= POLICY.compliance_beside_gap and not kinds.runs_part(effect_named(c.key.effect)))
     ][: POLICY.compliance_candidates]
 
 
@@ -109,7 +110,7 @@ def equivalent_at_drive(model: Model, key: EffectKey) -> EffectKey | None:
     With a linkage in the model they differ: its crank and coupler are on the link side of a spring at the
     drive, and on the motor side of one at the joint.
     """
-    if key.axis is None or key.location != "joint" or not effect_named(key.effect).splits:
+    if key.axis is None or key.location != "joint" or not isinstance(effect_named(key.effect), Compliance):
         return None
     index = model.axes.index(key.axis)
     turned = np.flatnonzero(model.transmission[:, index])

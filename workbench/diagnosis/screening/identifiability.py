@@ -13,7 +13,7 @@ from itertools import combinations
 import numpy as np
 
 from workbench.core import Disagreement, EffectKey, Estimate, Identifiability
-from workbench.effects import effect_named
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect, Model
 
 from ..data import Data
@@ -63,18 +63,18 @@ def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping
     Nonlinear parameters are held where they are, but for those of effects that have no others.
     """
     effect = effect_named(entry.key.effect)
-    if effect.free(model) == 0:
+    if kinds.free_parameters(effect, model) == 0:
         return {}
     own, count = columns_of(entry), len(entry.linear)
-    covariance = np.zeros((count + len(effect.nonlinear),) * 2)
-    asked = [p.name for p in effect.parameters if p.name not in effect.nonlinear]
+    covariance = np.zeros((count + len(effect.parameters.nonlinear),) * 2)
+    asked = [p.name for p in effect.parameters if p.name not in effect.parameters.nonlinear]
     if count:
         covariance[:count, :count] = linear.covariance(own)
-    elif len(effect.nonlinear) == 1:
-        asked = list(effect.nonlinear)
+    elif len(effect.parameters.nonlinear) == 1:
+        asked = list(effect.parameters.nonlinear)
         covariance[0, 0] = linear.covariance(own)[0, 0] * entry.shape[asked[0]] ** 2
     coefficients = np.full(count, linear.small(entry))
-    values = effect.to_parameters(coefficients, entry.shape)
+    values = effect.parameters.to_values(coefficients, entry.shape)
     applied = applied_effect(model, AppliedEffect(entry.key), values)
     (known,) = with_deviations(Hypothesis(model, (applied,)), covariance, data).free
     return {name: known.parameters[name] for name in asked}
@@ -86,7 +86,7 @@ def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]
     if applied.key not in entries:
         return ()
     own = entries[applied.key]
-    coefficients = effect_named(applied.key.effect).to_coefficients(applied.values)[0]
+    coefficients = effect_named(applied.key.effect).parameters.to_coefficients(applied.values)[0]
     times = (
         float(np.max(np.abs(coefficients), initial=0.0)) / linear.small(own) if own.strength > 0.0 else 0.0
     )
@@ -119,8 +119,8 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
     if apart < max(POLICY.disagreement * np.abs(best.sizes).max(), POLICY.significant * deviation):
         return ()
     effect = effect_named(best.entry.key.effect)
-    (name,) = (p.name for p in effect.parameters if p.name not in effect.nonlinear)
-    values = [effect.to_parameters(np.array([x]), best.entry.shape)[name] for x in best.sizes]
+    (name,) = (p.name for p in effect.parameters if p.name not in effect.parameters.nonlinear)
+    values = [effect.parameters.to_values(np.array([x]), best.entry.shape)[name] for x in best.sizes]
     return (Disagreement(tuple(names[: len(values)]), best.entry.key, tuple(map(float, values))),)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.comparison import is_free
 from workbench.core import EffectKey, Recording
-from workbench.effects import Door, effect_named, places
+from workbench.effects import Compliance, Door, OnGround, effect_named, kinds, places
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
@@ -116,14 +116,14 @@ def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
     tried: list[tuple[EffectKey, np.ndarray, Mapping[str, float]]] = []
     for key in places(linearisation.model) if data.replay.on_ground else ():
         effect = effect_named(key.effect)
-        if effect.of_ground:
-            own = effect.guesses(linearisation.motions[: data.training], linearisation.model, None)
-            tried += [(key, np.zeros(0), shape) for shape, _ in own]
-        elif effect.moves_feet:
+        if isinstance(effect, OnGround):
+            own = effect.guesses(linearisation.motions[: data.training])
+            tried += [(key, np.zeros(0), shape) for shape in own]
+        elif kinds.moves_feet(effect):
             tried += [(key, np.array([value]), {}) for value in _MOVED]
     models = []
     for key, coefficients, shape in tried:
-        values = effect_named(key.effect).to_parameters(coefficients, shape)
+        values = effect_named(key.effect).parameters.to_values(coefficients, shape)
         models.append(
             linearisation.model.with_effect(applied_effect(linearisation.model, AppliedEffect(key), values))
         )
@@ -142,9 +142,8 @@ def unobservable_effects(linearisation: Linearisation, data: Data) -> list[Effec
     for key in places(linearisation.model):
         effect = effect_named(key.effect)
         hidden = not data.replay.shows(key.effect)
-        if data.replay.on_ground and effect.of_ground:
-            motions = linearisation.motions[: data.training]
-            hidden = hidden or not effect.guesses(motions, linearisation.model, None)
+        if data.replay.on_ground and isinstance(effect, OnGround):
+            hidden = hidden or not effect.guesses(linearisation.motions[: data.training])
         # what shifts commands or readings is no torque, which is all that a measured motion tells
         along = not data.replay.simulates and effect.door not in TORQUES
         if hidden or along:
@@ -162,11 +161,11 @@ def _blocks(
     for key in asked:
         effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
         replay = linearisation.data.replay
-        if effect.splits or effect.of_ground or not replay.shows(key.effect):
+        if isinstance(effect, Compliance | OnGround) or not replay.shows(key.effect):
             continue  # see `compliance_candidates` and `on_the_ground`
-        if effect.moves_feet and replay.on_ground:
+        if kinds.moves_feet(effect) and replay.on_ground:
             continue  # how deep a foot goes is no torque along the motion
-        for shape in effect.shapes(linearisation.motions, linearisation.model, place):
+        for shape in effect.parameters.shapes(linearisation.motions, linearisation.model, place):
             linear, fixed = linearisation.columns(key, shape)
             own = [*linear, *([fixed] if fixed else [])]
             if columns and len(columns) + len(own) > size:
@@ -193,7 +192,7 @@ def _candidate(
 
 def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
     """Physical bounds of an entry's coefficients."""
-    bounds = effect_named(entry.key.effect).bounds(
+    bounds = effect_named(entry.key.effect).parameters.bounds(
         linearisation.model, Placement.of(linearisation.model, entry.key)
     )
     return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]

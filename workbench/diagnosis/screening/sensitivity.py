@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import Effect, Motion, Plant, compile_plant, effect_named
+from workbench.effects import Compliance, Effect, Motion, Plant, compile_plant, effect_named, kinds
 from workbench.models import AppliedEffect, Model, Placement, own_friction
 from workbench.simulation import on_all_cores
 
@@ -93,7 +93,7 @@ class Linearisation:
     @property
     def has_compliance(self) -> bool:
         """Whether the model has compliances, so that a torque on the links is not one on the motors."""
-        return any(effect_named(e.key.effect).splits for e in self.model.effects)
+        return any(isinstance(effect_named(e.key.effect), Compliance) for e in self.model.effects)
 
     @cached_property
     def has_stiction(self) -> bool:
@@ -102,7 +102,7 @@ class Linearisation:
         Small torques do not move it then, and a loop linearised about such a motion is wrong.
         """
         known = (*own_friction(self.model), *self.model.effects)
-        dry = [e.key for e in known if effect_named(e.key.effect).dry]
+        dry = [e.key for e in known if kinds.is_dry(effect_named(e.key.effect))]
         for place in filter(None, (Placement.of(self.model, key) for key in dry)):
             moved = [np.abs(np.diff(m.along(place)[0])) / m.step for m in self.motions]
             if np.mean(np.concatenate(moved) < self.model.sliding_speed) > POLICY.sticking_rows:
@@ -143,7 +143,7 @@ class Linearisation:
     ) -> SensitivityColumn:
         """The column of an effect with given parameter values."""
         effect = effect_named(applied.key.effect)
-        coefficients, shape = effect.to_coefficients(values)
+        coefficients, shape = effect.parameters.to_coefficients(values)
         linear, fixed = self.columns(applied.key, shape, motions)
         return combine([*linear, *([fixed] if fixed else [])], [*coefficients, *([1.0] if fixed else [])])
 
@@ -153,9 +153,9 @@ class Linearisation:
         The tap is left out: a held torque that is late by a fraction of a row shows the same rows.
         """
         effect = effect_named(applied.key.effect)
-        behind_springs = effect.on_links or applied.key.location == "joint"
+        behind_springs = kinds.on_links(effect) or applied.key.location == "joint"
         if (
-            effect.by_runs
+            kinds.by_runs(effect)
             or (behind_springs and self.has_compliance)
             or self.has_stiction
             or self.data.replay.on_ground
@@ -163,17 +163,19 @@ class Linearisation:
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)
         motions = [effect.before(m, place, applied.values) for m in self.motions]
-        coefficients, shape = effect.to_coefficients(applied.values)
+        coefficients, shape = effect.parameters.to_coefficients(applied.values)
         out: list[SensitivityColumn | FiniteDifference] = [*self.columns(applied.key, shape, motions)[0]]
-        limits = effect.shape_bounds(self.model, place)
-        for name in effect.nonlinear:
+        limits = effect.parameters.shape_bounds(self.model, place)
+        for name in effect.parameters.nonlinear:
             step = max(0.05 * abs(shape[name]), 1e-12)
             if name == "time":
                 step = 0.2 * motions[0].step
             low = max(shape[name] - step, limits[name][0])
             high = min(shape[name] + step, limits[name][1])
             pair = [
-                self.total(applied, effect.to_parameters(coefficients, {**shape, name: value}), motions)
+                self.total(
+                    applied, effect.parameters.to_values(coefficients, {**shape, name: value}), motions
+                )
                 for value in (low, high)
             ]
             slope = combine(pair, [-1.0 / (high - low), 1.0 / (high - low)])
@@ -183,14 +185,14 @@ class Linearisation:
     def _trials(self, applied: AppliedEffect) -> list[FiniteDifference]:
         """Finite differences of each unknown of an effect, by `_PROBE_STEP` of it, within its bounds."""
         effect, place = effect_named(applied.key.effect), Placement.of(self.model, applied.key)
-        coefficients, shape = effect.to_coefficients(applied.values)
-        lower, upper = effect.bounds(self.model, place)
-        limits = effect.shape_bounds(self.model, place)
-        names = effect.nonlinear
+        coefficients, shape = effect.parameters.to_coefficients(applied.values)
+        lower, upper = effect.parameters.bounds(self.model, place)
+        limits = effect.parameters.shape_bounds(self.model, place)
+        names = effect.parameters.nonlinear
         low = np.array([*lower, *(limits[name][0] for name in names)])
         high = np.array([*upper, *(limits[name][1] for name in names)])
         now = np.array([*coefficients, *(shape[name] for name in names)])
-        least = np.maximum(effect.least(shape), _PROBE_STEP * _alike(effect, now))
+        least = np.maximum(effect.parameters.least(shape), _PROBE_STEP * _alike(effect, now))
         out = []
         for i, value in enumerate(now):
             change = least[i]
@@ -198,7 +200,7 @@ class Linearisation:
             moved = now + change * (np.arange(len(now)) == i)
             count = len(coefficients)
             own = dict(zip(names, map(float, moved[count:]), strict=True))
-            changed = applied_effect(self.model, applied, effect.to_parameters(moved[:count], own))
+            changed = applied_effect(self.model, applied, effect.parameters.to_values(moved[:count], own))
             effects = tuple(changed if e is applied else e for e in self.model.effects)
             out.append(FiniteDifference(replace(self.model, effects=effects), change))
         return out
@@ -206,7 +208,7 @@ class Linearisation:
 
 def _alike(effect: Effect, values: np.ndarray) -> np.ndarray:
     """Size of each unknown (k,); of coefficients in one unit the largest: nothing has no size of its own."""
-    units = [p.unit for p in effect.parameters if p.name not in effect.nonlinear]
+    units = [p.unit for p in effect.parameters if p.name not in effect.parameters.nonlinear]
     sizes = np.abs(values)
     for unit in set(units):
         same = np.flatnonzero([u == unit for u in units])

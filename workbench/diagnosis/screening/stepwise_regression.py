@@ -8,7 +8,7 @@ from itertools import combinations, groupby
 
 import numpy as np
 
-from workbench.effects import contains, effect_named
+from workbench.effects import contains, effect_named, kinds
 
 from ..moves.pairs import may_stand_together
 from ..policy import POLICY
@@ -109,7 +109,7 @@ def _only_refines(new: Chosen, now: Selection, regression: Regression) -> bool:
 
 
 def _basic(new: Chosen) -> bool:
-    return all(effect_named(e.key.effect).basic for e in new)
+    return all(effect_named(e.key.effect).search.basic for e in new)
 
 
 def _with(chosen: Chosen, new: Chosen) -> Chosen:
@@ -132,7 +132,7 @@ def _apart(one: Entry, other: Entry) -> bool:
 
 def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
     """Basic effects at one place, in twos and threes."""
-    basic = [e for e in entries if effect_named(e.key.effect).basic and e.key.axis is not None]
+    basic = [e for e in entries if effect_named(e.key.effect).search.basic and e.key.axis is not None]
     basic.sort(key=lambda e: (str(e.key.axis), e.key.location))
     places = [list(own) for _, own in groupby(basic, lambda e: (e.key.axis, e.key.location))]
     return [s for own in places for size in (2, 3) for s in combinations(own, size)]
@@ -165,7 +165,7 @@ def _least(new: Chosen) -> float:
 def _cost(new: Chosen) -> tuple[int, int]:
     """Free parameters, refinements."""
     effects = [effect_named(e.key.effect) for e in new]
-    return sum(len(e.parameters) for e in effects), sum(e.tier for e in effects)
+    return sum(len(e.parameters) for e in effects), sum(map(kinds.tier_of, effects))
 
 
 def _without_needless(now: Selection, regression: Regression) -> Selection:

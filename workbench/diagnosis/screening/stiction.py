@@ -13,7 +13,7 @@ import numpy as np
 
 from workbench.comparison import followed
 from workbench.core import Recording
-from workbench.effects import effect_named, places
+from workbench.effects import effect_named, kinds, places
 
 from ..data import Data, gather
 from ..hypothesis import Fit
@@ -72,7 +72,7 @@ def candidates(
         test_loss = floor + scale * max(other.test_loss - floor_along, 0.0)
         return replace(other, test_loss=test_loss) if test_loss < own.test_loss else own
 
-    others = {key for key in places(model) if not effect_named(key.effect).dry}
+    others = {key for key in places(model) if not kinds.is_dry(effect_named(key.effect))}
     found, _ = screen(moving, along, before.simulated, current.hypothesis.free, left_out=others)
     seen = {c.key: c for c in found if c.key not in others}
     best = (better(c, seen[c.key]) if c.key in seen else c for c in in_loop)

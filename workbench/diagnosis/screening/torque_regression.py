@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Door, Motion, effect_named, places
+from workbench.effects import Compliance, Door, Motion, OnGround, effect_named, kinds, places
 from workbench.models import Placement
 
 from ..data import Data
@@ -176,12 +176,12 @@ def regression_of(start: Fit, data: Data) -> Regression:
     entries, motions, sizes = [], needing(linearisation), sizes_of(linearisation)
     for key in places(model):
         effect, place = effect_named(key.effect), Placement.of(model, key)
-        acts = effect.door in TORQUES and not effect.splits and not effect.of_ground
-        if not acts or effect.free(model) == 0 or not data.replay.shows(key.effect):
+        acts = effect.door in TORQUES and not isinstance(effect, Compliance | OnGround)
+        if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
             continue
         if effect.door is Door.MOTOR and _is_a_gain(key, linearisation):
             continue
-        for shape in effect.shapes(linearisation.motions, model, place):
+        for shape in effect.parameters.shapes(linearisation.motions, model, place):
             linear, fixed = linearisation.columns(key, shape, motions)
             if fixed is None and linear:
                 numbers = list(range(len(columns), len(columns) + len(linear)))
@@ -190,7 +190,8 @@ def regression_of(start: Fit, data: Data) -> Regression:
     own: dict[EffectKey, int] = {}
     for applied in model.effects:
         effect = effect_named(applied.key.effect)
-        if effect.door in TORQUES and not effect.splits and not effect.by_runs and effect.parameters:
+        gives_way = isinstance(effect, Compliance)
+        if effect.door in TORQUES and not gives_way and not kinds.by_runs(effect) and effect.parameters:
             own[applied.key] = len(columns)
             columns.append(linearisation.total(applied, applied.values))
     rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
@@ -249,7 +250,7 @@ def _is_a_gain(key: EffectKey, linearisation: Linearisation) -> bool:
     """Whether an effect scales the torque that was measured: less of that leaves less of any residual too."""
     effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
     idle = replace(linearisation.motions[0], torque=np.zeros_like(linearisation.motions[0].torque))
-    (shape, *_) = effect.shapes(linearisation.motions[:1], linearisation.model, place)
+    (shape, *_) = effect.parameters.shapes(linearisation.motions[:1], linearisation.model, place)
     return not np.any(effect.response(idle, linearisation.model, place, shape).columns)
 
 

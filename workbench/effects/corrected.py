@@ -1,0 +1,74 @@
+"""Numbers of a model that an effect is more or less of: what the model has, and where its file has it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from workbench.models import AppliedEffect, BodyNumbers, JointNumber, Model, Placement, turned_joint
+
+#: What a model has of a number in a place, with what was added to it.
+Own = Callable[[Model, Placement], float]
+
+
+@dataclass(frozen=True)
+class AtJoint:
+    """A number of a joint.
+
+    Attributes:
+        number: as MJCF calls it.
+        parameter: the effect's, added to it; `rest`: another one that says where a spring rests.
+        own: None where a model is not known to have one.
+        power: of the ratio between axis and joint, by which it is turned.
+        called: what a person calls it; empty where an effect is missing, rather than a number wrong.
+    """
+
+    number: str
+    parameter: str
+    own: Own | None = None
+    power: int = 2
+    rest: str = ""
+    called: str = ""
+
+    def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> JointNumber | None:
+        """Which number of the model's MJCF or URDF holds this; None where none does."""
+        turned = turned_joint(model, place)
+        if turned is None:
+            return None
+        joint, ratio = turned
+        more = values[self.parameter] * abs(ratio) ** self.power
+        if not self.rest:
+            return JointNumber(joint, self.number, more)
+        return JointNumber(joint, self.number, more, values[self.rest] / ratio)
+
+
+@dataclass(frozen=True)
+class OfBody:
+    """The mass, centre or inertia of a link's body; `own` and `called` as in `AtJoint`."""
+
+    own: Own | None = None
+    called: str = ""
+
+    def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> BodyNumbers | None:
+        """Which numbers of the model's MJCF or URDF hold this."""
+        del values
+        return BodyNumbers(model.joints[place.index])
+
+
+def there(
+    effect: str, model: Model, place: Placement, beside: Sequence[AppliedEffect] = ()
+) -> list[dict[str, float]]:
+    """Values of each effect of this name that a model has in this place, and of those `beside` them."""
+    where = effect, model.axes[place.index], place.location
+    known = (*beside, *model.effects)
+    return [e.values for e in known if (e.key.effect, e.key.axis, e.key.location) == where]
+
+
+def added(effect: str, parameter: str, model: Model, place: Placement) -> float:
+    """What effects of a model in this place add up to."""
+    return sum(values[parameter] for values in there(effect, model, place))
+
+
+def down_to(most: Own) -> Callable[[Model, Placement], tuple[float, float]]:
+    """Bounds of what is added to a number of which so much may be taken off."""
+    return lambda model, place: (-most(model, place), float("inf"))
