@@ -64,6 +64,11 @@ def _above_noise(node: Node, best: Node, problem: Problem) -> bool:
     return _is_plain(node, problem) and _may_be_wrong(best, problem)
 
 
+def _not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
+    """Beside one effect after the other, where noise does not explain all: what costs little to ask."""
+    return _is_plain(node, problem) and not best.done
+
+
 def _above_noise_after_all(node: Node, best: Node, problem: Problem) -> bool:
     several = problem.limit > 1 and node.move in (ONE_BY_ONE, _LIKELY_COMPLIANCE, _FROM_TRAINING)
     return several and _may_be_wrong(best, problem)
@@ -119,7 +124,7 @@ MOVES = (
     Move("other sizes of a gap", with_refined_gap, _best_with_gap),
     Move("a gap or soft joint that the torque shows", restarts.clear_compliance, _above_noise),
     Move("what the fitted recordings show", restarts.on_training, _unexplained),
-    Move("one cause on every axis, after all", restarts.on_all_axes, _above_noise),
+    Move("one cause on every axis, after all", restarts.on_all_axes, _not_at_noise),
     Move("two causes at once", restarts.two_at_once, _unexplained_or_ambiguous),
     Move("the torque along the motion", restarts.along_the_motion, _unexplained),
     Move("a refinement in place of a basic effect", restarts.a_refinement, _above_noise_after_all),
