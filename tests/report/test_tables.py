@@ -134,7 +134,7 @@ def test_an_improvement_that_stops_above_the_noise_says_why_and_where(improvemen
     nothing = replace(short, steps=(), before=after)
     text = " ".join(printed(improvement_table(nothing)).split())
     assert "no effect that was tried explains what is missing" in text
-    assert "Of the error above the noise, " in text
+    assert "Of the squared error above the noise, " in text
 
 
 def test_an_improvement_says_how_sure_its_names_are(improvement):

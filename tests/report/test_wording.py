@@ -56,13 +56,13 @@ def test_verdicts(comparison, diagnosis, improvement):
     unknown = replace(diagnosis, verdict="unexplained", findings=(), unexplained_fraction=0.73)
     assert (
         sentence(unknown)
-        == "Something is missing: no effect that was tried explains what is missing; 73 % of the error above "
-        "the noise stays."
+        == "Something is missing: no effect that was tried explains what is missing; 73 % of the squared "
+        "error above the noise stays."
     )
     spent = sentence(replace(unknown, stopped="budget"))
     assert "before it had tried everything" in spent and "no effect" not in spent
     partly = replace(diagnosis, verdict="partly_explained", unexplained_fraction=0.4)
-    end = "That is certain, and not all: 40 % of the error above the noise has another cause."
+    end = "That is certain, and not all: 40 % of the squared error above the noise has another cause."
     assert sentence(partly).endswith(end)
     two = replace(diagnosis, findings=diagnosis.findings * 2)
     assert sentence(two).startswith("Two effects are missing: Coulomb friction on the knee drive and ")

@@ -65,7 +65,8 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
     after, *holdout_after = before, *holdout_before
     if named and last.steps[-1].runs is not None:
         after, *holdout_after = comparisons(last.final.hypothesis.model, last.steps[-1].runs, last)
-    each = [(f, findings_of(f)) for f in found] if named else []
+    held_out_floor = _held_out_floor(last.final_data if named else first.start_data)
+    each = [(f, findings_of(f, held_out_floor)) for f in found] if named else []
     recordings = first.start_data.recordings
     findings = doubted(tuple(finding for _, own in each for finding in own), recordings)
     ends = [(replace(f, consistent_after=last.consistent_after), own) for f, own in each or [(first, ())]]
@@ -94,7 +95,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         after=after,
         held_out=(holdout_before[0], holdout_after[0]) if holdout_before else None,
         settled=_model_settings(first) if named else {},
-        holdout_noise_error=_held_out_floor(last.final_data if named else first.start_data),
+        holdout_noise_error=held_out_floor,
         near=near_findings(last),
         stopped=last.stopped,
         work=sum(f.start_data.budget.done for f in found),

@@ -35,7 +35,7 @@ def diagnosis_sentence(result: Diagnosis) -> str:
         return "The model explains the data to the noise."
     if result.verdict == "unexplained" or not result.findings:
         rest = percent(result.unexplained_fraction)
-        return f"Something is missing: {_nothing(result)}; {rest} of the error above the noise stays."
+        return f"Something is missing: {_nothing(result)}; {rest} of the squared error above the noise stays."
     wrong = [f for f in result.findings if corrects(f)]
     missing = [f for f in result.findings if not corrects(f)]
     told = " ".join(filter(None, [_wrong(wrong), _missing(missing, bool(wrong))]))
@@ -52,7 +52,7 @@ def _nothing(result: Diagnosis | None) -> str:
 def partly_sentence(result: Diagnosis) -> str:
     """How much stays unknown beside effects that are certain, with a space before it."""
     rest = percent(result.unexplained_fraction)
-    return f" That is certain, and not all: {rest} of the error above the noise has another cause."
+    return f" That is certain, and not all: {rest} of the squared error above the noise has another cause."
 
 
 def improvement_sentence(result: Improvement) -> str:

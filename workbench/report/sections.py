@@ -103,7 +103,7 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
     out = []
     if isinstance(result, Comparison):
         if not result.consistent and result.where:
-            out.append(f"Of the error above the noise, {w.share_phrase(result.where[0])}.")
+            out.append(f"Of the squared error above the noise, {w.share_phrase(result.where[0])}.")
         if not result.consistent:
             out.append("Run workbench diagnose on the same files to learn which effect is missing.")
         return out
@@ -116,7 +116,7 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
     diagnosis = result if isinstance(result, Diagnosis) else result.diagnosis
     out.append(near_sentence(diagnosis.near if diagnosis else ()))
     if before is not None and before.where and result.verdict == "unexplained":
-        out.append(f"Of the error above the noise, {w.share_phrase(before.where[0])}.")
+        out.append(f"Of the squared error above the noise, {w.share_phrase(before.where[0])}.")
     return [line for line in out if line]
 
 
@@ -145,7 +145,9 @@ def _key_numbers(result: Result) -> list[tuple[str, str, str]]:
     ]
     out = out if len(rungs(result)) > 1 else [("Error", *out[0][1:]), out[2]]
     if isinstance(result, Diagnosis):
-        out.append(("Unexplained", percent(result.unexplained_fraction), "of the error above the noise"))
+        out.append(
+            ("Unexplained", percent(result.unexplained_fraction), "of the squared error above the noise")
+        )
     elif result.holdout_error_after is not None:
         out.append(
             (

@@ -64,7 +64,9 @@ def compare_table(result: Comparison) -> Group:
         table,
     ]
     if not result.consistent:
-        parts += _shares("Where the error above the noise sits: shares by each quantity", result.where)
+        parts += _shares(
+            "Where the squared error above the noise sits: shares by each quantity", result.where
+        )
     if result.inverse_dynamics is not None:
         inverse = 100.0 * result.inverse_dynamics.relative_error
         parts.append(
