@@ -12,6 +12,7 @@ from workbench.core import (
     Comparison,
     InputError,
     InverseDynamics,
+    Outlier,
     Recording,
     RecordingError,
     Share,
@@ -21,7 +22,7 @@ from workbench.effects import axis_units
 from workbench.models import Model, limits_left_out
 from workbench.simulation import check_axes, scored_torque
 
-from .consistent import MARGIN_TOTAL, consistent
+from .consistent import MARGIN_TOTAL, consistent, signal_ratios
 from .floating import with_base
 from .grounded import force_squares
 from .inverse import inverse_dynamics
@@ -246,7 +247,18 @@ def concluded(
         where=() if fine else where(entries),
         inverse_dynamics=inverse,
         notes=(*notes, *filter(None, [limits_left_out(model)])),
+        outlier=_outlier(model.axes, *signal_ratios(error_ms, draws_ms, allowed)),
     )
+
+
+def _outlier(axes: Sequence[str], ratios: np.ndarray, limits: np.ndarray) -> Outlier | None:
+    """The signal that exceeds by most what noise makes of any; None where none does."""
+    above = np.nan_to_num(ratios / limits)
+    kind, axis = np.unravel_index(int(above.argmax()), above.shape)
+    if above[kind, axis] <= 1.0:
+        return None
+    signal = ("position", "torque")[int(kind)]
+    return Outlier(axes[int(axis)], signal, float(ratios[kind, axis]), float(limits[kind, 0]))
 
 
 def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from .results import (
     HOPELESS,
     Comparison,
     InverseDynamics,
+    Outlier,
     RecordingError,
     Share,
 )
@@ -44,6 +45,7 @@ __all__ = [
     "InputError",
     "InverseDynamics",
     "Mechanism",
+    "Outlier",
     "Recording",
     "RecordingError",
     "Shape",

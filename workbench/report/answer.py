@@ -12,10 +12,10 @@ from .wording import (
     capital,
     effect_phrase,
     effect_phrases,
+    outlier_phrase,
     place,
     single_value,
     times_noise,
-    worst_signal,
 )
 
 #: What of a model an effect corrects, where it is no effect that is missing.
@@ -66,8 +66,8 @@ def improvement_sentence(result: Improvement) -> str:
     added = any_of([effect_phrase(s.key) for s in kept], "and") if len(kept) < 4 else ""
     added = added or f"{_count(len(kept))} effects"
     if result.verdict == "consistent":
-        after = result.after
-        but = f" as a whole ({worst_signal(after)})" if after is not None and not after.consistent else ""
+        outlier = result.after.outlier if result.after is not None else None
+        but = f" as a whole ({outlier_phrase(outlier)})" if outlier is not None else ""
         return f"With {added}, the model explains the data to the noise{but}: {fall}."
     times = times_noise(result.error_after, result.noise_error)
     rest = f", still {times} the noise floor" if times else ""
