@@ -247,29 +247,18 @@ def concluded(
         where=() if fine else where(entries),
         inverse_dynamics=inverse,
         notes=(*notes, *filter(None, [limits_left_out(model)])),
-        outlier=_outlier(model.axes, *signal_ratios(error_ms, draws_ms, allowed)),
+        outlier=_outlier(model.axes, error_ms, draws_ms, allowed),
     )
 
 
-def _outlier(axes: Sequence[str], ratios: np.ndarray, limits: np.ndarray) -> Outlier | None:
+def _outlier(
+    axes: Sequence[str], error_ms: np.ndarray, draws_ms: np.ndarray, allowed: np.ndarray
+) -> Outlier | None:
     """The signal that exceeds by most what noise makes of any; None where none does."""
+    ratios, limits = signal_ratios(error_ms, draws_ms, allowed)
     above = np.nan_to_num(ratios / limits)
-    kind, axis = np.unravel_index(int(above.argmax()), above.shape)
+    kind, axis = (int(k) for k in np.unravel_index(int(above.argmax()), above.shape))
     if above[kind, axis] <= 1.0:
         return None
-    signal = ("position", "torque")[int(kind)]
-    return Outlier(axes[int(axis)], signal, float(ratios[kind, axis]), float(limits[kind, 0]))
-
-
-def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """What a reader of a result on these recordings should know; what stands for several is said once."""
-    names: dict[str, list[str]] = {}
-    for r in recordings:
-        notes = r.notes
-        if scored_torque(r) == "torque_command" and not is_free(r):
-            notes = (*notes, "torque was not measured behind the drive; the command is compared instead")
-        elif scored_torque(r) is None:
-            notes = (*notes, "no torque was recorded; position alone is compared")
-        for note in notes:
-            names.setdefault(note, []).append(r.name)
-    return tuple(f"{', '.join(of)}: {note}" for note, of in names.items())
+    ratio = np.sqrt(error_ms[kind, axis] / draws_ms[:, kind, axis].mean())  # as tables show it
+    return Outlier(axes[axis], ("position", "torque")[kind], float(ratio), float(limits[kind, 0]))
