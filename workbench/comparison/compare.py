@@ -12,7 +12,6 @@ from workbench.core import (
     Comparison,
     InputError,
     InverseDynamics,
-    Outlier,
     Recording,
     RecordingError,
     Share,
@@ -20,20 +19,20 @@ from workbench.core import (
 )
 from workbench.effects import axis_units
 from workbench.models import Model, limits_left_out
-from workbench.simulation import check_axes, scored_torque
+from workbench.simulation import check_axes
 
-from .consistent import MARGIN_TOTAL, consistent, signal_ratios
+from .consistent import MARGIN_TOTAL, consistent, outlier_of
 from .floating import with_base
 from .grounded import force_squares
 from .inverse import inverse_dynamics
 from .lines import line_shares
 from .noise import DRAWS, NoiseModel
+from .notes import notes_of
 from .replay import replay_of
 from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 from .soft_friction import softness_note
 from .standing import check_ground, on_ground
-from .swings import is_free
 from .touching import contact_notes, refuse_overlaps
 from .unlogged import readings
 from .where import locate
@@ -247,18 +246,5 @@ def concluded(
         where=() if fine else where(entries),
         inverse_dynamics=inverse,
         notes=(*notes, *filter(None, [limits_left_out(model)])),
-        outlier=_outlier(model.axes, error_ms, draws_ms, allowed),
+        outlier=outlier_of(model.axes, error_ms, draws_ms, allowed),
     )
-
-
-def _outlier(
-    axes: Sequence[str], error_ms: np.ndarray, draws_ms: np.ndarray, allowed: np.ndarray
-) -> Outlier | None:
-    """The signal that exceeds by most what noise makes of any; None where none does."""
-    ratios, limits = signal_ratios(error_ms, draws_ms, allowed)
-    above = np.nan_to_num(ratios / limits)
-    kind, axis = (int(k) for k in np.unravel_index(int(above.argmax()), above.shape))
-    if above[kind, axis] <= 1.0:
-        return None
-    ratio = np.sqrt(error_ms[kind, axis] / draws_ms[:, kind, axis].mean())  # as tables show it
-    return Outlier(axes[axis], ("position", "torque")[kind], float(ratio), float(limits[kind, 0]))

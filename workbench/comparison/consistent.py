@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from workbench.core import HOPELESS
+from workbench.core import HOPELESS, Outlier
 
 # A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
 # signal's floor from a few draws to about 3 %.
@@ -68,3 +70,21 @@ def signal_ratios(
     asked = max(int(np.isfinite(ratios).sum()), 1)
     deviations = -ndtri(ndtr(-_DEVIATIONS) / asked)
     return ratios, np.maximum(_MARGIN_SIGNAL, 1.1 + deviations * shared)
+
+
+def outlier_of(
+    axes: Sequence[str], error_ms: np.ndarray, draws_ms: np.ndarray, allowed: np.ndarray
+) -> Outlier | None:
+    """The signal that exceeds by most what noise makes of any; None where none does.
+
+    Args:
+        axes: names of the axes.
+        error_ms, draws_ms, allowed: as of `consistent`.
+    """
+    ratios, limits = signal_ratios(error_ms, draws_ms, allowed)
+    above = np.nan_to_num(ratios / limits)
+    kind, axis = (int(k) for k in np.unravel_index(int(above.argmax()), above.shape))
+    if above[kind, axis] <= 1.0:
+        return None
+    ratio = np.sqrt(error_ms[kind, axis] / draws_ms[:, kind, axis].mean())  # as tables show it
+    return Outlier(axes[axis], ("position", "torque")[kind], float(ratio), float(limits[kind, 0]))
