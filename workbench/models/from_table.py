@@ -35,7 +35,7 @@ def from_table(table: ModelTable, file: Path) -> Model:
     serial = _resolve(file, table.serial, "serial")
     spec = load_tree(serial)
     known = hinges_and_slides(spec, serial)
-    base = tuple(name for name in known if name in BASE_AXES)
+    base = BASE_AXES if set(BASE_AXES) <= set(known) else ()  # many an arm turns about its "base_yaw"
     axes, joints, matrix = _transmission(table, [name for name in known if name not in base], file)
     n = len(axes)
     payload_site = _payload_site(table, spec, file)

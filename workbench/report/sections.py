@@ -207,18 +207,19 @@ def _effects(result: Result) -> list[dict[str, Any]]:
     if isinstance(result, Comparison):
         return []
     found: Iterable[Finding | Step] = result.findings if isinstance(result, Diagnosis) else result.steps
-    chances = _chances(result)
+    findings = _findings(result)
     out = []
     for f in found:
         error = f.error_after if isinstance(f, Finding) else f.error
-        lines = [w.lookalike_sentence(f.indistinguishable_from)]
+        total = w.total_phrase(findings[f.key]) if f.key in findings else ""
+        lines = [f"In all {total}." if total else "", w.lookalike_sentence(f.indistinguishable_from)]
         if isinstance(f, Finding) and f.holdout_error_after is not None:
             lines.append(w.holdout_sentence(f.holdout_error_before, f.holdout_error_after))
         lines += [w.removed_sentence(f)] if isinstance(f, Step) else []
         out.append(
             {
                 "title": w.capital(w.effect_phrase(f.key)),
-                "chance": percent(chances[f.key]) if f.key in chances else "",
+                "chance": percent(findings[f.key].probability) if f.key in findings else "",
                 "error": number(error),
                 "parameters": _parameters(f.parameters),
                 "evidence": [plain(e) for e in f.evidence],
@@ -228,10 +229,10 @@ def _effects(result: Result) -> list[dict[str, Any]]:
     return out
 
 
-def _chances(result: Diagnosis | Improvement) -> dict[EffectKey, float]:
-    """How probable each name is; a step bears that of its finding."""
+def _findings(result: Diagnosis | Improvement) -> dict[EffectKey, Finding]:
+    """Findings by their effects: how probable a step is, and what it corrects, is that of its finding."""
     diagnosis = result.diagnosis if isinstance(result, Improvement) else result
-    return {f.key: f.probability for f in diagnosis.findings} if diagnosis else {}
+    return {f.key: f for f in diagnosis.findings} if diagnosis else {}
 
 
 def _effects_title(result: Result) -> str:

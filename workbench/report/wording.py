@@ -12,6 +12,7 @@ from workbench.core import (
     Comparison,
     EffectKey,
     Estimate,
+    Finding,
     Outlier,
     Share,
     Step,
@@ -87,6 +88,13 @@ def single_value(parameters: Mapping[str, Estimate]) -> str:
     estimate = next(iter(parameters.values()))
     known = math.isfinite(estimate.std) and estimate.std > 0
     return f", {interval(estimate)}" + (" (95 %)" if known else "")
+
+
+def total_phrase(finding: Finding) -> str:
+    """``"0.450 ± 0.002 N m, where the model has 0.150"``; empty where no number of the model is corrected."""
+    if finding.total is None or not finding.model_value:
+        return ""
+    return f"{interval(finding.total)}, where the model has {number(finding.model_value)}"
 
 
 def times_noise(error: float, noise: float) -> str:
