@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.comparison import softness_note
-from workbench.core import Diagnosis, Recording, Verdict
+from workbench.core import Diagnosis, EffectKey, Finding, Recording, Verdict
 from workbench.models import Model
 
 from .checks.units import doubted
@@ -81,7 +81,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         unexplained_fraction=rest,
         where=after.where,
         next_experiment=next((a for a in advice if a), None),
-        not_excited=first.identifiability.not_excited if first.identifiability else (),
+        not_excited=_not_excited(first, findings),
         ranking=ranking_of(first),
         evidence=(
             *refuting_line(verdict, first),
@@ -107,6 +107,17 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
             *([_NO_PAYLOAD] if verdict != "consistent" and first.model.payload_site is None else []),
         ),
     )
+
+
+def _not_excited(found: SearchResult, findings: Sequence[Finding]) -> tuple[EffectKey, ...]:
+    """Effects that these data could not have shown.
+
+    A small one may show nothing where a large one does as well as a finding: that is told beside the finding.
+    """
+    if found.identifiability is None:
+        return ()
+    rivals = {key for f in findings for key in f.indistinguishable_from}
+    return tuple(key for key in found.identifiability.not_excited if key not in rivals)
 
 
 def _rest(verdict: Verdict, found: Rounds) -> float:
