@@ -15,6 +15,7 @@ from .assignment import Signals
 from .axes import named_axes
 from .clean import Clean
 from .clock import find_time, rate_question
+from .copies import each_row_once
 from .draft import Draft
 from .gains import GAINS, gains_shown, take_controller
 from .like_quantities import joints_like_quantities
@@ -60,7 +61,7 @@ def propose(table: Table, answers: Answers | None = None) -> Proposal:
     roles = _roles(table)
     time = find_time(table, roles, answers)[0]
     if time is not None:
-        table = on_rows_of_axes(table, roles, time, answers)
+        table = each_row_once(on_rows_of_axes(table, roles, time, answers), roles, answers)
     return _drafted(Draft(table, answers, roles, notes=list(table.notes)))
 
 
