@@ -12,7 +12,8 @@ from workbench.core import InputError
 from workbench.effects import load_model
 
 ARM = """<mujoco><worldbody><body><joint name="a" axis="0 1 0"/><geom size="0.1"/><site name="s"/>
-<body pos="0 0 -0.3"><joint name="b" axis="0 1 0"/><geom size="0.1"/><site name="t"/></body></body></worldbody>
+<body pos="0 0 -0.3"><joint name="b" axis="0 1 0"/><geom size="0.1"/><site name="t"/></body></body>
+</worldbody>
 <tendon>{tendon}</tendon><actuator><motor name="m1" joint="a"/><motor name="m2" tendon="belt"/></actuator>
 </mujoco>"""
 BELT = '<fixed name="belt"><joint joint="a" coef="0.5"/><joint joint="b" coef="1"/></fixed>'

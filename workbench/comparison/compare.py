@@ -126,8 +126,9 @@ def told(result: Comparison) -> Comparison:
         SimulationError: noise alone throws the model further off than all that was measured.
     """
     floor = result.noise_error - 3.0 * result.noise_error_std
-    if noise_rules(floor, [entry.recording for entry in result.recordings]):
-        raise SimulationError(cannot_run(result.model, result.noise_error))
+    recordings = [entry.recording for entry in result.recordings]
+    if noise_rules(floor, recordings):
+        raise SimulationError(cannot_run(result.model, result.noise_error, ground=on_ground(recordings[0])))
     return result
 
 
@@ -142,12 +143,12 @@ def noise_rules(floor: float, recordings: Sequence[Recording]) -> bool:
     return floor > max(MARGIN_TOTAL, HOPELESS * np.nan_to_num(sensors))
 
 
-def cannot_run(model: str, floor: float) -> str:
-    """What is said of a model whose noise floor `noise_rules`."""
+def cannot_run(model: str, floor: float, *, ground: bool = False) -> str:
+    """What is said of a model whose noise floor `noise_rules`; what to look at first, on the `ground` too."""
     return (
         f"model '{model}' cannot run these loops: noise alone throws it {floor:.3g} times as far off as all "
         "that was measured; check the order of the axes, units, signs and gains, and what touches what"
-    )
+    ) + (", where the ground is and how soft ([ground]), and log base_velocity" if ground else "")
 
 
 def evaluate(model: Model, simulated: Simulated) -> Comparison:
