@@ -50,6 +50,9 @@ def test_the_loop_from_compare_to_compare(data: Path, tmp_path: Path) -> None:
     )
     steps = json.loads(better.stdout)
     assert [s["effect"] for s in steps["steps"]] == ["torque_bias"] and steps["verdict"] == "consistent"
+    (tmp_path / "steps.json").write_text(better.stdout)
+    wrong = run("add", "leg", "--from", tmp_path / "steps.json", "-o", tmp_path / "other.toml")
+    assert wrong.returncode == 2 and "the JSON of an improvement" in wrong.stderr
     confirmed = json.loads(run("compare", tmp_path / "better.toml", chirp_file, "--json", "-").stdout)
     assert confirmed["error"] == pytest.approx(steps["error_after"], rel=1e-6)
 

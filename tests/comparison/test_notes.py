@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from tests.simulation.make import leg_experiment
-from workbench.comparison.compare import compare, notes_of
+from workbench.comparison import compare
+from workbench.comparison.notes import notes_of
 from workbench.core import Controller
 from workbench.diagnosis import diagnose
 from workbench.effects import load_model

@@ -14,6 +14,14 @@ from workbench.core import Comparison
 from workbench.diagnosis import diagnose
 from workbench.effects import load_model
 
+_LINK = """<link name="{}"><inertial><origin xyz="{} 0 0"/><mass value="{}"/>
+<inertia ixx="0.004" iyy="{}" izz="{}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+_URDF = f"""<robot name="dry"><link name="base"/>{_LINK.format("arm", 0.1, 2, 0.07, 0.07)}
+{_LINK.format("rod", 0.05, 1.3, 0.005, 0.005)}<joint name="lift" type="continuous"><parent link="base"/>
+<child link="arm"/><axis xyz="0 -1 0"/><dynamics damping="0.3" friction="0.6"/></joint>
+<joint name="reach" type="prismatic"><parent link="arm"/><child link="rod"/><origin xyz="0.2 0 0"/>
+<axis xyz="1 0 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/><dynamics damping="2" friction="4"/>
+</joint></robot>"""
 _NAME = "friction constraint is soft"
 
 
@@ -36,6 +44,14 @@ def test_a_right_file_explains_the_log_and_hears_of_its_softness(tmp_path: Path,
     assert found.verdict == "consistent" and any(_NAME in note for note in found.notes)
     bare = compare(load_model(dry_arm(tmp_path, "none")), [log])
     assert not bare.consistent and not soft_notes(bare)
+
+
+def test_a_urdf_which_can_state_no_softness_is_not_told_to(tmp_path: Path) -> None:
+    log = made(dry_arm(tmp_path, "joint", RIGID, name="machine"))
+    (tmp_path / "dry.urdf").write_text(_URDF)
+    (note,) = soft_notes(compare(load_model(tmp_path / "dry.urdf"), [log]))
+    assert note.startswith("the URDF's dry friction") and "give it" not in note
+    assert note.endswith("train in what workbench normalize writes")
 
 
 def test_logs_that_have_the_softness_are_told_how_to_state_it(tmp_path: Path) -> None:

@@ -56,7 +56,7 @@ def test_a_bus_that_cannot_be_opened_is_named(tmp_path: Path) -> None:
     for interface, said in (("workbench", "can virtual"), ("nonsense", "nonsense")):
         with pytest.raises(InputError, match=said) as caught:
             PortNetwork(on(interface, str(tmp_path / "none"), tmp_path))
-        assert "bus 'can0'" in str(caught.value)
+        assert "bus.can0" in str(caught.value)
 
 
 def test_socketcan(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from workbench.core import EffectKey
+from workbench.core import EffectKey, Estimate
 from workbench.diagnosis.findings import _probability, near_line, step_of
 from workbench.diagnosis.search_result import AcceptedStep
 
@@ -35,13 +35,14 @@ def told(*added: EffectKey, indistinguishable: tuple[EffectKey, ...]) -> tuple[f
     )
     found: Any = SimpleNamespace(
         model=None,
+        steps=(step,),
         final=fit,
         consistent_after=True,
         explained=1.0,
         adequacy={},
         start_data=SimpleNamespace(score=lambda *_, **__: 0.0),
     )
-    shown = step_of(step, found, False, {_HIP: ("a line",)})
+    shown = step_of(0, found, None, {_HIP: ("a line",)})
     return _probability(step, found, shown.indistinguishable_from), shown.indistinguishable_from
 
 
@@ -60,14 +61,25 @@ def test_a_second_cause_is_no_other_name_for_the_first(form: str) -> None:
     assert alike == ()
 
 
-def found(explained: float) -> Any:
-    nothing = SimpleNamespace(hypothesis=SimpleNamespace(added=()))
-    return SimpleNamespace(explained=explained, final=nothing)
+def found(explained: float, tests_on_holdout: bool = False) -> Any:
+    one = SimpleNamespace(key=_HIP, parameters={"torque": Estimate(0.5, 0.01, "N*m")})
+    end = SimpleNamespace(hypothesis=SimpleNamespace(added=(one,)))
+    data = SimpleNamespace(tests_on_holdout=tests_on_holdout)
+    return SimpleNamespace(explained=explained, final=end, start_data=data)
 
 
 def test_a_share_that_is_not_enough_does_not_read_as_if_it_were() -> None:
     (line,) = near_line("unexplained", found(0.9463))
     assert "it removes 94 %" in line
+
+
+@pytest.mark.parametrize(
+    ("held_out", "said"), [(True, "the held-out recordings"), (False, "the fitted recordings")]
+)
+@pytest.mark.parametrize("explained", [0.6, 0.9])
+def test_a_share_that_is_told_says_of_which_data_it_is(explained: float, held_out: bool, said: str) -> None:
+    (line,) = near_line("unexplained", found(explained, held_out))
+    assert said in line and ("held-out" in line) is held_out
 
 
 @pytest.mark.parametrize(("explained", "said"), [(0.68, ["too little to be named"]), (0.1, [])])

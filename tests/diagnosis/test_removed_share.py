@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 
 from workbench.core import EffectKey
 from workbench.diagnosis.evidence.residual_evidence import finding_lines
 from workbench.diagnosis.loss import test_noise_floor as noise_floor
 from workbench.diagnosis.moves.add import next_step
-from workbench.diagnosis.removed_share import removed_share, removed_shares
+from workbench.diagnosis.removed_share import HeldOutFall, removed_share, removed_shares
 from workbench.diagnosis.screening.screen import screen
 from workbench.effects import load_model
+from workbench.models import AppliedEffect
 from workbench.rigs import HiddenEffect
 
 from .rig import asked, recordings
@@ -43,4 +47,40 @@ def test_a_step_its_ranking_and_its_evidence_have_the_same_share() -> None:
     (applied,) = step.fit.hypothesis.added
     shown = 100.0 * min(step.removed_share, 1.0)
     told = finding_lines(step, applied)[0]
-    assert told.startswith(f"removes {shown:.1f} % of the squared error above the noise")
+    assert told.startswith(f"removes {shown:.1f} % of the squared error above the noise on ")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        (0.13, 0.0673, "removes 82.7 % of"),
+        (0.13, 0.04, "removes 100.0 % of"),
+        (0.13, 0.15, "adds 37.4 % to"),
+        (0.0454, 0.044, "too little of it: their error was 1.03 times the noise"),
+    ],
+)
+def test_held_out_recordings_have_the_share_of_the_errors_beside_it(
+    before: float, after: float, said: str
+) -> None:
+    line = HeldOutFall(before, after, 0.044).line
+    assert said in line and "held-out recordings" in line
+
+
+@pytest.mark.parametrize("by_holdout", [True, False])
+def test_every_share_names_its_data(by_holdout: bool) -> None:
+    judged = (
+        "on held-out recordings" if by_holdout else "on parts of the fitted recordings that were left out"
+    )
+    step: Any = SimpleNamespace(
+        by_holdout=by_holdout, folds=(1, 1), removed_share=0.93, ranking=((EffectKey("lag", "hip"), 0.5),),
+        indistinguishable=(), fit=SimpleNamespace(hypothesis=SimpleNamespace(model=load_model("leg"))),
+    )  # fmt: skip
+    fall = HeldOutFall(0.13, 0.0673, 0.044)
+    shares = [
+        line for line in finding_lines(step, AppliedEffect(FRICTION, {}), (), fall) if "removes" in line
+    ]
+    assert shares[0] == fall.line
+    assert [
+        f"removes 93.0 % of the squared error above the noise {judged}" in line for line in shares[1:-1]
+    ] == ([] if by_holdout else [True])
+    assert "removes 50.0 % where this removes 93.0 %" in shares[-1] and judged in shares[-1]

@@ -96,3 +96,15 @@ def test_what_is_for_machines_on_a_stand_says_so(folder) -> None:
     for asked in (verify, normalise):
         with pytest.raises(InputError, match="takes one that is fixed; take the <freejoint/> out"):
             asked(model)
+
+
+def test_a_joint_that_is_called_as_an_axis_of_a_base_is_a_joint(tmp_path) -> None:
+    """Many an arm turns about its "base_yaw", and stood for a robot that floats."""
+    (tmp_path / "arm.xml").write_text(
+        """<mujoco><worldbody><body name="column"><joint name="base_yaw" axis="0 0 1"/><geom size="0.1"/>
+        <body name="arm" pos="0 0 0.3"><joint name="lift" axis="0 1 0"/><geom size="0.1"/></body></body>
+        </worldbody></mujoco>"""
+    )
+    model = load_model(tmp_path / "arm.xml")
+    assert not model.floats and model.axes == model.driven == ("base_yaw", "lift")
+    assert verify(model).passed

@@ -27,6 +27,7 @@ def put(folder: Path, position: str, effort: str, second: np.ndarray) -> Path:
         ("q_joint_{}", "tau_joint_{}", ("joint_1", "joint_2")),
         ("arm_{}_joint_position", "arm_{}_joint_effort", ("arm_1_joint", "arm_2_joint")),
         ("q_joint{}", "tau_joint{}", ("joint_1", "joint_2")),
+        ("q_motor_{}", "tau_motor_{}", ("motor_1", "motor_2")),
     ],
 )
 def test_a_joints_own_name_is_known_however_it_is_written(
@@ -35,6 +36,19 @@ def test_a_joints_own_name_is_known_however_it_is_written(
     file = put(tmp_path, position, effort, LOG.tau[:, 1])
     proposal = propose(open_table(file), Answers(model_axes=axes))
     assert proposal.description["axes"] == list(axes)
+    assert not [q for q in proposal.questions if q.key == "axes"]
+
+
+@pytest.mark.parametrize("name", ["motor", "lift", "joint"])
+@pytest.mark.parametrize("written", ["{}_position", "q_{}", "/arm/{}.position"])
+def test_a_name_with_which_another_begins_is_known_too(name: str, written: str, tmp_path: Path) -> None:
+    """Twins are called "motor" and "motor_2" by many a tool, and "motor" stands in both."""
+    axes = (name, f"{name}_2")
+    data = {"time": LOG.t} | {written.format(axis): LOG.q[:, k] for k, axis in enumerate(axes)}
+    (tmp_path / "run.csv").write_text(text(data))
+    proposal = propose(open_table(tmp_path / "run.csv"), Answers(model_axes=axes[::-1]))
+    assert proposal.description["axes"] == list(axes[::-1])
+    assert proposal.description["columns"]["position"] == [written.format(axis) for axis in axes[::-1]]
     assert not [q for q in proposal.questions if q.key == "axes"]
 
 

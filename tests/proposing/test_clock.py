@@ -172,3 +172,27 @@ def test_a_drive_with_rows_of_its_own_keeps_its_law(tmp_path: Path) -> None:
     command, measured = (recording.signals[f"torque_{s}"][:, 1] for s in ("command", "measured"))
     assert np.std(measured - command) < 0.03  # the noise alone: one clock for both
     assert not any("without a number of any axis" in note for note in proposal.notes)
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_rows_that_stand_there_several_times_are_taken_once_and_said(tmp_path: Path, count: int) -> None:
+    """A logger at 1 kHz of sensors at 200 Hz: half and more of the rows held nothing new, in silence."""
+    data = {name: np.repeat(values, count) for name, values in columns(LOG).items()}
+    data["t"] = LOG.t[0] + np.arange(count * N) * (LOG.t[1] - LOG.t[0]) / count
+    proposal, recording = imported(put(tmp_path, text(data)), Answers(model_axes=("hip", "knee")))
+    often = "twice" if count == 2 else f"{count} times"
+    assert f"Every row stands there {often}" in " ".join(proposal.notes)
+    assert len(recording) == N and recording.period == pytest.approx(LOG.t[1] - LOG.t[0])
+    np.testing.assert_allclose(recording.position, LOG.q, atol=1e-6)
+
+
+def test_rows_that_are_no_copies_stay(tmp_path: Path) -> None:
+    """One signal of its own in every row; and an encoder that turns slowly, whose steps come as it turns."""
+    twice = {name: np.repeat(values, 2) for name, values in columns(LOG).items()}
+    twice["t"] = np.arange(2 * N) * 0.5 * (LOG.t[1] - LOG.t[0])
+    own = next(name for name in twice if name != "t")
+    noisy = twice | {own: twice[own] + 1e-4 * np.random.default_rng(0).standard_normal(2 * N)}
+    slow = {"t": LOG.t, "pos_a": np.round(LOG.q[:, 0] * 60) / 60, "pos_b": np.round(LOG.q[:, 1] * 60) / 60}
+    for data in (noisy, slow):
+        proposal = propose(open_table(put(tmp_path, text(data))))
+        assert not any("stands there" in note for note in proposal.notes)

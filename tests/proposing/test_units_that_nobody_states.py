@@ -44,9 +44,10 @@ def sure(proposal: Proposal, what: str) -> float:
     return next(a.sure for a in proposal.assumptions if a.what == what)
 
 
-@pytest.mark.parametrize("size", [1.0, TURN])
-def test_radians_and_turns_have_one_slope_and_are_asked(tmp_path: Path, size: float) -> None:
-    proposal = propose(open_table(put(tmp_path, small(), position=1.0, velocity=1.0)))
+@pytest.mark.parametrize("names", ["{axis}.{signal}", "q_{axis}.{signal}"])
+def test_radians_and_turns_have_one_slope_and_are_asked(tmp_path: Path, names: str) -> None:
+    """Those of equations too: a third of a radian, or a third of a turn."""
+    proposal = propose(open_table(put(tmp_path, small(), names)))
     (asked,) = proposal.questions
     assert asked.key == "unit.position" and {"rad", "turn"} <= set(asked.choices)
     told = propose(open_table(put(tmp_path, small())), Answers().with_answer("unit.position", "turn"))

@@ -124,6 +124,29 @@ def test_analogue_position_noise() -> None:
     assert noise.position_std[0] == pytest.approx(1e-3, rel=0.05)
 
 
+@pytest.mark.parametrize("times", [0.0, 0.5, 1.0, 1.4, 1.7, 2.0, 3.0])
+@pytest.mark.parametrize("fast", [False, True])
+def test_noise_beside_rounding_is_found_whatever_its_size(times: float, fast: bool) -> None:
+    """Between one and two times the rounding it was taken for motion: a floor that was half of what it is."""
+    rng, t = np.random.default_rng(3), np.arange(6000) / 1000
+    q = 0.3 * np.sin(2 * np.pi * t) + fast * 0.01 * np.sin(2 * np.pi * 8.0 * t**2)
+    rounding = STEP / np.sqrt(12)
+    q = STEP * np.round((q + rng.normal(0.0, times * rounding, len(t))) / STEP)
+    r = Recording("r", ("a",), "actuator", t, {"position": q[:, None]}, ("rad",))
+    assert noise_levels(r).position_std[0] == pytest.approx(rounding * np.hypot(1.0, times), rel=0.12)
+
+
+def test_an_axis_on_which_motion_hides_its_noise_is_as_noisy_as_the_others_with_its_encoder() -> None:
+    """Of eighteen axes one had half the floor of the others: it lay just below twice the rounding."""
+    rng, t = np.random.default_rng(0), np.arange(4000) / 1000
+    moved = np.sin(2 * np.pi * t)[:, None] * np.ones(5)
+    moved[:, 0] += 3e-4 * np.sin(2 * np.pi * 12.0 * t**2)  # reaches into the bands that tell noise
+    q = STEP * np.round((moved + rng.normal(0.0, 1.7e-4, moved.shape)) / STEP)
+    names = tuple("abcde")
+    noise = noise_levels(Recording("r", names, "actuator", t, {"position": q}, ("rad",) * 5))
+    np.testing.assert_allclose(noise.position_std, np.hypot(1.7e-4, STEP / np.sqrt(12)), rtol=0.1)
+
+
 @settings(max_examples=40)
 @given(step=st.floats(1e-6, 1e-2), start=st.floats(-10, 10), seed=st.integers(0, 99))
 def test_any_encoder_step_is_found(step: float, start: float, seed: int) -> None:

@@ -7,8 +7,15 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from workbench.core import EffectKey
-from workbench.report import compare_table, diagnosis_table, improvement_table, print_table, truth_table
+from workbench.core import EffectKey, Estimate
+from workbench.report import (
+    compare_table,
+    diagnosis_table,
+    improvement_table,
+    print_table,
+    render_page,
+    truth_table,
+)
 from workbench.report.truth import truth_rows
 
 from . import build
@@ -134,9 +141,22 @@ def test_an_improvement_that_stops_above_the_noise_says_why_and_where(improvemen
     nothing = replace(short, steps=(), before=after)
     text = " ".join(printed(improvement_table(nothing)).split())
     assert "no effect that was tried explains what is missing" in text
-    assert "Of the error above the noise, " in text
+    assert "Of the squared error above the noise, " in text
 
 
 def test_an_improvement_says_how_sure_its_names_are(improvement):
     assert "97 % probable" in printed(improvement_table(improvement))
     assert "probable" not in printed(improvement_table(replace(improvement, diagnosis=None)))
+
+
+def test_an_improvement_says_what_a_corrected_number_is_in_all(improvement, diagnosis):
+    """What an effect adds to the model's own number read as if it were that number."""
+    key = improvement.steps[0].key
+    corrects = replace(
+        diagnosis.findings[0], key=key, model_value=0.15, total=Estimate(0.4504, 0.0011, "N*m")
+    )
+    better = replace(improvement, diagnosis=replace(diagnosis, findings=(corrects,)))
+    said = "in all 0.4504 ± 0.0022 N m, where the model has 0.150"
+    assert said in " ".join(printed(improvement_table(better)).split())
+    assert said[1:] in " ".join(render_page(better, command="").split())
+    assert "in all" not in printed(improvement_table(improvement))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.core import EffectKey, Estimate, Share
+from workbench.core import EffectKey, Estimate, Outlier, Share
 from workbench.report import render_page, sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
@@ -56,13 +56,13 @@ def test_verdicts(comparison, diagnosis, improvement):
     unknown = replace(diagnosis, verdict="unexplained", findings=(), unexplained_fraction=0.73)
     assert (
         sentence(unknown)
-        == "Something is missing: no effect that was tried explains what is missing; 73 % of the error above "
-        "the noise stays."
+        == "Something is missing: no effect that was tried explains what is missing; 73 % of the squared "
+        "error above the noise stays."
     )
     spent = sentence(replace(unknown, stopped="budget"))
     assert "before it had tried everything" in spent and "no effect" not in spent
     partly = replace(diagnosis, verdict="partly_explained", unexplained_fraction=0.4)
-    end = "That is certain, and not all: 40 % of the error above the noise has another cause."
+    end = "That is certain, and not all: 40 % of the squared error above the noise has another cause."
     assert sentence(partly).endswith(end)
     two = replace(diagnosis, findings=diagnosis.findings * 2)
     assert sentence(two).startswith("Two effects are missing: Coulomb friction on the knee drive and ")
@@ -74,8 +74,11 @@ def test_verdicts(comparison, diagnosis, improvement):
     first, last = improvement.steps
     taken_out = sentence(replace(improvement, steps=(first, replace(last, removed=(first.key,)))))
     assert taken_out.startswith("With torque gain on the hip drive, the model explains")
-    off = replace(improvement, after=replace(improvement.after, consistent=False))
-    assert "to the noise as a whole (the " in sentence(off) and "times its own noise): " in sentence(off)
+    worst = Outlier("knee", "torque", 1.44, 1.31)
+    off = replace(improvement, after=replace(improvement.after, consistent=False, outlier=worst))
+    assert "to the noise as a whole (the " in sentence(off) and "noise makes 1.31 at most): " in sentence(off)
+    near = replace(comparison, error=1.01 * comparison.noise_error, outlier=worst)
+    assert "the knee torque misses by 1.44 times its own noise, where" in sentence(near)
 
 
 def test_a_wrong_number_is_told_with_what_it_is_instead(diagnosis):

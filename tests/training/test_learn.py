@@ -98,6 +98,8 @@ def test_runs_are_neither_overwritten_nor_mixed(tmp_path: Path) -> None:
         run(tmp_path / "run", 2, seed=1, resume=True)
     with pytest.raises(InputError, match="no run to go on with"):
         run(tmp_path / "nothing", 2, resume=True)
+    run(tmp_path / "run", 2, seed=1, force=True)
+    assert json.loads((tmp_path / "run" / CONFIG).read_text())["settings"]["seed"] == 1
 
 
 def test_a_checkpoint_that_carries_code_is_not_run(tmp_path: Path) -> None:

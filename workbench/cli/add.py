@@ -218,6 +218,11 @@ def read_findings(path: str) -> list[Any]:
     try:
         content = json_format.loads(Path(path).read_text())
         check_format(content, FORMAT, path)
+        if "steps" in content and "findings" not in content:
+            raise InputError(
+                "the JSON of an improvement", file=path,
+                remedy="the model that improve writes (-o, --into) has its effects; or give diagnose's JSON",
+            )  # fmt: skip
         rows = content["findings"]
         found = [
             AppliedEffect(

@@ -173,6 +173,7 @@ def log(
     config: ConfigArgument,
     output: Annotated[str, typer.Option("--output", "-o", metavar="FILE", help="The candump log.")],
     parent: Annotated[int, typer.Option(help="End after this process, if it started this one.")] = 0,
+    force: ForceOption = False,
 ) -> None:
     """Log every frame of the buses as candump does, until interrupted.
 
@@ -182,9 +183,10 @@ def log(
     from workbench.core.files import check_free
     from workbench.deployment.logger import log_buses
 
-    stop, path = _until_told(), Path(output)
+    stop, path, loaded = _until_told(), Path(output), load_config(config)
     for file in (path, path.with_suffix(".clock")):
-        check_free(file, force=False)
+        check_free(file, force=force)
+        file.unlink(missing_ok=True)
     alone: list[float] = []  # since when
 
     def over() -> bool:
@@ -192,7 +194,7 @@ def log(
             alone.append(time.monotonic())
         return stop() or bool(alone and time.monotonic() > alone[0] + _AFTERWARDS)
 
-    count = log_buses(load_config(config), path, over, lambda: echo("ready"))
+    count = log_buses(loaded, path, over, lambda: echo("ready"))
     with contextlib.suppress(OSError):  # whoever started this is gone, and with it its end of the pipe
         echo(f"Logged {count} frames.")
 

@@ -22,7 +22,7 @@ def deploy(
         str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip), or 'tracker': no network.")
     ],
     config: Annotated[str, typer.Argument(metavar="CONFIG", help="CAN configuration (.toml).")],
-    seconds: Annotated[float, typer.Option(min=1.0, help="How long it runs.")] = 60.0,
+    seconds: Annotated[float, typer.Option(min=1.0, max=86400.0, help="How long it runs.")] = 60.0,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Virtual motors in simulated time; no bus is touched.")
     ] = False,

@@ -119,7 +119,7 @@ def read_answers(
     for value, option in ((rate, "--rate"), (counts, "--counts"), (period, "--period")):
         if value is not None and not 0 < value < float("inf"):
             raise InputError(f"{option} must be positive", remedy="give a finite number above zero")
-    names, linear, transmission, loop = _model_axes(model)
+    names, linear, transmission, loop, floats = _model_axes(model)
     columns = {k: tuple(v.split(",")) for k, v in named_values(column, "--column", "position=q1,q2").items()}
     return Answers(
         axes=tuple(axis or ()),
@@ -135,21 +135,24 @@ def read_answers(
         linear=linear,
         transmission=transmission,
         loop=loop,
+        floats=floats,
         episode=episode,
     )
 
 
-def _model_axes(model: str | None) -> tuple[tuple[str, ...], tuple[bool, ...], np.ndarray | None, bool]:
-    """Axes, which move along a line, the transmission if not the identity, whether a loop is stated."""
+def _model_axes(
+    model: str | None,
+) -> tuple[tuple[str, ...], tuple[bool, ...], np.ndarray | None, bool, bool]:
+    """Axes, which slide, the transmission if not the identity, whether a loop is stated, a base floats."""
     if model is None:
-        return (), (), None, False
+        return (), (), None, False, False
     from workbench.effects import axis_units, load_model
 
     loaded = load_model(model)
     n = len(loaded.driven)
     slides, transmission = tuple(unit == "m" for unit in axis_units(loaded)[:n]), loaded.transmission[:n, :n]
     turned = None if np.array_equal(transmission, np.eye(n)) else transmission
-    return loaded.driven, slides, turned, loaded.controller.kind != "unknown"
+    return loaded.driven, slides, turned, loaded.controller.kind != "unknown", loaded.floats
 
 
 def proposal_dict(proposal: Proposal, written: list[Path], found: Inspection) -> dict[str, Any]:

@@ -152,7 +152,8 @@ def train(
 
         done = learn(
             wanted, machine, settings, folder,
-            extra={"record": known if not against else None, "unverified": against}, resume=resume, tell=told,
+            extra={"record": known if not against else None, "unverified": against},
+            resume=resume, force=force, tell=told,
         )  # fmt: skip
     if done is None:  # another process of several
         return

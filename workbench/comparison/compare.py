@@ -19,20 +19,20 @@ from workbench.core import (
 )
 from workbench.effects import axis_units
 from workbench.models import Model, limits_left_out
-from workbench.simulation import check_axes, scored_torque
+from workbench.simulation import check_axes
 
-from .consistent import MARGIN_TOTAL, consistent
+from .consistent import MARGIN_TOTAL, consistent, outlier_of
 from .floating import with_base
 from .grounded import force_squares
 from .inverse import inverse_dynamics
 from .lines import line_shares
 from .noise import DRAWS, NoiseModel
+from .notes import notes_of
 from .replay import replay_of
 from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 from .soft_friction import softness_note
 from .standing import check_ground, on_ground
-from .swings import is_free
 from .touching import contact_notes, refuse_overlaps
 from .unlogged import readings
 from .where import locate
@@ -126,8 +126,9 @@ def told(result: Comparison) -> Comparison:
         SimulationError: noise alone throws the model further off than all that was measured.
     """
     floor = result.noise_error - 3.0 * result.noise_error_std
-    if noise_rules(floor, [entry.recording for entry in result.recordings]):
-        raise SimulationError(cannot_run(result.model, result.noise_error))
+    recordings = [entry.recording for entry in result.recordings]
+    if noise_rules(floor, recordings):
+        raise SimulationError(cannot_run(result.model, result.noise_error, ground=on_ground(recordings[0])))
     return result
 
 
@@ -142,12 +143,12 @@ def noise_rules(floor: float, recordings: Sequence[Recording]) -> bool:
     return floor > max(MARGIN_TOTAL, HOPELESS * np.nan_to_num(sensors))
 
 
-def cannot_run(model: str, floor: float) -> str:
-    """What is said of a model whose noise floor `noise_rules`."""
+def cannot_run(model: str, floor: float, *, ground: bool = False) -> str:
+    """What is said of a model whose noise floor `noise_rules`; what to look at first, on the `ground` too."""
     return (
         f"model '{model}' cannot run these loops: noise alone throws it {floor:.3g} times as far off as all "
         "that was measured; check the order of the axes, units, signs and gains, and what touches what"
-    )
+    ) + (", where the ground is and how soft ([ground]), and log base_velocity" if ground else "")
 
 
 def evaluate(model: Model, simulated: Simulated) -> Comparison:
@@ -246,18 +247,5 @@ def concluded(
         where=() if fine else where(entries),
         inverse_dynamics=inverse,
         notes=(*notes, *filter(None, [limits_left_out(model)])),
+        outlier=outlier_of(model.axes, error_ms, draws_ms, allowed),
     )
-
-
-def notes_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
-    """What a reader of a result on these recordings should know; what stands for several is said once."""
-    names: dict[str, list[str]] = {}
-    for r in recordings:
-        notes = r.notes
-        if scored_torque(r) == "torque_command" and not is_free(r):
-            notes = (*notes, "torque was not measured behind the drive; the command is compared instead")
-        elif scored_torque(r) is None:
-            notes = (*notes, "no torque was recorded; position alone is compared")
-        for note in notes:
-            names.setdefault(note, []).append(r.name)
-    return tuple(f"{', '.join(of)}: {note}" for note, of in names.items())

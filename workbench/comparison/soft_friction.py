@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.core import Recording
 from workbench.effects import rigid_in_steps
-from workbench.models import Model, friction_leads, load_tree
+from workbench.models import Model, friction_leads, is_urdf, load_tree
 
 from .consistent import consistent
 from .replay import Replay
@@ -17,6 +17,7 @@ from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 
 _FEW = 4
+_TRAIN = "train in what workbench normalize writes"
 _STATE = (
     "the recordings have it: state as_in_mjcf = true in [friction] of a model file, as workbench add MODEL "
     "friction_as_in_mjcf does"
@@ -55,12 +56,14 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     runs = [apart(recordings, made) for made in (simulated.clean, soft)]
     rigid, own = (normalised(ms, scale) for ms in runs)
     theirs = own < rigid and consistent(runs[1], noise, own, floors, allowed)
-    softness = f"{1e3 * max(leads.values()):.2g} ms before a reversal"
+    urdf = is_urdf(model.serial)
+    kind, stated = ("URDF", "which can state no other") if urdf else ("MJCF", "as the file states it")
+    advice = _TRAIN if urdf else _stiffen(float(own_file.opt.timestep))
     return (
-        f"the MJCF's dry friction ({_named(list(leads))}) is taken as rigid here; as the file states it, "
+        f"the {kind}'s dry friction ({_named(list(leads))}) is taken as rigid here; {stated}, "
         "MuJoCo's friction constraint is soft (solreffriction, solimpfriction): friction turns up to "
-        f"{softness}. With it the error would be {own:.3g} in place of {rigid:.3g}; "
-        + (_STATE if theirs else _stiffen(float(own_file.opt.timestep)))
+        f"{1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would be {own:.3g} in "
+        f"place of {rigid:.3g}; {_STATE if theirs else advice}"
     )
 
 
@@ -69,7 +72,7 @@ def _stiffen(timestep: float) -> str:
     (time, ratio), (impedance, *_) = rigid_in_steps(timestep)
     return (
         f'to train in the file, give it solreffriction="{time:g} {ratio:g}" '
-        f'solimpfriction="{impedance:g} {impedance:g}", or train in what workbench normalize writes'
+        f'solimpfriction="{impedance:g} {impedance:g}", or {_TRAIN}'
     )
 
 

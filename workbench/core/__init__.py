@@ -21,6 +21,7 @@ from .results import (
     HOPELESS,
     Comparison,
     InverseDynamics,
+    Outlier,
     RecordingError,
     Share,
 )
@@ -45,6 +46,7 @@ __all__ = [
     "InputError",
     "InverseDynamics",
     "Mechanism",
+    "Outlier",
     "Recording",
     "RecordingError",
     "Shape",

@@ -83,6 +83,23 @@ class InverseDynamics:
 
 
 @dataclass(frozen=True)
+class Outlier:
+    """The signal that stands furthest above its own noise, more than noise makes of any of so many.
+
+    Attributes:
+        axis: the axis' name.
+        signal: ``position`` or ``torque``.
+        ratio: root mean square of what is left over that of its noise, over all recordings.
+        limit: the most that noise makes of it.
+    """
+
+    axis: str
+    signal: str
+    ratio: float
+    limit: float
+
+
+@dataclass(frozen=True)
 class Comparison(Shown):
     """A model held against recordings.
 
@@ -99,6 +116,7 @@ class Comparison(Shown):
         where: where the excess sits, largest share first.
         inverse_dynamics: the torque residual's size, where torque was measured; else None.
         notes: what the reader of the result should know (velocity derived, signals left out...).
+        outlier: a signal that noise does not explain by itself; None where there is none.
     """
 
     model: str
@@ -111,3 +129,4 @@ class Comparison(Shown):
     where: tuple[Share, ...] = ()
     inverse_dynamics: InverseDynamics | None = None
     notes: tuple[str, ...] = ()
+    outlier: Outlier | None = None

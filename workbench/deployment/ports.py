@@ -160,7 +160,7 @@ def open_bus(bus: BusTable, config: CanConfig, echo: bool = True) -> can.BusABC:
     Raises:
         InputError: it cannot be opened.
     """
-    where = {"file": config.source, "column": f"bus '{bus.name}'"}
+    where = {"file": config.source, "column": f"bus.{bus.name}"}
     try:
         if bus.interface == "workbench":  # also where the package's entry points are not installed
             return WorkbenchBus(

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.comparison import softness_note
-from workbench.core import Diagnosis, Recording, Verdict
+from workbench.core import Diagnosis, EffectKey, Finding, Recording, Verdict
 from workbench.effects import SETTINGS
 from workbench.models import Model
 
@@ -66,7 +66,8 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
     after, *holdout_after = before, *holdout_before
     if named and last.steps[-1].runs is not None:
         after, *holdout_after = comparisons(last.final.hypothesis.model, last.steps[-1].runs, last)
-    each = [(f, findings_of(f)) for f in found] if named else []
+    held_out_floor = _held_out_floor(last.final_data if named else first.start_data)
+    each = [(f, findings_of(f, held_out_floor)) for f in found] if named else []
     recordings = first.start_data.recordings
     findings = doubted(tuple(finding for _, own in each for finding in own), recordings)
     ends = [(replace(f, consistent_after=last.consistent_after), own) for f, own in each or [(first, ())]]
@@ -81,7 +82,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         unexplained_fraction=rest,
         where=after.where,
         next_experiment=next((a for a in advice if a), None),
-        not_excited=first.identifiability.not_excited if first.identifiability else (),
+        not_excited=_not_excited(first, findings),
         ranking=ranking_of(first),
         evidence=(
             *refuting_line(verdict, first),
@@ -95,7 +96,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         after=after,
         held_out=(holdout_before[0], holdout_after[0]) if holdout_before else None,
         settled=_model_settings(first) if named else {},
-        holdout_noise_error=_held_out_floor(last.final_data if named else first.start_data),
+        holdout_noise_error=held_out_floor,
         near=near_findings(last),
         stopped=last.stopped,
         work=sum(f.start_data.budget.done for f in found),
@@ -108,6 +109,17 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
             *([_NO_PAYLOAD] if verdict != "consistent" and first.model.payload_site is None else []),
         ),
     )
+
+
+def _not_excited(found: SearchResult, findings: Sequence[Finding]) -> tuple[EffectKey, ...]:
+    """Effects that these data could not have shown.
+
+    A small one may show nothing where a large one does as well as a finding: that is told beside the finding.
+    """
+    if found.identifiability is None:
+        return ()
+    rivals = {key for f in findings for key in f.indistinguishable_from}
+    return tuple(key for key in found.identifiability.not_excited if key not in rivals)
 
 
 def _rest(verdict: Verdict, found: Rounds) -> float:

@@ -16,35 +16,38 @@ from .evidence.residual_evidence import ResidualEvidence, adequacy_lines, findin
 from .hypothesis import Fit
 from .loss import test_noise_floor
 from .policy import POLICY
-from .removed_share import removed_share
+from .removed_share import HeldOutFall, removed_share
 from .screening.compliance import other_causes
 from .screening.identifiability import inseparable
 from .search_result import AcceptedStep, SearchResult, has_cause
 from .significance import is_significant
 
 
-def findings_of(found: SearchResult) -> tuple[Finding, ...]:
-    """Findings of the final model, the effect that explains most first."""
-    on_holdout = found.start_data.held_out
+def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Finding, ...]:
+    """Findings of the final model, the effect that explains most first.
+
+    `held_out_floor` is the noise floor of held-out recordings that is told beside their errors; None where
+    there are none.
+    """
     findings = []
     keys = {applied.key for applied in found.final.hypothesis.added}
     for applied in found.final.hypothesis.added:
         index = next(k for k, s in enumerate(found.steps) if s.added == applied.key)
         step, previous = found.steps[index], _before(found, index)
-        score = found.start_data.score
+        fall = _held_out_fall(found, index, held_out_floor)
         same = inseparable(found.linear, applied) if found.linear else ()
         rivals = dict.fromkeys((*step.indistinguishable_at(found.final), *(k for k in same if k not in keys)))
         findings.append(
             Finding(
                 key=applied.key,
                 parameters=dict(applied.parameters),
-                error_after=score(step.fit.mean_squares),
-                holdout_error_before=score(previous.mean_squares, held_out=True) if on_holdout else None,
-                holdout_error_after=score(step.fit.mean_squares, held_out=True) if on_holdout else None,
+                error_after=found.start_data.score(step.fit.mean_squares),
+                holdout_error_before=fall and fall.before,
+                holdout_error_after=fall and fall.after,
                 probability=_probability(step, found, rivals),
                 indistinguishable_from=tuple(rivals),
                 evidence=(
-                    *finding_lines(step, applied, keys),
+                    *finding_lines(step, applied, keys, fall),
                     *adequacy_lines(applied.key, found.adequacy),
                     *ResidualEvidence(found.start_data, previous).of_finding(applied.key),
                 ),
@@ -74,6 +77,15 @@ def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
         return {"number": number}
     (more,) = applied.parameters.values()
     return {"number": number, "model_value": own, "total": replace(more, value=own + more.value)}
+
+
+def _held_out_fall(found: SearchResult, index: int, floor: float | None) -> HeldOutFall | None:
+    """Held-out errors around a step; None where there are no held-out recordings."""
+    if floor is None:
+        return None
+    fits = (_before(found, index), found.steps[index].fit)
+    before, after = (found.start_data.score(f.mean_squares, held_out=True) for f in fits)
+    return HeldOutFall(before, after, floor)
 
 
 def _before(found: SearchResult, index: int) -> Fit:
@@ -127,23 +139,26 @@ def ranking_of(found: SearchResult) -> tuple[tuple[EffectKey, float], ...]:
 
 
 def step_of(
-    step: AcceptedStep, found: SearchResult, on_holdout: bool, evidence: Mapping[EffectKey, tuple[str, ...]]
+    index: int,
+    found: SearchResult,
+    held_out_floor: float | None,
+    evidence: Mapping[EffectKey, tuple[str, ...]],
 ) -> Step:
-    """An accepted step as a step of an improvement, with the evidence of the finding where there is some.
+    """An accepted step as one of an improvement, with the evidence of its finding where there is one.
 
     Errors are those of the model at that step; parameters those of the last model, where it still has the
     effect.
     """
+    step, fall = found.steps[index], _held_out_fall(found, index, held_out_floor)
     added = (*found.final.hypothesis.added, *step.fit.hypothesis.added)
     applied = next(a for a in added if a.key == step.added)
-    score = found.start_data.score
     return Step(
         key=step.added,
         parameters=dict(applied.parameters),
-        error=score(step.fit.mean_squares),
-        holdout_error=score(step.fit.mean_squares, held_out=True) if on_holdout else None,
+        error=found.start_data.score(step.fit.mean_squares),
+        holdout_error=fall and fall.after,
         indistinguishable_from=step.indistinguishable_at(found.final),
-        evidence=evidence.get(step.added) or finding_lines(step, applied),
+        evidence=evidence.get(step.added) or finding_lines(step, applied, held_out=fall),
         removed=step.dropped,
     )
 
@@ -156,16 +171,19 @@ def near_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
     added = found.final.hypothesis.added
     if verdict != "unexplained" or found.explained < POLICY.something or not all(map(is_significant, added)):
         return ()
+    both = found.start_data.tests_on_holdout
+    data = "the fitted and the held-out recordings, the smaller of both" if both else "the fitted recordings"
     if found.explained < POLICY.near_named:
         return (
-            f"known effects take off {100 * found.explained:.0f} % of the squared error above the noise, on "
-            "data left out of the fit too: too little to be named; improve --nearest adds them",
+            f"known effects take off {100 * found.explained:.0f} % of the squared error above the noise on "
+            f"{data}: too little to be named; improve --nearest adds them",
         )
     # cut, not rounded: what is not enough must not read as if it were
     share = f"{int(100 * found.explained)} % of the squared error above the noise"
+    them = "it removes" if len(added) == 1 else "together they remove"
     return (
-        f"nearest, but not enough to be named: {' and '.join(map(_estimated, added))}; it removes {share} on "
-        "data left out of the fit",
+        f"nearest, but not enough to be named: {' and '.join(map(_estimated, added))}; {them} {share} on "
+        f"{data}",
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from workbench.core import Improvement, Recording, Step, Verdict
+from workbench.core import Diagnosis, Improvement, Recording, Step, Verdict
 from workbench.models import Model
 
 from .diagnose import diagnosis_of
@@ -59,7 +59,7 @@ def improve(
     verdict = "partly_explained" if diagnosis.verdict == "partly_explained" else verdict
     improvement = Improvement(
         model=model.name,
-        steps=_steps(found, {f.key: f.evidence for f in diagnosis.findings}) if added else (),
+        steps=_steps(found, diagnosis) if added else (),
         error_before=first.start_data.score(before.mean_squares),
         error_after=last.start_data.score(end.mean_squares),
         holdout_error_before=first.start_data.score(before.mean_squares, held_out=True)
@@ -80,5 +80,6 @@ def improve(
     return improvement, replace(end.hypothesis.model, name=f"{model.name}_{ending}") if added else model
 
 
-def _steps(found: Rounds, evidence: dict) -> tuple[Step, ...]:
-    return tuple(step_of(s, f, f.start_data.held_out, evidence) for f in found for s in f.steps)
+def _steps(found: Rounds, diagnosis: Diagnosis) -> tuple[Step, ...]:
+    evidence, floor = {f.key: f.evidence for f in diagnosis.findings}, diagnosis.holdout_noise_error
+    return tuple(step_of(k, f, floor, evidence) for f in found for k in range(len(f.steps)))

@@ -1,10 +1,13 @@
-"""The share of the excess error that an effect removes: one measure for findings and rankings."""
+"""The share of the excess error that an effect removes: one measure for findings and rankings, in words."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from workbench.core import EffectKey
+
+from .policy import POLICY
 
 _NONE_TOLERANCE = 1e-12  # squared error above the noise that is none
 
@@ -30,3 +33,32 @@ def removed_shares(
     """`removed_share` of effects by what each leaves, best first."""
     shares = ((key, removed_share(before, after, floor)) for key, after in left)
     return tuple(sorted(shares, key=lambda r: -r[1]))
+
+
+@dataclass(frozen=True)
+class HeldOutFall:
+    """The errors of held-out recordings without an effect, with it, and of a perfect model."""
+
+    before: float
+    after: float
+    floor: float
+
+    @property
+    def line(self) -> str:
+        """What the effect removes of them, in words: the share of the very errors that stand beside it."""
+        squares = self.before**2, self.after**2, self.floor**2
+        if squares[0] < POLICY.holdout_informative * squares[2]:
+            times = self.before / self.floor
+            return f"held-out recordings show too little of it: their error was {times:.2f} times the noise"
+        return removes(removed_share(*squares), "held-out recordings")
+
+
+def removes(share: float, data: str) -> str:
+    """A `removed_share` as a clause that names the data; a negative one is told as what was added."""
+    verb, of = ("removes", "of") if share >= 0.0 else ("adds", "to")
+    return f"{verb} {shown(abs(share))} {of} the squared error above the noise on {data}"
+
+
+def shown(share: float) -> str:
+    """A share in percent; what is a little over all of it, by noise, is all."""
+    return f"{100.0 * min(max(share, 0.0), 1.0):.1f} %"

@@ -147,7 +147,7 @@ def rows_of_period(recordings: Sequence[Recording], choice: Choice, period_s: fl
             f"no period shows in {signal}",
             file=first.source,
             column="excitation.period_s",
-            remedy="state it, or use the local polynomial method for a record that does not repeat",
+            remedy="state it there, or record an excitation that repeats: workbench excite",
         )
     return found
 

@@ -78,7 +78,7 @@ def whole_periods(recording: Recording, choice: Choice, period: float) -> Span:
         raise InputError(
             f"{count} whole period(s) of {period * recording.period:.6g} s in {recording.name}",
             file=recording.source,
-            remedy="record two or more, or use the local polynomial method",
+            remedy="record two or more: workbench excite --periods",
         )
     length = count * rows if whole else min(int(np.ceil(count * period)) + 1, last - first)
     check_rows(recording, choice, last - length, last)

@@ -15,6 +15,7 @@ from workbench.core.paths import models_folder
 from .floating import BASE_AXES
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
 from .schema import ActuatorTable, EffectTable, GroundTable, LinkageTable, ModelTable, ParameterTable
+from .shared_drives import refuse_shared_drives
 from .spec import end_site, hinges_and_slides, load_tree
 
 _SINGULAR = 1e9  # condition of a transmission that no drives have
@@ -35,7 +36,9 @@ def from_table(table: ModelTable, file: Path) -> Model:
     serial = _resolve(file, table.serial, "serial")
     spec = load_tree(serial)
     known = hinges_and_slides(spec, serial)
-    base = tuple(name for name in known if name in BASE_AXES)
+    base = BASE_AXES if set(BASE_AXES) <= set(known) else ()  # many an arm turns about its "base_yaw"
+    if table.transmission is None:
+        refuse_shared_drives(spec, [name for name in known if name not in base], serial)
     axes, joints, matrix = _transmission(table, [name for name in known if name not in base], file)
     n = len(axes)
     payload_site = _payload_site(table, spec, file)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from workbench.core import InputError
 
@@ -52,7 +53,8 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
         because = "names of the columns" if named else "counted; the columns have no names"
         draft.assume("axes", ", ".join(own), 0.97 if all(joints) and named else 0.93, because)
         return joints, own
-    found = {axis: _verbatim(axis, positions) or _same(axis, joints, own) for axis in wanted}
+    whole = _verbatim(wanted, positions)
+    found = {axis: whole[axis] if axis in whole else _same(axis, joints, own) for axis in wanted}
     matched = [found[a] for a in wanted]
     if all(m is not None for m in matched) and len(set(matched)) == len(matched):
         because = "you said so" if draft.answers.axes else "the model's names"
@@ -63,7 +65,7 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
         return [m for m in matched if m is not None], wanted
     missing = [axis for axis in wanted if found[axis] is None]
     if len(joints) < len(wanted) and len(missing) == len(wanted) - len(joints):
-        names = ",".join(positions[found[a] or ""] if found[a] else "NAME" for a in wanted)
+        names = ",".join("NAME" if (joint := found[a]) is None else positions[joint] for a in wanted)
         raise InputError(
             f"has no position of {', '.join(missing)}",
             file=draft.table.file,
@@ -96,11 +98,18 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
     return joints, wanted
 
 
-def _verbatim(axis: str, positions: dict[str, str]) -> str | None:
-    """The joint in whose column's name the axis' name stands as it is."""
-    whole = re.compile(rf"(?<![a-z0-9]){re.escape(axis.lower())}(?![a-z0-9])")
-    having = [joint for joint, column in positions.items() if whole.search(column.lower())]
-    return having[0] if len(having) == 1 else None
+def _verbatim(axes: Sequence[str], positions: dict[str, str]) -> dict[str, str]:
+    """Axis -> the one joint in whose column's name the axis' name stands as it is.
+
+    Of names that begin alike the longer one comes first: "motor" stands in the column of "motor_2" too.
+    """
+    found: dict[str, str] = {}
+    for axis in sorted(axes, key=len, reverse=True):
+        whole = re.compile(rf"(?<![a-z0-9]){re.escape(axis.lower())}(?![a-z0-9])")
+        having = [j for j, c in positions.items() if whole.search(c.lower()) and j not in found.values()]
+        if len(having) == 1:
+            found[axis] = having[0]
+    return found
 
 
 def _same(axis: str, joints: list[str], own: list[str]) -> str | None:

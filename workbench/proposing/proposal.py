@@ -76,6 +76,7 @@ class Answers:
         linear: which of the model's axes move along a line.
         transmission: the model's J in q_p = J q_s, shape (n, n), where it is not the identity.
         loop: whether the model states its loop.
+        floats: whether the model's base is free.
         episode: which run of a log in which time starts anew, counted from 0.
         guessed: keys of questions that were answered for the user.
         weighed: kind -> why its unit is so, where a model's weight and inertia told it.
@@ -94,6 +95,7 @@ class Answers:
     linear: tuple[bool, ...] = ()
     transmission: np.ndarray | None = None
     loop: bool = False
+    floats: bool = False
     episode: int | None = None
     guessed: frozenset[str] = frozenset()
     weighed: Mapping[str, str] = field(default_factory=dict)

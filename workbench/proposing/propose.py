@@ -13,8 +13,10 @@ from workbench.core import AXIS_SIGNALS, InputError
 
 from .assignment import Signals
 from .axes import named_axes
+from .base import BASE, base_columns
 from .clean import Clean
 from .clock import find_time, rate_question
+from .copies import each_row_once
 from .draft import Draft
 from .gains import GAINS, gains_shown, take_controller
 from .like_quantities import joints_like_quantities
@@ -60,7 +62,7 @@ def propose(table: Table, answers: Answers | None = None) -> Proposal:
     roles = _roles(table)
     time = find_time(table, roles, answers)[0]
     if time is not None:
-        table = on_rows_of_axes(table, roles, time, answers)
+        table = each_row_once(on_rows_of_axes(table, roles, time, answers), roles, answers)
     return _drafted(Draft(table, answers, roles, notes=list(table.notes)))
 
 
@@ -74,8 +76,8 @@ def _roles(table: Table) -> dict[str, Role]:
 
 def _check_answers(table: Table, answers: Answers) -> None:
     for signal, names in answers.columns.items():
-        if signal not in (*AXIS_SIGNALS, "time", "valid"):
-            known = ", ".join(("time", *AXIS_SIGNALS))
+        if signal not in (*AXIS_SIGNALS, *BASE, "time", "valid"):
+            known = ", ".join(("time", *AXIS_SIGNALS, *BASE))
             raise InputError(f"there is no signal '{signal}'", file=table.file, remedy=f"one of {known}")
         for name in names:
             if name not in table.columns:
@@ -99,11 +101,14 @@ def _check_answers(table: Table, answers: Answers) -> None:
 def _drafted(draft: Draft) -> Proposal:
     table = draft.table
     time = _time(draft)
-    signals = read_signals(table, draft.roles, time)
+    base = base_columns(draft)
+    of_base = {name for names in base.values() for name in names}
+    of_axes = {name: values for name, values in table.columns.items() if name not in of_base}
+    signals = read_signals(replace(table, columns=of_axes), draft.roles, time)
     draft.notes += signals.notes
     _take_stated(draft, signals)
     axes, columns = named_axes(signals, draft)
-    rows = usable_rows(draft, time, columns)
+    rows = usable_rows(draft, time, columns | base)
     period_raw = float(np.median(np.diff(rows.columns[time or "t"])))
     controller = take_controller(draft, columns, axes, _coordinates(draft.answers))
     whole, wraps = whole_positions(rows, columns["position"])
@@ -112,12 +117,15 @@ def _drafted(draft: Draft) -> Proposal:
     units = settle_units(draft, whole, columns, axes, time, period_raw, relations, wraps)
     scales = settle_scales(draft, columns, axes, units, relations)
     description = _description(draft, axes, columns, units, scales, rows, time)
+    description["columns"] |= base
     if controller:
         description["controller"] = controller
         draft.assume("controller", gains_shown(controller), 0.97, "gains are logged beside the references")
-    named = {n for names in columns.values() for n in names} | {
-        n for n in table.columns if _is_loop(draft, n)
-    }
+    named = (
+        of_base
+        | {n for names in columns.values() for n in names}
+        | {n for n in table.columns if _is_loop(draft, n)}
+    )
     unused = [n for n in table.columns if n not in named and n not in (time, valid_column(draft))]
     if unused:
         shown = ", ".join(unused[:8]) + (f" and {len(unused) - 8} more" if len(unused) > 8 else "")

@@ -149,7 +149,7 @@ def by_size(
             "rad": _falls(max(top / 1.5, spread), 7.0, 1.2 if symbols else 3.0),
             "deg": _rises(top, 15.0, 3.0) * _falls(top, 3000.0, 3.0),
             # what has the same slope in both is told by its size alone, and hardly by that
-            "turn": (0.02 if symbols else 0.1) * _usual(2.0 * np.pi * spread) / _usual(spread),
+            "turn": (0.06 if symbols else 0.1) * _usual(2.0 * np.pi * spread) / _usual(spread),
             "counts": 30.0 if (whole and top > 500) or turn_of(values) else 0.0,
         }
     if kind == "velocity":

@@ -2,8 +2,9 @@
 
 from .files import source_files
 from .log import HELD, Log, Stretch, check_moves, open_recording, open_recordings
-from .noise import NoiseLevels, noise_levels, white_noise
+from .noise import NoiseLevels, noise_levels
 from .read import describe, load_recording, load_recordings
+from .white_noise import white_noise
 from .windows import AT_ONCE, Excerpts, excerpts
 from .write import save_recording
 

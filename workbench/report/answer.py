@@ -12,10 +12,10 @@ from .wording import (
     capital,
     effect_phrase,
     effect_phrases,
+    outlier_phrase,
     place,
     single_value,
     times_noise,
-    worst_signal,
 )
 
 _FEW = 3  # numbers or names that are told one by one
@@ -27,7 +27,7 @@ def diagnosis_sentence(result: Diagnosis) -> str:
         return "The model explains the data to the noise."
     if result.verdict == "unexplained" or not result.findings:
         rest = percent(result.unexplained_fraction)
-        return f"Something is missing: {_nothing(result)}; {rest} of the error above the noise stays."
+        return f"Something is missing: {_nothing(result)}; {rest} of the squared error above the noise stays."
     wrong = [f for f in result.findings if corrects(f)]
     missing = [f for f in result.findings if not corrects(f)]
     told = " ".join(filter(None, [_wrong(wrong), _missing(missing, bool(wrong))]))
@@ -44,7 +44,7 @@ def _nothing(result: Diagnosis | None) -> str:
 def partly_sentence(result: Diagnosis) -> str:
     """How much stays unknown beside effects that are certain, with a space before it."""
     rest = percent(result.unexplained_fraction)
-    return f" That is certain, and not all: {rest} of the error above the noise has another cause."
+    return f" That is certain, and not all: {rest} of the squared error above the noise has another cause."
 
 
 def improvement_sentence(result: Improvement) -> str:
@@ -58,8 +58,8 @@ def improvement_sentence(result: Improvement) -> str:
     added = any_of([effect_phrase(s.key) for s in kept], "and") if len(kept) < 4 else ""
     added = added or f"{_count(len(kept))} effects"
     if result.verdict == "consistent":
-        after = result.after
-        but = f" as a whole ({worst_signal(after)})" if after is not None and not after.consistent else ""
+        outlier = result.after.outlier if result.after is not None else None
+        but = f" as a whole ({outlier_phrase(outlier)})" if outlier is not None else ""
         return f"With {added}, the model explains the data to the noise{but}: {fall}."
     times = times_noise(result.error_after, result.noise_error)
     rest = f", still {times} the noise floor" if times else ""

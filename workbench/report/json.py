@@ -49,6 +49,7 @@ def comparison_dict(result: Comparison) -> dict[str, Any]:
                 "filter": inverse.filter,
             },
             "notes": list(result.notes),
+            "outlier": None if result.outlier is None else vars(result.outlier),
         }
     )
 

@@ -106,7 +106,7 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
     out = []
     if isinstance(result, Comparison):
         if not result.consistent and result.where:
-            out.append(f"Of the error above the noise, {w.share_phrase(result.where[0])}.")
+            out.append(f"Of the squared error above the noise, {w.share_phrase(result.where[0])}.")
         if not result.consistent:
             out.append("Run workbench diagnose on the same files to learn which effect is missing.")
         return out
@@ -119,7 +119,7 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
     diagnosis = result if isinstance(result, Diagnosis) else result.diagnosis
     out.append(near_sentence(diagnosis.near if diagnosis else ()))
     if before is not None and before.where and result.verdict == "unexplained":
-        out.append(f"Of the error above the noise, {w.share_phrase(before.where[0])}.")
+        out.append(f"Of the squared error above the noise, {w.share_phrase(before.where[0])}.")
     return [line for line in out if line]
 
 
@@ -148,7 +148,9 @@ def _key_numbers(result: Result) -> list[tuple[str, str, str]]:
     ]
     out = out if len(rungs(result)) > 1 else [("Error", *out[0][1:]), out[2]]
     if isinstance(result, Diagnosis):
-        out.append(("Unexplained", percent(result.unexplained_fraction), "of the error above the noise"))
+        out.append(
+            ("Unexplained", percent(result.unexplained_fraction), "of the squared error above the noise")
+        )
     elif result.holdout_error_after is not None:
         out.append(
             (
@@ -208,18 +210,19 @@ def _effects(result: Result) -> list[dict[str, Any]]:
     if isinstance(result, Comparison):
         return []
     found: Iterable[Finding | Step] = result.findings if isinstance(result, Diagnosis) else result.steps
-    chances = _chances(result)
+    findings = _findings(result)
     out = []
     for f in found:
         error = f.error_after if isinstance(f, Finding) else f.error
-        lines = [w.lookalike_sentence(f.indistinguishable_from)]
+        total = w.total_phrase(findings[f.key]) if f.key in findings else ""
+        lines = [f"In all {total}." if total else "", w.lookalike_sentence(f.indistinguishable_from)]
         if isinstance(f, Finding) and f.holdout_error_after is not None:
             lines.append(w.holdout_sentence(f.holdout_error_before, f.holdout_error_after))
         lines += [w.removed_sentence(f)] if isinstance(f, Step) else []
         out.append(
             {
                 "title": w.capital(w.effect_phrase(f.key)),
-                "chance": percent(chances[f.key]) if f.key in chances else "",
+                "chance": percent(findings[f.key].probability) if f.key in findings else "",
                 "error": number(error),
                 "parameters": _parameters(f.parameters),
                 "evidence": [plain(e) for e in f.evidence],
@@ -229,10 +232,10 @@ def _effects(result: Result) -> list[dict[str, Any]]:
     return out
 
 
-def _chances(result: Diagnosis | Improvement) -> dict[EffectKey, float]:
-    """How probable each name is; a step bears that of its finding."""
+def _findings(result: Diagnosis | Improvement) -> dict[EffectKey, Finding]:
+    """Findings by their effects: how probable a step is, and what it corrects, is that of its finding."""
     diagnosis = result.diagnosis if isinstance(result, Improvement) else result
-    return {f.key: f.probability for f in diagnosis.findings} if diagnosis else {}
+    return {f.key: f for f in diagnosis.findings} if diagnosis else {}
 
 
 def _effects_title(result: Result) -> str:

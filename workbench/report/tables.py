@@ -64,7 +64,9 @@ def compare_table(result: Comparison) -> Group:
         table,
     ]
     if not result.consistent:
-        parts += _shares("Where the error above the noise sits: shares by each quantity", result.where)
+        parts += _shares(
+            "Where the squared error above the noise sits: shares by each quantity", result.where
+        )
     if result.inverse_dynamics is not None:
         inverse = 100.0 * result.inverse_dynamics.relative_error
         parts.append(
@@ -110,7 +112,7 @@ def improvement_table(result: Improvement) -> Group:
     """Verdict and the error falling step by step beside the noise floor."""
     steps = rungs(result)
     named = bool(result.steps) and not result.nearest
-    chances = {f.key: f.probability for f in result.diagnosis.findings} if result.diagnosis else {}
+    findings = {f.key: f for f in result.diagnosis.findings} if result.diagnosis else {}
     held = any(r.holdout is not None for r in steps)
     table = _table(
         "model", ("error", "right"), ("x noise", "right"), *([("held-out", "right")] if held else []), ""
@@ -123,9 +125,12 @@ def improvement_table(result: Improvement) -> Group:
         parameters = result.steps[i - 1].parameters if i else {}
         for name, e in parameters.items():
             table.add_row(_text(f"  {w.parameter_name(name)} {interval(e)}"))
-        chance = chances.get(result.steps[i - 1].key) if i else None
-        if chance is not None:
-            table.add_row(Text(f"  {percent(chance)} probable"))
+        finding = findings.get(result.steps[i - 1].key) if i else None
+        if finding is not None:
+            total = w.total_phrase(finding)
+            if total:
+                table.add_row(_text(f"  in all {total}"))
+            table.add_row(Text(f"  {percent(finding.probability)} probable"))
         twins = result.steps[i - 1].indistinguishable_from if i else ()
         if twins:
             table.add_row(Text(f"  or {_listed(twins)}"))
@@ -173,8 +178,9 @@ def _finding(place: int, f: Finding, held_floor: float | None) -> list[Renderabl
     rows.add_column(overflow="fold")
     for name, e in f.parameters.items():
         rows.add_row(Text(w.parameter_name(name)), Text(f"{interval(e)}  (95 %)"))
-    if f.total is not None and f.model_value:
-        rows.add_row("in all", f"{interval(f.total)}, where the model has {number(f.model_value)}")
+    total = w.total_phrase(f)
+    if total:
+        rows.add_row("in all", total)
     rows.add_row("error with it", number(f.error_after))
     if f.holdout_error_before is not None and f.holdout_error_after is not None:
         fall = f"{number(f.holdout_error_before)} -> {number(f.holdout_error_after)}"

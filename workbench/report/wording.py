@@ -12,6 +12,8 @@ from workbench.core import (
     Comparison,
     EffectKey,
     Estimate,
+    Finding,
+    Outlier,
     Share,
     Step,
 )
@@ -88,6 +90,13 @@ def single_value(parameters: Mapping[str, Estimate]) -> str:
     return f", {interval(estimate)}" + (" (95 %)" if known else "")
 
 
+def total_phrase(finding: Finding) -> str:
+    """``"0.450 ± 0.002 N m, where the model has 0.150"``; empty where no number of the model is corrected."""
+    if finding.total is None or not finding.model_value:
+        return ""
+    return f"{interval(finding.total)}, where the model has {number(finding.model_value)}"
+
+
 def times_noise(error: float, noise: float) -> str:
     """How often the noise floor goes into the error: ``"12.9 times"``."""
     ratio = error / noise if noise > 0 else math.nan
@@ -128,9 +137,9 @@ def comparison_sentence(result: Comparison) -> str:
             "The model cannot run these loops: noise alone throws it further off than all that was measured. "
             "Check the order of the axes, units, signs and gains."
         )
-    if result.error <= 1.06 * result.noise_error:
-        worst = worst_signal(result)
-        return f"The model does not explain the data: {worst}, though the error as a whole is at the floor."
+    if result.outlier is not None and result.error <= 1.06 * result.noise_error:
+        worst = outlier_phrase(result.outlier)
+        return f"The model does not explain the data: {worst}. The error as a whole is at the floor."
     return f"The model does not explain the data: its error is {number(result.error)}{tail}."
 
 
@@ -172,20 +181,12 @@ def inverse_sentence(before: Comparison | None, after: Comparison | None) -> str
     return text
 
 
-def worst_signal(result: Comparison) -> str:
-    """The signal that stands furthest above its own noise: ``"the knee position misses by 1.4 times …"``."""
-    ratios = [
-        (float(ratio), plain(axis), kind)
-        for e in result.recordings
-        for kind, rmse, noise in (
-            ("position", e.position_rmse, e.position_noise),
-            ("torque", e.torque_rmse, e.torque_noise),
-        )
-        for axis, ratio in zip(result.axes, rmse / noise, strict=True)
-        if math.isfinite(ratio)
-    ]
-    ratio, axis, kind = max(ratios)
-    return f"the {axis} {kind} misses by {short(ratio)} times its own noise"
+def outlier_phrase(outlier: Outlier) -> str:
+    """``"the knee position misses by 1.44 times its own noise, where noise makes 1.3 at most"``."""
+    return (
+        f"the {plain(outlier.axis)} {outlier.signal} misses by {short(outlier.ratio)} times its own noise, "
+        f"where noise makes {short(outlier.limit)} at most"
+    )
 
 
 def lookalike_sentence(keys: Sequence[EffectKey]) -> str:

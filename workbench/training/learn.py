@@ -72,6 +72,7 @@ def learn(
     *,
     extra: Mapping[str, Any] | None = None,
     resume: bool = False,
+    force: bool = False,
     tell: Callable[[Progress], None] = lambda progress: None,
 ) -> torch.nn.Module | None:
     """Train a policy, or go on with one.
@@ -87,13 +88,14 @@ def learn(
         extra: further entries of the configuration.
         resume: whether to go on from the folder's checkpoint; on the CPU this gives the result of a run that
             was never stopped.
+        force: whether to begin anew where the folder holds a run.
         tell: is told after every iteration.
 
     Returns:
         The policy (rsl_rl's actor), in evaluation mode; None in all processes but the first.
 
     Raises:
-        InputError: the folder holds a run already (not resumed), or another one (resumed).
+        InputError: the folder holds a run already (neither resumed nor forced), or another one (resumed).
         SimulationError: observations or rewards stopped being numbers.
     """
     torch.set_num_threads(1)  # more of them wait for each other where cores are busy
@@ -102,7 +104,7 @@ def learn(
     seed = settings.seed + 1000 * rank
     config = resolved(task, machine, settings, {**(extra or {}), "processes": ranks})
     if rank == 0:
-        _open_folder(folder, config, machine, resume)
+        _open_folder(folder, config, machine, resume, force)
     torch.manual_seed(seed)
     worlds = make_worlds(machine, settings, seed)
     environment = Environment(task, machine, worlds, settings.worlds, settings.randomisation, seed)
@@ -197,8 +199,8 @@ def _join(device: str, rank: int, ranks: int) -> str:
     return device
 
 
-def _open_folder(folder: Path, config: dict[str, Any], machine: Machine, resume: bool) -> None:
-    """Write what the run is; a folder that holds a run is only gone on with, and only with the same."""
+def _open_folder(folder: Path, config: dict[str, Any], machine: Machine, resume: bool, force: bool) -> None:
+    """Write what the run is; a run is gone on with only with the same, and is lost only by force."""
     file = folder / CONFIG
     if resume:
         try:
@@ -220,8 +222,14 @@ def _open_folder(folder: Path, config: dict[str, Any], machine: Machine, resume:
                     f"the run began with {key} = {old.get(key)}", file=file, column=key,
                     remedy="resume with the same",
                 )  # fmt: skip
+    elif force:
+        (folder / CHECKPOINT).unlink(missing_ok=True)  # or --resume would go on with it
     elif (folder / CHECKPOINT).exists():  # a run that ended before its first one begins anew
-        raise InputError("the folder holds a run", file=folder, remedy="choose another, or add --resume")
+        raise InputError(
+            "the folder holds a run",
+            file=folder,
+            remedy="choose another, go on with --resume, or begin anew with --force",
+        )
     write_whole(file, json.dumps(config, indent=1) + "\n", force=True)
     write_whole(folder / MJCF, machine.xml, force=True)
     _copy_model(machine.model, folder / MODEL)

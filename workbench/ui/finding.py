@@ -77,7 +77,10 @@ class Findings:
             parts.append(text(f"<p><b>Measure next:</b> {safe(d.next_experiment)}</p>"))
         others = [(k, s) for k, s in d.ranking if k not in {f.key for f in d.findings}][:_RANKED]
         if others:
-            about = "The share of the squared error above the noise that each removes by itself"
+            about = (
+                "The share of the squared error above the noise that each removes by itself, on data that it "
+                "was not fitted to, each signal weighed by its noise"
+            )
             parts.append(text(f"<h3>Other explanations</h3><p class=quiet>{about}</p>"))
             parts += [self._other(key, share) for key, share in others]
         return parts

@@ -15,6 +15,7 @@ from ..checks.torque_log_offset import torque_offset_lines
 from ..data import Data
 from ..hypothesis import Fit
 from ..policy import POLICY
+from ..removed_share import HeldOutFall, removes, shown
 from ..search_result import AcceptedStep
 from .frequency_response import Responses, distortion_lines, resonance_lines, response_lines, responses
 from .relations import Missing, missing_torque, relation_lines, relations
@@ -114,29 +115,35 @@ class ResidualEvidence:
 
 
 def finding_lines(
-    step: AcceptedStep, applied: AppliedEffect, found: Collection[EffectKey] = ()
+    step: AcceptedStep,
+    applied: AppliedEffect,
+    found: Collection[EffectKey] = (),
+    held_out: HeldOutFall | None = None,
 ) -> tuple[str, ...]:
-    """Lines on what an effect removes, where, and on the next explanation.
+    """Lines on what an effect removes, on which data, and on the next explanation.
 
     Args:
         step: at which it was accepted.
         applied: the effect.
         found: all effects of the final model, none of which is another explanation.
+        held_out: the held-out errors that are told beside it; None where there are none.
     """
-    test_loss = step.by_holdout
-    source = "held-out recordings" if test_loss else "data left out of the fit"
     agree, of = step.folds
-    removed = 100.0 * min(max(step.removed_share, 0.0), 1.0)
-    lines = [
-        f"removes {removed:.1f} % of the squared error above the noise on {source}",
-        f"helps on {agree} of {of} {'held-out recordings' if test_loss else 'folds'}",
-    ]
+    parts = "parts of the fitted recordings that were left out in turn"
+    judges = "held-out recordings" if step.by_holdout else parts
+    lines = [] if held_out is None else [held_out.line]
+    if held_out is None or not step.by_holdout:
+        lines.append(removes(step.removed_share, judges))
+    lines.append(f"helps on {agree} of {of} {'held-out recordings' if step.by_holdout else 'such parts'}")
     known = {applied.key, *step.indistinguishable, *found}
     others = [(k, s) for k, s in step.ranking if k not in known]
     if others:
         key, share = others[0]
         beside = f"simpler than {key}, which" if share > step.removed_share else f"next best, {key},"
-        lines.append(f"{beside} removes {100 * min(max(share, 0.0), 1.0):.1f} %")
+        lines.append(
+            f"{beside} removes {shown(share)} where this removes {shown(step.removed_share)}, on {judges}, "
+            "each signal weighed by its noise"
+        )
     effect = effect_named(applied.key.effect)
     words = (s.words(step.fit.hypothesis.model) for s in effect.parameters.settles)
     return (*lines, *filter(None, words), f"where to see it: {effect.words.shows}")

@@ -1,0 +1,77 @@
+"""Every argument of every command given what it cannot read: one line, exit code 2, and nothing written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.cli.here import run
+from tests.cli.test_matrix import ARGUMENTS, SUFFIX, TREE, asked_of, files, fine, outputs
+
+__all__ = ["files"]  # a fixture
+
+#: What files are of no use to any command.
+BAD = {
+    "empty": b"",
+    "words": b"nothing of use\n",
+    "bytes": bytes(range(256)),
+    "page": b"<html><body>404 not found</body></html>\n",
+    "other": b'{"format": 1}\n',
+}
+#: By what ending an argument is told from others; a file for each is tried.
+ENDINGS = {
+    "model": (".toml", ".xml", ".urdf"),
+    "bundle": (".zip",),
+    "run": ("",),
+    "file": (".csv", ".json", ".xml"),
+}
+#: Words of arguments that are no files, and that commands cannot do without.
+WORDS = {"rig": "leg", "task": "reach", "output": "arm.toml"}
+CASES = [
+    (name, k)
+    for name, command in TREE.items()
+    for k, _ in enumerate(p for p in command.params if p.param_type_name == "argument")
+]
+
+
+def names(folder: Path, argument: str) -> list[Path]:
+    """Paths that are no use: files, one that is not there, and a folder."""
+    endings = ENDINGS.get(argument, (".toml",))
+    for ending in endings:
+        (folder / f"folder{ending}").mkdir(parents=True, exist_ok=True)
+        for name, content in BAD.items():
+            (folder / f"{name}{ending}").write_bytes(content)
+    there = [] if argument == "output" else ["gone", "folder"]  # where something is to be written
+    return [folder / f"{name}{ending}" for ending in endings for name in (*there, *BAD)]
+
+
+def asked(name: str, arguments: list[str], files: dict[str, Path]) -> list[Any]:
+    """Words by which a command would run; those of its arguments come first."""
+    try:
+        words = asked_of(name, TREE[name])[0]
+    except AssertionError:
+        words = []
+    words = words or [WORDS.get(a) or ARGUMENTS.get(a, "arm.xml") for a in arguments]
+    return [files.get(str(word), word) for word in words]
+
+
+@pytest.mark.parametrize(("name", "k"), CASES, ids=[f"{n} {k}" for n, k in CASES])
+def test_what_cannot_be_read_ends_in_one_line(
+    name: str, k: int, files: dict[str, Path], tmp_path: Path
+) -> None:
+    arguments = [p.name for p in TREE[name].params if p.param_type_name == "argument"]
+    words = asked(name, arguments, files)
+    made = outputs(TREE[name], tmp_path / "out", SUFFIX.get(name, ".toml"))
+    for path in names(tmp_path / "in", arguments[k]):
+        given = [
+            *name.split(),
+            *words[:k],
+            path,
+            *words[k + 1 :],
+            *(w for pair in made.items() for w in pair),
+        ]
+        ended = run(*given, cwd=tmp_path)
+        assert not fine(ended, given), (given, ended.stdout)
+        assert not (tmp_path / "out").exists(), (given, "something was written all the same")
