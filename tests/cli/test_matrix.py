@@ -137,7 +137,11 @@ READ: dict[str, Callable[[Path], object]] = {
 }
 SUFFIX = {"normalize": ".xml", "can dbc": ".dbc", "approve": ".json"}
 SUFFIX |= dict.fromkeys(("record", "fleet", "train", "evaluate"), "")
-ENDINGS = {"--json": ".json", "--html": ".html"}  # of an option that writes a FILE; of others: a picture
+ENDINGS = {
+    "--json": ".json",
+    "--html": ".html",
+    "--trace": ".html",
+}  # of an option that writes a FILE; of others: a picture
 READS = {"--record"}  # options of a FILE that is there already
 
 
@@ -214,8 +218,8 @@ def test_every_output_of_every_command(name: str, k: int, files: dict[str, Path]
     assert name not in REFUSED, "it works now: hold what it writes"
     if "--json" in made:
         assert strictly(made["--json"].read_text())["format"] == 1
-    if "--html" in made:
-        page = made["--html"].read_text()
+    for file in (p for p in made.values() if p.suffix == ".html"):
+        page = file.read_text()
         assert page.lstrip().lower().startswith("<!doctype html") and page.rstrip().endswith("</html>")
     for picture in (p for p in made.values() if p.suffix == ".png" and p.exists()):
         assert picture.read_bytes().startswith(b"\x89PNG")

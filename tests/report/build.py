@@ -19,6 +19,7 @@ from workbench.core import (
     Shape,
     Share,
     Step,
+    Tried,
 )
 
 AXES = ("hip", "knee")
@@ -135,7 +136,22 @@ def diagnosis(seconds: float = 12.0, rate: float = 500.0) -> Diagnosis:
         ranking=((FRICTION, 0.98), (DAMPING, 0.41), (EffectKey("cogging", "knee"), 0.08), (GAIN, 0.011)),
         before=before,
         after=after,
+        trace=tried(),
     )
+
+
+def tried() -> tuple[Tried, ...]:
+    """A friction taken at once, and a start that led nowhere."""
+    first = Tried(
+        "one effect after the other", (), ((FRICTION, ((FRICTION, 0.98), (DAMPING, 0.41))),), (FRICTION,),
+        (7.1, 1.02), 0.98, 1, True, "it explains the recordings",
+    )  # fmt: skip
+    gap = EffectKey("backlash", "hip")
+    other = Tried(
+        "a gap or soft joint that the torque shows", (FRICTION,), ((gap, ()),), (FRICTION, gap),
+        (1.02, 3.4), 0.8, 3, False, "it explains 80 % of the squared error above the noise",
+    )  # fmt: skip
+    return first, other
 
 
 def unexplained() -> Diagnosis:
