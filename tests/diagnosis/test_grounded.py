@@ -7,7 +7,8 @@ import pytest
 from workbench.core import EffectKey
 from workbench.diagnosis import diagnose
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.screening.screen import screen, unobservable_effects
+from workbench.diagnosis.screening.ground_effects import unobservable_effects
+from workbench.diagnosis.screening.screen import screen
 from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect, Plate, VirtualLeg, plate_experiments

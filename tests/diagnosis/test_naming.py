@@ -18,8 +18,9 @@ from workbench.diagnosis.fitting.refinement import with_candidate
 from workbench.diagnosis.hypothesis import Fit, applied_effect
 from workbench.diagnosis.naming import named_beside
 from workbench.diagnosis.problem import starting_fit
+from workbench.diagnosis.screening.candidate import Candidate
 from workbench.diagnosis.screening.command_path import off_command_path
-from workbench.diagnosis.screening.screen import Candidate, screen
+from workbench.diagnosis.screening.screen import screen
 from workbench.diagnosis.screening.sensitivity import Linearisation
 
 _LINE, _LIMIT = EffectKey("speed_torque_limit", "m"), EffectKey("torque_saturation", "m")

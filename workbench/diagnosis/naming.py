@@ -17,8 +17,8 @@ from .hypothesis import Fit
 from .loss import test_noise_floor
 from .moves.choice import Explanation
 from .policy import POLICY
+from .screening.candidate import Candidate
 from .screening.compliance import equivalents_at_joint
-from .screening.screen import Candidate
 from .screening.sensitivity import Linearisation
 
 

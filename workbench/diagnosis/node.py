@@ -21,7 +21,7 @@ from .hypothesis import Fit
 from .loss import explained, median_explained, rescored
 from .policy import POLICY
 from .problem import Keys, Problem
-from .screening.screen import Candidate
+from .screening.candidate import Candidate
 from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .search_result import AcceptedStep

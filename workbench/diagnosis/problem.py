@@ -16,8 +16,8 @@ from workbench.models import Model
 from .data import Data, gather
 from .hypothesis import Fit, Hypothesis
 from .loss import rescored
+from .screening.candidate import Candidate
 from .screening.linear_problem import Linear, is_too_large, linear_along, linear_of
-from .screening.screen import Candidate
 from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .screening.torque_regression import Regression, regression_of

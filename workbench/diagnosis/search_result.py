@@ -18,8 +18,8 @@ from .hypothesis import Fit
 from .loss import test_noise_floor
 from .moves.choice import same_cause
 from .removed_share import removed_share
+from .screening.candidate import Candidate
 from .screening.linear_problem import Linear
-from .screening.screen import Candidate
 
 
 @dataclass(frozen=True)

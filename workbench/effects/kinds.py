@@ -13,6 +13,9 @@ from .corrected import OfBody
 from .setting import SLIDING_SPEED
 from .structural import Structural
 
+#: Doors of what acts on the motion; what shifts commands or readings is no torque.
+TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
+
 
 def tier_of(effect: Effect) -> int:
     """0 for the simple effects, 1 for refinements that are tried after them.

@@ -25,7 +25,8 @@ from workbench.diagnosis.evidence.frequency_response import (
     response_lines,
     responses,
 )
-from workbench.diagnosis.evidence.relations import Missing, missing_torque, relation_lines, relations
+from workbench.diagnosis.evidence.missing_torque import Missing, missing_torque
+from workbench.diagnosis.evidence.relations import relation_lines, relations
 from workbench.diagnosis.evidence.residual_evidence import finding_lines
 from workbench.effects import load_model
 from workbench.frf import multisine as design_multisine

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from workbench.diagnosis.evidence.relations import Missing
+from workbench.diagnosis.evidence.missing_torque import Missing
 from workbench.diagnosis.evidence.shape import shapes
 
 

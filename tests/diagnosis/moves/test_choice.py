@@ -10,7 +10,7 @@ import pytest
 from workbench.core import EffectKey
 from workbench.diagnosis.data import Data
 from workbench.diagnosis.moves.choice import better_refinement, choose
-from workbench.diagnosis.screening.screen import Candidate
+from workbench.diagnosis.screening.candidate import Candidate
 from workbench.effects import load_model
 
 _PLAIN, _REFINED = EffectKey("coulomb_friction", "knee"), EffectKey("presliding_hysteresis", "knee")

@@ -14,7 +14,7 @@ from workbench.diagnosis.fitting.normal_equations import normal
 from workbench.diagnosis.hypothesis import Fit
 from workbench.diagnosis.moves.pairs import best_pair, left_by
 from workbench.diagnosis.problem import starting_fit
-from workbench.diagnosis.screening.screen import Entry
+from workbench.diagnosis.screening.equations import Entry
 from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.diagnosis.search_result import AcceptedStep
 from workbench.effects import load_model

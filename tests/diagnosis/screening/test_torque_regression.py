@@ -9,8 +9,8 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.diagnosis.fitting.normal_equations import Normal
+from workbench.diagnosis.screening.equations import Entry
 from workbench.diagnosis.screening.rivals import rivals_of
-from workbench.diagnosis.screening.screen import Entry
 from workbench.diagnosis.screening.torque_regression import Regression
 
 ROWS, FOLDS = 300, 4

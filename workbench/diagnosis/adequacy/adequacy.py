@@ -23,9 +23,9 @@ from ..data import Data
 from ..evidence.shape import splines
 from ..hypothesis import Fit
 from ..policy import POLICY
+from ..screening.needed_torque import kept_rows, needing
 from ..screening.propagation import propagate_sensitivities
 from ..screening.sensitivity import Linearisation
-from ..screening.torque_regression import kept_rows, needing
 from ..significance import INTERVAL
 from .free_functions import Adequacy, against_free_functions
 from .masses import adequacy_of_mass, multi_axis_law

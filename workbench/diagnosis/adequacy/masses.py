@@ -11,8 +11,8 @@ from ..data import Data
 from ..evidence.shape import splines
 from ..hypothesis import Fit
 from ..policy import POLICY
+from ..screening.needed_torque import kept_rows
 from ..screening.sensitivity import Linearisation
-from ..screening.torque_regression import kept_rows
 from .free_functions import Adequacy, Free, against_free_functions
 
 

@@ -29,8 +29,7 @@ from workbench.frf import (
 from workbench.report.numbers import interval
 
 from ..policy import POLICY
-
-_BANDS = 5
+from .weighted import BANDS, in_bands, weighted_mean, weighted_slope
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,9 +98,9 @@ def delay_line(found: Responses, axis: str | None, side: str) -> list[str]:
     """The slope of the ratio's phase [ms], where the phase is a straight line through zero."""
     omega, ratio, deviation = _ratio(found, axis, side)
     phase, weight = np.unwrap(np.angle(ratio)), 2.0 / (deviation / np.abs(ratio)) ** 2
-    phase -= 2 * np.pi * np.round(np.average(phase[: len(phase) // _BANDS]) / (2 * np.pi))
-    slope, std = _slope(omega, -phase, weight)
-    rest = _bands(omega, -phase - slope * omega, weight)
+    phase -= 2 * np.pi * np.round(np.average(phase[: len(phase) // BANDS]) / (2 * np.pi))
+    slope, std = weighted_slope(omega, -phase, weight)
+    rest = in_bands(omega, -phase - slope * omega, weight)
     off, share = POLICY.significant, POLICY.response_share
     straight = all(abs(m) < max(off * s, share * abs(slope) * at) for at, m, s in rest)
     if not (abs(slope) > POLICY.sure * std and straight):
@@ -118,10 +117,10 @@ def gain_line(found: Responses, axis: str | None, side: str) -> list[str]:
     """The ratio's magnitude, where it is the same in all bands and the phase does not turn."""
     omega, ratio, deviation = _ratio(found, axis, side)
     size, weight = np.log(np.abs(ratio)), 2.0 / (deviation / np.abs(ratio)) ** 2
-    mean, std = _mean(size, weight)
+    mean, std = weighted_mean(size, weight)
     off, share = POLICY.significant, POLICY.response_share
-    flat = all(abs(m - mean) < max(off * s, share * abs(mean)) for _, m, s in _bands(omega, size, weight))
-    turn = _bands(omega, np.angle(ratio), weight)
+    flat = all(abs(m - mean) < max(off * s, share * abs(mean)) for _, m, s in in_bands(omega, size, weight))
+    turn = in_bands(omega, np.angle(ratio), weight)
     still = all(abs(m) < max(off * s, 2 * share * abs(mean)) for _, m, s in turn)
     if not (abs(mean) > POLICY.sure * std and flat and still):
         return []
@@ -217,27 +216,6 @@ def _ratio(found: Responses, axis: str | None, side: str) -> tuple[np.ndarray, n
     if np.count_nonzero(sure) < POLICY.response_lines:
         return np.ones(2), np.ones(2, complex), np.ones(2)  # says nothing
     return found.real.omega[sure], ratio[sure], deviation[sure]
-
-
-def _mean(values: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
-    """Weighted mean and its deviation, by the noise or by the scatter, whichever is more."""
-    mean = float(np.average(values, weights=weight))
-    excess = float(np.sum(weight * (values - mean) ** 2) / max(len(values) - 1, 1))
-    return mean, float(np.sqrt(max(excess, 1.0) / weight.sum()))
-
-
-def _slope(x: np.ndarray, y: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
-    """Slope of a line through zero and its deviation, by the noise or by the scatter."""
-    information = float(np.sum(weight * x**2))
-    slope = float(np.sum(weight * x * y) / information)
-    excess = float(np.sum(weight * (y - slope * x) ** 2) / max(len(x) - 1, 1))
-    return slope, float(np.sqrt(max(excess, 1.0) / information))
-
-
-def _bands(omega: np.ndarray, values: np.ndarray, weight: np.ndarray) -> list[tuple[float, float, float]]:
-    """Middle frequency, mean and deviation of stretches of neighbouring lines."""
-    parts = np.array_split(np.arange(len(omega)), _BANDS)
-    return [(float(np.mean(omega[p])), *_mean(values[p], weight[p])) for p in parts if len(p)]
 
 
 def _same(a: Resonance, b: Resonance) -> bool:

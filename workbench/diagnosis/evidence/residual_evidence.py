@@ -18,7 +18,8 @@ from ..policy import POLICY
 from ..removed_share import HeldOutFall, removes, shown
 from ..search_result import AcceptedStep
 from .frequency_response import Responses, distortion_lines, resonance_lines, response_lines, responses
-from .relations import Missing, missing_torque, relation_lines, relations
+from .missing_torque import Missing, missing_torque
+from .relations import relation_lines, relations
 from .shape import shapes
 
 #: Doors whose effects are torques on the mechanism; others shift what is commanded or read.

@@ -19,7 +19,7 @@ from workbench.core import Shape
 from workbench.core.units import torque_unit
 
 from ..policy import POLICY
-from .relations import Missing
+from .missing_torque import Missing
 
 _PIECES = 12  # polynomial pieces a quantity; of two quantities half as many each
 _PENALTIES = np.logspace(-4, 4, 9)  # times the mean of the normal equations' diagonal

@@ -15,7 +15,7 @@ from ..data import Data
 from ..hypothesis import Fit, Hypothesis, applied_effect
 from ..loss import test_noise_floor
 from ..policy import POLICY
-from ..screening.screen import Candidate
+from ..screening.candidate import Candidate
 from ..screening.sensitivity import Linearisation, combine
 from .fit import FINE_TOLERANCE, fit, values_of
 from .uncertainty import moved_apart, widened

@@ -27,8 +27,9 @@ from ..naming import equivalents_of, named_beside, special_case
 from ..node import Growth, Node, screened_at, with_last_step, with_steps
 from ..problem import Problem, Progress
 from ..removed_share import removed_share
+from ..screening.candidate import Candidate
 from ..screening.command_path import off_command_path
-from ..screening.screen import Candidate, screen
+from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import cancel_each_other, identifiable

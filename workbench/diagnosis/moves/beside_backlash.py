@@ -21,7 +21,9 @@ from workbench.models import Model, Placement
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit
 from ..policy import POLICY
-from ..screening.screen import Candidate, Entry, entries_of, limits_of
+from ..screening.candidate import Candidate
+from ..screening.equations import Entry, limits_of
+from ..screening.screen import entries_of
 from ..screening.sensitivity import Linearisation, SensitivityColumn
 from .pairs import may_stand_together
 

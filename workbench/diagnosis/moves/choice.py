@@ -14,7 +14,7 @@ from ..data import Data
 from ..hypothesis import Fit
 from ..loss import test_noise_floor, training_noise_floor
 from ..policy import POLICY
-from ..screening.screen import Candidate
+from ..screening.candidate import Candidate
 
 #: An effect in a place that was simulated, with its fit.
 Explanation = tuple[Candidate, Fit]

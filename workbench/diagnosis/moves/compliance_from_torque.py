@@ -12,8 +12,8 @@ from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit, Hypothesis, applied_effect
 from ..policy import POLICY
+from ..screening.candidate import Candidate
 from ..screening.compliance import compliance_candidates, equivalents_at_joint
-from ..screening.screen import Candidate
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import identifiable

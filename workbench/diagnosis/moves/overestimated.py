@@ -22,7 +22,7 @@ from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
 from ..loss import test_noise_floor
 from ..policy import POLICY
-from ..screening.screen import Entry, equations, judge, limits_of
+from ..screening.equations import Entry, equations, judge, limits_of
 from ..screening.sensitivity import Linearisation, SensitivityColumn
 from ..search_result import SearchResult
 

@@ -20,7 +20,9 @@ from ..hypothesis import Fit
 from ..loss import test_noise_floor
 from ..policy import POLICY
 from ..removed_share import removed_shares
-from ..screening.screen import Candidate, Entry, entries_of, equations, judge, limits_of
+from ..screening.candidate import Candidate
+from ..screening.equations import Entry, equations, judge, limits_of
+from ..screening.screen import entries_of
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import cancel_each_other, identifiable

@@ -19,7 +19,8 @@ from ..node import Node, with_last_step, with_steps
 from ..policy import POLICY
 from ..problem import Problem, Progress
 from ..removed_share import removed_share
-from ..screening.screen import Candidate, screen
+from ..screening.candidate import Candidate
+from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import is_significant, sizes_of

@@ -19,9 +19,9 @@ from ..hypothesis import Fit
 from ..loss import test_noise_floor
 from ..policy import POLICY
 from ..problem import Progress
+from ..screening.candidate import Candidate
 from ..screening.command_path import off_command_path
 from ..screening.compliance import compliance_candidates
-from ..screening.screen import Candidate
 from ..screening.sensitivity import Linearisation
 from .choice import Explanation
 

@@ -17,7 +17,7 @@ from ..policy import POLICY
 from .sensitivity import Linearisation
 
 if TYPE_CHECKING:
-    from .screen import Candidate
+    from .candidate import Candidate
 
 
 #: What a drive's measured torque is off its command, and what a limit takes away of it, row by row; and the

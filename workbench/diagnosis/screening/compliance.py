@@ -13,7 +13,7 @@ from workbench.models import AppliedEffect, Crank, Model, Placement
 from workbench.simulation import on_all_cores
 
 from ..policy import POLICY
-from .screen import Candidate
+from .candidate import Candidate
 from .sensitivity import Linearisation
 
 

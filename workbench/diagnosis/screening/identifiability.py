@@ -20,8 +20,9 @@ from ..data import Data
 from ..fitting.uncertainty import with_deviations
 from ..hypothesis import Hypothesis, applied_effect
 from ..policy import POLICY
+from .equations import Entry
+from .ground_effects import unobservable_effects
 from .linear_problem import Linear, columns_of
-from .screen import Entry, unobservable_effects
 from .sensitivity import Linearisation
 
 

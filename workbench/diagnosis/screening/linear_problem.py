@@ -13,7 +13,8 @@ from ..data import Data
 from ..fitting.normal_equations import Normal, total
 from ..fitting.uncertainty import scatter
 from ..policy import POLICY
-from .screen import Entry, Equations, entries_of, equations_of, responses
+from .equations import Entry, Equations, equations_of, responses
+from .screen import entries_of
 from .sensitivity import Linearisation
 from .torque_regression import Regression
 

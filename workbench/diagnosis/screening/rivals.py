@@ -8,7 +8,7 @@ from workbench.core import EffectKey
 
 from ..moves.choice import loss_ratios, same_cause
 from ..policy import POLICY
-from .screen import Entry
+from .equations import Entry
 from .stepwise_regression import fits_in
 from .torque_regression import Regression
 

@@ -2,59 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Container, Iterable, Iterator, Sequence
 
 import numpy as np
 
 from workbench.comparison import is_free
 from workbench.core import EffectKey, Recording
-from workbench.effects import Compliance, Door, OnGround, effect_named, kinds, places
+from workbench.effects import Compliance, OnGround, effect_named, kinds, places
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
-from ..fitting.bounded_least_squares import solve
-from ..fitting.normal_equations import Normal, normal, total
-from ..hypothesis import applied_effect
+from ..fitting.normal_equations import Normal
+from .candidate import Candidate
 from .command_path import by_command_path
+from .equations import Entry, Equations, equations, judge, limits_of
+from .ground_effects import on_the_ground
 from .propagation import propagate_sensitivities
 from .sensitivity import Linearisation, SensitivityColumn
 
-#: What acts on the motion; what shifts commands or readings is no torque.
-TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
 _BLOCK = 64  # columns propagated together; only those of one effect are compared with each other
-_MOVED = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)  # m, of a foot: values to begin with
 _HELD = 4_000_000  # numbers of a column times columns, of more than a block of which long data get fewer
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """An effect in a place with its first estimate.
-
-    Attributes:
-        key: which, where.
-        coefficients: linear coefficients, (k,).
-        shape: nonlinear parameters.
-        test_loss: predicted weighted mean square on data that were not fitted.
-        beside: nonlinear parameters of the model's own effects, when this one is added.
-    """
-
-    key: EffectKey
-    coefficients: np.ndarray
-    shape: Mapping[str, float]
-    test_loss: float
-    beside: Mapping[EffectKey, Mapping[str, float]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """An effect of one shape: the numbers of its columns, and the effect of one unit."""
-
-    key: EffectKey
-    shape: Mapping[str, float]
-    linear: list[int]
-    fixed: int | None
-    strength: float
 
 
 def screen(
@@ -107,50 +74,6 @@ def screen(
     return sorted(found, key=lambda c: c.test_loss), without or 0.0
 
 
-def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
-    """Candidates of ground contact and foot position, from measured forces, by simulation.
-
-    They are no torque along a motion. Where forces were not recorded, these effects are in
-    `unobservable_effects`.
-    """
-    tried: list[tuple[EffectKey, np.ndarray, Mapping[str, float]]] = []
-    for key in places(linearisation.model) if data.replay.on_ground else ():
-        effect = effect_named(key.effect)
-        if isinstance(effect, OnGround):
-            own = effect.guesses(linearisation.motions[: data.training])
-            tried += [(key, np.zeros(0), shape) for shape in own]
-        elif kinds.moves_feet(effect):
-            tried += [(key, np.array([value]), {}) for value in _MOVED]
-    models = []
-    for key, coefficients, shape in tried:
-        values = effect_named(key.effect).parameters.to_values(coefficients, shape)
-        models.append(
-            linearisation.model.with_effect(applied_effect(linearisation.model, AppliedEffect(key), values))
-        )
-    squares = [data.mean_squares(runs) for runs in data.run(models)] if models else []
-    part = data.tests_on_holdout
-    test_loss = [data.objective(data.pool(s, part)) if np.isfinite(s).all() else np.inf for s in squares]
-    best: dict[EffectKey, Candidate] = {}
-    for (key, coefficients, shape), left in sorted(zip(tried, test_loss, strict=True), key=lambda x: -x[1]):
-        best[key] = Candidate(key, coefficients, shape, left)
-    return list(best.values())
-
-
-def unobservable_effects(linearisation: Linearisation, data: Data) -> list[EffectKey]:
-    """Effects that this kind of replay, or the recorded ground forces, cannot show."""
-    out = []
-    for key in places(linearisation.model):
-        effect = effect_named(key.effect)
-        hidden = not data.replay.shows(key.effect)
-        if data.replay.on_ground and isinstance(effect, OnGround):
-            hidden = hidden or not effect.guesses(linearisation.motions[: data.training])
-        # what shifts commands or readings is no torque, which is all that a measured motion tells
-        along = not data.replay.simulates and effect.door not in TORQUES
-        if hidden or along:
-            out.append(key)
-    return out
-
-
 def _blocks(
     linearisation: Linearisation, first: int, asked: Iterable[EffectKey], size: int
 ) -> Iterator[tuple[list[SensitivityColumn], list[Entry]]]:
@@ -190,14 +113,6 @@ def _candidate(
     return Candidate(entry.key, solution[len(kept) :], entry.shape, test_loss)
 
 
-def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
-    """Physical bounds of an entry's coefficients."""
-    bounds = effect_named(entry.key.effect).parameters.bounds(
-        linearisation.model, Placement.of(linearisation.model, entry.key)
-    )
-    return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]
-
-
 def entries_of(linearisation: Linearisation) -> tuple[list[SensitivityColumn], list[Entry]]:
     """All effects in all places and shapes, with their columns."""
     columns: list[SensitivityColumn] = []
@@ -205,90 +120,6 @@ def entries_of(linearisation: Linearisation) -> tuple[list[SensitivityColumn], l
     for more, found in _blocks(linearisation, 0, places(linearisation.model), 10**9):
         columns, entries = more, found
     return columns, entries
-
-
-@dataclass(frozen=True)
-class Equations:
-    """Of all effects in all places and shapes: normal equations of training folds and of held-out data."""
-
-    entries: tuple[Entry, ...]
-    pieces: list[Normal]
-    held_out: Normal | None
-
-
-def equations(
-    linearisation: Linearisation,
-    known: list[np.ndarray],
-    columns: list[SensitivityColumn],
-    data: Data,
-    simulated: Sequence[Recording],
-) -> tuple[list[Normal], Normal | None]:
-    """Normal equations of each training fold, and of the held-out recordings together.
-
-    `known`: responses of the unknowns that stand before `columns`, per recording.
-    """
-    return equations_of(responses(linearisation, known, columns, data), data, simulated)
-
-
-def responses(
-    linearisation: Linearisation, known: list[np.ndarray], columns: list[SensitivityColumn], data: Data
-) -> list[np.ndarray]:
-    """Weighted changes of the signals by each unknown, (N, 2, n, C) per recording."""
-    parts = [
-        propagate_sensitivities([linearisation], [columns[k : k + _BLOCK]], data)[0]
-        for k in range(0, len(columns), _BLOCK)
-    ]
-    each = zip(*([known] if known else []), *parts, strict=True)
-    return [own[0] if len(own) == 1 else np.concatenate(own, axis=-1) for own in each]
-
-
-def equations_of(
-    changes: Sequence[np.ndarray], data: Data, simulated: Sequence[Recording]
-) -> tuple[list[Normal], Normal | None]:
-    """Normal equations of each training fold, and of held-out recordings that judge, from `responses`."""
-    residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
-    pieces = [normal(changes[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
-    held_out: Normal | None = None
-    for i in range(data.training, len(simulated) if data.tests_on_holdout else data.training):
-        own = normal(changes[i], residuals[i])
-        held_out = own if held_out is None else held_out + own
-    return pieces, held_out
-
-
-def judge(
-    pieces: list[Normal],
-    held_out: Normal | None,
-    index: list[int],
-    fixed: Sequence[int],
-    bounds: tuple[np.ndarray, np.ndarray],
-) -> tuple[float, np.ndarray]:
-    """Mean square left on held-out data (or across folds), and the solution on all training data.
-
-    Args:
-        pieces, held_out: see `equations`.
-        index: unknowns.
-        fixed: columns without a coefficient, which come off the residual first.
-        bounds: of the unknowns.
-    """
-    parts = [_shifted(p, index, fixed) for p in pieces]
-    whole = total(parts)
-    solution = solve(whole, *bounds)
-    if held_out is not None:
-        other = _shifted(held_out, index, fixed)
-        return other.after(solution) / other.samples, solution
-    left = 0.0
-    for part in parts:
-        rest = whole - part
-        left += part.after(solve(rest, *bounds))
-    return left / whole.samples, solution
-
-
-def _shifted(piece: Normal, index: list[int], fixed: Sequence[int]) -> Normal:
-    for k in fixed:
-        right = piece.right - piece.gram[:, k]
-        square = piece.square - 2.0 * piece.right[k] + piece.gram[k, k]
-        piece = Normal(piece.gram, right, float(square), piece.samples)
-    return piece.pick(index)
 
 
 def _size(parts: Sequence[np.ndarray | None]) -> float:

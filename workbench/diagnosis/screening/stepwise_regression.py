@@ -12,7 +12,8 @@ from workbench.effects import contains, effect_named, kinds
 
 from ..moves.pairs import may_stand_together
 from ..policy import POLICY
-from .screen import Candidate, Entry
+from .candidate import Candidate
+from .equations import Entry
 from .torque_regression import Chosen, Regression, Solution
 
 

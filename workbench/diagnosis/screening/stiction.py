@@ -19,7 +19,9 @@ from ..data import Data, gather
 from ..hypothesis import Fit
 from ..loss import rescored, test_noise_floor
 from ..policy import POLICY
-from .screen import Candidate, Equations, screen
+from .candidate import Candidate
+from .equations import Equations
+from .screen import screen
 from .sensitivity import Linearisation
 
 

@@ -14,19 +14,20 @@ from functools import cached_property
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Compliance, Door, Motion, OnGround, effect_named, kinds, places
+from workbench.effects import Compliance, Door, OnGround, effect_named, kinds, places
 from workbench.models import Placement
 
 from ..data import Data
 from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
 from ..hypothesis import Fit
+from .equations import Entry, limits_of
+from .needed_torque import kept_rows, needing
 from .propagation import propagate_sensitivities
-from .screen import TORQUES, Entry, limits_of, sizes_of, strength_of
+from .screen import sizes_of, strength_of
 from .sensitivity import Linearisation, SensitivityColumn
 
 _BLOCK = 64  # columns that are filtered together
-_PER_CYCLE = 4  # rows kept per cycle of the filter's corner frequency: behind it nothing is faster
 
 
 Chosen = tuple[Entry, ...]
@@ -176,7 +177,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
     entries, motions, sizes = [], needing(linearisation), sizes_of(linearisation)
     for key in places(model):
         effect, place = effect_named(key.effect), Placement.of(model, key)
-        acts = effect.door in TORQUES and not isinstance(effect, Compliance | OnGround)
+        acts = effect.door in kinds.TORQUES and not isinstance(effect, Compliance | OnGround)
         if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
             continue
         if effect.door is Door.MOTOR and _is_a_gain(key, linearisation):
@@ -191,7 +192,7 @@ def regression_of(start: Fit, data: Data) -> Regression:
     for applied in model.effects:
         effect = effect_named(applied.key.effect)
         gives_way = isinstance(effect, Compliance)
-        if effect.door in TORQUES and not gives_way and not kinds.by_runs(effect) and effect.parameters:
+        if effect.door in kinds.TORQUES and not gives_way and not kinds.by_runs(effect) and effect.parameters:
             own[applied.key] = len(columns)
             columns.append(linearisation.total(applied, applied.values))
     rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
@@ -224,26 +225,6 @@ def regression_of(start: Fit, data: Data) -> Regression:
         data.least(data.tests_on_holdout)[1] * data.weight[1] ** 2,
         {entry: limits_of(linearisation, entry) for entry in entries},
     )
-
-
-def kept_rows(linearisation: Linearisation, index: int) -> np.ndarray:
-    """Rows of a recording that hold all that the filter lets through, (M,)."""
-    corner = linearisation.loops[index].reading.corner_hz
-    step = max(1, int(1.0 / (_PER_CYCLE * corner * linearisation.data.recordings[index].period)))
-    return np.arange(0, len(linearisation.data.recordings[index]), step)
-
-
-def needing(linearisation: Linearisation) -> list[Motion]:
-    """The motions with the torque that the model needs for them in place of that measured.
-
-    What is made of a measured torque explains it by itself wherever the model needs little.
-    """
-    out = []
-    for motion, run, loop in zip(linearisation.motions, linearisation.runs, linearisation.loops, strict=True):
-        reading = loop.reading
-        unmodelled = reading.recording.signals[reading.name] - run.signals[reading.name]
-        out.append(replace(motion, torque=motion.torque - unmodelled @ np.linalg.inv(reading.to_actuator)))
-    return out
 
 
 def _is_a_gain(key: EffectKey, linearisation: Linearisation) -> bool:

@@ -1,0 +1,123 @@
+"""Normal equations of effects: what each leaves of the data, fitted and left out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import EffectKey, Recording
+from workbench.effects import effect_named
+from workbench.models import Placement
+
+from ..data import Data
+from ..fitting.bounded_least_squares import solve
+from ..fitting.normal_equations import Normal, normal, total
+from .propagation import propagate_sensitivities
+from .sensitivity import Linearisation, SensitivityColumn
+
+_BLOCK = 64  # columns propagated together
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """An effect of one shape: the numbers of its columns, and the effect of one unit."""
+
+    key: EffectKey
+    shape: Mapping[str, float]
+    linear: list[int]
+    fixed: int | None
+    strength: float
+
+
+def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
+    """Physical bounds of an entry's coefficients."""
+    bounds = effect_named(entry.key.effect).parameters.bounds(
+        linearisation.model, Placement.of(linearisation.model, entry.key)
+    )
+    return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Of all effects in all places and shapes: normal equations of training folds and of held-out data."""
+
+    entries: tuple[Entry, ...]
+    pieces: list[Normal]
+    held_out: Normal | None
+
+
+def equations(
+    linearisation: Linearisation,
+    known: list[np.ndarray],
+    columns: list[SensitivityColumn],
+    data: Data,
+    simulated: Sequence[Recording],
+) -> tuple[list[Normal], Normal | None]:
+    """Normal equations of each training fold, and of the held-out recordings together.
+
+    `known`: responses of the unknowns that stand before `columns`, per recording.
+    """
+    return equations_of(responses(linearisation, known, columns, data), data, simulated)
+
+
+def responses(
+    linearisation: Linearisation, known: list[np.ndarray], columns: list[SensitivityColumn], data: Data
+) -> list[np.ndarray]:
+    """Weighted changes of the signals by each unknown, (N, 2, n, C) per recording."""
+    parts = [
+        propagate_sensitivities([linearisation], [columns[k : k + _BLOCK]], data)[0]
+        for k in range(0, len(columns), _BLOCK)
+    ]
+    each = zip(*([known] if known else []), *parts, strict=True)
+    return [own[0] if len(own) == 1 else np.concatenate(own, axis=-1) for own in each]
+
+
+def equations_of(
+    changes: Sequence[np.ndarray], data: Data, simulated: Sequence[Recording]
+) -> tuple[list[Normal], Normal | None]:
+    """Normal equations of each training fold, and of held-out recordings that judge, from `responses`."""
+    residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
+    pieces = [normal(changes[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
+    held_out: Normal | None = None
+    for i in range(data.training, len(simulated) if data.tests_on_holdout else data.training):
+        own = normal(changes[i], residuals[i])
+        held_out = own if held_out is None else held_out + own
+    return pieces, held_out
+
+
+def judge(
+    pieces: list[Normal],
+    held_out: Normal | None,
+    index: list[int],
+    fixed: Sequence[int],
+    bounds: tuple[np.ndarray, np.ndarray],
+) -> tuple[float, np.ndarray]:
+    """Mean square left on held-out data (or across folds), and the solution on all training data.
+
+    Args:
+        pieces, held_out: see `equations`.
+        index: unknowns.
+        fixed: columns without a coefficient, which come off the residual first.
+        bounds: of the unknowns.
+    """
+    parts = [_shifted(p, index, fixed) for p in pieces]
+    whole = total(parts)
+    solution = solve(whole, *bounds)
+    if held_out is not None:
+        other = _shifted(held_out, index, fixed)
+        return other.after(solution) / other.samples, solution
+    left = 0.0
+    for part in parts:
+        rest = whole - part
+        left += part.after(solve(rest, *bounds))
+    return left / whole.samples, solution
+
+
+def _shifted(piece: Normal, index: list[int], fixed: Sequence[int]) -> Normal:
+    for k in fixed:
+        right = piece.right - piece.gram[:, k]
+        square = piece.square - 2.0 * piece.right[k] + piece.gram[k, k]
+        piece = Normal(piece.gram, right, float(square), piece.samples)
+    return piece.pick(index)

@@ -1,0 +1,62 @@
+"""Effects of the ground and of the feet, which are no torque along a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.effects import OnGround, effect_named, kinds, places
+from workbench.models import AppliedEffect
+
+from ..data import Data
+from ..hypothesis import applied_effect
+from .candidate import Candidate
+from .sensitivity import Linearisation
+
+_MOVED = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)  # m, of a foot: values to begin with
+
+
+def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
+    """Candidates of ground contact and foot position, from measured forces, by simulation.
+
+    They are no torque along a motion. Where forces were not recorded, these effects are in
+    `unobservable_effects`.
+    """
+    tried: list[tuple[EffectKey, np.ndarray, Mapping[str, float]]] = []
+    for key in places(linearisation.model) if data.replay.on_ground else ():
+        effect = effect_named(key.effect)
+        if isinstance(effect, OnGround):
+            own = effect.guesses(linearisation.motions[: data.training])
+            tried += [(key, np.zeros(0), shape) for shape in own]
+        elif kinds.moves_feet(effect):
+            tried += [(key, np.array([value]), {}) for value in _MOVED]
+    models = []
+    for key, coefficients, shape in tried:
+        values = effect_named(key.effect).parameters.to_values(coefficients, shape)
+        models.append(
+            linearisation.model.with_effect(applied_effect(linearisation.model, AppliedEffect(key), values))
+        )
+    squares = [data.mean_squares(runs) for runs in data.run(models)] if models else []
+    part = data.tests_on_holdout
+    test_loss = [data.objective(data.pool(s, part)) if np.isfinite(s).all() else np.inf for s in squares]
+    best: dict[EffectKey, Candidate] = {}
+    for (key, coefficients, shape), left in sorted(zip(tried, test_loss, strict=True), key=lambda x: -x[1]):
+        best[key] = Candidate(key, coefficients, shape, left)
+    return list(best.values())
+
+
+def unobservable_effects(linearisation: Linearisation, data: Data) -> list[EffectKey]:
+    """Effects that this kind of replay, or the recorded ground forces, cannot show."""
+    out = []
+    for key in places(linearisation.model):
+        effect = effect_named(key.effect)
+        hidden = not data.replay.shows(key.effect)
+        if data.replay.on_ground and isinstance(effect, OnGround):
+            hidden = hidden or not effect.guesses(linearisation.motions[: data.training])
+        # what shifts commands or readings is no torque, which is all that a measured motion tells
+        along = not data.replay.simulates and effect.door not in kinds.TORQUES
+        if hidden or along:
+            out.append(key)
+    return out
