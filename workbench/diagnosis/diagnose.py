@@ -17,6 +17,7 @@ from .data import Data
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
+from .node import runs_part
 from .policy import POLICY
 from .problem import Progress
 from .rounds import Rounds, comparisons, part_of, rounds
@@ -106,6 +107,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         notes=(
             *before.notes,
             *_softness(first),
+            *(_parting(last) if named else ()),
             *([_NO_PAYLOAD] if verdict != "consistent" and first.model.payload_site is None else []),
         ),
     )
@@ -134,6 +136,23 @@ def _softness(found: SearchResult) -> tuple[str, ...]:
     fitted = data.replay.only(range(data.training))
     note = softness_note(found.model, fitted, part_of(found.start_runs, slice(0, data.training)))
     return () if note is None else (note,)
+
+
+def _parting(found: SearchResult) -> tuple[str, ...]:
+    """What counts as noise besides, where runs of models that are equally good part."""
+    data = found.final_data
+    own, noise = data.score(data.floor), data.score(np.mean(_squares(data), axis=0))
+    if not runs_part(found.final) or own < POLICY.noise_slack * noise:
+        return ()
+    return (
+        f"with a gap, runs of models that do equally well part: an error of {own:.3g} is no sign that "
+        f"anything is missing, although noise alone makes {noise:.3g}",
+    )
+
+
+def _squares(data: Data) -> np.ndarray:
+    """Mean squares (N, R, 2, n) that noise leaves, of each draw."""
+    return np.stack([np.stack([np.mean(x**2, axis=0) for x in draw]) for draw in data.draws])
 
 
 def _held_out_floor(data: Data) -> float | None:
