@@ -126,7 +126,7 @@ ASKED: dict[str, list[list[Any]]] = {
 READ: dict[str, Callable[[Path], object]] = {
     "add": lambda p: load_model(str(p)),
     "improve": lambda p: load_model(str(p)),
-    "normalize": lambda p: load_model(str(p)),
+    "normalize": lambda p: mujoco.MjModel.from_xml_path(str(p)),
     "excite": load_design,
     "record": lambda p: load_recordings(sorted(p.glob("*.toml"))),
     "approve": lambda p: strictly(p.read_text()),

@@ -62,9 +62,14 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     return (
         f"the {kind}'s dry friction ({_named(list(leads))}) is taken as rigid here; {stated}, "
         "MuJoCo's friction constraint is soft (solreffriction, solimpfriction): friction turns up to "
-        f"{1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would be {own:.3g} in "
-        f"place of {rigid:.3g}; {_STATE if theirs else advice}"
+        f"{1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would be "
+        f"{_against(own, rigid)}; {_STATE if theirs else advice}"
     )
+
+
+def _against(own: float, rigid: float) -> str:
+    new, old = f"{own:.3g}", f"{rigid:.3g}"
+    return f"{new} too" if new == old else f"{new} in place of {old}"
 
 
 def _stiffen(timestep: float) -> str:

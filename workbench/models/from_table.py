@@ -15,7 +15,7 @@ from workbench.core.paths import models_folder
 from .floating import BASE_AXES
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
 from .schema import ActuatorTable, EffectTable, GroundTable, LinkageTable, ModelTable, ParameterTable
-from .shared_drives import refuse_shared_drives
+from .shared_drives import shared_drives
 from .spec import end_site, hinges_and_slides, load_tree
 
 _SINGULAR = 1e9  # condition of a transmission that no drives have
@@ -37,9 +37,11 @@ def from_table(table: ModelTable, file: Path) -> Model:
     spec = load_tree(serial)
     known = hinges_and_slides(spec, serial)
     base = BASE_AXES if set(BASE_AXES) <= set(known) else ()  # many an arm turns about its "base_yaw"
-    if table.transmission is None:
-        refuse_shared_drives(spec, [name for name in known if name not in base], serial)
-    axes, joints, matrix = _transmission(table, [name for name in known if name not in base], file)
+    own = [name for name in known if name not in base]
+    drives = shared_drives(spec, own, serial) if table.transmission is None else None
+    axes, joints, matrix = _transmission(table, own, file)
+    if drives is not None:
+        axes, matrix = tuple(table.axes or drives[0]), drives[1]
     n = len(axes)
     payload_site = _payload_site(table, spec, file)
     linkage = _linkage(table.linkage) if table.linkage else None

@@ -1,4 +1,4 @@
-"""Actuators of an MJCF that move several joints at once, by a tendon: a model file has to say how."""
+"""Actuators of an MJCF that move several joints at once, by a tendon: the transmission that they make."""
 
 from __future__ import annotations
 
@@ -10,41 +10,42 @@ import numpy as np
 from workbench.core import InputError
 
 
-def refuse_shared_drives(spec: mujoco.MjSpec, joints: list[str], file: Path) -> None:
-    """Refuse an MJCF in which one actuator moves several joints, where nothing states the transmission.
+def shared_drives(
+    spec: mujoco.MjSpec, joints: list[str], file: Path
+) -> tuple[tuple[str, ...], np.ndarray] | None:
+    """The drives of an MJCF in which an actuator moves several joints by a fixed tendon; None without one.
 
     Taken as one drive a joint, it would be another machine, of which every result is wrong.
 
     Args:
         spec: the tree, which compiles.
-        joints: those that are taken to have a drive each.
+        joints: all that it has but those of a base that floats.
         file: it was read from.
 
+    Returns:
+        Names of the drives, and J (n, n) of q_p = J q_s: a drive turns as its tendon's length does.
+
     Raises:
-        InputError: there is such an actuator.
+        InputError: an actuator pulls along sites, or there are other than one drive for each joint.
     """
     tendon = mujoco.mjtTrn.mjTRN_TENDON
     if not any(actuator.trntype == tendon for actuator in spec.actuators):
-        return
+        return None
     m = spec.compile()
-    rows = {k: _row(m, k) for k in range(m.nu)}
+    rows = [_row(m, k) for k in range(m.nu)]
     shared = [k for k in range(m.nu) if m.actuator_trntype[k] == tendon and len(rows[k]) != 1]
     if not shared:
-        return
-    first = m.actuator(shared[0])
-    moves = (
-        f"joints {' and '.join(rows[shared[0]])} together" if rows[shared[0]] else "what its tendon passes"
-    )
-    matrix = [[rows[k].get(name, 0.0) for name in joints] for k in range(m.nu)]
-    square = len(matrix) == len(joints) and np.linalg.matrix_rank(np.array(matrix)) == len(joints)
-    named = ", ".join(f'"{name}"' for name in joints)
-    written = "[" + ", ".join(f"[{', '.join(f'{x:g}' for x in row)}]" for row in matrix) + "]"
+        return None
+    matrix = np.array([[row.get(name, 0.0) for name in joints] for row in rows])
+    if len(rows) == len(joints) and np.linalg.matrix_rank(matrix) == len(joints):
+        return tuple(m.actuator(k).name or f"drive{k + 1}" for k in range(m.nu)), matrix
+    first = rows[shared[0]]
+    moves = f"joints {' and '.join(first)} together" if first else "what its tendon passes along sites"
     raise InputError(
-        f"actuator '{first.name}' moves {moves}, and is no drive of one joint",
+        f"actuator '{m.actuator(shared[0]).name}' moves {moves}, and it is not one drive for each joint",
         file=file,
         column="actuator",
-        remedy=f'state in a model file (.toml): serial = "{file.name}"; [transmission] joints = [{named}], '
-        f"matrix = {written if square else 'a row a drive'}",
+        remedy="state [transmission] in a model file (docs/models.md): joints, and a row of matrix a drive",
     )
 
 

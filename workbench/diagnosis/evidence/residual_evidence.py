@@ -141,10 +141,9 @@ def finding_lines(
     if others:
         key, share = others[0]
         beside = f"simpler than {key}, which" if share > step.removed_share else f"next best, {key},"
-        lines.append(
-            f"{beside} removes {shown(share)} where this removes {shown(step.removed_share)}, on {judges}, "
-            "each signal weighed by its noise"
-        )
+        theirs, own = shown(share), shown(step.removed_share)
+        much = f"as much, {own}" if theirs == own else f"{theirs} where this removes {own}"
+        lines.append(f"{beside} removes {much}, on {judges}, each signal weighed by its noise")
     effect = effect_named(applied.key.effect)
     words = (s.words(step.fit.hypothesis.model) for s in effect.parameters.settles)
     return (*lines, *filter(None, words), f"where to see it: {effect.words.shows}")
