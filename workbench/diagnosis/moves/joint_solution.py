@@ -31,19 +31,22 @@ from ..significance import INTERVAL, is_significant, significance
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
-    """The joint solution, once; what is no torque along the motion may be missing beside several certain."""
+    """The joint solution, once.
+
+    It is the answer where it takes more effects than may be added one by one, or where plain corrections
+    reach the noise. Else what is no torque along the motion may be missing beside several that are certain.
+    """
     if not problem.is_new("joint solution"):
         return
     node = solve_jointly(problem)
     if node is None:
         return
-    several = _has_several_certain(node)
-    share = explained(problem.data, problem.start, node.current, node.data)
-    enough = (
-        len(node.steps) + len(node.near) > problem.limit
-        or (_corrections_suffice(node) and not one_effect_may_suffice(problem))
-        or (several and share > POLICY.certain_share)
+    whole = len(node.steps) + len(node.near) > problem.limit or (
+        _corrections_suffice(node) and not one_effect_may_suffice(problem)
     )
+    several = not whole and _has_several_certain(node)
+    share = explained(problem.data, problem.start, node.current, node.data)
+    enough = whole or (several and share > POLICY.certain_share)
     yield replace(node, enough=enough, growth=Growth() if several else None)
 
 
