@@ -23,11 +23,11 @@ from workbench.comparison.inverse import torque_pair
 from workbench.core import Controller, EffectKey, Estimate, Recording
 from workbench.effects import (
     EFFECTS,
-    Door,
     Effect,
+    FrfSignature,
     OfBody,
     OnGround,
-    Trace,
+    SignalStage,
     check_effect,
     compile_plant,
     kinds,
@@ -64,14 +64,16 @@ def nominal_of(effect: Effect) -> Model:
     if isinstance(effect.corrects, OfBody):  # a parallelogram has these as its linkage
         return replace(load_model("leg_kin_only"), linkage=None)
     nominal = next(model for model in map(load_model, LEGS) if not model.has(effect.name))
-    return with_effect(nominal, "payload_mass", None, LOAD) if kinds.moves_feet(effect) else nominal
+    return (
+        with_effect(nominal, "payload_mass", None, LOAD) if kinds.changes_foot_position(effect) else nominal
+    )
 
 
 def draw(effect: Effect) -> None:
     """One effect's picture."""
     nominal, on_a_plate = nominal_of(effect), isinstance(effect, OnGround)
-    in_motion = effect.door > Door.MECHANISM or effect.search.trace is Trace.RESONANCE
-    in_drive = effect.door is Door.COMMAND
+    in_motion = effect.stage > SignalStage.MECHANISM or effect.search.frf_signature is FrfSignature.RESONANCE
+    in_drive = effect.stage is SignalStage.COMMAND
     if on_a_plate:
         run, lacking = ground_force(effect)
         rows = np.flatnonzero(run.valid)

@@ -18,7 +18,7 @@ from workbench.rigs import HiddenEffect, VirtualLeg, slow_sweep
 from ..data_helpers import LEG
 from .rig import recordings
 
-#: Effects through each door, small enough to need a good model, and what may be named beside them.
+#: Effects through each stage, small enough to need a good model, and what may be named beside them.
 HIDDEN = [
     HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.25}),
     HiddenEffect("viscous_damping", "knee", "joint", {"damping": 0.15}),

@@ -15,9 +15,9 @@ from workbench.core import EffectKey, Estimate, InputError, Recording, Simulatio
 from workbench.effects import (
     EFFECTS,
     Compliance,
-    Door,
     Motion,
     OnGround,
+    SignalStage,
     compile_plant,
     effect_named,
     held,
@@ -36,7 +36,7 @@ BY_THE_SQUARE = ("link_length_error", "first_moment_error")
 TORQUES = [
     c
     for c in CASES
-    if c.effect.door < Door.SENSOR
+    if c.effect.stage < SignalStage.SENSOR
     and not (isinstance(c.effect, Compliance | OnGround) or c.key.effect in BY_THE_SQUARE)
 ]
 every_torque = pytest.mark.parametrize("case", TORQUES, ids=str)
@@ -106,7 +106,7 @@ def test_every_parameter_matters_and_a_written_model_simulates_alike(case: Case,
     write_model(case.added, tmp_path / "written.toml")
     models = [load_model(tmp_path / "written.toml")]
     # without gravity, and with the same inertia everywhere, nothing tells where a sensor's zero is
-    no_zero = case.effect.door is Door.SENSOR and case.model == "emps"
+    no_zero = case.effect.stage is SignalStage.SENSOR and case.model == "emps"
     seen = [p.name for p in case.effect.parameters if not (no_zero and p.unit == "rad")]
     for name, value in [pair for pair in case.values if pair[0] in seen]:
         changed = tuple({**dict(case.values), name: 1.1 * value}.items())
@@ -119,7 +119,7 @@ def test_every_parameter_matters_and_a_written_model_simulates_alike(case: Case,
     assert min(moved) > 1e-5 * np.ptp(again.position, axis=0).max()
 
 
-@pytest.mark.parametrize("case", [c for c in CASES if c.effect.door == Door.FRICTION], ids=str)
+@pytest.mark.parametrize("case", [c for c in CASES if c.effect.stage == SignalStage.FRICTION], ids=str)
 def test_friction_takes_energy(case: Case) -> None:
     _, motion = midway(case, reference(case.model))
     power = np.sum(equation(case, motion) * motion.velocity, axis=1)

@@ -12,10 +12,10 @@ from tests.effects.cases import CASES, ON_A_PLATE, VALUES, Case, reference
 from tests.effects.test_effects import midway
 from tests.simulation.make import having
 from workbench.core import EffectKey
-from workbench.effects import EFFECTS, Door, compile_plant, effect_named, kinds, load_model, places
+from workbench.effects import EFFECTS, SignalStage, compile_plant, effect_named, kinds, load_model, places
 from workbench.models import Model, Placement
 
-FRICTION = [c for c in CASES if c.effect.door is Door.FRICTION and c.whole and c.model == "leg"]
+FRICTION = [c for c in CASES if c.effect.stage is SignalStage.FRICTION and c.whole and c.model == "leg"]
 
 
 @pytest.mark.parametrize("case", [c for c in FRICTION if not c.effect.search.hidden_state], ids=str)
@@ -40,7 +40,7 @@ def test_only_a_length_of_a_link_moves_a_foot() -> None:
     model = load_model(ON_A_PLATE)
     for key in places(model):
         moved = np.linalg.norm(foot(having(model, key, **VALUES[key.effect])) - foot(model))
-        assert kinds.moves_feet(effect_named(key.effect)) == (moved > 1e-6), key
+        assert kinds.changes_foot_position(effect_named(key.effect)) == (moved > 1e-6), key
 
 
 def test_delays_of_the_whole_machine_are_alike_without_measured_torque() -> None:

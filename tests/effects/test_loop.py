@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from tests.effects.cases import CASES, Case, experiment, reference, with_effect
-from workbench.effects import Door, compile_plant, load_model
+from workbench.effects import SignalStage, compile_plant, load_model
 from workbench.models import Placement
 from workbench.simulation import TRUE_MOTION, Track, motion_of
 
-SENSORS = [c for c in CASES if c.effect.door == Door.SENSOR]
-CONTROLLERS = [c for c in CASES if c.effect.door == Door.CONTROLLER]
+SENSORS = [c for c in CASES if c.effect.stage == SignalStage.SENSOR]
+CONTROLLERS = [c for c in CASES if c.effect.stage == SignalStage.CONTROLLER]
 
 
 def true_track(case: Case) -> Track:

@@ -91,12 +91,12 @@ class Node:
     @property
     def diverges(self) -> bool:
         """Whether trajectories of its model diverge for small parameter changes."""
-        return runs_part(self.current)
+        return trajectories_diverge(self.current)
 
 
-def runs_part(found: Fit) -> bool:
+def trajectories_diverge(found: Fit) -> bool:
     """Whether trajectories of a fitted model diverge for small parameter changes."""
-    return any(kinds.runs_part(effect_named(a.key.effect)) for a in found.hypothesis.free)
+    return any(kinds.diverges(effect_named(a.key.effect)) for a in found.hypothesis.free)
 
 
 def effect_keys(found: Fit) -> Keys:
@@ -181,6 +181,6 @@ def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[D
         fresh, simulated = data.of_model(found.hypothesis.model, seed)
     except SimulationError:
         return data.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), None
-    if wide and runs_part(found):
+    if wide and trajectories_diverge(found):
         fresh = replace(fresh, floor=np.maximum(fresh.floor, divergence(found, data)))
     return fresh.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), simulated

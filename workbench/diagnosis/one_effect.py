@@ -67,7 +67,7 @@ def fit_effect(
     found = fit([hypothesis], data)[0]
     if found is None:
         raise InputError(f"the model does not run with {key}", remedy="choose another effect")
-    if kinds.runs_part(effect_named(key.effect)):
+    if kinds.diverges(effect_named(key.effect)):
         progress(f"trying sizes of {key}")
     found = refined_on_grid(converged(found, data), data)
     return found.hypothesis.free[-1], found.hypothesis.model

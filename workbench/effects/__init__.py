@@ -1,7 +1,7 @@
 """The catalogue of physical effects, one small file each, and how a model is built from them."""
 
 from . import kinds
-from .base import Door, Effect, Trace, model_value
+from .base import Effect, FrfSignature, SignalStage, model_value
 from .base_compliance import BASE_JOINT
 from .build import Plant, build, compile_plant
 from .catalogue import EFFECTS, contains, effect_named, giving_way, places
@@ -39,9 +39,9 @@ __all__ = [
     "Change",
     "Compliance",
     "Contact",
-    "Door",
     "Effect",
     "FlankTerm",
+    "FrfSignature",
     "FrictionTerm",
     "HysteresisTerm",
     "InFile",
@@ -57,11 +57,11 @@ __all__ = [
     "Plant",
     "Response",
     "SensorErrors",
+    "SignalStage",
     "Springs",
     "Structural",
     "TorqueChain",
     "TorqueTerm",
-    "Trace",
     "axis_units",
     "build",
     "call_law",

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
@@ -28,7 +28,7 @@ class AsymmetricFriction(Effect):
         Parameter("torque_negative", "N*m", example=0.4),
         settles=(SLIDING_SPEED,),
     )
-    door = Door.FRICTION
+    stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
     words = Words(
         source="Janot, Gautier, Brunot, Workshop on Nonlinear System Identification Benchmarks, 2019",
@@ -38,7 +38,9 @@ class AsymmetricFriction(Effect):
     )
     # twins: unequal Coulomb torques are equal ones and a constant torque
     search = Search(
-        contains=("viscous_damping", "coulomb_friction"), twins=("torque_bias",), trace=Trace.EVEN
+        contains=("viscous_damping", "coulomb_friction"),
+        twins=("torque_bias",),
+        frf_signature=FrfSignature.EVEN,
     )
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:

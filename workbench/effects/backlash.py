@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Search, Trace, Words
+from .base import FrfSignature, Search, Words
 from .chain import Build
 from .compliance import Compliance
 from .flexible import frequencies, link_inertia, split, stiffest
@@ -59,10 +59,10 @@ class Backlash(Compliance):
         "damping of flanks is a torque function",
         needs="inertia on both sides: of the drive in [actuators] or as armature, and of the link; once",
     )
-    search = Search(contains=("joint_compliance",), trace=Trace.ODD)
+    search = Search(contains=("joint_compliance",), frf_signature=FrfSignature.ODD)
     diverges = True
 
-    def guesses(
+    def initial_values(
         self, motions: Sequence[Motion], model: Model, place: Place
     ) -> Sequence[tuple[Values, float]]:
         """The gap that foresees best what passes through it: a grid, then downhill from its best."""

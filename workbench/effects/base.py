@@ -1,4 +1,4 @@
-"""What a physical effect is: parameters, a door, an equation, the same physics in MuJoCo."""
+"""What a physical effect is: parameters, a stage, an equation, the same physics in MuJoCo."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from .parameter import Parameters, Place, Values
 from .response import Response
 
 
-class Door(IntEnum):
-    """Where an effect enters, in the order in which the torque chain applies the doors."""
+class SignalStage(IntEnum):
+    """Where an effect enters, in the order in which the torque chain applies the stages."""
 
     COMMAND = 0  # between torque_command and torque_measured
     MOTOR = 1  # after torque_measured: gain, bias
@@ -31,7 +31,7 @@ class Door(IntEnum):
     CONTROLLER = 5  # what the loop makes of it
 
 
-class Trace(Enum):
+class FrfSignature(Enum):
     """What an effect leaves in a measured frequency response over the model's own."""
 
     DELAY = auto()  # a phase that falls in proportion to frequency
@@ -73,12 +73,12 @@ class Search:
         depends_on: quantities of its axis (``position``, ``speed``, ``acceleration``, ``load``) that decide
             its torque, those of friction without the speed; empty where it is no torque on one axis, or of
             none of them alone.
-        trace: what it leaves in a frequency response; None where that says nothing of it. On the input's
-            side, or of a sensor on the output's.
+        frf_signature: what it leaves in a frequency response; None where that says nothing of it. On the
+            input's side, or of a sensor on the output's.
         basic: whether it is one of the groups to start from: inertia, viscous, Coulomb.
         tier: 0 for simple effects, 1 for refinements that are tried after them; None for what `tier_of` says.
-        of_a_make: whether it comes with the make of a joint or its drive, so that all axes may have it alike,
-            as friction and limits do; springs, offsets and ripples come with the assembly of each.
+        shared_by_design: whether it comes with the make of a joint or its drive, so that all axes may have it
+            alike, as friction and limits do; springs, offsets and ripples come with the assembly of each.
         hidden_state: whether it has a state that no sensor shows, or shifts the log in time, so that no run
             can begin with it in the middle of a recording.
     """
@@ -87,10 +87,10 @@ class Search:
     differs: Callable[[Sequence[Motion], Place, Values], bool] | None = None
     twins: tuple[str, ...] = ()
     depends_on: tuple[str, ...] = ()
-    trace: Trace | None = None
+    frf_signature: FrfSignature | None = None
     basic: bool = False
     tier: int | None = None
-    of_a_make: bool = False
+    shared_by_design: bool = False
     hidden_state: bool = False
 
 
@@ -104,7 +104,7 @@ class Effect(ABC):
     Attributes:
         name: its name in files and JSON.
         parameters: what it is described by, in the order of the catalogue.
-        door: where it enters.
+        stage: where it enters.
         locations: where on an axis it can sit, the usual place first; `WHOLE` where it acts on all axes.
         words: what a person is told of it.
         search: what a search goes by.
@@ -113,7 +113,7 @@ class Effect(ABC):
 
     name: ClassVar[str]
     parameters: ClassVar[Parameters] = Parameters()
-    door: ClassVar[Door]
+    stage: ClassVar[SignalStage]
     locations: ClassVar[tuple[Literal["actuator", "joint"], ...]] = ("actuator",)
     words: ClassVar[Words]
     search: ClassVar[Search] = Search()

@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import EffectKey, SimulationError
 from workbench.models import Model
 
-from .base import WHOLE, Search, Trace, Words
+from .base import WHOLE, FrfSignature, Search, Words
 from .chain import Build
 from .compliance import Compliance
 from .flexible import free_wind, frequencies, spring_wind
@@ -93,13 +93,13 @@ class BaseCompliance(Compliance):
         reveal="chirps of each axis through the fixture's resonance, and an accelerometer on the base",
         mujoco="native: a slide joint with stiffness and damping between world and base",
     )
-    search = Search(trace=Trace.RESONANCE)
+    search = Search(frf_signature=FrfSignature.RESONANCE)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Once."""
         return not model.has(self.name)
 
-    def guesses(
+    def initial_values(
         self, motions: Sequence[Motion], model: Model, place: Place
     ) -> Sequence[tuple[Values, float]]:
         """What the lacking torque asks for, from resonances from 2 Hz on, of fixtures light and heavy."""

@@ -18,7 +18,7 @@ from .compliance import Compliance
 from .flexible import rotor_name
 from .friction_constraint import set_friction_constraints
 from .ground import add_force_plate, lay_ground, lift_off, settle_contacts
-from .kinds import adds_up
+from .kinds import is_additive
 from .stiffness import count_substeps, tendon_row
 
 _LEAST = 1e-12  # kg m^2 or kg: a grain of dust at a hair's breadth
@@ -75,7 +75,7 @@ def _added_up(effects: Sequence[AppliedEffect]) -> list[AppliedEffect]:
     out: list[AppliedEffect] = []
     for applied in effects:
         first = next((k for k, a in enumerate(out) if a.key == applied.key), None)
-        if first is None or not adds_up(effect_named(applied.key.effect)):
+        if first is None or not is_additive(effect_named(applied.key.effect)):
             out.append(applied)
             continue
         total = {
@@ -87,10 +87,10 @@ def _added_up(effects: Sequence[AppliedEffect]) -> list[AppliedEffect]:
 
 
 def _turn(applied: AppliedEffect) -> tuple[bool, bool, bool, int]:
-    """New joints first, the base's ahead of those at pins, these ahead of those at drives; then by doors."""
+    """New joints first, the base's ahead of those at pins, these ahead of those at drives; then by stages."""
     effect = effect_named(applied.key.effect)
     if not isinstance(effect, Compliance):
-        return True, True, True, effect.door
+        return True, True, True, effect.stage
     return False, applied.key.axis is not None, applied.key.location == "actuator", 0
 
 

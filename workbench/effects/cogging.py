@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Words
+from .base import Effect, Search, SignalStage, Words
 from .chain import Build, TorqueTerm
 from .law import law
 from .motion import Motion
@@ -64,7 +64,7 @@ class Cogging(Effect):
         Parameter("phase", "rad", lower=-np.pi, upper=np.pi, example=0.6),
         chart=wave("torque", "phase", INF, _ORDER),
     )
-    door = Door.MOTOR
+    stage = SignalStage.MOTOR
     words = Words(
         source="Jahns and Soong, Pulsating torque minimization techniques, IEEE Trans. Ind. "
         "Electron. 43(2), 1996",

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from workbench.models import Model
 
-from .base import WHOLE, Door, Effect, Search, Trace, Words
+from .base import WHOLE, Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values, rows
@@ -29,7 +29,7 @@ class CommandDelay(Effect):
             linear=False,
         )
     )
-    door = Door.COMMAND
+    stage = SignalStage.COMMAND
     locations = WHOLE
     words = Words(
         source="transport delay of bus and drive; the paper's T_d (Eq. 15)",
@@ -37,7 +37,7 @@ class CommandDelay(Effect):
         reveal="a multisine up to a quarter of the control rate",
         mujoco="native: delay of the actuator",
     )
-    search = Search(trace=Trace.DELAY)
+    search = Search(frf_signature=FrfSignature.DELAY)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: the late command minus the command in time."""

@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import Door, Effect
+from .base import Effect, SignalStage
 from .flexible import rotor_inertia
 from .motion import Motion
 from .parameter import Place, Values
@@ -30,7 +30,7 @@ class Compliance(Effect):
             the torque says.
     """
 
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
     spring: ClassVar[bool] = False
     diverges: ClassVar[bool] = False
 
@@ -43,7 +43,7 @@ class Compliance(Effect):
         return rotor_inertia(model, model.axes.index(key.axis)) > 0 and (key.location == "joint" or alone)
 
     @abstractmethod
-    def guesses(
+    def initial_values(
         self, motions: Sequence[Motion], model: Model, place: Place
     ) -> Sequence[tuple[Values, float]]:
         """Shapes to try, best first, each with the share of the lacking torque that it leaves."""

@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import Door, Effect
+from .base import Effect, SignalStage
 from .motion import Motion
 from .parameter import Place, Values
 from .response import Response
@@ -22,14 +22,14 @@ NEEDS = "a [ground] table, and to be there once at most"
 class OnGround(Effect):
     """An effect of a contact, in place of what the model's ground has."""
 
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Where the model has a ground, once."""
         return model.ground is not None and not model.has(self.name)
 
     @abstractmethod
-    def guesses(self, motions: Sequence[Motion]) -> Sequence[Values]:
+    def initial_values(self, motions: Sequence[Motion]) -> Sequence[Values]:
         """Shapes to try by what feet did along motions; none where they show nothing."""
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:

@@ -48,7 +48,7 @@ class ContactCompliance(OnGround):
         needs=NEEDS,
     )
 
-    def guesses(self, motions: Sequence[Motion]) -> Sequence[Values]:
+    def initial_values(self, motions: Sequence[Motion]) -> Sequence[Values]:
         """Least squares of the measured force on depth and its rate, over the rows in which a foot touches.
 
         Where that has no damping, one that takes a tenth of a bounce.

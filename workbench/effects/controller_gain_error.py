@@ -7,7 +7,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import Door, Effect, Words
+from .base import Effect, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
@@ -25,7 +25,7 @@ class ControllerGainError(Effect):
         Parameter("kp_scale", "1", upper=10.0, neutral=1.0, example=0.7),
         Parameter("kd_scale", "1", upper=10.0, neutral=1.0, example=1.3),
     )
-    door = Door.CONTROLLER
+    stage = SignalStage.CONTROLLER
     words = Words(
         source="PD law of the loop; units, scaling or rounding of gains in the drive",
         shows="torque command not what the stated gains make of the logged motion",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from workbench.models import Model, Placement, own_friction
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .corrected import AtJoint, down_to, there
 from .motion import Motion
@@ -26,7 +26,7 @@ class CoulombFriction(Effect):
         Parameter("torque", "N*m", about="added to what the model has", within=down_to(_own), example=0.3),
         settles=(SLIDING_SPEED,),
     )
-    door = Door.FRICTION
+    stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
     corrects = AtJoint("frictionloss", "torque", _own, power=1, called="dry friction")
     words = Words(
@@ -35,7 +35,7 @@ class CoulombFriction(Effect):
         reveal="a slow triangular motion with many reversals",
         mujoco="native: friction loss of the axis's tendon",
     )
-    search = Search(trace=Trace.ODD, basic=True)
+    search = Search(frf_signature=FrfSignature.ODD, basic=True)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the sign of the speed."""

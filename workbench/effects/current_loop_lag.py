@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values, rows
@@ -20,7 +20,7 @@ class CurrentLoopLag(Effect):
     parameters = Parameters(
         Parameter("time_constant", "s", upper=0.5, starts=rows(0.1, 30.0, 14), example=0.006, linear=False)
     )
-    door = Door.COMMAND
+    stage = SignalStage.COMMAND
     words = Words(
         source="closed current loop as a first-order lag; Krause et al., Analysis of Electric "
         "Machinery, Ch. 15",
@@ -28,7 +28,7 @@ class CurrentLoopLag(Effect):
         reveal="a multisine up to a quarter of the control rate, or steps of torque",
         mujoco="native: filter of the actuator",
     )
-    search = Search(trace=Trace.DELAY)
+    search = Search(frf_signature=FrfSignature.DELAY)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: the lagging torque minus the torque without lag."""

@@ -7,7 +7,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Words, is_rotary
+from .base import Effect, Search, SignalStage, Words, is_rotary
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values, wave
@@ -27,7 +27,7 @@ class EncoderEccentricity(Effect):
         Parameter("phase", "rad", lower=-np.pi, upper=np.pi, example=0.7),
         chart=_CHART,
     )
-    door = Door.SENSOR
+    stage = SignalStage.SENSOR
     words = Words(
         source="disc off centre by d reads d/R sin(q + p) too much; Heidenhain, Rotary Encoders",
         shows="position error with one period a turn; over a small arc like an offset and a scale",

@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import INF, Parameter, Parameters, Place, Values
@@ -18,14 +18,14 @@ class EncoderOffset(Effect):
 
     name = "encoder_offset"
     parameters = Parameters(Parameter("angle", "rad", lower=-INF, example=0.08))
-    door = Door.SENSOR
+    stage = SignalStage.SENSOR
     words = Words(
         source="homing error; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6",
         shows="torque residual as of gravity and inertia at another posture, whatever the speed",
         reveal="holding still all over the range, and an independent measurement of the angle",
         mujoco="offset of the position that is read",
     )
-    search = Search(trace=Trace.EVEN)
+    search = Search(frf_signature=FrfSignature.EVEN)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: the position read is one more."""

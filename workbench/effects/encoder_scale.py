@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
@@ -16,14 +16,14 @@ class EncoderScale(Effect):
 
     name = "encoder_scale"
     parameters = Parameters(Parameter("scale", "1", lower=0.2, upper=5.0, neutral=1.0, example=1.06))
-    door = Door.SENSOR
+    stage = SignalStage.SENSOR
     words = Words(
         source="wrong gear ratio or counts per turn; Springer Handbook of Robotics, Ch. 6",
         shows="inertia, damping and gravity of one axis all by one factor; gravity of another arc",
         reveal="a move between two stops whose distance is known",
         mujoco="factor of the position and the velocity that are read",
     )
-    search = Search(trace=Trace.GAIN)
+    search = Search(frf_signature=FrfSignature.GAIN)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: the motion itself; its coefficient is the scale minus one."""

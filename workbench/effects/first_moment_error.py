@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .corrected import OfBody, there
 from .links import Link, link_at, link_of, reshape, shifting, with_moment
@@ -60,7 +60,7 @@ class FirstMomentError(Effect):
             example=0.0,
         ),
     )
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
     corrects = OfBody(called="first moment")
     words = Words(
         source="base parameters of a link; Khalil and Dombre, Modeling, Identification and Control "
@@ -70,7 +70,7 @@ class FirstMomentError(Effect):
         mujoco="native: the body's centre of mass",
         needs="a hinge whose link has a mass; of a parallelogram the linkage's increments say it",
     )
-    search = Search(trace=Trace.EVEN)
+    search = Search(frf_signature=FrfSignature.EVEN)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """To a hinge whose body has a mass."""

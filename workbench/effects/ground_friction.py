@@ -35,7 +35,7 @@ class GroundFriction(OnGround):
         needs=NEEDS,
     )
 
-    def guesses(self, motions: Sequence[Motion]) -> Sequence[Values]:
+    def initial_values(self, motions: Sequence[Motion]) -> Sequence[Values]:
         """The middle ratio of forces while a foot slips; none where none ever slipped."""
         ratios = [ratio_in_slip(m.contact) for m in motions if m.contact is not None]
         all_ratios = np.concatenate(ratios) if ratios else np.zeros(0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Search, Trace, Words
+from .base import FrfSignature, Search, Words
 from .chain import Build
 from .compliance import Compliance
 from .flexible import (
@@ -60,10 +60,10 @@ class JointCompliance(Compliance):
         mujoco="native: a joint for the motor, and a tendon with stiffness and damping to the links",
         needs="inertia on both sides: of the drive in [actuators] or as armature, and of the link; once",
     )
-    search = Search(trace=Trace.RESONANCE)
+    search = Search(frf_signature=FrfSignature.RESONANCE)
     spring = True
 
-    def guesses(
+    def initial_values(
         self, motions: Sequence[Motion], model: Model, place: Place
     ) -> Sequence[tuple[Values, float]]:
         """What the lacking torque asks for, from antiresonances from 4 Hz on, hardly and well damped."""

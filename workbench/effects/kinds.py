@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from workbench.models import Model
 
-from .base import Door, Effect, Trace
+from .base import Effect, FrfSignature, SignalStage
 from .compliance import Compliance
 from .contact import OnGround
 from .corrected import OfBody
@@ -14,7 +14,7 @@ from .setting import SLIDING_SPEED
 from .structural import Structural
 
 #: Doors of what acts on the motion; what shifts commands or readings is no torque.
-TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
+TORQUES = frozenset({SignalStage.MOTOR, SignalStage.FRICTION, SignalStage.MECHANISM})
 
 
 def tier_of(effect: Effect) -> int:
@@ -30,13 +30,13 @@ def tier_of(effect: Effect) -> int:
 
 def depends_on(effect: Effect) -> tuple[str, ...]:
     """Quantities of its axis that decide its torque; friction's is the speed."""
-    return (*(("speed",) if effect.door is Door.FRICTION else ()), *effect.search.depends_on)
+    return (*(("speed",) if effect.stage is SignalStage.FRICTION else ()), *effect.search.depends_on)
 
 
-def of_a_make(effect: Effect) -> bool:
+def shared_by_design(effect: Effect) -> bool:
     """Whether all axes may have it alike: friction and limits come with the make of a drive."""
-    usual = effect.door in (Door.COMMAND, Door.FRICTION)
-    return bool(effect.locations) and (usual or effect.search.of_a_make)
+    usual = effect.stage in (SignalStage.COMMAND, SignalStage.FRICTION)
+    return bool(effect.locations) and (usual or effect.search.shared_by_design)
 
 
 def is_dry(effect: Effect) -> bool:
@@ -46,7 +46,7 @@ def is_dry(effect: Effect) -> bool:
 
 def is_pure_delay(effect: Effect) -> bool:
     """Whether an effect is a delay or a lag, and nothing else."""
-    return effect.search.trace is Trace.DELAY and len(effect.parameters) == 1
+    return effect.search.frf_signature is FrfSignature.DELAY and len(effect.parameters) == 1
 
 
 def late_alike(effect: Effect, effects: Iterable[Effect]) -> tuple[str, ...]:
@@ -56,7 +56,7 @@ def late_alike(effect: Effect, effects: Iterable[Effect]) -> tuple[str, ...]:
     return tuple(e.name for e in effects if e is not effect and is_pure_delay(e) and not e.locations)
 
 
-def by_runs(effect: Effect) -> bool:
+def by_finite_difference(effect: Effect) -> bool:
     """Whether a fit has to take its derivatives from simulations.
 
     Without a linear coefficient no column is exact near parameters that do something, unless the motion
@@ -69,10 +69,12 @@ def by_runs(effect: Effect) -> bool:
 def on_links(effect: Effect) -> bool:
     """Whether it acts on links, which a spring or a gap may hold away from the motors."""
     alone = effect.locations and depends_on(effect)  # a torque on one axis, which its place says
-    return effect.door is Door.MECHANISM and not isinstance(effect, Compliance | OnGround) and not alone
+    return (
+        effect.stage is SignalStage.MECHANISM and not isinstance(effect, Compliance | OnGround) and not alone
+    )
 
 
-def moves_feet(effect: Effect) -> bool:
+def changes_foot_position(effect: Effect) -> bool:
     """Whether it puts a foot elsewhere at the same reading of the encoders: a length of a link does."""
     return on_links(effect) and any(p.unit == "m" for p in effect.parameters)
 
@@ -82,8 +84,8 @@ def bends_reading(effect: Effect) -> bool:
 
     Of no motion but that of gravity, this is a spring of another law.
     """
-    shifted = effect.search.trace is Trace.EVEN
-    return effect.door is Door.SENSOR and not effect.parameters.nonlinear and not shifted
+    shifted = effect.search.frf_signature is FrfSignature.EVEN
+    return effect.stage is SignalStage.SENSOR and not effect.parameters.nonlinear and not shifted
 
 
 def has_hidden_state(effect: Effect) -> bool:
@@ -96,12 +98,12 @@ def is_spring(effect: Effect) -> bool:
     return isinstance(effect, Compliance) and effect.spring
 
 
-def runs_part(effect: Effect) -> bool:
+def diverges(effect: Effect) -> bool:
     """Whether runs of nearly the same machine part, so that a fit of runs adds nothing."""
     return isinstance(effect, Compliance) and effect.diverges
 
 
-def adds_up(effect: Effect) -> bool:
+def is_additive(effect: Effect) -> bool:
     """Whether what a model states of it and what is found of it are one effect, of their sum."""
     of_links = isinstance(effect, Structural) or isinstance(effect.corrects, OfBody)
     return of_links and bool(effect.parameters)

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model, Placement
 
-from .base import Door, Effect, Search, Words
+from .base import Effect, Search, SignalStage, Words
 from .chain import Build
 from .corrected import OfBody, added, down_to
 from .links import link_at, link_of, reshape, turning
@@ -47,7 +47,7 @@ class LinkInertiaError(Effect):
             example=0.004,
         )
     )
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
     corrects = OfBody(_own, called="inertia")
     words = Words(
         source="Newton-Euler; Khalil and Dombre, Modeling, Identification and Control of Robots, Ch. 9",

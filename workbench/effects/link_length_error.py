@@ -8,7 +8,7 @@ import numpy as np
 from workbench.core import EffectKey, Estimate
 from workbench.models import AppliedEffect, Model
 
-from .base import Door, Effect, Search, Words
+from .base import Effect, Search, SignalStage, Words
 from .chain import Build
 from .flexible import rotor_name
 from .links import link_ends
@@ -41,7 +41,7 @@ class LinkLengthError(Effect):
             "length", "m", lower=-np.inf, within=lambda model, place: (-0.1, 0.1), blur=_known, example=0.03
         )
     )
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
     words = Words(
         source="geometric calibration; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6",
         shows="inertia, coupling and gravity of the axis before the link, in the proportions of a "

@@ -7,7 +7,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import WHOLE, Search, Trace, Words
+from .base import WHOLE, FrfSignature, Search, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import INF, Parameter, Parameters, Place, Values
@@ -32,7 +32,7 @@ class LinkageGravity(Structural):
         mujoco="native: bodies on the links that have weight and next to no mass (fixed base)",
         needs="a parallelogram: two drives that turn two joints by ((1, 0), (1, 1))",
     )
-    search = Search(depends_on=("position",), trace=Trace.EVEN, basic=True)
+    search = Search(depends_on=("position",), frf_signature=FrfSignature.EVEN, basic=True)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """On a parallelogram."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
@@ -26,7 +26,7 @@ class LoadDependentFriction(Effect):
         Parameter("ratio", "1", upper=0.9, example=0.15),
         settles=(SLIDING_SPEED,),
     )
-    door = Door.FRICTION
+    stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
     words = Words(
         source="Hamon, Gautier, Garrec, New dry friction model with load- and velocity-dependence, ICRA 2010",
@@ -34,7 +34,7 @@ class LoadDependentFriction(Effect):
         reveal="slow motion with many reversals, once with and once without a load",
         mujoco="torque function of the motor torque: the level of the axis's friction loss, step by step",
     )
-    search = Search(contains=("coulomb_friction",), depends_on=("load",), trace=Trace.ODD)
+    search = Search(contains=("coulomb_friction",), depends_on=("load",), frf_signature=FrfSignature.ODD)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus the sign of the speed, by itself and times the size of the motor torque."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .corrected import AtJoint
 from .motion import Motion
@@ -47,7 +47,7 @@ class ParallelSpring(Effect):
         Parameter("rest", "rad", lower=-INF, example=0.3),
         chart=_MOMENT,
     )
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
     locations = ("actuator", "joint")
     corrects = AtJoint("stiffness", "stiffness", rest="rest")
     words = Words(
@@ -57,7 +57,11 @@ class ParallelSpring(Effect):
         mujoco="native: stiffness of the axis's tendon",
     )
     search = Search(
-        differs=_rests_near, contains=("torque_bias",), depends_on=("position",), trace=Trace.EVEN, tier=0
+        differs=_rests_near,
+        contains=("torque_bias",),
+        depends_on=("position",),
+        frf_signature=FrfSignature.EVEN,
+        tier=0,
     )
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:

@@ -30,7 +30,7 @@ class Unknown:
         linear: whether the response is in proportion to it, less its neutral value.
         within: the bounds by a model and a place, where they are others than `lower` and `upper`.
         starts: first values to try of one that is not linear, along motions; None where `Parameters.starts`,
-            or a spring's or a contact's `guesses`, say them.
+            or a spring's or a contact's `initial_values`, say them.
         reach: how far one step of a fit may move it, by all that are not linear; None for half of itself.
         least: the smallest change of it that simulations show; a number, or by the same.
     """

@@ -7,7 +7,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import WHOLE, Door, Effect, Search, Trace, Words
+from .base import WHOLE, Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
@@ -19,7 +19,7 @@ class PayloadMass(Effect):
 
     name = "payload_mass"
     parameters = Parameters(Parameter("mass", "kg", example=0.3))
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
     locations = WHOLE
     words = Words(
         source="Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8",
@@ -28,7 +28,7 @@ class PayloadMass(Effect):
         mujoco="native: a body of that mass at the site",
         needs="a place: name a site of the MJCF in [payload], or add one at the end",
     )
-    search = Search(trace=Trace.EVEN, basic=True)
+    search = Search(frf_signature=FrfSignature.EVEN, basic=True)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Where the model says which site carries it."""

@@ -9,7 +9,7 @@ from numba import njit
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build, HysteresisTerm
 from .motion import Motion
 from .parameter import Chart, Parameter, Parameters, Place, Unknown, Values
@@ -60,7 +60,7 @@ class PreslidingHysteresis(Effect):
         Parameter("stiffness", "N*m/rad", lower=1e-6, blur=_worn, told=_slides, example=10.0),
         chart=_DISTANCE,
     )
-    door = Door.FRICTION
+    stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
     words = Words(
         source="Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1, 1968",
@@ -70,7 +70,7 @@ class PreslidingHysteresis(Effect):
         "(MuJoCo 4), "
         "which yields at once where this one does by and by",
     )
-    search = Search(contains=("coulomb_friction",), trace=Trace.ODD, hidden_state=True)
+    search = Search(contains=("coulomb_friction",), frf_signature=FrfSignature.ODD, hidden_state=True)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the state that the motion winds up."""

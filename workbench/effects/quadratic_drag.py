@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect, Words
+from .base import Effect, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
@@ -18,7 +18,7 @@ class QuadraticDrag(Effect):
 
     name = "quadratic_drag"
     parameters = Parameters(Parameter("drag", "N*m*s^2/rad^2", example=0.03))
-    door = Door.FRICTION
+    stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
     words = Words(
         source="Rayleigh's drag equation; windage and churning losses",

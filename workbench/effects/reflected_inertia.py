@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from workbench.models import Model, Placement, rotors
 
-from .base import Door, Effect, Search, Words
+from .base import Effect, Search, SignalStage, Words
 from .chain import Build
 from .corrected import AtJoint, added, down_to
 from .motion import Motion
@@ -33,7 +33,7 @@ class ReflectedInertia(Effect):
             "inertia", "kg*m^2", about="added to what the model has", within=down_to(_most_less), example=0.01
         )
     )
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
     corrects = AtJoint("armature", "inertia", _own, called="rotor inertia")
     words = Words(
         source="paper, Eqs. 7 and 9",
@@ -41,7 +41,7 @@ class ReflectedInertia(Effect):
         reveal="a fast chirp of this axis about one posture, the other axes held",
         mujoco="native: armature of the axis's tendon",
     )
-    search = Search(depends_on=("acceleration",), basic=True, of_a_make=True)
+    search = Search(depends_on=("acceleration",), basic=True, shared_by_design=True)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus the acceleration."""

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from workbench.models import Model
 
-from .base import WHOLE, Door, Effect, Search, Trace, Words
+from .base import WHOLE, Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values, rows
@@ -21,7 +21,7 @@ class SensorDelay(Effect):
     parameters = Parameters(
         Parameter("time", "s", upper=0.2, starts=rows(0.1, 12.0, 12), example=0.003, linear=False)
     )
-    door = Door.SENSOR
+    stage = SignalStage.SENSOR
     locations = WHOLE
     words = Words(
         source="transport delay of sensors and bus",
@@ -30,7 +30,7 @@ class SensorDelay(Effect):
         reveal="a multisine up to a quarter of the control rate, with measured torque",
         mujoco="native: delay of the sensors",
     )
-    search = Search(trace=Trace.DELAY, hidden_state=True)
+    search = Search(frf_signature=FrfSignature.DELAY, hidden_state=True)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: what was so long ago minus what is."""

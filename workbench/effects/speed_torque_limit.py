@@ -13,7 +13,7 @@ from scipy.optimize import minimize
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Words
+from .base import Effect, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion, at_tap
 from .parameter import Parameter, Parameters, Place, Values
@@ -74,7 +74,7 @@ class SpeedTorqueLimit(Effect):
         starts=_lines,
         settles=(FULL_BRAKING,),
     )
-    door = Door.COMMAND
+    stage = SignalStage.COMMAND
     words = Words(
         source="torque-speed line of DC motors; Hughes, Electric Motors and Drives, Ch. 3",
         shows="measured torque has a ceiling that falls as speed rises",

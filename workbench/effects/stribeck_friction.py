@@ -9,7 +9,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build, FrictionTerm
 from .law import law
 from .motion import Motion
@@ -54,7 +54,7 @@ class StribeckFriction(Effect):
         chart=_EXCESS,
         settles=(SLIDING_SPEED,),
     )
-    door = Door.FRICTION
+    stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
     words = Words(
         source="Stribeck 1902; Armstrong-Helouvry et al., Automatica 30(7), 1994, Eq. 6",
@@ -62,7 +62,7 @@ class StribeckFriction(Effect):
         reveal="very slow steady runs, from creeping upwards, in both directions",
         mujoco="torque function of the speed: the level of the axis's friction loss, step by step",
     )
-    search = Search(contains=("coulomb_friction",), trace=Trace.ODD)
+    search = Search(contains=("coulomb_friction",), frf_signature=FrfSignature.ODD)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: the plateau and the excess at low speed."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect
+from .base import Effect, SignalStage
 from .motion import Motion
 from .parameter import Place, Values
 from .response import Response
@@ -15,7 +15,7 @@ from .response import Response
 class Structural(Effect):
     """An effect whose own numbers are in the model's structure: inertia of its drives, or its linkage."""
 
-    door = Door.MECHANISM
+    stage = SignalStage.MECHANISM
 
     def columns(self, motion: Motion) -> np.ndarray:
         """Torque of one unit of each parameter along a motion, (k, N, n)."""

@@ -10,7 +10,7 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Words
+from .base import Effect, Search, SignalStage, Words
 from .chain import Build
 from .lag import heat
 from .motion import Motion
@@ -31,7 +31,7 @@ class ThermalDerating(Effect):
         Parameter("coefficient", "1/(N*m)^2", example=0.6),
         Parameter("time_constant", "s", lower=1e-3, starts=_times, example=1.0, linear=False),
     )
-    door = Door.MOTOR
+    stage = SignalStage.MOTOR
     words = Words(
         source="copper loss heats magnets, whose flux falls; Hendershot and Miller, Permanent-Magnet "
         "Motors, Ch. 7",
@@ -39,7 +39,7 @@ class ThermalDerating(Effect):
         reveal="a hard stretch longer than the motor's time constant, then the same slow motion as before",
         mujoco="gain of the actuator that depends on a filtered square of its torque: a state",
     )
-    search = Search(of_a_make=True)
+    search = Search(shared_by_design=True)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
         """Once a drive: two time constants would need two temperatures."""

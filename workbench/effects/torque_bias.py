@@ -6,7 +6,7 @@ import numpy as np
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import INF, Parameter, Parameters, Place, Values
@@ -18,14 +18,14 @@ class TorqueBias(Effect):
 
     name = "torque_bias"
     parameters = Parameters(Parameter("torque", "N*m", lower=-INF, example=-0.4))
-    door = Door.MOTOR
+    stage = SignalStage.MOTOR
     words = Words(
         source="current-sensor offset; Janot et al. 2019 (offset of the EMPS)",
         shows="torque residual even in speed, the same at every position, speed and time",
         reveal="standing still at several positions, each approached from both sides",
         mujoco="bias of the actuator",
     )
-    search = Search(trace=Trace.EVEN)
+    search = Search(frf_signature=FrfSignature.EVEN)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column of ones."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
@@ -16,14 +16,14 @@ class TorqueConstantError(Effect):
 
     name = "torque_constant_error"
     parameters = Parameters(Parameter("gain", "1", lower=0.05, upper=20.0, neutral=1.0, example=0.8))
-    door = Door.MOTOR
+    stage = SignalStage.MOTOR
     words = Words(
         source="motor torque constant, tau = k_t i; spread of magnets, temperature, saturation",
         shows="torque residual proportional to the motor torque at every frequency",
         reveal="a known weight held at several positions",
         mujoco="gain of the actuator",
     )
-    search = Search(trace=Trace.GAIN, of_a_make=True)
+    search = Search(frf_signature=FrfSignature.GAIN, shared_by_design=True)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: the measured torque; its coefficient is the gain minus one."""

@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from workbench.models import Model
 
-from .base import Door, Effect, Words
+from .base import Effect, SignalStage, Words
 from .chain import Build
 from .motion import Motion, at_tap
 from .parameter import Parameter, Parameters, Place, Values
@@ -51,7 +51,7 @@ class TorqueSaturation(Effect):
             linear=False,
         )
     )
-    door = Door.COMMAND
+    stage = SignalStage.COMMAND
     words = Words(
         source="current limit of drives, tau = k_t i; Astrom and Hagglund, Advanced PID Control, Ch. 3",
         shows="measured torque has a ceiling that the command exceeds, at every speed",

@@ -7,7 +7,7 @@ import scipy
 
 from workbench.models import Model
 
-from .base import Door, Effect, Search, Trace, Words
+from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values, rows
@@ -23,7 +23,7 @@ class VelocityFilterLag(Effect):
     parameters = Parameters(
         Parameter("time_constant", "s", upper=0.5, starts=rows(0.2, 40.0, 12), example=0.008, linear=False)
     )
-    door = Door.SENSOR
+    stage = SignalStage.SENSOR
     words = Words(
         source="first-order low-pass of the drive's speed estimate; Ellis, Control System Design "
         "Guide, Ch. 9",
@@ -32,7 +32,7 @@ class VelocityFilterLag(Effect):
         reveal="a chirp or multisine beyond the filter's corner, with position and velocity logged",
         mujoco="filter of the velocity that is read",
     )
-    search = Search(trace=Trace.DELAY, of_a_make=True, hidden_state=True)
+    search = Search(frf_signature=FrfSignature.DELAY, shared_by_design=True, hidden_state=True)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """No free coefficient: the filtered velocity minus the velocity."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from workbench.models import Model, Placement, rotors
 
-from .base import Door, Effect, Search, Words
+from .base import Effect, Search, SignalStage, Words
 from .chain import Build
 from .corrected import AtJoint, added, down_to
 from .motion import Motion
@@ -27,7 +27,7 @@ class ViscousDamping(Effect):
             "damping", "N*m*s/rad", about="added to what the model has", within=down_to(_own), example=0.15
         )
     )
-    door = Door.FRICTION
+    stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
     corrects = AtJoint("damping", "damping", _own, called="damping")
     words = Words(

@@ -13,7 +13,7 @@ from .experiment import Experiment
 
 
 class Drives(NamedTuple):
-    """A torque chain as numbers, in the order of its doors; arrays (n,).
+    """A torque chain as numbers, in the order of its stages; arrays (n,).
 
     Attributes:
         whole, fraction: delay in substeps.

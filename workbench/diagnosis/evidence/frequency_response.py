@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from workbench.core import EffectKey, Estimate, InputError, Recording
-from workbench.effects import Door, Trace, effect_named
+from workbench.effects import FrfSignature, SignalStage, effect_named
 from workbench.frf import (
     Distortion,
     Frf,
@@ -78,17 +78,17 @@ def responses(measured: Sequence[Recording], simulated: Sequence[Recording]) -> 
 def response_lines(found: Responses, key: EffectKey) -> list[str]:
     """What the responses say for one effect; nothing where they cannot tell."""
     effect = effect_named(key.effect)
-    side = "output" if effect.door is Door.SENSOR else "input"
-    match effect.search.trace:
-        case Trace.DELAY:
+    side = "output" if effect.stage is SignalStage.SENSOR else "input"
+    match effect.search.frf_signature:
+        case FrfSignature.DELAY:
             return delay_line(found, key.axis, side)
-        case Trace.GAIN:
+        case FrfSignature.GAIN:
             return gain_line(found, key.axis, side)
-        case Trace.RESONANCE:
+        case FrfSignature.RESONANCE:
             return resonance_lines(found, key.axis)
-        case Trace.ODD:
+        case FrfSignature.ODD:
             return distortion_lines(found, key.axis, even=False)
-        case Trace.EVEN:
+        case FrfSignature.EVEN:
             return distortion_lines(found, key.axis, odd=False)
         case None:
             return []

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from workbench.core import EffectKey, Shape, Share
-from workbench.effects import Door, effect_named, kinds
+from workbench.effects import SignalStage, effect_named, kinds
 from workbench.models import AppliedEffect, Model, rotors
 
 from ..adequacy.adequacy import Adequacy
@@ -23,7 +23,7 @@ from .relations import relation_lines, relations
 from .shape import shapes
 
 #: Doors whose effects are torques on the mechanism; others shift what is commanded or read.
-_TORQUES = frozenset({Door.MOTOR, Door.FRICTION, Door.MECHANISM})
+_TORQUES = frozenset({SignalStage.MOTOR, SignalStage.FRICTION, SignalStage.MECHANISM})
 
 
 @dataclass(frozen=True)
@@ -78,9 +78,9 @@ class ResidualEvidence:
     def of_finding(self, key: EffectKey) -> list[str]:
         """Lines that bear on one effect."""
         effect, lines = effect_named(key.effect), []
-        if effect.search.trace is not None and self.responses is not None:
+        if effect.search.frf_signature is not None and self.responses is not None:
             lines += response_lines(self.responses, key)
-        if effect.door in _TORQUES and self.missing is not None:
+        if effect.stage in _TORQUES and self.missing is not None:
             missing = self.missing
             if key.location == "joint":
                 missing = missing.in_joints(self.model.transmission)

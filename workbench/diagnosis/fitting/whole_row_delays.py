@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from workbench.effects import Door, effect_named
+from workbench.effects import SignalStage, effect_named
 from workbench.models import AppliedEffect
 
 from ..hypothesis import Hypothesis, blocks, moved, step_bounds
@@ -22,7 +22,11 @@ def has_whole_row_delay(hypothesis: Hypothesis) -> bool:
 
 def _is_a_command_s(applied: AppliedEffect) -> bool:
     effect = effect_named(applied.key.effect)
-    return is_delay(applied.key) and effect.door is Door.COMMAND and "time" in effect.parameters.nonlinear
+    return (
+        is_delay(applied.key)
+        and effect.stage is SignalStage.COMMAND
+        and "time" in effect.parameters.nonlinear
+    )
 
 
 def across_row_edge(hypothesis: Hypothesis, equations: Normal, step: float) -> list[Hypothesis]:

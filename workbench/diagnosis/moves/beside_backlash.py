@@ -237,8 +237,10 @@ def _again(
     """The gap as it is in a model that has the others."""
     model = with_candidates(linearisation, others, current).model
     seen = Linearisation(model, linearisation.data, linearisation.runs[:training])
-    guesses = effect_named(gap.key.effect).guesses(seen.motions, model, Placement.of(model, gap.key))
-    shape: Mapping[str, float] = guesses[0][0] if guesses else gap.shape
+    initial_values = effect_named(gap.key.effect).initial_values(
+        seen.motions, model, Placement.of(model, gap.key)
+    )
+    shape: Mapping[str, float] = initial_values[0][0] if initial_values else gap.shape
     return replace(gap, shape=shape)
 
 

@@ -39,7 +39,7 @@ def choose(
 
     def cost(c: Candidate) -> tuple[int, int, bool]:
         effect = effect_named(c.key.effect)
-        return kinds.free_parameters(effect, model), kinds.tier_of(effect), kinds.runs_part(effect)
+        return kinds.free_parameters(effect, model), kinds.tier_of(effect), kinds.diverges(effect)
 
     known = [(c, f) for c, f in helpful if c in parameter_free]
     done = [(c, f) for c, f in helpful if at_noise_floor(f, data)]

@@ -56,7 +56,7 @@ def compliance_from_torque(
     plain, *others = known
     progress(f"beginning with {plain.key}, which the torque shows")
     chosen = [plain]
-    if kinds.runs_part(effect_named(plain.key.effect)):
+    if kinds.diverges(effect_named(plain.key.effect)):
         chosen = beside_backlash(linearisation, plain, start, data.training)
     fits = _fits(linearisation, chosen, start, data)
     if fits is None or not identifiable(linearisation, fits[-1]):

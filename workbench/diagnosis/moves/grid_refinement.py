@@ -42,7 +42,7 @@ def refined_on_grid(found: Fit, data: Data) -> Fit:
         found: a fit.
         data: recordings and weights.
     """
-    loose = [a for a in found.hypothesis.free if kinds.runs_part(effect_named(a.key.effect))]
+    loose = [a for a in found.hypothesis.free if kinds.diverges(effect_named(a.key.effect))]
     some = data.part(data.most_informative(found.mean_squares, POLICY.informative_share))
     hypothesis = found.hypothesis
     for applied in loose:

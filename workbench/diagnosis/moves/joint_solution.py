@@ -70,7 +70,7 @@ def _corrections_suffice(node: Node) -> bool:
 
 def _corrects_a_number(effect: str) -> bool:
     """Whether an effect corrects a number that every drive or link has."""
-    return effect_named(effect).search.basic or kinds.adds_up(effect_named(effect))
+    return effect_named(effect).search.basic or kinds.is_additive(effect_named(effect))
 
 
 def solve_jointly(problem: Problem) -> Node | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import EFFECTS, Door, kinds
+from workbench.effects import EFFECTS, SignalStage, kinds
 
 from ..acceptance import (
     degrades_holdout,
@@ -34,8 +34,8 @@ from .choice import loss_ratios, simplest_first
 
 # What a plain model of drives leaves out together: sets that are tried beside each effect by itself.
 _BASIC = sorted((e for e in EFFECTS if e.search.basic and e.locations), key=lambda e: e.name)
-_FRICTION = tuple(e.name for e in _BASIC if e.door is Door.FRICTION)
-_DRIVES = (*_FRICTION, *(e.name for e in _BASIC if e.door is not Door.FRICTION))
+_FRICTION = tuple(e.name for e in _BASIC if e.stage is SignalStage.FRICTION)
+_DRIVES = (*_FRICTION, *(e.name for e in _BASIC if e.stage is not SignalStage.FRICTION))
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ def _sets(
 ) -> Iterator[tuple[tuple[str, ...], list[Entry]]]:
     """Effects of a make on all axes, or on those that show them: in the best shape of each, and all alike."""
     there = {effect for effect, _ in at_drives}
-    names = [effect.name for effect in EFFECTS if kinds.of_a_make(effect) and effect.name in there]
+    names = [effect.name for effect in EFFECTS if kinds.shared_by_design(effect) and effect.name in there]
     entries = {(e.key.effect, e.key.axis, _shape(e.shape)): e for e in whole.entries if _drives(e, names)}
     everywhere = set(linearisation.model.driven)
     for option in (*((name,) for name in names), _FRICTION, _DRIVES):

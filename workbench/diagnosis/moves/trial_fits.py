@@ -141,7 +141,7 @@ def _fitted(chosen: Sequence[Candidate], at: SearchState) -> TrialFits:
     pairs: list[Explanation] = []
     at_first: list[tuple[EffectKey, float]] = []
     for diverges in (False, True):
-        part = [c for c in chosen if kinds.runs_part(effect_named(c.key.effect)) is diverges]
+        part = [c for c in chosen if kinds.diverges(effect_named(c.key.effect)) is diverges]
         if not part:
             continue
         tried = [with_candidate(at.linearisation, c, at.current) for c in part]

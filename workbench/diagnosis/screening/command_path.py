@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Door, contains, effect_named, kinds
+from workbench.effects import SignalStage, contains, effect_named, kinds
 from workbench.models import Placement
 
 from ..hypothesis import Fit
@@ -85,7 +85,12 @@ def _far_worse(one: _Passed, other: _Passed) -> bool:
 def _passed(linearisation: Linearisation, key: EffectKey, shape: Mapping[str, float]) -> _Passed:
     """None for what is no limit, and where no torque was measured; else all recordings' rows, (N,) each."""
     effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
-    if effect.door is not Door.COMMAND or not kinds.by_runs(effect) or place is None or not shape:
+    if (
+        effect.stage is not SignalStage.COMMAND
+        or not kinds.by_finite_difference(effect)
+        or place is None
+        or not shape
+    ):
         return None
     every, measured, taken = [], [], []
     for motion in linearisation.motions:

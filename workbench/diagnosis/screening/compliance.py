@@ -48,8 +48,8 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
         ):
             return _beside(springs, key, linearisation, training)
         effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
-        guesses = effect.guesses(motions, linearisation.model, place)
-        some = [(shape, left) for shape, left in guesses if left < POLICY.compliance_left]
+        initial_values = effect.initial_values(motions, linearisation.model, place)
+        some = [(shape, left) for shape, left in initial_values if left < POLICY.compliance_left]
         return [Candidate(key, np.zeros(0), shape, left) for shape, left in some]
 
     asked_of = [
@@ -66,7 +66,7 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
         c
         for c in found
         if c.test_loss <= POLICY.compliance_times * found[0].test_loss
-        or (c.test_loss <= POLICY.compliance_beside_gap and not kinds.runs_part(effect_named(c.key.effect)))
+        or (c.test_loss <= POLICY.compliance_beside_gap and not kinds.diverges(effect_named(c.key.effect)))
     ][: POLICY.compliance_candidates]
 
 

@@ -28,9 +28,9 @@ def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
     for key in places(linearisation.model) if data.replay.on_ground else ():
         effect = effect_named(key.effect)
         if isinstance(effect, OnGround):
-            own = effect.guesses(linearisation.motions[: data.training])
+            own = effect.initial_values(linearisation.motions[: data.training])
             tried += [(key, np.zeros(0), shape) for shape in own]
-        elif kinds.moves_feet(effect):
+        elif kinds.changes_foot_position(effect):
             tried += [(key, np.array([value]), {}) for value in _MOVED]
     models = []
     for key, coefficients, shape in tried:
@@ -54,9 +54,9 @@ def unobservable_effects(linearisation: Linearisation, data: Data) -> list[Effec
         effect = effect_named(key.effect)
         hidden = not data.replay.shows(key.effect)
         if data.replay.on_ground and isinstance(effect, OnGround):
-            hidden = hidden or not effect.guesses(linearisation.motions[: data.training])
+            hidden = hidden or not effect.initial_values(linearisation.motions[: data.training])
         # what shifts commands or readings is no torque, which is all that a measured motion tells
-        along = not data.replay.simulates and effect.door not in kinds.TORQUES
+        along = not data.replay.simulates and effect.stage not in kinds.TORQUES
         if hidden or along:
             out.append(key)
     return out

@@ -86,7 +86,7 @@ def _blocks(
         replay = linearisation.data.replay
         if isinstance(effect, Compliance | OnGround) or not replay.shows(key.effect):
             continue  # see `compliance_candidates` and `on_the_ground`
-        if kinds.moves_feet(effect) and replay.on_ground:
+        if kinds.changes_foot_position(effect) and replay.on_ground:
             continue  # how deep a foot goes is no torque along the motion
         for shape in effect.parameters.shapes(linearisation.motions, linearisation.model, place):
             linear, fixed = linearisation.columns(key, shape)

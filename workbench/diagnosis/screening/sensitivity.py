@@ -155,7 +155,7 @@ class Linearisation:
         effect = effect_named(applied.key.effect)
         behind_springs = kinds.on_links(effect) or applied.key.location == "joint"
         if (
-            kinds.by_runs(effect)
+            kinds.by_finite_difference(effect)
             or (behind_springs and self.has_compliance)
             or self.has_stiction
             or self.data.replay.on_ground

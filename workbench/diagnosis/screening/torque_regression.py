@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Compliance, Door, OnGround, effect_named, kinds, places
+from workbench.effects import Compliance, OnGround, SignalStage, effect_named, kinds, places
 from workbench.models import Placement
 
 from ..data import Data
@@ -177,10 +177,10 @@ def regression_of(start: Fit, data: Data) -> Regression:
     entries, motions, sizes = [], needing(linearisation), sizes_of(linearisation)
     for key in places(model):
         effect, place = effect_named(key.effect), Placement.of(model, key)
-        acts = effect.door in kinds.TORQUES and not isinstance(effect, Compliance | OnGround)
+        acts = effect.stage in kinds.TORQUES and not isinstance(effect, Compliance | OnGround)
         if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
             continue
-        if effect.door is Door.MOTOR and _is_a_gain(key, linearisation):
+        if effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation):
             continue
         for shape in effect.parameters.shapes(linearisation.motions, model, place):
             linear, fixed = linearisation.columns(key, shape, motions)
@@ -192,7 +192,12 @@ def regression_of(start: Fit, data: Data) -> Regression:
     for applied in model.effects:
         effect = effect_named(applied.key.effect)
         gives_way = isinstance(effect, Compliance)
-        if effect.door in kinds.TORQUES and not gives_way and not kinds.by_runs(effect) and effect.parameters:
+        if (
+            effect.stage in kinds.TORQUES
+            and not gives_way
+            and not kinds.by_finite_difference(effect)
+            and effect.parameters
+        ):
             own[applied.key] = len(columns)
             columns.append(linearisation.total(applied, applied.values))
     rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
