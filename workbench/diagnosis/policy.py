@@ -121,7 +121,7 @@ class Policy:
     sign_error: float = 0.25  # relative rms error that the right sign may leave; more refused
     sign_left: float = 0.2  # what turning leaves of the error; more refused
     sign_alike: float = 1.2  # error over the least, of axes any of which may be meant; more are told
-    unit_error: float = 0.25  # share of the torque² that the right unit may leave; initial_values stand
+    unit_error: float = 0.25  # share of the torque² that the right unit may leave; guesses stand
     unit_left: float = 0.25  # what another unit leaves of that; more refused
     unit_near: float = 0.12  # relative distance of a factor from one between units; more doubts told
     too_much_gain: float = 0.15  # share of the rest that one more wrong number removes; fewer parts
