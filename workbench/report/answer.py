@@ -101,6 +101,8 @@ def _or(finding: Finding) -> str:
     others = len(finding.indistinguishable_from)
     if not others or finding.probability >= 0.5:
         return ""
+    if others == 1:
+        return " (or another cause that looks the same)"
     return f" (or one of {_count(others)} other causes that look the same)"
 
 
