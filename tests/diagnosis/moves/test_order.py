@@ -32,7 +32,7 @@ def test_at_the_noise_only_simpler_models_are_asked_for() -> None:
     wrong = node_with(problem, applied(LEG, FRICTION, torque=0.1), move=ONE_BY_ONE)
     starts = wanted(wrong, problem)
     assert {
-        "one cause on every axis",
+        "one cause on every axis, after all",
         "two causes at once",
         "a gap or soft joint that the torque shows",
     } <= starts
