@@ -20,19 +20,9 @@ def told(*added: EffectKey, indistinguishable: tuple[EffectKey, ...]) -> tuple[f
     free = tuple(SimpleNamespace(key=k, parameters={}) for k in added)
     fit: Any = SimpleNamespace(hypothesis=SimpleNamespace(added=free), mean_squares=None)
     none: Any = None
-    step = AcceptedStep(
-        _HIP,
-        fit,
-        none,
-        1.0,
-        indistinguishable,
-        (),
-        (),
-        (),
-        tuple((k, 1.0) for k in indistinguishable),
-        (1, 1),
-        True,
-    )
+    ratios = tuple((k, 1.0) for k in indistinguishable)
+    told = {"indistinguishable": indistinguishable, "loss_ratios": ratios}
+    step = AcceptedStep(_HIP, fit, none, 1.0, (1, 1), True, **told)
     found: Any = SimpleNamespace(
         model=None,
         steps=(step,),

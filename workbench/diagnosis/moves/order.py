@@ -19,14 +19,17 @@ from .joint_solution import of_all_axes, one_effect_may_suffice
 from .merge import merged
 from .move import Move
 from .replace import replaced
-from .simplify import simplified, without_needless
+from .simplify import simplified, without_needless, without_needless_start
 
 ONE_BY_ONE = "one effect after the other"  #: what other starts are held against
+_ALIKE = ("one cause on every axis", "one cause on every axis, after all")
+_BESIDE_ALIKE = "what is missing beside one cause on every axis"
+_TWO_AT_ONCE = "two causes at once"
 _LIKELY_COMPLIANCE = "a gap or soft joint that the torque may show"
 _FROM_TRAINING = "what explains most of the fitted recordings"
 
 
-def _plain(node: Node, problem: Problem) -> Iterator[Node]:
+def _grown(node: Node, problem: Problem) -> Iterator[Node]:
     yield node.begun(growth=Growth())
 
 
@@ -34,7 +37,8 @@ def _plain(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def _first(node: Node, best: Node, problem: Problem) -> bool:
-    return not node.move and (not best.steps or _may_be_wrong(best, problem))
+    """Always, unless what is alike on all axes explains the recordings to the noise."""
+    return not node.move and (not best.steps or best.jointly or _may_be_wrong(best, problem))
 
 
 def _alike_first(node: Node, best: Node, problem: Problem) -> bool:
@@ -67,6 +71,15 @@ def _above_noise(node: Node, best: Node, problem: Problem) -> bool:
 def _not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
     """Beside one effect after the other, where noise does not explain all: what costs little to ask."""
     return _is_plain(node, problem) and not best.done
+
+
+def _beside_alike(node: Node, best: Node, problem: Problem) -> bool:
+    return node.move in _ALIKE and problem.limit > 1 and standing(best, problem) < EXPLAINED
+
+
+def _best_from_set(node: Node, best: Node, problem: Problem) -> bool:
+    """Where effects followed on several at once: rotors stand in for a load until the load is found."""
+    return node is best and node.move in (_BESIDE_ALIKE, _TWO_AT_ONCE) and len(node.steps) > 2
 
 
 def _above_noise_after_all(node: Node, best: Node, problem: Problem) -> bool:
@@ -119,19 +132,21 @@ def _is_ambiguous(node: Node, problem: Problem) -> bool:
 
 MOVES = (
     Move("all axes together", of_all_axes, _jointly_first, cheap=True),
-    Move("one cause on every axis", restarts.on_all_axes, _alike_first),
-    Move(ONE_BY_ONE, _plain, _first),
+    Move(_ALIKE[0], restarts.on_all_axes, _alike_first),
+    Move(ONE_BY_ONE, _grown, _first),
     Move("other sizes of a gap", with_refined_gap, _best_with_gap),
     Move("a gap or soft joint that the torque shows", restarts.clear_compliance, _above_noise),
     Move("what the fitted recordings show", restarts.on_training, _unexplained),
-    Move("one cause on every axis, after all", restarts.on_all_axes, _not_at_noise),
-    Move("two causes at once", restarts.two_at_once, _unexplained_or_ambiguous),
+    Move(_ALIKE[1], restarts.on_all_axes, _not_at_noise),
+    Move(_BESIDE_ALIKE, _grown, _beside_alike),
+    Move(_TWO_AT_ONCE, restarts.two_at_once, _unexplained_or_ambiguous),
     Move("the torque along the motion", restarts.along_the_motion, _unexplained),
     Move("a refinement in place of a basic effect", restarts.a_refinement, _above_noise_after_all),
     Move(_LIKELY_COMPLIANCE, restarts.likely_compliance, _unexplained),
     Move(_FROM_TRAINING, restarts.what_training_shows, _unexplained),
     Move("another cause in place of one", replaced, _best_above_noise),
     Move("one cause in place of two", merged, _best_explains),
+    Move("without what a start had for others", without_needless_start, _best_from_set),
     Move("without what became needless", without_needless, _best, cheap=True),
     Move("a special case in place of a refinement", simplified, _best, cheap=True),
     Move("all axes together, after all", of_all_axes, _jointly_last, cheap=True),

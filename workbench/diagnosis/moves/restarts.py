@@ -76,17 +76,17 @@ def on_training(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
-    """One effect, or a few that belong together, on all axes that need it.
+    """One effect, or a few that belong together, on all axes that need it, and nothing else; asked once.
 
-    They are one of a dozen sets, not of thousands: what explains the data is enough. Asked once.
+    They are one of a dozen sets, not of thousands: what explains the data is enough.
     """
     if not problem.is_new("all axes"):
         return
     data, start = problem.data, problem.start
     known = problem.linear.equations if problem.linear else None
     steps = shared_effects(problem.screened, problem.linearisation, data, start, problem.progress, known)
-    for started in _started(steps, problem):
-        yield replace(started, bold=False)
+    if steps:
+        yield with_steps(Node(start, data), steps, problem.seed)
 
 
 def two_at_once(node: Node, problem: Problem) -> Iterator[Node]:

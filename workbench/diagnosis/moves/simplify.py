@@ -15,7 +15,7 @@ from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
-from ..node import Node, with_last_step, with_steps
+from ..node import Node, effect_keys, with_last_step, with_steps
 from ..policy import POLICY
 from ..problem import Problem, Progress
 from ..removed_share import removed_share
@@ -24,6 +24,7 @@ from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import is_significant, sizes_of
+from .shared_effects import needed
 
 
 def without_needless(node: Node, problem: Problem) -> Iterator[Node]:
@@ -34,6 +35,17 @@ def without_needless(node: Node, problem: Problem) -> Iterator[Node]:
         if rest:
             plain = replace(last, fit=rest, dropped=(*last.dropped, step.added))
             yield with_last_step(node.begun(as_good=True), plain, problem.seed)
+
+
+def without_needless_start(node: Node, problem: Problem) -> Iterator[Node]:
+    """The node without effects of its start that the last effect has made needless."""
+    last = node.steps[-1]
+    kept = needed(node.current, node.data, node.keys - {last.added})
+    idle = sorted(node.keys - effect_keys(kept), key=str)
+    if idle:
+        problem.progress(f"leaving out {', '.join(map(str, idle))}, needless since {last.added}")
+        plain = replace(last, fit=converged(kept, node.data), dropped=(*last.dropped, *idle))
+        yield with_last_step(node.begun(as_good=True), plain, problem.seed)
 
 
 def simplified(node: Node, problem: Problem) -> Iterator[Node]:
