@@ -118,3 +118,10 @@ def mixed(of: Log, *, units: bool = True, **named: str) -> dict[str, np.ndarray]
         ):
             out[f"{axis} {name}" + f" [{unit}]" * units] = values
     return out
+
+
+def put(folder: Path, content: str, name: str = "run.csv", encoding: str = "utf-8") -> Path:
+    """A file with this text."""
+    path = folder / name
+    path.write_bytes(content.encode(encoding))
+    return path

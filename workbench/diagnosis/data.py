@@ -88,6 +88,11 @@ class Data:
         return replace(self, holdout_uninformative=True)
 
     @property
+    def noise_squares(self) -> np.ndarray:
+        """Mean squares that noise alone leaves, of each draw and recording, (N, R, 2, n)."""
+        return _squares(self.draws)
+
+    @property
     def folds(self) -> tuple[Fold, ...]:
         """Training recordings, those that are a large part of all in contiguous blocks.
 
@@ -228,13 +233,15 @@ def floor_of(replay: Replay, training: int, simulated: Simulated) -> Data:
         tuple(_difference(n, c, r) for n, c, r in zip(draw, simulated.clean, recordings, strict=True))
         for draw in simulated.noisy
     )
-    floor = np.stack(
-        [np.mean([np.mean(draw[i] ** 2, axis=0) for draw in draws], axis=0) for i in range(len(recordings))]
-    )
+    floor = np.mean(_squares(draws), axis=0)
     n = len(recordings[0].axes)
     counts = [max(int(np.sum(r.valid)), 1) for r in recordings]
     apart = np.stack([np.nan_to_num(simulated.immaterial(i)) / c for i, c in enumerate(counts)])
     return Data(recordings, training, replay, floor, apart, draws, np.ones((2, n)))
+
+
+def _squares(draws: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
+    return np.stack([np.stack([np.mean(x**2, axis=0) for x in draw]) for draw in draws])
 
 
 def _difference(noisy: Recording, clean: Recording, measured: Recording) -> np.ndarray:

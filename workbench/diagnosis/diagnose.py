@@ -141,18 +141,13 @@ def _softness(found: SearchResult) -> tuple[str, ...]:
 def _parting(found: SearchResult) -> tuple[str, ...]:
     """What counts as noise besides, where runs of models that are equally good part."""
     data = found.final_data
-    own, noise = data.score(data.floor), data.score(np.mean(_squares(data), axis=0))
+    own, noise = data.score(data.floor), data.score(np.mean(data.noise_squares, axis=0))
     if not trajectories_diverge(found.final) or own < POLICY.noise_slack * noise:
         return ()
     return (
         f"with a gap, runs of models that do equally well part: an error of {own:.3g} is no sign that "
         f"anything is missing, although noise alone makes {noise:.3g}",
     )
-
-
-def _squares(data: Data) -> np.ndarray:
-    """Mean squares (N, R, 2, n) that noise leaves, of each draw."""
-    return np.stack([np.stack([np.mean(x**2, axis=0) for x in draw]) for draw in data.draws])
 
 
 def _held_out_floor(data: Data) -> float | None:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from heapq import heappop, heappush
-from itertools import count
+from itertools import count, takewhile
 
 from workbench.core import Tried
 
-from .accept import accepts
 from .moves.add import grown
 from .moves.move import Move
 from .moves.order import MOVES
 from .node import Node, explained_share, node_after
+from .node_acceptance import accepts
 from .problem import Problem
 from .significance import is_significant
 
@@ -49,7 +49,8 @@ def explore(root: Node, problem: Problem) -> tuple[Node, tuple[Tried, ...]]:
 
 def _tried(parent: Node, node: Node, taken: bool, why: str, problem: Problem) -> Tried:
     """What came of a proposal, from the steps that it shares with its parent on."""
-    shared = sum(1 for a, b in zip(parent.steps, node.steps, strict=False) if a.added == b.added)
+    pairs = zip(parent.steps, node.steps, strict=False)
+    shared = sum(1 for _ in takewhile(lambda pair: pair[0].added == pair[1].added, pairs))
     before = node_after(node.steps[:shared], problem)
     fits = [(before.current, before.data), *((s.fit, s.data) for s in node.steps[shared:])]
     return Tried(

@@ -165,7 +165,7 @@ def with_last_step(node: Node, last: AcceptedStep, seed: int) -> Node:
 def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = True) -> bool:
     """Whether the training error is no larger than noise makes it (and, `by_signal`, that of each signal)."""
     scale = Scale.of(data.recordings[: data.training])
-    draws = np.stack([data.pool(np.stack([np.mean(x**2, axis=0) for x in draw])) for draw in data.draws])
+    draws = np.stack([data.pool(squares) for squares in data.noise_squares])
     pooled = data.pool(mean_squares)
     error, floors = normalised(pooled, scale), np.array([normalised(d, scale) for d in draws])
     allowed = data.pool(data.immaterial)

@@ -13,7 +13,7 @@ from .corrected import OfBody
 from .setting import SLIDING_SPEED
 from .structural import Structural
 
-#: Doors of what acts on the motion; what shifts commands or readings is no torque.
+#: Stages of what acts on the motion; what shifts commands or readings is no torque.
 TORQUES = frozenset({SignalStage.MOTOR, SignalStage.FRICTION, SignalStage.MECHANISM})
 
 

@@ -12,7 +12,8 @@ from workbench.frf import Fit, Frf
 from workbench.models import Model
 from workbench.report.numbers import interval, number, unit_text
 from workbench.report.response import response_panel
-from workbench.report.sheet import Drawing, Section, Sheet, SheetTable
+from workbench.report.sheet import Drawing, Section, Sheet
+from workbench.report.sheet_table import SheetTable
 
 from .picture import actuator_figure, fit_figure
 from .result import ActuatorIdentification, LegIdentification

@@ -11,7 +11,8 @@ from workbench.core.picture import Picture
 
 from .figures import AFTER, FLOOR
 from .numbers import number, unit_text
-from .sheet import Curve, Drawing, Panel, Row, Section, Sheet, SheetTable
+from .sheet import Curve, Drawing, Panel, Row, Section, Sheet
+from .sheet_table import SheetTable
 from .verification import sentence
 
 

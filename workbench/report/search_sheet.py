@@ -14,9 +14,11 @@ from workbench.core.picture import Picture
 from . import wording as w
 from .answer import diagnosis_sentence
 from .figures import house_style
+from .ladder import log_axis
 from .numbers import number, percent
-from .sheet import Section, Sheet, SheetTable
-from .trace import HEADER, trace_rows
+from .sheet import Section, Sheet
+from .sheet_table import SheetTable
+from .trace import trace_table
 
 
 def trace_sheet(result: Diagnosis) -> Sheet:
@@ -63,9 +65,9 @@ def trace_figure(trace: Sequence[Tried]) -> Figure:
         ax.set_yticks(range(len(trace)), [f"{k}. {t.move}" for k, t in enumerate(trace, 1)])
         ax.set_ylim(len(trace) - 0.4, -0.6)
         ax.set_xscale("log")
-        most = max(max(t.times_noise) for t in trace)
-        ticks = [x for x in (1, 2, 3, 5, 10, 20, 30, 50, 100, 200, 500, 1000) if x <= 1.2 * most]
-        ax.set_xticks(ticks, [str(x) for x in ticks], minor=False)
+        axis = log_axis([1.0, *(x for t in trace for x in t.times_noise)])
+        ax.set_xlim(axis.low, axis.high)
+        ax.set_xticks(axis.ticks, [number(x) for x in axis.ticks])
         ax.xaxis.set_minor_locator(NullLocator())
         ax.set_xlabel("error / noise floor of the fitted recordings (dotted: the noise)")
         ax.set_title("A dot for each effect added; filled where it ends: taken")
@@ -73,9 +75,8 @@ def trace_figure(trace: Sequence[Tried]) -> Figure:
 
 
 def _tried(trace: Sequence[Tried]) -> Section:
-    table = SheetTable("In the order tried", HEADER, tuple(trace_rows(trace)))
     picture = trace_figure(trace), _words(trace)
-    return Section("tried", "What was tried", tables=(table,), picture=picture)
+    return Section("tried", "What was tried", tables=(trace_table(trace),), picture=picture)
 
 
 def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:

@@ -16,8 +16,9 @@ from .rest import near_sentence
 from .scores import scores
 from .shapes import shape_rows
 from .shares import bar_width, share_groups
+from .sheet_table import table_parts
 from .told_apart import disagreement_lines, expected_rows, told_apart
-from .trace import HEADER, trace_rows
+from .trace import trace_table
 from .truth import truth_rows
 
 Result = Comparison | Diagnosis | Improvement
@@ -42,8 +43,7 @@ def sections(
         "effects": _effects(result),
         "effects_title": _effects_title(result),
         "ranking": _ranking(diagnosis),
-        "trace": trace_rows(diagnosis.trace) if diagnosis else [],
-        "trace_header": HEADER,
+        "trace": table_parts(trace_table(diagnosis.trace)) if diagnosis and diagnosis.trace else None,
         "next_experiment": plain(diagnosis.next_experiment)
         if diagnosis and diagnosis.next_experiment
         else "",

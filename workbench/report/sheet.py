@@ -19,6 +19,7 @@ from workbench.core.files import check_free, write_whole
 from workbench.core.palette import LINES
 
 from .numbers import plain
+from .sheet_table import SheetTable, table_parts
 from .shell import compress, plotly, reproduce, template
 
 if TYPE_CHECKING:
@@ -99,21 +100,6 @@ class Drawing:
 
     panels: tuple[Panel, ...]
     caption: str
-
-
-@dataclass(frozen=True)
-class SheetTable:
-    """A table.
-
-    Attributes:
-        caption: what it shows.
-        header: of the columns; ``>`` in front puts a column of numbers to the right.
-        rows: cells; the first of a row names it.
-    """
-
-    caption: str
-    header: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +185,7 @@ def _section(section: Section, numbered: Iterator[int]) -> dict[str, Any]:
         "id": section.id,
         "title": plain(section.title),
         "sentences": [plain(s) for s in section.sentences],
-        "tables": [_table(t) for t in section.tables],
+        "tables": [table_parts(t) for t in section.tables],
         "drawings": [
             {
                 "caption": plain(d.caption),
@@ -225,14 +211,6 @@ def _picture(picture: tuple[Figure, str] | None) -> dict[str, str] | None:
     figure, words = picture
     encoded = base64.b64encode(figure_bytes(figure, "png", dpi=110)).decode("ascii")
     return {"picture": encoded, "words": plain(words)}
-
-
-def _table(table: SheetTable) -> dict[str, Any]:
-    return {
-        "caption": plain(table.caption),
-        "header": [(plain(h.lstrip(">")), h.startswith(">")) for h in table.header],
-        "rows": [[plain(cell) for cell in row] for row in table.rows],
-    }
 
 
 def _key(drawing: Drawing) -> list[dict[str, Any]]:

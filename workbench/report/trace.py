@@ -9,24 +9,26 @@ from workbench.core import EffectKey, Tried
 
 from . import wording as w
 from .json_parts import key_dict, key_dicts
-from .numbers import number, percent, plain
+from .numbers import number, percent
+from .sheet_table import SheetTable
 
-HEADER = ("What was tried", "Effects in the model then", ">Error / noise", ">Explained", "Taken?", "Why")
+_HEADER = ("What was tried", "Effects in the model then", ">Error / noise", ">Explained", "Taken?", "Why")
 
 
-def trace_rows(trace: Sequence[Tried]) -> list[tuple[str, ...]]:
-    """A row of texts for each thing that was tried, as `HEADER` has them."""
-    return [
+def trace_table(trace: Sequence[Tried]) -> SheetTable:
+    """A row for each thing that was tried: what, its effects, what it left, whether it was taken and why."""
+    rows = (
         (
             f"{k}. {w.capital(t.move)}" + (f", from {_named(t.begun_with)}" if t.begun_with else ""),
             _named(t.effects),
             number(t.times_noise[-1]),
             percent(t.explained),
             "yes" if t.taken else "no",
-            plain(t.why),
+            t.why,
         )
         for k, t in enumerate(trace, 1)
-    ]
+    )
+    return SheetTable("In the order tried", _HEADER, tuple(rows))
 
 
 def trace_dicts(trace: Sequence[Tried]) -> list[dict[str, Any]]:

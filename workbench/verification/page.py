@@ -8,7 +8,8 @@ import numpy as np
 
 from workbench.report.numbers import number
 from workbench.report.response import error_row, response_panel, words_of
-from workbench.report.sheet import Drawing, Panel, Section, Sheet, SheetTable
+from workbench.report.sheet import Drawing, Panel, Section, Sheet
+from workbench.report.sheet_table import SheetTable
 
 from .picture import frf_figure
 from .responses import FrfComparison

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from tests.diagnosis.rig import applied, asked, explored_from, recordings
+from tests.diagnosis.rig import applied, asked, explored_from, node_with, recordings
 from workbench.core import EffectKey
+from workbench.diagnosis.explore import explore
+from workbench.diagnosis.moves.order import ONE_BY_ONE
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
 
@@ -20,12 +22,16 @@ def test_a_load_in_place_of_its_inertia_and_its_weight() -> None:
         HiddenEffect("encoder_scale", "hip", parameters={"scale": 0.9}),
     )
     problem = asked(LEG, *recordings(*hidden))
-    found = explored_from(
+    begun = node_with(
         problem,
         applied(LEG, INERTIA, M11=0.0037, M12=0.005, M22=0.0069),
-        applied(LEG, WEIGHT, g1=0.2, g2=0.28),
         applied(LEG, SCALE, scale=0.9),
+        applied(LEG, WEIGHT, g1=0.2, g2=0.28),
+        move=ONE_BY_ONE,
     )
+    found, trace = explore(begun, problem)
+    (merged,) = [t for t in trace if t.move == "one cause in place of two"]
+    assert merged.taken and merged.begun_with == () and [key for key, _ in merged.added] == [LOAD, SCALE]
     values = {a.key: a.values for a in found.current.hypothesis.free}
     assert values.keys() == {LOAD, SCALE} and found.done
     assert values[LOAD]["mass"] == pytest.approx(0.12, rel=0.01)

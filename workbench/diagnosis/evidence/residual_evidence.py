@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from workbench.core import EffectKey, Shape, Share
-from workbench.effects import SignalStage, effect_named, kinds
+from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect, Model, rotors
 
 from ..adequacy.adequacy import Adequacy
@@ -21,9 +21,6 @@ from .frequency_response import Responses, distortion_lines, resonance_lines, re
 from .missing_torque import Missing, missing_torque
 from .relations import relation_lines, relations
 from .shape import shapes
-
-#: Doors whose effects are torques on the mechanism; others shift what is commanded or read.
-_TORQUES = frozenset({SignalStage.MOTOR, SignalStage.FRICTION, SignalStage.MECHANISM})
 
 
 @dataclass(frozen=True)
@@ -80,7 +77,7 @@ class ResidualEvidence:
         effect, lines = effect_named(key.effect), []
         if effect.search.frf_signature is not None and self.responses is not None:
             lines += response_lines(self.responses, key)
-        if effect.stage in _TORQUES and self.missing is not None:
+        if effect.stage in kinds.TORQUES and self.missing is not None:
             missing = self.missing
             if key.location == "joint":
                 missing = missing.in_joints(self.model.transmission)

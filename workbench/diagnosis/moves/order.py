@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from workbench.comparison import MeasuredMotion
 
-from ..accept import EXPLAINED, standing
 from ..acceptance import near_noise_floor
 from ..loss import explained
 from ..node import Growth, Node, explains_data
+from ..node_acceptance import EXPLAINED, standing
 from ..policy import POLICY
 from ..problem import Problem
 from ..screening.compliance import other_causes
@@ -105,8 +105,9 @@ def _best_with_gap(node: Node, best: Node, problem: Problem) -> bool:
 
 def _best_above_noise(node: Node, best: Node, problem: Problem) -> bool:
     """Where all is explained, as what explains less is not named, and it is not at the noise."""
-    share = explained(problem.data, problem.start, node.current, node.data)
-    return _best(node, best, problem) and not node.done and not node.diverges and share >= POLICY.explained
+    if not _best(node, best, problem) or node.done or node.diverges:
+        return False
+    return explained(problem.data, problem.start, node.current, node.data) >= POLICY.explained
 
 
 def _best_explains(node: Node, best: Node, problem: Problem) -> bool:

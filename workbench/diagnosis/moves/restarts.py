@@ -1,6 +1,7 @@
-"""Bold starts: what no data have confirmed by itself, and only the end of the search that follows can.
+"""Other starts than one effect after the other.
 
-Each yields nodes that are grown one effect at a time before they are judged.
+All but one are bold: no data have confirmed by itself what they begin with, and only the end of the search
+that follows can. They yield nodes that are grown one effect at a time before they are judged.
 """
 
 from __future__ import annotations

@@ -170,7 +170,7 @@ def _sets(
             if len(own) > 1:
                 yield option, own
     for name in names:
-        for shape in {s for n, _, s in entries if n == name and s}:
+        for shape in dict.fromkeys(s for n, _, s in entries if n == name and s):
             alike = [entries[name, a, shape] for a in sorted(everywhere) if (name, a, shape) in entries]
             if len(alike) == len(everywhere):
                 yield (name,), alike

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from workbench.core import EffectKey
-from workbench.diagnosis.accept import CERTAIN, EXPLAINED, UNEXPLAINED, standing
-from workbench.diagnosis.accept import accepts as judged
 from workbench.diagnosis.loss import rescored
 from workbench.diagnosis.node import Node
+from workbench.diagnosis.node_acceptance import CERTAIN, EXPLAINED, UNEXPLAINED, standing
+from workbench.diagnosis.node_acceptance import accepts as judged
 from workbench.diagnosis.problem import Problem
 from workbench.effects import load_model
 from workbench.models import AppliedEffect
