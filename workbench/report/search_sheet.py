@@ -38,7 +38,7 @@ def trace_sheet(result: Diagnosis) -> Sheet:
         lines=(first,),
         key_numbers=(
             ("Tried", str(len(trace)), "starts and changes"),
-            ("Taken", str(sum(t.taken for t in trace)), "one after the other"),
+            ("Taken", str(sum(t.taken for t in trace)), "took the place of the best so far"),
         ),
         sections=(_tried(trace), *_rivals(trace)) if trace else (),
     )
@@ -67,7 +67,7 @@ def trace_figure(trace: Sequence[Tried]) -> Figure:
         ax.set_xscale("log")
         axis = log_axis([1.0, *(x for t in trace for x in t.times_noise)])
         ax.set_xlim(axis.low, axis.high)
-        ax.set_xticks(axis.ticks, [number(x) for x in axis.ticks])
+        ax.set_xticks(axis.ticks, [f"{x:g}" for x in axis.ticks])
         ax.xaxis.set_minor_locator(NullLocator())
         ax.set_xlabel("error / noise floor of the fitted recordings (dotted: the noise)")
         ax.set_title("A dot for each effect added; filled where it ends: taken")
