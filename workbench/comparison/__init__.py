@@ -5,15 +5,14 @@ from .closed_loop import ClosedLoop
 from .compare import (
     cannot_run,
     compare,
-    evaluate,
-    matched,
-    matched_ways,
     noise_rules,
     simulate_with_noise,
     told,
 )
+from .evaluate import evaluate
 from .following import MeasuredMotion, followed
 from .long import compare_logs
+from .matching import matched, matched_ways
 from .noise import DRAWS, NoiseModel
 from .replay import Replay, needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals

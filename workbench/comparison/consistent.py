@@ -9,6 +9,8 @@ from scipy.special import ndtr, ndtri
 
 from workbench.core import HOPELESS, Outlier
 
+from .score import Scale, normalised
+
 # A right model's score scatters by a few per cent: noise levels are known to about 2 %, and a single
 # signal's floor from a few draws to about 3 %.
 MARGIN_TOTAL = 1.06
@@ -19,8 +21,7 @@ _DEVIATIONS = 3.0  # by which an error may exceed its floor by chance
 def consistent(
     error_ms: np.ndarray,
     draws_ms: np.ndarray,
-    error: float,
-    floors: np.ndarray,
+    scale: Scale,
     allowed: np.ndarray | float = 0.0,
     *,
     by_signal: bool = True,
@@ -30,12 +31,13 @@ def consistent(
     Args:
         error_ms: mean squares (2, n) of measured minus simulated, pooled.
         draws_ms: the same of each noise draw, (draws, 2, n).
-        error: the score.
-        floors: the score of each noise draw, (draws,).
-        allowed: mean squares (2, n) of a signal that mean nothing, whatever its noise.
+        scale: of the score.
+        allowed: mean squares (2, n) by which two right simulations may differ, whatever the noise.
         by_signal: look at each axis and kind by itself too, which finds effects that the score, ruled by
             the noisiest signal, would hide.
     """
+    error = normalised(error_ms, scale)
+    floors = np.array([normalised(draw + allowed, scale) for draw in draws_ms])
     spread = _DEVIATIONS * floors.std(ddof=1)
     if floors.mean() > HOPELESS:  # a loop that noise blows up would excuse any error
         return False

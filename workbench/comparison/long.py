@@ -13,9 +13,11 @@ from workbench.models import Model
 from workbench.recordings import Log, Stretch
 from workbench.simulation import scored_torque
 
-from .compare import Sums, compare, concluded, matched, told
+from .compare import compare, told
+from .evaluate import Sums, concluded
 from .inverse import inverse_of, torque_sums
 from .lines import line_shares
+from .matching import matched
 from .noise import DRAWS
 from .notes import notes_of
 from .replay import Replay, replay_of

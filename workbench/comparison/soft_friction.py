@@ -47,15 +47,14 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
         return pooled([squares(*pair) for pair in zip(ones, others, names, strict=True)], counts)
 
     noise = np.stack([apart(draw, simulated.clean) for draw in simulated.noisy])
-    floors = np.array([normalised(ms, scale) for ms in noise])
     allowed = pooled([simulated.immaterial(i) for i in range(len(recordings))], counts)
     # what the file's own constraint would leave of a machine whose friction is rigid
     left = noise.mean(axis=0) + apart(soft, simulated.clean)
-    if consistent(left, noise, normalised(left, scale), floors, allowed):
+    if consistent(left, noise, scale, allowed):
         return None
     runs = [apart(recordings, made) for made in (simulated.clean, soft)]
     rigid, own = (normalised(ms, scale) for ms in runs)
-    theirs = own < rigid and consistent(runs[1], noise, own, floors, allowed)
+    theirs = own < rigid and consistent(runs[1], noise, scale, allowed)
     urdf = is_urdf(model.serial)
     kind, stated = ("URDF", "which can state no other") if urdf else ("MJCF", "as the file states it")
     advice = _TRAIN if urdf else _stiffen(float(own_file.opt.timestep))

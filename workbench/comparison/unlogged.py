@@ -45,7 +45,25 @@ class _Asked:
     others: np.ndarray
 
 
-def readings(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], ...]:
+@dataclass(frozen=True)
+class Reading:
+    """Recordings by one answer to what their logs leave open of the loop.
+
+    Attributes:
+        recordings: with that answer in their timing and controller.
+        asked: places of those that leave something open.
+        between_rows: whether their reference between rows was asked.
+        sure_between_rows, sure_of_speed: the torque along the motion leaves no other answer.
+    """
+
+    recordings: tuple[Recording, ...]
+    asked: tuple[int, ...] = ()
+    between_rows: bool = False
+    sure_between_rows: bool = False
+    sure_of_speed: bool = False
+
+
+def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ...]:
     """Recordings by all answers to what their logs leave open of the loop that may be right, likeliest first.
 
     Asked where neither ``[timing] reference_held`` nor ``[controller] velocity`` says it, no torque was
@@ -53,9 +71,9 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[Recor
     model needs is held against both answers; damping, dry friction and weights of each axis may be wrong.
     Where that does not decide, the run of a model that explains the recordings may.
     """
-    asked = [i for i, r in enumerate(recordings) if _is_open(model, r)]
+    asked = tuple(i for i, r in enumerate(recordings) if _is_open(model, r))
     if not asked:
-        return (tuple(recordings),)
+        return (Reading(tuple(recordings)),)
     out = list(recordings)
     known = with_loops(model, [recordings[i] for i in asked])
     for i, r in zip(asked, known, strict=True):
@@ -65,60 +83,66 @@ def readings(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[Recor
     axes = [_joined([of[k] for of in each]) for k in range(model.size)]
     between = [prepare(r, model) for r in known]
     if not any(np.any(e.ticks % e.stride) for e in between):
-        return tuple(_by_speed(out, asked, axes))
+        return tuple(_by_speed(Reading(tuple(out), asked), axes))
     share, std = _share([np.hstack([a.others, a.inertia]) for a in axes], axes, 0)
     held = share > 0.5
     sure = max(std, abs(share - held)) < _SURE
-    found: list[tuple[Recording, ...]] = []
+    found: list[Reading] = []
     for answer in (held,) if sure else (held, not held):
-        taken = list(out)
-        for i in asked:
-            taken[i] = _noted(_held(out[i], answer), _between_rows(answer, sure))
-        found += _by_speed(
-            taken, asked, [replace(a, lacking=a.lacking + answer * a.answers[:, 0]) for a in axes]
-        )
+        taken = tuple(_held(r, answer) if i in asked else r for i, r in enumerate(out))
+        rest = [replace(a, lacking=a.lacking + answer * a.answers[:, 0]) for a in axes]
+        found += _by_speed(Reading(taken, asked, True, sure), rest)
     return tuple(found)
 
 
-def _by_speed(
-    recordings: Sequence[Recording], asked: Sequence[int], axes: Sequence[_Asked]
-) -> list[tuple[Recording, ...]]:
-    """The recordings with the way in which loops come to know their speed, or with each of them."""
+def _by_speed(reading: Reading, axes: Sequence[_Asked]) -> list[Reading]:
+    """A reading with the way in which loops come to know their speed, or with each of them."""
     votes = [_share([a.others], [a], 1) for a in axes]
     clear = [round(share) for share, std in votes if std < _NEAR and abs(share - round(share)) < _NEAR]
     # inertia that is wrong hides it on its axes
     decided: list[_Speed] = [
         how for answer, how in enumerate(_SPEEDS) if clear.count(answer) > 0.5 * len(votes)
     ]
-    found: list[tuple[Recording, ...]] = []
     ways: tuple[_Speed, ...] = tuple(decided) or ("difference", "sensor")
+    found = []
     for how in ways:
-        out = list(recordings)
-        for i in asked:
-            out[i] = _noted(_reading(out[i], how), _SPEED[how] if decided else _UNDECIDED.format(how))
-        found.append(tuple(out))
+        taken = (_reading(r, how) if i in reading.asked else r for i, r in enumerate(reading.recordings))
+        found.append(replace(reading, recordings=tuple(taken), sure_of_speed=bool(decided)))
     return found
 
 
-_UNDECIDED = (
-    "no speed was logged, and the recordings alone do not tell how the loop got it; taken here as its {0}: "
-    'state velocity = "{0}" in [controller] if you know it'
-)
-_SPEED: dict[_Speed, str] = {
-    "sensor": "no speed was logged; the loop's is taken as read without delay, which explains most axes: "
-    'state velocity = "sensor" in [controller] if you know it',
-    "difference": "no speed was logged; the loop's is taken as the difference of positions over its period, "
-    'which explains most axes: state velocity = "difference" in [controller] if you know it',
-}
+def noted(reading: Reading, *, explains: bool = False) -> tuple[Recording, ...]:
+    """The recordings of a reading, with notes on what was taken, and why.
 
-
-def _between_rows(held: bool, sure: bool) -> str:
-    how = "standing still from row to row" if held else "a smooth line through the rows"
-    why = "which explains the recordings" if sure else "though the recordings hardly tell"
-    return (
-        f"the loop is faster than its log; its reference between rows is taken as {how}, {why}: "
-        f"state reference_held = {str(held).lower()} in [timing] if you know it"
-    )
+    Args:
+        reading: one of `readings`.
+        explains: the model's own run explains them by this reading, and by no other.
+    """
+    out = list(reading.recordings)
+    for i in reading.asked:
+        notes = list(out[i].notes)
+        if reading.between_rows:
+            held = bool(out[i].timing.reference_held)
+            how = "standing still from row to row" if held else "a smooth line through the rows"
+            sure = explains or reading.sure_between_rows
+            why = "which explains the recordings" if sure else "though the recordings hardly tell"
+            notes.append(
+                f"the loop is faster than its log; its reference between rows is taken as {how}, {why}: "
+                f"state reference_held = {str(held).lower()} in [timing] if you know it"
+            )
+        speed = out[i].controller.velocity
+        taken = "read without delay" if speed == "sensor" else "the difference of positions over its period"
+        if explains or reading.sure_of_speed:
+            why = "which explains the recordings" if explains else "which explains most axes"
+            line = f"no speed was logged; the loop's is taken as {taken}, {why}"
+        else:
+            line = (
+                "no speed was logged, and the recordings alone do not tell how the loop got it; "
+                f"it is taken as {taken}"
+            )
+        notes.append(f'{line}: state velocity = "{speed}" in [controller] if you know it')
+        out[i] = replace(out[i], notes=tuple(notes))
+    return tuple(out)
 
 
 def _is_open(model: Model, recording: Recording) -> bool:
@@ -220,7 +244,3 @@ def _held(recording: Recording, held: bool) -> Recording:
 
 def _reading(recording: Recording, how: _Speed) -> Recording:
     return replace(recording, controller=replace(recording.controller, velocity=how))
-
-
-def _noted(recording: Recording, note: str) -> Recording:
-    return replace(recording, notes=(*recording.notes, note))

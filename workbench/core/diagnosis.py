@@ -152,11 +152,19 @@ class Identifiability:
 
 @dataclass(frozen=True)
 class Disagreement:
-    """Recordings that an effect explains one by one but not all with one size of it."""
+    """Recordings that an effect explains one by one but not all with one size of it.
+
+    Attributes:
+        recordings: their names.
+        key: the effect.
+        values: its size in each of them.
+        meaning: two units that may have been taken for one another; empty where none are known.
+    """
 
     recordings: tuple[str, ...]
     key: EffectKey
     values: tuple[float, ...]
+    meaning: str = ""
 
 
 @dataclass(frozen=True)

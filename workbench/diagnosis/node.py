@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.comparison import Scale, Simulated, normalised
+from workbench.comparison import Scale, Simulated
 from workbench.comparison.consistent import consistent
 from workbench.core import EffectKey, SimulationError
 from workbench.effects import effect_named, kinds
@@ -166,10 +166,7 @@ def is_consistent(data: Data, mean_squares: np.ndarray, *, by_signal: bool = Tru
     """Whether the training error is no larger than noise makes it (and, `by_signal`, that of each signal)."""
     scale = Scale.of(data.recordings[: data.training])
     draws = np.stack([data.pool(squares) for squares in data.noise_squares])
-    pooled = data.pool(mean_squares)
-    error, floors = normalised(pooled, scale), np.array([normalised(d, scale) for d in draws])
-    allowed = data.pool(data.immaterial)
-    return consistent(pooled, draws, error, floors, allowed, by_signal=by_signal)
+    return consistent(data.pool(mean_squares), draws, scale, data.pool(data.immaterial), by_signal=by_signal)
 
 
 def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[Data, Simulated | None]:

@@ -137,7 +137,7 @@ class Policy:
     delay_deviation: float = 0.005  # of a row: how a delay acts inside a step is not known; wider ones
     onset_deviation: float = 0.003  # of dry friction: hard stop and short creep differ so much; wider ones
     onset_deviation_of_many: float = 0.008  # the same where several parameters share it; wider ones
-    model_deviation: float = 0.002  # of what a parameter adds: right simulations differ so much; wider
+    model_deviation: float = 0.002  # of a whole number: right simulations differ by so much; wider
     start_deviation: float = 0.01  # the same on the ground, for the few rows about each start; wider ones
 
     # Adequacy: certain although something else is missing

@@ -9,6 +9,7 @@ from workbench.core import Disagreement, Identifiability, Recording, SimulationE
 from workbench.models import Model
 
 from .checks.sign_check import refuse_wrong_sign_in_loop
+from .checks.units import differing_units
 from .data import gather
 from .explore import explore
 from .loss import explained, median_explained
@@ -94,9 +95,11 @@ def search(
 
 
 def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Disagreement, ...]]:
-    """Identifiability and disagreement of the recordings; nothing where there is no linear problem."""
+    """Identifiability and disagreement of the recordings; no linear problem tells but units."""
+    recordings = problem.data.recordings
+    units = differing_units(recordings)
     if problem.linear is None:
-        return None, ()
+        return None, units
     known = identifiability_of(problem.linear, problem.linearisation, problem.data)
     problem.progress(f"the recordings tell {len(known.separable)} of {known.count} effects from all others")
-    return known, disagreements(problem.linear, [r.name for r in problem.data.recordings])
+    return known, units or disagreements(problem.linear, [r.name for r in recordings])

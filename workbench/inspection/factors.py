@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 #: Factor -> what it comes from. The inverse of each is looked up too.
 NAMED: tuple[tuple[float, str], ...] = (
@@ -16,21 +17,35 @@ NAMED: tuple[tuple[float, str], ...] = (
     (100.0, "cm and m"),
 )
 
+#: The same of torques and forces: units that nobody states, over those of SI.
+TORQUE: tuple[tuple[float, str], ...] = (
+    (1.355818, "ft lbf and N m"),
+    (8.850746, "in lbf and N m"),
+    (4.448222, "lbf and N"),
+    (9.80665, "kgf and N (kgf m and N m)"),
+    (10.19716, "kgf cm and N m"),
+    (141.6119, "ozf in and N m"),
+    *NAMED,
+)
 
-def name_factor(factor: float, tolerance: float = 0.03) -> str | None:
+Named = Sequence[tuple[float, str]]
+
+
+def name_factor(factor: float, tolerance: float = 0.03, named: Named = NAMED) -> str | None:
     """What mix-up a factor comes from, or None.
 
     Args:
         factor: ratio of what was found to what was expected; its sign does not matter.
         tolerance: relative.
+        named: factors with their meanings.
     """
-    return next(iter(name_factors(factor, tolerance)), None)
+    return next(iter(name_factors(factor, tolerance, named)), None)
 
 
-def name_factors(factor: float, tolerance: float = 0.03) -> tuple[str, ...]:
+def name_factors(factor: float, tolerance: float = 0.03, named: Named = NAMED) -> tuple[str, ...]:
     """Every mix-up that a factor may come from, the nearest first; as `name_factor`."""
     size = abs(factor)
     if size == 0 or not math.isfinite(size):
         return ()
-    misses = sorted((abs(abs(math.log(size)) - math.log(named)), meaning) for named, meaning in NAMED)
+    misses = sorted((abs(abs(math.log(size)) - math.log(known)), meaning) for known, meaning in named)
     return tuple(meaning for miss, meaning in misses if miss < tolerance)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from .inertia import remark_on_inertia
 from .motion import remark_on_motion
 from .opposed import remark_on_references
 from .result import Inspection, RecordingInspection, Remark
-from .torque import remark_on_command_limits, remark_on_torque
+from .torque import driven, remark_on_command_limits, remark_on_torque
 from .work import remark_on_work
 
 FEW = 200  # rows below which nothing is compared
@@ -37,18 +36,6 @@ def inspect(recordings: Sequence[Recording], *, transmission: np.ndarray | None 
     return Inspection(tuple(_inspect_one(recording, transmission) for recording in recordings))
 
 
-def _driven(recording: Recording) -> Recording:
-    """The longest stretch of rows that count: drives that are off say nothing of torque."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], recording.valid, [False]]).astype(int)))
-    if recording.valid.all() or not len(edges):
-        return recording
-    first, last = max(zip(edges[::2], edges[1::2], strict=True), key=lambda span: span[1] - span[0])
-    signals = {name: x[first:last] for name, x in recording.signals.items()}
-    rows = slice(first, last)
-    time = recording.time[rows] - recording.time[first]
-    return replace(recording, time=time, signals=signals, valid=None, extra={}, guessed={})
-
-
 def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> RecordingInspection:
     noise = noise_levels(recording)
     excited = excited_axes(recording, noise)
@@ -59,12 +46,12 @@ def _inspect_one(recording: Recording, transmission: np.ndarray | None) -> Recor
         remarks += remark_on_control(recording, transmission)
         told = {r.axis for r in remarks if r.topic == "sign"}
         remarks += [r for r in remark_on_references(recording) if r.axis not in told]
-        driven = _driven(recording)
-        if len(driven) >= FEW:
-            remarks += remark_on_torque(driven, noise)
-            backward = remark_on_inertia(driven, held)
-            remarks += backward or remark_on_work(driven, held)
-            remarks += remark_on_command_limits(driven)
+        rows = driven(recording)
+        if len(rows) >= FEW:
+            remarks += remark_on_torque(rows, noise)
+            backward = remark_on_inertia(rows, held)
+            remarks += backward or remark_on_work(rows, held)
+            remarks += remark_on_command_limits(rows)
     else:
         text = f"Only {len(recording)} rows: too few to check signals against each other."
         remarks.append(Remark("note", "reader", None, text))

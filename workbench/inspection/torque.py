@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from workbench.core import Recording
 from workbench.recordings.noise import NoiseLevels
 
-from .factors import name_factor
+from .factors import TORQUE, name_factor
 from .lags import follow, is_broad
 from .result import Remark
 
@@ -18,6 +19,18 @@ _SCALE = 0.05
 _OFTEN = 0.005  # share of rows at the extreme from which it is a limit
 _SURE = 4.0  # deviations from which a delay is one
 _AT_ONCE = 0.02  # of a row: what comes within is in the same one
+
+
+def driven(recording: Recording) -> Recording:
+    """The longest stretch of rows that count: drives that are off say nothing of torque."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], recording.valid, [False]]).astype(int)))
+    if recording.valid.all() or not len(edges):
+        return recording
+    first, last = max(zip(edges[::2], edges[1::2], strict=True), key=lambda span: span[1] - span[0])
+    signals = {name: x[first:last] for name, x in recording.signals.items()}
+    rows = slice(first, last)
+    time = recording.time[rows] - recording.time[first]
+    return replace(recording, time=time, signals=signals, valid=None, extra={}, guessed={})
 
 
 def remark_on_torque(recording: Recording, noise: NoiseLevels) -> list[Remark]:
@@ -69,7 +82,7 @@ def _follows(
         text = f"Measured torque of '{axis}' has the wrong sign against its command."
         remarks.append(Remark("problem", "sign", axis, text, {"factor": gain}))
     if abs(abs(gain) - 1) > _SCALE and not remarks:
-        meaning = name_factor(gain)
+        meaning = name_factor(gain, named=TORQUE)
         severity = "problem" if meaning else "warning"
         cause = f"a mix-up of {meaning}" if meaning else "torque constant, gear ratio or current loop"
         text = f"Measured torque of '{axis}' is {abs(gain):.4g} times its command: {cause}."

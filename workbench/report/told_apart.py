@@ -30,9 +30,11 @@ def disagreement_lines(found: Iterable[Disagreement]) -> list[str]:
     lines = []
     for d in found:
         pairs = [f"{short(v)} in {name}" for name, v in zip(d.recordings, d.values, strict=True)]
+        meaning = f", as between {d.meaning}" if d.meaning else ""
         lines.append(
             f"The recordings disagree: {w.effect_phrase(d.key)} explains each of them, but is "
-            f"{w.any_of(pairs, 'and')}. Look for what was another in them: a load, a gain, a unit, the day."
+            f"{w.any_of(pairs, 'and')}{meaning}. Look for what "
+            "was another in them: a load, a gain, a unit, the day."
         )
     return lines
 

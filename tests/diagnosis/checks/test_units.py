@@ -10,7 +10,7 @@ import pytest
 
 from tests.planar_leg import moved, write_leg
 from workbench.core import EffectKey, Estimate, Finding, InputError, Recording
-from workbench.diagnosis.checks.units import doubted, refuse_unit
+from workbench.diagnosis.checks.units import differing_units, doubted, refuse_unit
 from workbench.effects import load_model
 
 
@@ -53,3 +53,26 @@ def test_a_finding_that_is_a_factor_between_units(gain: float, doubt: bool) -> N
     assert found.evidence[0].startswith("perhaps the unit") == doubt
     assert found.evidence[-1] == "what it removes"
     assert doubted([finding(gain)], [moved()]) == (finding(gain),)
+
+
+def in_unit(name: str, torque: np.ndarray | float) -> Recording:
+    r = moved()
+    return replace(r.with_signals(torque_measured=torque * r.signals["torque_measured"]), name=name)
+
+
+def test_recordings_whose_torque_is_in_another_unit_disagree() -> None:
+    (found,) = differing_units([in_unit("monday", 8.8507), in_unit("tuesday", 1.0)])
+    assert (found.recordings, found.key.axis, found.meaning) == (
+        ("monday", "tuesday"),
+        None,
+        "in lbf and N m",
+    )
+    np.testing.assert_allclose(found.values, [8.8507, 1.0], rtol=0.05)
+
+
+@pytest.mark.parametrize("torque", [8.8507, np.array([1.6, 1.0]), 1.1])
+def test_what_is_alike_in_all_recordings_or_of_one_axis_is_no_disagreement(
+    torque: np.ndarray | float,
+) -> None:
+    others = in_unit("tuesday", torque if torque == pytest.approx(8.8507) else 1.0)
+    assert differing_units([in_unit("monday", torque), others]) == ()

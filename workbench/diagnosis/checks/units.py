@@ -8,17 +8,53 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.comparison import is_weighable, torque_left
-from workbench.core import Finding, InputError, Recording, SimulationError
+from workbench.core import Disagreement, EffectKey, Finding, InputError, Recording, SimulationError
 from workbench.effects import effect_named
-from workbench.inspection.factors import NAMED, name_factors
+from workbench.inspection.factors import NAMED, TORQUE, name_factors
+from workbench.inspection.torque import driven, remark_on_torque
 from workbench.models import Model
+from workbench.recordings import noise_levels
 
 from ..policy import POLICY
 
+_GAIN = "torque_constant_error"
 _KINDS = {
     "position": ("position", "velocity", "position_reference", "velocity_reference", "link_position"),
     "torque": ("torque_command", "torque_measured", "torque_feedforward"),
 }
+
+_NAMED = {"position": NAMED, "torque": TORQUE}
+
+
+def differing_units(recordings: Sequence[Recording]) -> tuple[Disagreement, ...]:
+    """Recordings whose measured torque is another multiple of its command, the same on every axis.
+
+    That is a unit or a torque constant that changed from one to the other; an axis by itself may be at a
+    limit, or warm.
+    """
+    times = [_over_command(r) for r in recordings]
+    known = [(r.name, x) for r, x in zip(recordings, times, strict=True) if x.size and np.isfinite(x).all()]
+    if len({x.size for _, x in known}) != 1:
+        return ()
+    table = np.array([x for _, x in known])
+    low, high = int(table.sum(axis=1).argmin()), int(table.sum(axis=1).argmax())
+    apart = table[high] / table[low]
+    if (apart < 1.0 + POLICY.disagreement).any() or np.ptp(apart) > POLICY.unit_near * apart.mean():
+        return ()
+    values = tuple(float(x) for x in np.median(table, axis=1))
+    meaning = " or ".join(name_factors(values[high] / values[low], named=TORQUE))
+    return (Disagreement(tuple(name for name, _ in known), EffectKey(_GAIN, None), values, meaning),)
+
+
+def _over_command(recording: Recording) -> np.ndarray:
+    """Measured torque over its command, (n,): NaN where it does not follow, empty if one is missing."""
+    if recording.get("torque_command") is None or recording.get("torque_measured") is None:
+        return np.zeros(0)
+    times = dict.fromkeys(recording.axes, 1.0)
+    for remark in remark_on_torque(driven(recording), noise_levels(recording)):
+        if remark.topic in ("unit", "sign", "saturation") and remark.axis is not None:
+            times[remark.axis] = abs(remark.value.get("factor", np.nan))
+    return np.array(list(times.values()))
 
 
 def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
@@ -38,7 +74,7 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
         tried = {
             (kind, f): float(np.mean(torque_left(model, [_scaled(r, kind, f) for r in some])))
             for kind in sorted(guessed)
-            for named, _ in NAMED
+            for named, _ in _NAMED[kind]
             for f in (named, 1.0 / named)
         }
     except SimulationError:
@@ -46,11 +82,11 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
     (kind, factor), left = min(tried.items(), key=lambda each: each[1])
     if left > min(POLICY.unit_error, POLICY.unit_left * before):
         return
+    meant = " or ".join(name_factors(factor, named=_NAMED[kind]))
     now = f"{100 * before:.2g} %" if before < 1.0 else "all"
     raise InputError(
         f"perhaps the unit: `import` guessed that of {kind}; {factor:.4g} times as large (as between "
-        f"{' or '.join(name_factors(factor))}) the model leaves {100 * left:.2g} % of the torque "
-        f"unexplained, as it stands {now}",
+        f"{meant}) the model leaves {100 * left:.2g} % of the torque unexplained, as it stands {now}",
         file=some[0].source, column=f"units.{kind}",
         remedy="state the right unit there and take guessed_units out; if it is right, only the latter",
     )  # fmt: skip

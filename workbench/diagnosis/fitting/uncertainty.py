@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 
 from workbench.core import Estimate
-from workbench.effects import Effect, effect_named, kinds
-from workbench.models import AppliedEffect
+from workbench.effects import Effect, effect_named, kinds, model_value
+from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
 from ..hypothesis import Fit, Hypothesis, blocks
@@ -105,7 +105,10 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         onset = soft * kinds.is_dry(effect) * np.abs(middle)
         neutral = np.array([p.neutral for p in effect.parameters])
         share = POLICY.start_deviation if data.replay.on_ground else POLICY.model_deviation
-        fine = np.sqrt(late**2 + onset**2 + (share * (middle - neutral)) ** 2)
+        # of a number that the model has, what right simulations differ by is a share of the whole number
+        place = Placement.of(hypothesis.base, applied.key)
+        whole = np.abs(middle - neutral) + abs(model_value(effect, hypothesis.base, place) or 0.0)
+        fine = np.sqrt(late**2 + onset**2 + (share * whole) ** 2)
         axis = applied.key.axis
         noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]
         blur = effect.parameters.blur(applied.values, *(float(x) for x in np.sqrt(noise)))

@@ -1,0 +1,90 @@
+"""Recordings as a model takes them: its axes, and what their logs leave open of the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.core import InputError, Recording
+from workbench.models import Model
+from workbench.simulation import check_axes
+
+from .consistent import MARGIN_TOTAL
+from .evaluate import evaluate
+from .floating import with_base
+from .replay import Replay, replay_of
+from .score import Scale, normalised, pooled, squares
+from .standing import check_ground, on_ground
+from .touching import refuse_overlaps
+from .unlogged import Reading, noted, readings
+
+_FEWEST = 30  # rows: from fewer neither their noise nor the start of a run can be told
+
+
+def matched(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Recordings as they are compared with this model: with the axes of a base that floats, and with what
+    their logs leave open of the loop by the likeliest answer.
+
+    Raises:
+        InputError: as `matched_ways`.
+    """
+    return matched_ways(model, recordings)[0]
+
+
+def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[Recording, ...], ...]:
+    """The same by all answers that may be right to what their logs leave open, the likeliest first.
+
+    Raises:
+        InputError: none given, other axes, a base that floats on one side only, a transmission that
+            changes with the posture, very few rows, or links that overlap wherever they were.
+    """
+    if not recordings:
+        raise InputError("no recordings given", remedy="name at least one recording's TOML file")
+    if model.posture_dependent:
+        raise InputError(
+            f"the transmission of '{model.name}' changes with the posture; recordings are replayed through a "
+            "constant one", file=model.source, column="transmission.posture_dependent",
+            remedy="check and normalize know such mechanisms; compare and diagnose do not yet",
+        )  # fmt: skip
+    out = tuple(with_base(r, model) for r in recordings)
+    for r in out:
+        check_axes(r, model)
+        if len(r) < _FEWEST:
+            raise InputError(
+                f"{len(r)} rows are too few to tell motion from noise", file=r.source,
+                remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
+            )  # fmt: skip
+        if on_ground(r):
+            check_ground(model, r)
+    refuse_overlaps(model, out)
+    return _likely(model, readings(model, out))
+
+
+def _likely(model: Model, ways: Sequence[Reading]) -> tuple[tuple[Recording, ...], ...]:
+    """Recordings by those readings of their logs that may be right, the likeliest first.
+
+    Where the torque left several open, the model is run by each: if it explains the recordings by some,
+    these are the ones. A model that is wrong as well explains them by none, and all are left.
+    """
+    if len(ways) == 1:
+        return (noted(ways[0]),)
+    replays = [replay_of(model, way.recordings) for way in ways]
+    scale = Scale.of(ways[0].recordings)
+    errors = np.array([_error(replay, model, scale) for replay in replays])
+    order = np.argsort(errors, kind="stable")
+    best = int(order[0])
+    if np.isfinite(errors[best]):
+        result = evaluate(model, replays[best].with_noise(model, 0))
+        if result.consistent:
+            most = max(MARGIN_TOTAL * result.noise_error, errors[best])
+            return tuple(noted(ways[k], explains=True) for k in order if errors[k] <= most)
+    return tuple(noted(ways[k]) for k in order)
+
+
+def _error(replay: Replay, model: Model, scale: Scale) -> float:
+    """The score of a model's run without noise; infinite where it cannot be run."""
+    (runs,) = replay.run([model])
+    sums = [squares(r, run) for r, run in zip(replay.recordings, runs, strict=True)]
+    error = normalised(pooled(sums, [int(r.valid.sum()) for r in replay.recordings]), scale)
+    return error if np.isfinite(error) else np.inf
