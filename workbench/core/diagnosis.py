@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from .results import Comparison, Share
@@ -26,15 +26,24 @@ class Estimate:
 
 @dataclass(frozen=True)
 class EffectKey:
-    """Names an effect, the axis it acts on (None: all axes), and whether at its drive or its joint."""
+    """Names an effect, the axis it acts on (None: all axes), and whether at its drive or its joint.
+
+    `copy`: which one of several in one place, as harmonics of a ripple are.
+    """
 
     effect: str
     axis: str | None
     location: Literal["actuator", "joint"] = "actuator"
+    copy: int = 1
 
     def __str__(self) -> str:
         place = f"{self.effect}@{self.axis}" if self.axis else self.effect
-        return place if self.location == "actuator" else f"{place}({self.location})"
+        place = place if self.location == "actuator" else f"{place}({self.location})"
+        return place if self.copy == 1 else f"{place}#{self.copy}"
+
+    def same_place(self, other: EffectKey) -> bool:
+        """Whether it is the same effect in the same place, be it another copy."""
+        return replace(self, copy=other.copy) == other
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
@@ -81,6 +82,7 @@ def places(model: Model) -> tuple[EffectKey, ...]:
     """Every effect in every place where it could be added to this model.
 
     An effect that the model has may be added once more where its parameters may be wrong: increments add up.
+    One that repeats is then another one of its kind.
     """
     keys: list[EffectKey] = []
     for effect in EFFECTS:
@@ -92,6 +94,10 @@ def places(model: Model) -> tuple[EffectKey, ...]:
                 for index, axis in enumerate(model.driven)
                 for location in effect.locations
                 if location == "actuator" or _pin_differs(model, index)
+            ]
+        if effect.search.repeats:
+            candidates = [
+                replace(key, copy=1 + sum(key.same_place(a.key) for a in model.effects)) for key in candidates
             ]
         keys += [key for key in candidates if effect.applies(model, key)]
     return tuple(keys)

@@ -17,15 +17,26 @@ from .parameter import INF, Parameter, Parameters, Place, Unknown, Values, wave
 from .response import Response, single
 
 _LEAST = 0.75  # periods within the motion: less is a bend, which any spring may have
+_SEVERAL = 3.0  # periods within the motion, from which a sine beside others is told from a smooth curve
 _TRIED = 6  # orders that go on to the linearised loop
+_HARMONICS = 5  # of these, that are looked for one after the other
 _FINEST = 400  # of these, multiples of a quarter of a ripple over the whole arc
 
 
 def _told(motions: Sequence[Motion], place: Place, values: Values) -> bool:
     """Over most of a period."""
+    return _periods(motions, place, values) >= _LEAST
+
+
+def _periods(motions: Sequence[Motion], place: Place, values: Values) -> float:
     rows = [m.along(place)[0] for m in motions]
     arc = max(float(r.max()) for r in rows) - min(float(r.min()) for r in rows)
-    return values["order"] * arc >= 2.0 * np.pi * _LEAST
+    return values["order"] * arc / (2.0 * np.pi)
+
+
+def _repeats(motions: Sequence[Motion], place: Place, values: Values) -> bool:
+    """Over several periods: on a shorter way a sum of sines follows anything."""
+    return _periods(motions, place, values) >= _SEVERAL
 
 
 def _orders(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
@@ -44,8 +55,23 @@ def _orders(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray
     middle = 0.5 * (edges[1:] + edges[:-1])
     gain = np.array([_explained(order * middle, count, total) for order in orders])
     peaks = np.flatnonzero((gain >= np.roll(gain, 1)) & (gain >= np.roll(gain, -1)))
-    best = peaks[np.argsort(-gain[peaks])[:_TRIED]]
-    return orders[best]
+    best = orders[peaks[np.argsort(-gain[peaks])[:_TRIED]]]
+    return np.array(list(dict.fromkeys([*best, *_one_after_the_other(orders, middle, count, total)])))
+
+
+def _one_after_the_other(
+    orders: np.ndarray, middle: np.ndarray, count: np.ndarray, total: np.ndarray
+) -> list[float]:
+    """Orders that explain most of what those before them leave: a strong one hides weak ones beside it."""
+    found: list[float] = []
+    rest = total
+    for _ in range(_HARMONICS):
+        found.append(float(orders[np.argmax([_explained(o * middle, count, rest) for o in orders])]))
+        waves = [f(o * middle) for o in found for f in (np.sin, np.cos)]
+        basis = np.stack([np.ones_like(middle), *waves])
+        weights = np.linalg.lstsq((basis * count) @ basis.T, basis @ total, rcond=1e-9)[0]
+        rest = total - count * (weights @ basis)
+    return found
 
 
 #: One step of a fit is less than what brings ripples out of step within a radian.
@@ -72,7 +98,7 @@ class Cogging(Effect):
         reveal="a slow steady sweep over the whole range, in both directions",
         mujoco="torque function of the position",
     )
-    search = Search(depends_on=("position",))
+    search = Search(depends_on=("position",), repeats=_repeats)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns, sine and cosine; their coefficients are a cos p and a sin p."""

@@ -138,4 +138,4 @@ def loss_ratios(key: EffectKey, test_loss: float, others: Iterable[EffectLoss]) 
 
 def same_cause(one: EffectKey, other: EffectKey) -> bool:
     """Whether two effects are one, or forms of one."""
-    return one == other or contains(one, other) or contains(other, one)
+    return one.same_place(other) or contains(one, other) or contains(other, one)

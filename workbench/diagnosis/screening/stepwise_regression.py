@@ -54,13 +54,13 @@ def selected(regression: Regression) -> Selection:
 def _grown(now: Selection, regression: Regression) -> Selection:
     """With all that helps, one after the other."""
     proposals = [*((e,) for e in regression.entries), *_sets_of_basics(regression.entries)]
-    acts = {p: frozenset().union(*map(regression.axes_of, p)) for p in proposals}
     gains: dict[Chosen, np.ndarray] = {}
     while True:
+        proposals += [p for p in _more_of_a_kind(now.chosen, regression) if p not in proposals]
         for new in proposals:
             if new not in gains and fits_in(new, now.chosen):
                 gains[new] = _gain(regression.solved(_with(now.chosen, new)), now.solution, regression)
-        helpful = {p: g for p, g in gains.items() if (g > _least(p)).any() and g.sum() > 0.0}
+        helpful = {p: g for p, g in gains.items() if (g > _least(p, regression)).any() and g.sum() > 0.0}
         new = _next(helpful)
         while new and _only_refines(new, now, regression):
             proposals.remove(new)  # whatever comes on other axes
@@ -71,7 +71,23 @@ def _grown(now: Selection, regression: Regression) -> Selection:
         chosen = _with(now.chosen, new)
         now = Selection(chosen, regression.solved(chosen))
         # what acts on none of its axes gains as before
-        gains = {p: g for p, g in gains.items() if not acts[p] & acts[new] and fits_in(p, chosen)}
+        acts = frozenset().union(*map(regression.axes_of, new))
+        gains = {
+            p: g
+            for p, g in gains.items()
+            if not any(acts & regression.axes_of(e) for e in p) and fits_in(p, chosen)
+        }
+
+
+def _more_of_a_kind(chosen: Chosen, regression: Regression) -> list[Chosen]:
+    """Another one beside each effect that repeats, as a further harmonic."""
+    out = []
+    for last in chosen:
+        kin = [e for e in chosen if e.key.same_place(last.key)]
+        if last is kin[-1]:
+            there = [e.linear for e in kin]
+            out += [(e,) for e in regression.copies(last) if e.linear not in there]
+    return out
 
 
 def _next(helpful: Mapping[Chosen, np.ndarray]) -> Chosen | None:
@@ -158,9 +174,13 @@ def _gain(found: Solution, before: Solution, regression: Regression) -> np.ndarr
     return np.where(np.all(at_noise_floor, axis=0), np.minimum(gain, 0.0), gain)
 
 
-def _least(new: Chosen) -> float:
-    """The least gain on an axis for which effects are added."""
-    return POLICY.effect_gain if _basic(new) else POLICY.later_gain
+def _least(new: Chosen, regression: Regression) -> float:
+    """The least gain on an axis for which effects are added: little for basic ones, and for more of what is
+    in the model, as a further harmonic of its ripple is."""
+    known = _basic(new) or all(
+        e.key.copy > 1 or any(e.key.same_place(k) for k in regression.own) for e in new
+    )
+    return POLICY.effect_gain if known else POLICY.later_gain
 
 
 def _cost(new: Chosen) -> tuple[int, int]:
@@ -175,7 +195,7 @@ def _without_needless(now: Selection, regression: Regression) -> Selection:
         rest = [tuple(e for e in now.chosen if e is not out) for out in now.chosen]
         fewer = [Selection(r, regression.solved(r)) for r in rest]
         lost = [
-            float((_gain(now.solution, f.solution, regression) / _least((out,))).max())
+            float((_gain(now.solution, f.solution, regression) / _least((out,), regression)).max())
             for out, f in zip(now.chosen, fewer, strict=True)
         ]
         k = int(np.argmin(lost))

@@ -69,8 +69,9 @@ class Regression:
     held_out: tuple[Normal, ...] | None
     floor: np.ndarray
     test_floor: np.ndarray
-    limits: Mapping[Entry, tuple[np.ndarray, np.ndarray]]
+    limits: dict[Entry, tuple[np.ndarray, np.ndarray]]
     _parts: dict[Chosen, Solution] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _copies: dict[EffectKey, list[Entry]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
     def _axes(self) -> tuple[Normal, ...]:
@@ -84,6 +85,25 @@ class Regression:
     def axes_of(self, entry: Entry) -> frozenset[int]:
         """The axes on which an effect acts."""
         return self._acts[entry]
+
+    def copies(self, entry: Entry) -> list[Entry]:
+        """What may stand beside an effect of its kind: all shapes of it that repeat, as the next copy."""
+        repeats = effect_named(entry.key.effect).search.repeats
+        place = Placement.of(self.linearisation.model, entry.key)
+        if repeats is None or place is None:
+            return []
+        key = replace(entry.key, copy=entry.key.copy + 1)
+        if key not in self._copies:
+            alike = [
+                e
+                for e in self.entries
+                if e.key.same_place(key) and repeats(self.linearisation.motions, place, e.shape)
+            ]
+            made = [replace(e, key=key) for e in alike]
+            for known in (self._acts, self.limits):
+                known.update((new, known[e]) for new, e in zip(made, alike, strict=True))
+            self._copies[key] = made
+        return self._copies[key]
 
     def _limits(self, chosen: Sequence[Entry]) -> tuple[np.ndarray, np.ndarray]:
         limits = [(np.zeros(0), np.zeros(0)), *(self.limits[e] for e in chosen)]
