@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from workbench.core import FORMAT, EffectKey, Estimate, InputError
+from workbench.core import FORMAT, InputError, apart
 from workbench.core.formats import check_format
 
 from . import complete
@@ -27,6 +27,7 @@ from .common import (
     write_result,
 )
 from .into import Into, IntoOption, check_into
+from .values import parse_lists, parse_place, with_values
 
 _AS_IN_MJCF = "friction_as_in_mjcf"  # no effect, but how the friction that the model has sets in
 
@@ -127,14 +128,16 @@ def with_effects(
     found = read_findings(diagnosis) if diagnosis else []
     if effect:
         wanted = parse_place(effect)
-        match = [f for f in found if f.key == wanted]
+        match = [f for f in found if f.key.same_place(wanted)]
         base = match[0] if match else AppliedEffect(wanted, {})
         if diagnosis and not match:
             raise InputError(f"the diagnosis has no finding {wanted}", file=diagnosis)
         structural = isinstance(known := effect_named(wanted.effect), Structural) and known.parameters
         if not base.parameters and not values and structural:
             base = structural_effect(wanted.effect, model.linkage)
-        found = [AppliedEffect(base.key, {**base.parameters, **parse_values(values or [])})]
+        found = [AppliedEffect(f.key, dict(f.parameters)) for f in match or [base]]
+        if values:
+            found = with_values(found, parse_lists(values))
     new = settled(model, diagnosis, found) if diagnosis else model
     added = []
     for applied in found:
@@ -178,35 +181,6 @@ def settled(model: Any, path: str, found: Sequence[Any]) -> Any:
         ) from error
 
 
-def parse_place(text: str) -> EffectKey:
-    """``effect``, ``effect@axis`` or ``effect@axis(joint)``."""
-    name, _, axis = text.partition("@")
-    if axis.endswith("(joint)"):
-        return EffectKey(name, axis[: -len("(joint)")], "joint")
-    return EffectKey(name, axis or None)
-
-
-def parse_values(texts: list[str]) -> dict[str, Estimate]:
-    """``name=value`` words.
-
-    Raises:
-        InputError: not of that form, not a finite number, or a name that stands twice.
-    """
-    out = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        try:
-            number = float(value)
-        except ValueError:
-            number = float("nan")
-        if not equals or number != number or number in (float("inf"), float("-inf")):
-            raise InputError(f"'{text}' is not name=value with a number", remedy="e.g. torque=0.25")
-        if name in out:
-            raise InputError(f"{name} is given twice", remedy=f"give it once, e.g. {text}")
-        out[name] = Estimate(number, 0.0, "")
-    return out
-
-
 def read_findings(path: str) -> list[Any]:
     """Findings of a diagnosis' JSON as effects.
 
@@ -224,16 +198,7 @@ def read_findings(path: str) -> list[Any]:
                 remedy="the model that improve writes (-o, --into) has its effects; or give diagnose's JSON",
             )  # fmt: skip
         rows = content["findings"]
-        found = [
-            AppliedEffect(
-                EffectKey(row["effect"], row["axis"], row.get("location", "actuator")),
-                {
-                    k: Estimate(float(v["value"]), _std(v["std"]), v["unit"])
-                    for k, v in row["parameters"].items()
-                },
-            )
-            for row in rows
-        ]
+        found = [AppliedEffect(key, values) for row in rows for key, values in apart(row)]
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=path) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
@@ -243,8 +208,3 @@ def read_findings(path: str) -> list[Any]:
     if not found:
         raise InputError("the diagnosis has no findings", file=path, remedy="nothing is to be added")
     return found
-
-
-def _std(value: float | None) -> float:
-    """A deviation as JSON has it, which knows no infinity: null where the data leave it open."""
-    return float("inf") if value is None else float(value)

@@ -10,7 +10,6 @@ import typer
 
 from workbench.core import InputError
 
-from .add import parse_values
 from .app import app
 from .common import (
     ForceOption,
@@ -23,6 +22,7 @@ from .common import (
     write_result,
 )
 from .progress import progress
+from .values import parse_values
 
 if TYPE_CHECKING:
     from workbench.frf import Scaled

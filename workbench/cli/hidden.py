@@ -10,7 +10,7 @@ import typer
 from workbench.core import InputError
 
 from . import complete
-from .add import parse_place, parse_values
+from .values import parse_place, parse_values
 
 if TYPE_CHECKING:
     from workbench.rigs import HiddenEffect

@@ -1,5 +1,6 @@
 """Types, units and errors that everything else is built from; imports nothing of workbench."""
 
+from .copies import apart, together
 from .diagnosis import (
     Diagnosis,
     Disagreement,
@@ -59,4 +60,6 @@ __all__ = [
     "Verdict",
     "Verification",
     "WorkbenchError",
+    "apart",
+    "together",
 ]

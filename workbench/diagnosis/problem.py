@@ -20,7 +20,8 @@ from .screening.candidate import Candidate
 from .screening.linear_problem import Linear, is_too_large, linear_along, linear_of
 from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
-from .screening.torque_regression import Regression, regression_of
+from .screening.torque_columns import regression_of
+from .screening.torque_regression import Regression
 
 #: Told what is being done.
 Progress = Callable[[str], None]

@@ -79,8 +79,8 @@ class Search:
         tier: 0 for simple effects, 1 for refinements that are tried after them; None for what `tier_of` says.
         shared_by_design: whether it comes with the make of a joint or its drive, so that all axes may have it
             alike, as friction and limits do; springs, offsets and ripples come with the assembly of each.
-        repeats: whether, along motions in a place and with some values, it can be told from others of its kind
-            there, as harmonics of a ripple can over many periods; None: there is but one in a place.
+        repeats: whether, along motions in a place and with some values, it can be told from others of its
+            kind there, as harmonics of a ripple can over many periods; None: there is but one in a place.
         hidden_state: whether it has a state that no sensor shows, or shifts the log in time, so that no run
             can begin with it in the middle of a recording.
     """

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import isfinite
 from typing import Any
 
-from workbench.core import FORMAT, EffectKey, Estimate
+from workbench.core import FORMAT, EffectKey, Estimate, apart
 
 from .spread import Spread, spread
 
@@ -73,18 +74,19 @@ class Fleet:
 def summarise(robots: Sequence[Mapping[str, Any]]) -> Fleet:
     """Order the results of robots by effect."""
     done = [r for r in robots if r["failed"] is None]
-    found: dict[EffectKey, dict[str, Mapping[str, Any]]] = {}
+    found: dict[EffectKey, dict[str, Mapping[str, Estimate]]] = {}
     for robot in done:
         for finding in robot["diagnosis"]["findings"]:
-            found.setdefault(key_of(finding), {})[robot["rig"]] = finding
+            for key, parameters in apart(finding):
+                found.setdefault(key, {})[robot["rig"]] = parameters
     effects = []
     for key, by_robot in found.items():
-        names = list(dict.fromkeys(n for f in by_robot.values() for n in f["parameters"]))
+        names = list(dict.fromkeys(n for f in by_robot.values() for n in f))
         parameters = {
             name: {
-                robot: Estimate(p["value"], p["std"] or 0.0, p["unit"])
+                robot: replace(f[name], std=f[name].std if isfinite(f[name].std) else 0.0)
                 for robot, f in by_robot.items()
-                if (p := f["parameters"].get(name)) is not None and p["value"] is not None
+                if name in f and isfinite(f[name].value)
             }
             for name in names
         }

@@ -9,12 +9,12 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
+from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism, apart
 from workbench.core.paths import models_folder
 
 from .floating import BASE_AXES
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
-from .schema import ActuatorTable, EffectTable, GroundTable, LinkageTable, ModelTable, ParameterTable
+from .schema import ActuatorTable, EffectTable, GroundTable, LinkageTable, ModelTable
 from .shared_drives import shared_drives
 from .spec import end_site, hinges_and_slides, load_tree
 
@@ -57,7 +57,7 @@ def from_table(table: ModelTable, file: Path) -> Model:
         posture_dependent=bool(table.transmission and table.transmission.posture_dependent),
         linkage=linkage,
         variant=table.variant,
-        effects=(*structural, *(_effect(entry, axes, file) for entry in table.effects)),
+        effects=(*structural, *(e for entry in table.effects for e in _effects(entry, axes, file))),
         controller=_controller(table, n, file),
         payload_site=payload_site,
         sliding_speed=table.friction.sliding_speed,
@@ -229,19 +229,20 @@ def structural_effect(name: str, linkage: Linkage | None) -> AppliedEffect:
     return AppliedEffect(EffectKey(name, None), values)
 
 
-def _effect(entry: EffectTable, axes: Sequence[str], file: Path) -> AppliedEffect:
+def _effects(entry: EffectTable, axes: Sequence[str], file: Path) -> list[AppliedEffect]:
+    """One effect, or several of a kind."""
     if entry.axis is not None and entry.axis not in axes:
         raise InputError(
             f"effect '{entry.effect}' is on axis '{entry.axis}'", file=file, column="effects.axis",
             remedy=f"axes are {', '.join(axes)}",
         )  # fmt: skip
-    values = {
-        name: Estimate(p.value, p.std, p.unit)
-        if isinstance(p, ParameterTable)
-        else Estimate(float(p), 0.0, "")
-        for name, p in entry.parameters.items()
-    }
-    return AppliedEffect(EffectKey(entry.effect, entry.axis, entry.location), values)
+    try:
+        return [AppliedEffect(key, values) for key, values in apart(entry.model_dump())]
+    except ValueError as error:
+        raise InputError(
+            f"effect '{entry.effect}': {error}", file=file, column="effects.parameters",
+            remedy="give each parameter one number, or lists of one length",
+        ) from error  # fmt: skip
 
 
 def _controller(table: ModelTable, n: int, file: Path) -> Controller:

@@ -89,11 +89,14 @@ class PayloadTable(_Table):
     site: str
 
 
-class ParameterTable(_Table):
-    """One parameter of an effect: ``{value = 0.25, std = 0.003, unit = "N*m"}``."""
+_Deviation = Annotated[float, Field(ge=0.0)]
 
-    value: _Number
-    std: Annotated[float, Field(ge=0.0)] = 0.0
+
+class ParameterTable(_Table):
+    """One parameter of an effect: ``{value = 0.25, std = 0.003, unit = "N*m"}``; lists where it repeats."""
+
+    value: _Number | list[_Number]
+    std: _Deviation | list[_Deviation] = 0.0
     unit: str = ""
 
 
@@ -128,7 +131,7 @@ class EffectTable(_Table):
     effect: str
     axis: str | None = None
     location: Literal["actuator", "joint"] = "actuator"
-    parameters: dict[str, ParameterTable | _Number] = Field(default_factory=dict)
+    parameters: dict[str, ParameterTable | _Number | list[_Number]] = Field(default_factory=dict)
 
 
 class ModelTable(_Table):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from workbench.core import Mechanism
+from workbench.core import Mechanism, together
 from workbench.core.files import write_whole
 from workbench.core.paths import models_folder
 from workbench.core.text import plain
@@ -92,7 +92,7 @@ def model_table(model: Model, folder: Path) -> dict[str, Any]:
     if model.ground:
         stated = {k: v for k, v in vars(model.ground).items() if v is not None}
         table["ground"] = {**stated, "feet": list(model.ground.feet)}
-    table["effects"] = [_effect_table(e) for e in model.effects[skip:]]
+    table["effects"] = together([_effect_table(e) for e in model.effects[skip:]])
     if not table["effects"]:
         del table["effects"]
     return table
@@ -126,6 +126,8 @@ def _effect_table(effect: AppliedEffect) -> dict[str, Any]:
     if effect.key.axis:
         entry["axis"] = effect.key.axis
     entry["location"] = effect.key.location
+    if effect.key.copy > 1:
+        entry["copy"] = effect.key.copy
     entry["parameters"] = {k: dict(vars(v)) for k, v in effect.parameters.items()}
     return entry
 

@@ -12,6 +12,7 @@ from .wording import (
     capital,
     effect_phrase,
     effect_phrases,
+    one_of_a_kind,
     outlier_phrase,
     place,
     single_value,
@@ -121,7 +122,7 @@ def _missing(findings: Sequence[Finding], beside: bool) -> str:
 
 def _phrases(keys: Sequence[EffectKey]) -> list[str]:
     """One phrase each; of many, one an effect with all its places."""
-    return [effect_phrase(k) for k in keys] if len(keys) <= _FEW else effect_phrases(keys)
+    return [effect_phrase(k) for k in one_of_a_kind(keys)] if len(keys) <= _FEW else effect_phrases(keys)
 
 
 def _be(findings: Sequence[Finding]) -> str:

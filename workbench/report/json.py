@@ -18,6 +18,7 @@ from workbench.core import (
     Shape,
     Step,
     Verification,
+    together,
 )
 from workbench.core.files import write_whole
 
@@ -62,7 +63,7 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "verdict": result.verdict,
             "error": result.error,
             "noise_error": result.noise_error,
-            "findings": [_finding(f) for f in result.findings],
+            "findings": together([_finding(f) for f in result.findings]),
             "unexplained": {
                 "fraction": result.unexplained_fraction,
                 "where": share_dicts(result.where),

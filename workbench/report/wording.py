@@ -56,13 +56,22 @@ def any_of(phrases: Sequence[str], word: str = "or") -> str:
     return phrases[0] if len(phrases) == 1 else f"{', '.join(phrases[:-1])} {word} {phrases[-1]}"
 
 
+def one_of_a_kind(keys: Iterable[EffectKey]) -> list[EffectKey]:
+    """The keys, of several of a kind in one place the first."""
+    out: list[EffectKey] = []
+    for key in keys:
+        if not any(key.same_place(k) for k in out):
+            out.append(key)
+    return out
+
+
 def effect_phrases(keys: Iterable[EffectKey], names: Mapping[str, str] | None = None) -> list[str]:
     """One phrase an effect, all its places in it: ``"torque saturation on the hip and knee drives"``.
 
     `names` stand in for those of the effects.
     """
     groups: dict[tuple[str, str, bool], list[EffectKey]] = {}
-    for key in keys:
+    for key in one_of_a_kind(keys):
         groups.setdefault((key.effect, key.location, key.axis is None), []).append(key)
     phrases = []
     for (effect, location, _), same in groups.items():

@@ -14,21 +14,13 @@ from functools import cached_property
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Compliance, OnGround, SignalStage, effect_named, kinds, places
+from workbench.effects import effect_named
 from workbench.models import Placement
 
-from ..data import Data
 from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
-from ..hypothesis import Fit
-from .equations import Entry, limits_of
-from .needed_torque import kept_rows, needing
-from .propagation import propagate_sensitivities
-from .screen import sizes_of, strength_of
-from .sensitivity import Linearisation, SensitivityColumn
-
-_BLOCK = 64  # columns that are filtered together
-
+from .equations import Entry
+from .sensitivity import Linearisation
 
 Chosen = tuple[Entry, ...]
 
@@ -182,92 +174,3 @@ def _taken_out(piece: Normal, columns: Sequence[int]) -> Normal:
         square = piece.square + 2.0 * piece.right[k] + piece.gram[k, k]
         piece = Normal(piece.gram, piece.right + piece.gram[:, k], float(square), piece.samples)
     return piece
-
-
-def regression_of(start: Fit, data: Data) -> Regression:
-    """All effects that are torques along the motion, in all places and shapes.
-
-    Args:
-        start: the model as it is.
-        data: recordings that are replayed along their measured motion, and weights.
-    """
-    model = start.hypothesis.model
-    linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
-    columns: list[SensitivityColumn] = []
-    entries, motions, sizes = [], needing(linearisation), sizes_of(linearisation)
-    for key in places(model):
-        effect, place = effect_named(key.effect), Placement.of(model, key)
-        acts = effect.stage in kinds.TORQUES and not isinstance(effect, Compliance | OnGround)
-        if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
-            continue
-        if effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation):
-            continue
-        for shape in effect.parameters.shapes(linearisation.motions, model, place):
-            linear, fixed = linearisation.columns(key, shape, motions)
-            if fixed is None and linear:
-                numbers = list(range(len(columns), len(columns) + len(linear)))
-                entries.append(Entry(key, shape, numbers, None, strength_of(linear, sizes)))
-                columns += linear
-    own: dict[EffectKey, int] = {}
-    for applied in model.effects:
-        effect = effect_named(applied.key.effect)
-        gives_way = isinstance(effect, Compliance)
-        if (
-            effect.stage in kinds.TORQUES
-            and not gives_way
-            and not kinds.by_finite_difference(effect)
-            and effect.parameters
-        ):
-            own[applied.key] = len(columns)
-            columns.append(linearisation.total(applied, applied.values))
-    rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
-    parts = [
-        propagate_sensitivities([linearisation], [columns[k : k + _BLOCK]], data)[0]
-        for k in range(0, len(columns), _BLOCK)
-    ]
-    pieces = [
-        np.concatenate([part[i][own, 1] for part in parts], axis=-1) if parts else np.zeros((len(own), 0))
-        for i, own in enumerate(rows)
-    ]
-    residuals = [
-        (data.residual(i, run) * data.weight)[own, 1]
-        for i, (own, run) in enumerate(zip(rows, linearisation.runs, strict=True))
-    ]
-    folds = []
-    for fold in data.folds:
-        i, whole = fold.recording, np.zeros(len(linearisation.runs[fold.recording]), bool)
-        whole[fold.rows] = True
-        folds.append(_by_axis(pieces[i][whole[rows[i]]], residuals[i][whole[rows[i]]]))
-    test_rows = range(data.training, len(rows)) if data.tests_on_holdout else ()
-    held = [_by_axis(pieces[i], residuals[i]) for i in test_rows]
-    return Regression(
-        linearisation,
-        tuple(entries),
-        own,
-        tuple(folds),
-        tuple(total(own) for own in zip(*held, strict=True)) if held else None,
-        data.least()[1] * data.weight[1] ** 2,
-        data.least(data.tests_on_holdout)[1] * data.weight[1] ** 2,
-        {entry: limits_of(linearisation, entry) for entry in entries},
-    )
-
-
-def _is_a_gain(key: EffectKey, linearisation: Linearisation) -> bool:
-    """Whether an effect scales the torque that was measured: less of that leaves less of any residual too."""
-    effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
-    idle = replace(linearisation.motions[0], torque=np.zeros_like(linearisation.motions[0].torque))
-    (shape, *_) = effect.parameters.shapes(linearisation.motions[:1], linearisation.model, place)
-    return not np.any(effect.response(idle, linearisation.model, place, shape).columns)
-
-
-def _by_axis(columns: np.ndarray, residual: np.ndarray) -> tuple[Normal, ...]:
-    """Normal equations of each axis, from columns (N, n, C), most of which act on one, and (N, n)."""
-    out = []
-    for k in range(residual.shape[1]):
-        x, y = columns[:, k], residual[:, k]
-        there = np.flatnonzero(np.any(x, axis=0))
-        gram, right = np.zeros((x.shape[1],) * 2), np.zeros(x.shape[1])
-        own = x[:, there]
-        gram[np.ix_(there, there)], right[there] = own.T @ own, own.T @ y
-        out.append(Normal(gram, right, float(y @ y), len(y)))
-    return tuple(out)
