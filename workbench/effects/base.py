@@ -80,7 +80,8 @@ class Search:
         shared_by_design: whether it comes with the make of a joint or its drive, so that all axes may have it
             alike, as friction and limits do; springs, offsets and ripples come with the assembly of each.
         repeats: whether, along motions in a place and with some values, it can be told from others of its
-            kind there, as harmonics of a ripple can over many periods; None: there is but one in a place.
+            kind there with values of their own, as harmonics of a ripple can over many periods; None: there
+            is but one in a place.
         hidden_state: whether it has a state that no sensor shows, or shifts the log in time, so that no run
             can begin with it in the middle of a recording.
     """
@@ -90,7 +91,7 @@ class Search:
     twins: tuple[str, ...] = ()
     depends_on: tuple[str, ...] = ()
     frf_signature: FrfSignature | None = None
-    repeats: Callable[[Sequence[Motion], Place, Values], bool] | None = None
+    repeats: Callable[[Sequence[Motion], Place, Values, Sequence[Values]], bool] | None = None
     basic: bool = False
     tier: int | None = None
     shared_by_design: bool = False

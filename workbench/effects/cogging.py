@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from workbench.models import Model
 
@@ -34,44 +36,86 @@ def _periods(motions: Sequence[Motion], place: Place, values: Values) -> float:
     return values["order"] * arc / (2.0 * np.pi)
 
 
-def _repeats(motions: Sequence[Motion], place: Place, values: Values) -> bool:
-    """Over several periods: on a shorter way a sum of sines follows anything."""
-    return _periods(motions, place, values) >= _SEVERAL
+def _repeats(motions: Sequence[Motion], place: Place, values: Values, others: Sequence[Values]) -> bool:
+    """Over several periods, as on a shorter way a sum of sines follows anything; a period from any other."""
+    apart = [{"order": abs(values["order"] - other["order"])} for other in others]
+    return _periods(motions, place, values) >= _SEVERAL and all(
+        _periods(motions, place, between) >= 1.0 for between in apart
+    )
 
 
 def _orders(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray:
     """Orders that the missing torque shows most of, by least squares on the torque itself."""
     position = np.concatenate([m.along(place)[0] for m in motions])
     lacking = np.concatenate([((m.required(model) - m.torque) * m.gain)[:, place.index] for m in motions])
-    lacking = lacking - lacking.mean()
-    arc = float(np.ptp(position)) + 1e-9
-    orders = 0.5 * np.pi / arc * np.arange(round(4 * _LEAST), _FINEST)
+    shown = _Binned.of(position, lacking - lacking.mean())
+    step = 0.5 * np.pi / (float(np.ptp(position)) + 1e-9)
+    orders = step * np.arange(round(4 * _LEAST), _FINEST)
     orders = orders[orders >= 1.0] if motions[0].axis_units[place.index] == "rad" else orders
-    # the sums of a histogram are those of the rows, as long as its bins are finer than a ripple
-    edges = np.linspace(position.min(), position.max() + 1e-12, 8 * _FINEST + 1)
-    index = np.clip(np.searchsorted(edges, position, side="right") - 1, 0, 8 * _FINEST - 1)
-    count = np.bincount(index, minlength=8 * _FINEST)
-    total = np.bincount(index, weights=lacking, minlength=8 * _FINEST)
-    middle = 0.5 * (edges[1:] + edges[:-1])
-    gain = np.array([_explained(order * middle, count, total) for order in orders])
+    gain = np.array([shown.explained([order]) for order in orders])
     peaks = np.flatnonzero((gain >= np.roll(gain, 1)) & (gain >= np.roll(gain, -1)))
     best = orders[peaks[np.argsort(-gain[peaks])[:_TRIED]]]
-    return np.array(list(dict.fromkeys([*best, *_one_after_the_other(orders, middle, count, total)])))
+    finer = _one_after_the_other(orders, step, shown)
+    return np.array([*finer, *(o for o in best if min(abs(o - f) for f in finer) > step)])
 
 
-def _one_after_the_other(
-    orders: np.ndarray, middle: np.ndarray, count: np.ndarray, total: np.ndarray
-) -> list[float]:
-    """Orders that explain most of what those before them leave: a strong one hides weak ones beside it."""
+def _one_after_the_other(orders: np.ndarray, step: float, shown: _Binned) -> list[float]:
+    """Orders, to a part of a `step`, that explain most of what those before them leave.
+
+    A strong one hides weak ones beside it, above all where it is a little off: so each is refined beside all.
+    """
     found: list[float] = []
-    rest = total
     for _ in range(_HARMONICS):
-        found.append(float(orders[np.argmax([_explained(o * middle, count, rest) for o in orders])]))
-        waves = [f(o * middle) for o in found for f in (np.sin, np.cos)]
-        basis = np.stack([np.ones_like(middle), *waves])
-        weights = np.linalg.lstsq((basis * count) @ basis.T, basis @ total, rcond=1e-9)[0]
-        rest = total - count * (weights @ basis)
+        rest = shown.without(found)
+        found.append(float(orders[np.argmax([rest.explained([order]) for order in orders])]))
+        for k in reversed(range(len(found))):
+            others = [*found[:k], *found[k + 1 :]]
+            found[k] = float(
+                minimize_scalar(
+                    lambda order, others=others: -shown.explained([*others, order]),
+                    bounds=(max(found[k] - step, orders[0]), found[k] + step),
+                    method="bounded",
+                    options={"xatol": 1e-3 * step},
+                ).x
+            )
     return found
+
+
+@dataclass(frozen=True)
+class _Binned:
+    """Values summed in bins of the position: middles, rows, and sums of values."""
+
+    middle: np.ndarray
+    count: np.ndarray
+    total: np.ndarray
+
+    @staticmethod
+    def of(position: np.ndarray, values: np.ndarray) -> _Binned:
+        """The sums of a histogram are those of the rows, as long as its bins are finer than a ripple."""
+        number = 8 * _FINEST
+        edges = np.linspace(position.min(), position.max() + 1e-12, number + 1)
+        index = np.clip(np.searchsorted(edges, position, side="right") - 1, 0, number - 1)
+        count = np.bincount(index, minlength=number)
+        there = count > 0
+        total = np.bincount(index, weights=values, minlength=number)
+        return _Binned(0.5 * (edges[1:] + edges[:-1])[there], count[there], total[there])
+
+    def _fit(self, orders: Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Sines and cosines of some orders beside a mean; right side and coefficients of their fit."""
+        waves = [f(order * self.middle) for order in orders for f in (np.sin, np.cos)]
+        basis = np.stack([np.ones_like(self.middle), *waves])
+        right = basis @ self.total
+        return basis, right, np.linalg.lstsq((basis * self.count) @ basis.T, right, rcond=1e-9)[0]
+
+    def explained(self, orders: Sequence[float]) -> float:
+        """Squared sum that orders explain together."""
+        _, right, weights = self._fit(orders)
+        return float(right @ weights)
+
+    def without(self, orders: Sequence[float]) -> _Binned:
+        """The values less what orders explain of them."""
+        basis, _, weights = self._fit(orders)
+        return replace(self, total=self.total - self.count * (weights @ basis))
 
 
 #: One step of a fit is less than what brings ripples out of step within a radian.
@@ -85,7 +129,13 @@ class Cogging(Effect):
     parameters = Parameters(
         Parameter("torque", "N*m", example=0.2),
         Parameter(
-            "order", "1/rev", lower=0.1, about="periods a turn", example=24.0, linear=False, told=_told
+            "order",
+            "1/rev",
+            lower=0.1,
+            about="periods a turn; a list of several, with as many torques and phases",
+            example=24.0,
+            linear=False,
+            told=_told,
         ),
         Parameter("phase", "rad", lower=-np.pi, upper=np.pi, example=0.6),
         chart=wave("torque", "phase", INF, _ORDER),
@@ -115,10 +165,3 @@ class Cogging(Effect):
 def ripple(position: float, speed: float, p: Sequence[float]) -> float:
     """The torque at a position; amplitude, order and phase."""
     return p[0] * math.sin(p[1] * position + p[2])
-
-
-def _explained(angle: np.ndarray, count: np.ndarray, total: np.ndarray) -> float:
-    """Squared sum that a sine and a cosine (and a mean) of the angle explain of binned values."""
-    basis = np.stack([np.ones_like(angle), np.sin(angle), np.cos(angle)])
-    gram, right = (basis * count) @ basis.T, basis @ total
-    return float(right @ np.linalg.lstsq(gram, right, rcond=1e-9)[0])

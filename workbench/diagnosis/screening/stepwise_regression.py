@@ -59,7 +59,9 @@ def _grown(now: Selection, regression: Regression) -> Selection:
         proposals += [p for p in _more_of_a_kind(now.chosen, regression) if p not in proposals]
         for new in proposals:
             if new not in gains and fits_in(new, now.chosen):
-                gains[new] = _gain(regression.solved(_with(now.chosen, new)), now.solution, regression)
+                found = regression.solved(_with(now.chosen, new))
+                gain = _gain(found, now.solution, regression)
+                gains[new] = np.zeros_like(gain) if _is_small(new, found) else gain
         helpful = {p: g for p, g in gains.items() if (g > _least(p, regression)).any() and g.sum() > 0.0}
         new = _next(helpful)
         while new and _only_refines(new, now, regression):
@@ -79,14 +81,20 @@ def _grown(now: Selection, regression: Regression) -> Selection:
         }
 
 
+def _is_small(new: Chosen, found: Solution) -> bool:
+    """Whether another one of a kind is so small that it may mend the shape of those before it."""
+    (*_, last) = new
+    size = float(np.linalg.norm(found.coefficients[len(found.coefficients) - len(last.linear) :]))
+    return last.key.copy > 1 and size * last.strength < POLICY.small_effect
+
+
 def _more_of_a_kind(chosen: Chosen, regression: Regression) -> list[Chosen]:
     """Another one beside each effect that repeats, as a further harmonic."""
     out = []
     for last in chosen:
         kin = [e for e in chosen if e.key.same_place(last.key)]
         if last is kin[-1]:
-            there = [e.linear for e in kin]
-            out += [(e,) for e in regression.copies(last) if e.linear not in there]
+            out += [(e,) for e in regression.copies(kin)]
     return out
 
 

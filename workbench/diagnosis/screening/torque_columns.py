@@ -41,7 +41,11 @@ def regression_of(start: Fit, data: Data) -> Regression:
             continue
         if effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation):
             continue
+        repeats = effect.search.repeats
+        kin = [a.values for a in model.effects if key.same_place(a.key)]
         for shape in effect.parameters.shapes(linearisation.motions, model, place):
+            if repeats and place and kin and not repeats(linearisation.motions, place, shape, kin):
+                continue
             linear, fixed = linearisation.columns(key, shape, motions)
             if fixed is None and linear:
                 numbers = list(range(len(columns), len(columns) + len(linear)))

@@ -78,24 +78,22 @@ class Regression:
         """The axes on which an effect acts."""
         return self._acts[entry]
 
-    def copies(self, entry: Entry) -> list[Entry]:
-        """What may stand beside an effect of its kind: all shapes of it that repeat, as the next copy."""
+    def copies(self, kin: Sequence[Entry]) -> list[Entry]:
+        """What may stand beside some effects of a kind in one place: shapes that can be told from theirs."""
+        entry = kin[-1]
         repeats = effect_named(entry.key.effect).search.repeats
         place = Placement.of(self.linearisation.model, entry.key)
         if repeats is None or place is None:
             return []
         key = replace(entry.key, copy=entry.key.copy + 1)
         if key not in self._copies:
-            alike = [
-                e
-                for e in self.entries
-                if e.key.same_place(key) and repeats(self.linearisation.motions, place, e.shape)
-            ]
+            alike = [e for e in self.entries if e.key.same_place(key)]
             made = [replace(e, key=key) for e in alike]
-            for known in (self._acts, self.limits):
-                known.update((new, known[e]) for new, e in zip(made, alike, strict=True))
+            self._acts.update((new, self._acts[e]) for new, e in zip(made, alike, strict=True))
+            self.limits.update((new, self.limits[e]) for new, e in zip(made, alike, strict=True))
             self._copies[key] = made
-        return self._copies[key]
+        motions, others = self.linearisation.motions, [e.shape for e in kin]
+        return [e for e in self._copies[key] if repeats(motions, place, e.shape, others)]
 
     def _limits(self, chosen: Sequence[Entry]) -> tuple[np.ndarray, np.ndarray]:
         limits = [(np.zeros(0), np.zeros(0)), *(self.limits[e] for e in chosen)]
