@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -78,7 +79,18 @@ def _likely(model: Model, ways: Sequence[Reading]) -> tuple[tuple[Recording, ...
         result = evaluate(model, replays[best].with_noise(model, 0))
         if result.consistent:
             most = max(MARGIN_TOTAL * result.noise_error, errors[best])
-            return tuple(noted(ways[k], explains=True) for k in order if errors[k] <= most)
+            kept = [ways[k] for k in order if errors[k] <= most]
+            held, speed = (len({way.answer[i] for way in kept}) == 1 for i in (0, 1))
+            return tuple(
+                noted(
+                    replace(
+                        way,
+                        sure_between_rows=way.sure_between_rows or held,
+                        sure_of_speed=way.sure_of_speed or speed,
+                    )
+                )
+                for way in kept
+            )
     return tuple(noted(ways[k]) for k in order)
 
 

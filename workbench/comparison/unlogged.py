@@ -53,7 +53,7 @@ class Reading:
         recordings: with that answer in their timing and controller.
         asked: places of those that leave something open.
         between_rows: whether their reference between rows was asked.
-        sure_between_rows, sure_of_speed: the torque along the motion leaves no other answer.
+        sure_between_rows, sure_of_speed: nothing speaks for the other answer.
     """
 
     recordings: tuple[Recording, ...]
@@ -61,6 +61,14 @@ class Reading:
     between_rows: bool = False
     sure_between_rows: bool = False
     sure_of_speed: bool = False
+
+    @property
+    def answer(self) -> tuple[bool | None, str | None]:
+        """Whether the reference stands still between rows, and how the loop gets its speed."""
+        if not self.asked:
+            return None, None
+        one = self.recordings[self.asked[0]]
+        return one.timing.reference_held, one.controller.velocity
 
 
 def readings(model: Model, recordings: Sequence[Recording]) -> tuple[Reading, ...]:
@@ -111,20 +119,15 @@ def _by_speed(reading: Reading, axes: Sequence[_Asked]) -> list[Reading]:
     return found
 
 
-def noted(reading: Reading, *, explains: bool = False) -> tuple[Recording, ...]:
-    """The recordings of a reading, with notes on what was taken, and why.
-
-    Args:
-        reading: one of `readings`.
-        explains: the model's own run explains them by this reading, and by no other.
-    """
+def noted(reading: Reading) -> tuple[Recording, ...]:
+    """The recordings of a reading, with notes on what was taken, and why."""
     out = list(reading.recordings)
     for i in reading.asked:
         notes = list(out[i].notes)
         if reading.between_rows:
             held = bool(out[i].timing.reference_held)
             how = "standing still from row to row" if held else "a smooth line through the rows"
-            sure = explains or reading.sure_between_rows
+            sure = reading.sure_between_rows
             why = "which explains the recordings" if sure else "though the recordings hardly tell"
             notes.append(
                 f"the loop is faster than its log; its reference between rows is taken as {how}, {why}: "
@@ -132,9 +135,8 @@ def noted(reading: Reading, *, explains: bool = False) -> tuple[Recording, ...]:
             )
         speed = out[i].controller.velocity
         taken = "read without delay" if speed == "sensor" else "the difference of positions over its period"
-        if explains or reading.sure_of_speed:
-            why = "which explains the recordings" if explains else "which explains most axes"
-            line = f"no speed was logged; the loop's is taken as {taken}, {why}"
+        if reading.sure_of_speed:
+            line = f"no speed was logged; the loop's is taken as {taken}, which explains the recordings"
         else:
             line = (
                 "no speed was logged, and the recordings alone do not tell how the loop got it; "
