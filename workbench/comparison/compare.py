@@ -28,7 +28,7 @@ from .inverse import inverse_dynamics
 from .lines import line_shares
 from .noise import DRAWS, NoiseModel
 from .notes import notes_of
-from .replay import replay_of
+from .replay_of import replay_of
 from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 from .soft_friction import softness_note

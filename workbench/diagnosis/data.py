@@ -12,6 +12,7 @@ from workbench.comparison import (
     Replay,
     Scale,
     Simulated,
+    followed,
     normalised,
     replay_of,
     scored_signals,
@@ -224,6 +225,15 @@ def gather(
         motion_periods=motion_periods,
     )
     return data.reweighed(data.mean_squares(simulated.clean)), simulated
+
+
+def gather_along(
+    model: Model, recordings: Sequence[Recording], training: int, seed: int
+) -> tuple[Data, Simulated]:
+    """As `gather`, along the motion that was measured, whatever loops made it."""
+    along = followed(recordings)
+    data, simulated = gather(model, along[:training], along[training:], seed)
+    return data.with_holdout_checked(data.mean_squares(simulated.clean)), simulated
 
 
 def floor_of(replay: Replay, training: int, simulated: Simulated) -> Data:

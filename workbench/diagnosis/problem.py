@@ -9,11 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
-from workbench.comparison import ClosedLoop, MeasuredMotion, followed, with_torque_by_law
+from workbench.comparison import ClosedLoop, MeasuredMotion, with_torque_by_law
 from workbench.core import EffectKey, Recording, SimulationError
 from workbench.models import Model
 
-from .data import Data, gather
+from .data import Data, gather_along
 from .hypothesis import Fit, Hypothesis
 from .loss import rescored
 from .screening.candidate import Candidate
@@ -79,16 +79,14 @@ class Problem:
         return None if there is None else (*there, regression_of(there[1], there[0]))
 
     def _followed(self) -> tuple[Data, Fit] | None:
-        model, data = self.start.hypothesis.model, self.data
-        driven = with_torque_by_law(model, data.recordings)
+        model = self.start.hypothesis.model
+        driven = with_torque_by_law(model, self.data.recordings)
         if driven is None:
             return None
-        along = followed(driven)
         try:
-            fresh, runs = gather(model, along[: data.training], along[data.training :], self.seed)
+            fresh, runs = gather_along(model, driven, self.data.training, self.seed)
         except SimulationError:
             return None
-        fresh = fresh.with_holdout_checked(fresh.mean_squares(runs.clean))
         return fresh, starting_fit(model, fresh, runs.clean)
 
     @property
@@ -103,8 +101,7 @@ class Problem:
         None where loops are too large and nothing drives the machine along its measured motion.
         """
         self.progress("asking what these recordings can tell apart")
-        measured = isinstance(self.data.replay, MeasuredMotion)
-        if measured or self.is_expensive or is_too_large(self.linearisation, self.data):
+        if not self.data.replay.simulates or self.is_expensive or is_too_large(self.linearisation, self.data):
             return (
                 None
                 if self.inverse_dynamics is None

@@ -64,7 +64,7 @@ def search(
     before = is_consistent(first, start.mean_squares)
     node, trace = Node(start, first, done=before), ()
     if not before:
-        if not data.replay.on_ground:
+        if data.replay.machine_alone:
             refuse_wrong_sign_in_loop(
                 model, training, first.score(start.mean_squares), first.score(first.floor)
             )

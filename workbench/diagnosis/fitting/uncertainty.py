@@ -104,7 +104,7 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         soft = POLICY.onset_deviation_of_many if many else POLICY.onset_deviation
         onset = soft * kinds.is_dry(effect) * np.abs(middle)
         neutral = np.array([p.neutral for p in effect.parameters])
-        share = POLICY.start_deviation if data.replay.on_ground else POLICY.model_deviation
+        share = POLICY.model_deviation if data.replay.smooth else POLICY.start_deviation
         fine = np.sqrt(late**2 + onset**2 + (share * (middle - neutral)) ** 2)
         axis = applied.key.axis
         noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from workbench.comparison import ClosedLoop, followed, scored_signals
-from workbench.core import Recording, SimulationError
+from workbench.core import Recording
+from workbench.simulation import scored_torque
 
-from ..data import gather
 from ..fitting.fit import fit
 from ..fitting.refinement import converged
 from ..node import Growth, Node
-from ..problem import Problem, problem_of
+from ..problem import Problem
 from ..search_result import AcceptedStep
 from .add import grown
 
@@ -27,20 +26,16 @@ def inverse_dynamics_start(problem: Problem) -> tuple[AcceptedStep, ...]:
         One step an effect, without its own data and runs. None where that replay was used already, a loop
         holds every axis to its reference, no torque was recorded, or nothing is missing.
     """
-    recordings, model = problem.data.recordings, problem.start.hypothesis.model
-    if not any(_swings(r) for r in recordings):
-        return ()
-    blind = any(len(scored_signals(r)) < 2 for r in recordings)
-    if blind or not isinstance(problem.data.replay, ClosedLoop):
+    recordings = problem.data.recordings
+    blind = any(scored_torque(r) is None for r in recordings)
+    if blind or not any(map(_swings, recordings)) or not problem.data.replay.simulates:
         return ()
     problem.progress("asking the torque along the measured motion")
-    along, training = followed(recordings), problem.data.training
-    try:
-        data, runs = gather(model, along[:training], along[training:], problem.seed)
-    except SimulationError:
+    if problem.inverse_dynamics is None:
         return ()
-    asked = problem_of(model, data, runs.clean, problem.limit, problem.seed, problem.progress)
-    return _in_the_loop(grown(Node(asked.start, asked.data, growth=Growth()), asked), problem)
+    data, start, _ = problem.inverse_dynamics
+    asked = Problem(start, data, problem.limit, problem.seed, problem.progress)
+    return _in_the_loop(grown(Node(start, data, growth=Growth()), asked), problem)
 
 
 def _swings(recording: Recording) -> bool:

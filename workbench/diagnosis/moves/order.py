@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from workbench.comparison import MeasuredMotion
-
 from ..acceptance import near_noise_floor
 from ..loss import explained
 from ..node import Growth, Node, explains_data
@@ -49,7 +47,7 @@ def _alike_first(node: Node, best: Node, problem: Problem) -> bool:
 
 def _jointly_first(node: Node, best: Node, problem: Problem) -> bool:
     """Where no loop is known, where axes are many, or where no single effect explains the recordings."""
-    first = isinstance(problem.data.replay, MeasuredMotion) or problem.is_expensive
+    first = not problem.data.replay.simulates or problem.is_expensive
     return not node.move and problem.limit > 1 and (first or not one_effect_may_suffice(problem))
 
 

@@ -12,12 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.comparison import MeasuredMotion, followed
 from workbench.core import EffectKey
 from workbench.effects import effect_named, places
 from workbench.simulation import scored_torque
 
-from ..data import gather
+from ..data import gather_along
 from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
 from ..loss import test_noise_floor
@@ -49,8 +48,8 @@ class Overestimated:
         more = found.final.hypothesis.size - len(self.parts)
         if found.consistent_after:
             return self.at_noise and more >= POLICY.too_much_fewer
-        same = isinstance(found.start_data.replay, MeasuredMotion)
-        return same and more >= 1 and 1.0 - self.share < POLICY.too_much_times * (1.0 - found.explained)
+        along = not found.start_data.replay.simulates
+        return along and more >= 1 and 1.0 - self.share < POLICY.too_much_times * (1.0 - found.explained)
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -69,13 +68,10 @@ class Overestimated:
 def overestimated(found: SearchResult) -> Overestimated | None:
     """Overestimated parameters of the model, from the torque along the motion; None where there are none."""
     data = found.start_data
-    everything = data.recordings
-    if data.replay.on_ground or any(scored_torque(r) is None for r in everything):
+    if not data.replay.machine_alone or any(scored_torque(r) is None for r in data.recordings):
         return None
-    runs = followed(everything)
-    along, simulated = gather(found.model, runs[: data.training], runs[data.training :], 0)
-    along = along.with_holdout_checked(along.mean_squares(simulated.clean))
-    linearisation = Linearisation.of(found.model, along, simulated.clean, len(runs))
+    along, simulated = gather_along(found.model, data.recordings, data.training, 0)
+    linearisation = Linearisation.of(found.model, along, simulated.clean, len(along.recordings))
     columns, entries = _columns(linearisation)
     if not entries:
         return None

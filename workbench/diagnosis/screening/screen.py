@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.comparison import is_free
 from workbench.core import EffectKey, Recording
-from workbench.effects import Compliance, OnGround, effect_named, kinds, places
+from workbench.effects import Compliance, effect_named, places
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
@@ -16,7 +16,7 @@ from ..fitting.normal_equations import Normal
 from .candidate import Candidate
 from .command_path import by_command_path
 from .equations import Entry, Equations, equations, judge, limits_of
-from .ground_effects import on_the_ground
+from .ground_effects import by_runs
 from .propagation import propagate_sensitivities
 from .sensitivity import Linearisation, SensitivityColumn
 
@@ -69,7 +69,7 @@ def screen(
             before = best.get(entry.key)
             if before is None or candidate.test_loss < before.test_loss:
                 best[entry.key] = candidate
-    apart = [c for c in on_the_ground(linearisation, data) if c.key not in taken]
+    apart = [c for c in by_runs(linearisation, data) if c.key not in taken]
     found = [*by_command_path(linearisation, best.values(), without or 0.0), *apart]
     return sorted(found, key=lambda c: c.test_loss), without or 0.0
 
@@ -84,10 +84,9 @@ def _blocks(
     for key in asked:
         effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
         replay = linearisation.data.replay
-        if isinstance(effect, Compliance | OnGround) or not replay.shows(key.effect):
-            continue  # see `compliance_candidates` and `on_the_ground`
-        if kinds.changes_foot_position(effect) and replay.on_ground:
-            continue  # how deep a foot goes is no torque along the motion
+        elsewhere = isinstance(effect, Compliance) or replay.needs_runs(effect)
+        if elsewhere or not replay.shows(key.effect):
+            continue  # see `compliance_candidates` and `by_runs`
         for shape in effect.parameters.shapes(linearisation.motions, linearisation.model, place):
             linear, fixed = linearisation.columns(key, shape)
             own = [*linear, *([fixed] if fixed else [])]

@@ -158,7 +158,7 @@ class Linearisation:
             kinds.by_finite_difference(effect)
             or (behind_springs and self.has_compliance)
             or self.has_stiction
-            or self.data.replay.on_ground
+            or not self.data.replay.smooth
         ):
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)

@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.comparison import followed
 from workbench.core import Recording
 from workbench.effects import effect_named, kinds, places
+from workbench.simulation import scored_torque
 
-from ..data import Data, gather
+from ..data import Data, gather_along
 from ..hypothesis import Fit
 from ..loss import rescored, test_noise_floor
 from ..policy import POLICY
@@ -51,22 +51,21 @@ def candidates(
         Best first.
     """
     in_loop = screen(linearisation, data, current.simulated, current.hypothesis.free, whole=whole)[0]
-    known = all({"torque_measured", "torque_command"} & set(r.signals) for r in data.recordings)
+    known = all(scored_torque(r) for r in data.recordings)
     floor = test_noise_floor(data)
     left = min((c.test_loss - floor for c in in_loop), default=0.0)
     explained = left < POLICY.still_explained * (current.test_loss - floor)
-    if explained or data.replay.on_ground or not known or not has_long_standstill(data.recordings):
+    if explained or not data.replay.machine_alone or not known or not has_long_standstill(data.recordings):
         return tuple(in_loop)
-    model, runs = current.hypothesis.model, followed(data.recordings)
-    along, simulated = gather(model, runs[: data.training], runs[data.training :], seed)
-    along = along.with_holdout_checked(along.mean_squares(simulated.clean))
+    model = current.hypothesis.model
+    along, simulated = gather_along(model, data.recordings, data.training, seed)
     before = rescored(
         replace(current, simulated=simulated.clean, mean_squares=along.mean_squares(simulated.clean)), along
     )
     floor_along = test_noise_floor(along)
     if before.test_loss < POLICY.at_noise * floor_along:
         return tuple(in_loop)  # no torque is missing along the motion, and so no friction
-    moving = Linearisation.of(model, along, before.simulated, len(runs))
+    moving = Linearisation.of(model, along, before.simulated, len(along.recordings))
     scale = (current.test_loss - floor) / max(before.test_loss - floor_along, 1e-12)
 
     def better(own: Candidate, other: Candidate) -> Candidate:
