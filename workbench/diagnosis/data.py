@@ -160,9 +160,7 @@ class Data:
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
         """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
         measured = self.recordings[index]
-        out = np.zeros((len(measured), 2, len(measured.axes)))
-        for k, name in enumerate(scored_signals(measured)):
-            out[:, k] = measured.signals[name] - simulated.signals[name]
+        out = difference(measured, simulated, measured)
         out[~measured.valid] = 0.0
         return out
 
@@ -240,7 +238,7 @@ def floor_of(replay: Replay, training: int, simulated: Simulated) -> Data:
     """Noise floor from noisy and noise-free runs of one model."""
     recordings = replay.recordings
     draws = tuple(
-        tuple(_difference(n, c, r) for n, c, r in zip(draw, simulated.clean, recordings, strict=True))
+        tuple(difference(n, c, r) for n, c, r in zip(draw, simulated.clean, recordings, strict=True))
         for draw in simulated.noisy
     )
     floor = np.mean(_squares(draws), axis=0)
@@ -254,8 +252,9 @@ def _squares(draws: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
     return np.stack([np.stack([np.mean(x**2, axis=0) for x in draw]) for draw in draws])
 
 
-def _difference(noisy: Recording, clean: Recording, measured: Recording) -> np.ndarray:
+def difference(one: Recording, other: Recording, measured: Recording) -> np.ndarray:
+    """One less the other of the scored signals of a recording, (N, 2, n); zero where there is none."""
     out = np.zeros((len(measured), 2, len(measured.axes)))
     for k, name in enumerate(scored_signals(measured)):
-        out[:, k] = noisy.signals[name] - clean.signals[name]
+        out[:, k] = one.signals[name] - other.signals[name]
     return out

@@ -17,7 +17,6 @@ from .data import Data
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
-from .node import trajectories_diverge
 from .policy import POLICY
 from .problem import Progress
 from .rounds import Rounds, comparisons, part_of, rounds
@@ -142,7 +141,7 @@ def _parting(found: SearchResult) -> tuple[str, ...]:
     """What counts as noise besides, where runs of models that are equally good part."""
     data = found.final_data
     own, noise = data.score(data.floor), data.score(np.mean(data.noise_squares, axis=0))
-    if not trajectories_diverge(found.final) or own < POLICY.noise_slack * noise:
+    if not found.final.hypothesis.diverges or own < POLICY.noise_slack * noise:
         return ()
     return (
         f"with a gap, runs of models that do equally well part: an error of {own:.3g} is no sign that "

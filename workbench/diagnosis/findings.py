@@ -30,7 +30,7 @@ def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Find
     there are none.
     """
     findings = []
-    keys = {applied.key for applied in found.final.hypothesis.added}
+    keys = found.final.hypothesis.keys
     for applied in found.final.hypothesis.added:
         index = next(k for k, s in enumerate(found.steps) if s.added == applied.key)
         step, previous = found.steps[index], _before(found, index)
@@ -97,8 +97,8 @@ def _before(found: SearchResult, index: int) -> Fit:
     step = found.steps[index]
     if fits[index].test_loss > step.fit.test_loss:
         return fits[index]
-    own = {a.key for a in step.fit.hypothesis.added} - {step.added}
-    return next(f for f in reversed(fits[: index + 1]) if own >= {a.key for a in f.hypothesis.added})
+    own = step.fit.hypothesis.keys - {step.added}
+    return next(f for f in reversed(fits[: index + 1]) if own >= f.hypothesis.keys)
 
 
 def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[EffectKey]) -> float:

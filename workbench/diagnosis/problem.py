@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from workbench.comparison import ClosedLoop, MeasuredMotion, with_torque_by_law
-from workbench.core import EffectKey, Recording, SimulationError
+from workbench.core import Recording, SimulationError
 from workbench.models import Model
 
 from .data import Data, gather_along
@@ -24,8 +24,6 @@ from .screening.torque_regression import Regression, regression_of
 
 #: Told what is being done.
 Progress = Callable[[str], None]
-#: The effects of a model.
-Keys = frozenset[EffectKey]
 
 _KEPT_LINEARISATIONS = 4  # cached: a search seldom returns to older ones, and each holds every row
 

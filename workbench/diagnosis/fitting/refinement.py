@@ -95,8 +95,7 @@ def converged(found: Fit, data: Data) -> Fit:
 
     A later effect must not win by what an unfinished fit had still to gain.
     """
-    free = found.hypothesis.free
-    if not free or any(kinds.diverges(effect_named(a.key.effect)) for a in free):
+    if not found.hypothesis.free or found.hypothesis.diverges:
         return found
     for _ in range(_ROUNDS):
         better = fit([found.hypothesis], data, iterations=4, enough=FINE_TOLERANCE)[0]

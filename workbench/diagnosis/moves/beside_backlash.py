@@ -134,8 +134,8 @@ def beside_backlash(
         Backlash alone where nothing else is missing.
     """
     seen = _Backlash(linearisation, gap, training)
-    taken = {a.key for a in current.hypothesis.added}
-    options = [o for o in _options(linearisation, gap.key, training) if o.entry.key not in taken]
+    taken, offered = current.hypothesis.keys, _options(linearisation, gap.key, training)
+    options = [o for o in offered if o.entry.key not in taken]
     chosen: list[_Option] = []
     values = np.log([gap.shape["gap"], gap.shape["stiffness"]])
     left = _square(seen.left((), values))

@@ -99,7 +99,7 @@ def _steps(
     (one, fitted), data = found, node.data
     last, gone = converged(fitted, data), {a.key for a in pair}
     instead = [one if step.added in gone else step.added for step in node.steps]
-    order = [key for key in dict.fromkeys(instead) if key in {a.key for a in last.hypothesis.added}]
+    order = [key for key in dict.fromkeys(instead) if key in last.hypothesis.keys]
     fits = fit([_first(last.hypothesis, order[: k + 1]) for k in range(len(order) - 1)], data)
     steps: list[AcceptedStep] = []
     before = rescored(start, data)

@@ -117,16 +117,13 @@ def _columns(linearisation: Linearisation) -> tuple[list[SensitivityColumn], lis
 
 
 def _judged(pieces: list[Normal], held_out: Normal | None, chosen: Sequence[Entry]) -> float:
-    index = [k for e in chosen for k in e.linear]
-    anywhere = np.full(len(index), -np.inf), np.full(len(index), np.inf)
-    return judge(pieces, held_out, index, (), anywhere)[0]
+    return judge(pieces, held_out, [k for e in chosen for k in e.linear])[0]
 
 
 def _spread(pieces: Sequence[Normal]) -> tuple[np.ndarray, np.ndarray]:
     """The solution on all pieces, and its deviation as leaving out one after the other moves it."""
     whole = total(pieces)
-    anywhere = np.full(len(whole.right), -np.inf), np.full(len(whole.right), np.inf)
-    parts = np.array([solve(whole - p, *anywhere) for p in pieces])
+    parts = np.array([solve(whole - p) for p in pieces])
     size = len(parts)
     deviation = np.sqrt((size - 1) / size * np.sum((parts - parts.mean(axis=0)) ** 2, axis=0))
-    return solve(whole, *anywhere), deviation
+    return solve(whole), deviation

@@ -83,17 +83,14 @@ def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
     """
     if not problem.is_new("all axes"):
         return
-    data, start = problem.data, problem.start
-    known = problem.linear.equations if problem.linear else None
-    steps = shared_effects(problem.screened, problem.linearisation, data, start, problem.progress, known)
+    steps = shared_effects(problem)
     if steps:
-        yield with_steps(Node(start, data), steps, problem.seed)
+        yield with_steps(Node(problem.start, problem.data), steps, problem.seed)
 
 
 def two_at_once(node: Node, problem: Problem) -> Iterator[Node]:
     """The best pair of effects: the best first step may be neither of them."""
-    pair = best_pair(problem.linearisation, problem.data, problem.start, problem.progress)
-    yield from _started(pair or (), problem)
+    yield from _started(best_pair(problem), problem)
 
 
 def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:

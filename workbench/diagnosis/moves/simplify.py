@@ -15,7 +15,7 @@ from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
-from ..node import Node, effect_keys, with_last_step, with_steps
+from ..node import Node, with_last_step, with_steps
 from ..policy import POLICY
 from ..problem import Problem, Progress
 from ..removed_share import removed_share
@@ -41,7 +41,7 @@ def without_needless_start(node: Node, problem: Problem) -> Iterator[Node]:
     """The node without effects of its start that the last effect has made needless."""
     last = node.steps[-1]
     kept = needed(node.current, node.data, node.keys - {last.added})
-    idle = sorted(node.keys - effect_keys(kept), key=str)
+    idle = sorted(node.keys - kept.hypothesis.keys, key=str)
     if idle:
         problem.progress(f"leaving out {', '.join(map(str, idle))}, needless since {last.added}")
         plain = replace(last, fit=converged(kept, node.data), dropped=(*last.dropped, *idle))

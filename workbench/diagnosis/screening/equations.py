@@ -91,8 +91,8 @@ def judge(
     pieces: list[Normal],
     held_out: Normal | None,
     index: list[int],
-    fixed: Sequence[int],
-    bounds: tuple[np.ndarray, np.ndarray],
+    fixed: Sequence[int] = (),
+    bounds: tuple[np.ndarray | float, np.ndarray | float] = (-np.inf, np.inf),
 ) -> tuple[float, np.ndarray]:
     """Mean square left on held-out data (or across folds), and the solution on all training data.
 
@@ -100,7 +100,7 @@ def judge(
         pieces, held_out: see `equations`.
         index: unknowns.
         fixed: columns without a coefficient, which come off the residual first.
-        bounds: of the unknowns.
+        bounds: of the unknowns; none by default.
     """
     parts = [_shifted(p, index, fixed) for p in pieces]
     whole = total(parts)

@@ -62,8 +62,7 @@ def screen(
         )
     ):
         if without is None:
-            anywhere = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
-            without = judge(pieces, held_out, kept, (), anywhere)[0]
+            without = judge(pieces, held_out, kept)[0]
         for entry in entries:
             candidate = _candidate(linearisation, entry, kept, pieces, held_out)
             before = best.get(entry.key)
