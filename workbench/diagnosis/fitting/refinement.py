@@ -102,7 +102,7 @@ def converged(found: Fit, data: Data) -> Fit:
         if better is None or better.training_loss > found.training_loss:
             return found
         still_falling = better.training_loss < (1.0 - POLICY.tie) * found.training_loss
-        found = widened(better, [found], share=0.0)
+        found = widened(better, found)
         if not still_falling:
             break
     return found

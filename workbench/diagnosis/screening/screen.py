@@ -12,7 +12,6 @@ from workbench.effects import Compliance, effect_named, places
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
-from ..fitting.normal_equations import Normal
 from .candidate import Candidate
 from .command_path import by_command_path
 from .equations import Entry, Equations, equations, judge, limits_of
@@ -53,18 +52,15 @@ def screen(
     size = int(np.clip(_HELD // sum(m.position.size for m in linearisation.motions), 1, _BLOCK))
     taken = {applied.key for applied in free}
     asked = [key for key in places(linearisation.model) if key not in taken and key not in left_out]
-    for entries, pieces, held_out in (
-        [(whole.entries, whole.pieces, whole.held_out)]
-        if whole is not None
-        else (
-            (entries, *equations(linearisation, known, columns, data, simulated))
-            for columns, entries in _blocks(linearisation, len(following), asked, size)
-        )
-    ):
+    blocks = (
+        Equations(tuple(entries), *equations(linearisation, known, columns, data, simulated))
+        for columns, entries in _blocks(linearisation, len(following), asked, size)
+    )
+    for block in blocks if whole is None else (whole,):
         if without is None:
-            without = judge(pieces, held_out, kept)[0]
-        for entry in entries:
-            candidate = _candidate(linearisation, entry, kept, pieces, held_out)
+            without = judge(block.pieces, block.held_out, kept)[0]
+        for entry in block.entries:
+            candidate = _candidate(linearisation, entry, kept, block)
             before = best.get(entry.key)
             if before is None or candidate.test_loss < before.test_loss:
                 best[entry.key] = candidate
@@ -100,24 +96,18 @@ def _blocks(
     yield columns, entries
 
 
-def _candidate(
-    linearisation: Linearisation, entry: Entry, kept: list[int], pieces: list[Normal], held_out: Normal | None
-) -> Candidate:
+def _candidate(linearisation: Linearisation, entry: Entry, kept: list[int], block: Equations) -> Candidate:
     lower, upper = limits_of(linearisation, entry)
     open_low, open_high = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
     bounds = np.concatenate([open_low, lower]), np.concatenate([open_high, upper])
     fixed = () if entry.fixed is None else (entry.fixed,)
-    test_loss, solution = judge(pieces, held_out, [*kept, *entry.linear], fixed, bounds)
+    test_loss, solution = judge(block.pieces, block.held_out, [*kept, *entry.linear], fixed, bounds)
     return Candidate(entry.key, solution[len(kept) :], entry.shape, test_loss)
 
 
 def entries_of(linearisation: Linearisation) -> tuple[list[SensitivityColumn], list[Entry]]:
     """All effects in all places and shapes, with their columns."""
-    columns: list[SensitivityColumn] = []
-    entries: list[Entry] = []
-    for more, found in _blocks(linearisation, 0, places(linearisation.model), 10**9):
-        columns, entries = more, found
-    return columns, entries
+    return next(_blocks(linearisation, 0, places(linearisation.model), 10**9))
 
 
 def _size(parts: Sequence[np.ndarray | None]) -> float:
