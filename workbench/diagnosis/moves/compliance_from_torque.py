@@ -15,7 +15,7 @@ from ..policy import POLICY
 from ..screening.candidate import Candidate
 from ..screening.compliance import compliance_candidates, equivalents_at_joint
 from ..screening.sensitivity import Linearisation
-from ..search_result import AcceptedStep
+from ..search_result import AcceptedStep, steps_through
 from ..significance import identifiable
 from .beside_backlash import beside_backlash
 from .choice import loss_ratios
@@ -62,17 +62,16 @@ def compliance_from_torque(
     if fits is None or not identifiable(linearisation, fits[-1]):
         return ()
     close = loss_ratios(plain.key, plain.test_loss, ((c.key, c.test_loss) for c in others))
-    steps = []
-    for candidate, earlier, found in zip(chosen, (start, *fits), fits, strict=False):
-        step = AcceptedStep.between(earlier, found, candidate.key, data)
-        step = replace(
+    steps = steps_through(start, zip((c.key for c in chosen), fits, strict=True), data)
+    return tuple(
+        replace(
             step,
-            indistinguishable=equivalents_at_joint(linearisation.model, candidate.key),
-            ranking=((candidate.key, step.removed_share),),  # losses of others are not of this kind
-            loss_ratios=close if candidate is chosen[0] else (),
+            indistinguishable=equivalents_at_joint(linearisation.model, step.added),
+            ranking=((step.added, step.removed_share),),  # losses of others are not of this kind
+            loss_ratios=() if k else close,
         )
-        steps.append(step)
-    return tuple(steps)
+        for k, step in enumerate(steps)
+    )
 
 
 def _fits(

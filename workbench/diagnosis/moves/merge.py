@@ -20,7 +20,7 @@ from ..problem import Problem
 from ..screening.compliance import equivalents_at_joint
 from ..screening.sensitivity import Linearisation
 from ..screening.stiction import candidates
-from ..search_result import AcceptedStep
+from ..search_result import AcceptedStep, steps_through
 from ..significance import identifiable
 
 
@@ -101,18 +101,13 @@ def _steps(
     instead = [one if step.added in gone else step.added for step in node.steps]
     order = [key for key in dict.fromkeys(instead) if key in last.hypothesis.keys]
     fits = fit([_first(last.hypothesis, order[: k + 1]) for k in range(len(order) - 1)], data)
-    steps: list[AcceptedStep] = []
-    before = rescored(start, data)
-    for key, now in zip(order, (*(f or last for f in fits), last), strict=True):
-        own = AcceptedStep.between(before, now, key, data)
-        told = next((s for s in node.steps if s.added == key), None)
-        if told is None:
-            same = equivalents_at_joint(last.hypothesis.base, key)
-            told = replace(own, indistinguishable=same, ranking=((key, own.removed_share),))
-        steps.append(
-            replace(told, fit=now, data=data, removed_share=own.removed_share, dropped=(), folds=own.folds)
-        )
-        before = now
+    known, steps = {step.added: step for step in reversed(node.steps)}, []
+    ends = [*(f or last for f in fits), last]
+    for own in steps_through(rescored(start, data), zip(order, ends, strict=True), data):
+        same = equivalents_at_joint(last.hypothesis.base, own.added)
+        told = replace(own, indistinguishable=same, ranking=((own.added, own.removed_share),))
+        told, share = known.get(own.added, told), own.removed_share
+        steps.append(replace(told, fit=own.fit, data=data, removed_share=share, dropped=(), folds=own.folds))
     return tuple(steps)
 
 
