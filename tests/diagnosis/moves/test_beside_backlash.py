@@ -14,6 +14,7 @@ from workbench.diagnosis.moves import beside_backlash as module
 from workbench.diagnosis.moves.beside_backlash import beside_backlash
 from workbench.diagnosis.moves.compliance_from_torque import compliance_from_torque
 from workbench.diagnosis.moves.order import ONE_BY_ONE
+from workbench.diagnosis.node import Node
 from workbench.diagnosis.problem import Problem
 from workbench.diagnosis.screening.compliance import compliance_candidates
 from workbench.effects import load_model
@@ -45,7 +46,7 @@ def test_a_gap_is_found_with_what_hides_its_size(heavier: Problem) -> None:
 
 
 def test_each_is_a_step_and_the_error_falls_with_all(heavier: Problem) -> None:
-    steps = compliance_from_torque(heavier.linearisation, heavier.data, heavier.start, heavier.progress)
+    steps = compliance_from_torque(Node(heavier.start, heavier.data), heavier)
     assert [s.added for s in steps] == [KEY, INERTIA]
     assert [{a.key for a in s.fit.hypothesis.free} for s in steps] == [{KEY}, {KEY, INERTIA}]
     assert all(s.ranking == ((s.added, s.removed_share),) for s in steps), "and no shares of the torque"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.effects import effect_named, kinds
@@ -11,7 +11,8 @@ from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit, Hypothesis, applied_effect
-from ..policy import POLICY
+from ..node import Node, linearisation_at
+from ..problem import Problem
 from ..screening.candidate import Candidate
 from ..screening.compliance import compliance_candidates, equivalents_at_joint
 from ..screening.sensitivity import Linearisation
@@ -25,12 +26,7 @@ _FEW = 3  # iterations of an intermediate fit
 
 
 def compliance_from_torque(
-    linearisation: Linearisation,
-    data: Data,
-    start: Fit,
-    progress: Callable[[str], None],
-    least: float = 0.0,
-    most: float | None = None,
+    at: Node, problem: Problem, least: float = 0.0, most: float = 1.0
 ) -> tuple[AcceptedStep, ...]:
     """Steps with the spring or backlash that explains most of the inverse-dynamics residual; else none.
 
@@ -39,22 +35,19 @@ def compliance_from_torque(
     backlash come with it.
 
     Args:
-        linearisation: of the model so far.
-        data: its recordings.
-        start: the model as it is, with what was found of it.
-        progress: told what is being done.
-        least, most: bounds of the share of the residual torque that it leaves; `most` is by default that of
-            the policy.
+        at: the model so far.
+        problem: what is searched.
+        least, most: bounds of the share of the residual torque that it leaves.
 
     Returns:
         One step an effect, without its own data and runs; none where no compliance explains enough.
     """
+    data, start, linearisation = at.data, at.current, linearisation_at(at.current, at.data, problem)
     known = compliance_candidates(linearisation, data.training, 1.0, start.hypothesis.free)
-    most = POLICY.torque_plain if most is None else most
     if not known or not least <= known[0].test_loss <= most:
         return ()
     plain, *others = known
-    progress(f"beginning with {plain.key}, which the torque shows")
+    problem.progress(f"beginning with {plain.key}, which the torque shows")
     chosen = [plain]
     if kinds.diverges(effect_named(plain.key.effect)):
         chosen = beside_backlash(linearisation, plain, start, data.training)

@@ -15,7 +15,6 @@ from ..node import (
     Growth,
     Node,
     explains_data,
-    linearisation_at,
     node_after,
     screened_at,
     with_steps,
@@ -31,7 +30,7 @@ from .inverse_dynamics import inverse_dynamics_start
 from .pairs import best_pair
 from .shared_effects import shared_effects
 
-_THROUGH = Growth(through_divergence=True)
+_PLAIN, _THROUGH = Growth(), Growth(through_divergence=True)
 
 
 def clear_compliance(node: Node, problem: Problem) -> Iterator[Node]:
@@ -41,26 +40,16 @@ def clear_compliance(node: Node, problem: Problem) -> Iterator[Node]:
     Inertia alone can explain most of what backlash causes.
     """
     for count in range(len(node.steps) + 1):
-        yield from _with_compliance(
-            node_after(node.steps[:count], problem), problem, 0.0, POLICY.torque_first
-        )
+        at = node_after(node.steps[:count], problem)
+        steps = compliance_from_torque(at, problem, 0.0, POLICY.torque_first)
+        yield from _begun(at, steps, problem, _THROUGH, wide=False)
 
 
 def likely_compliance(node: Node, problem: Problem) -> Iterator[Node]:
     """A compliance that explains most of the inverse-dynamics residual of the model as given."""
     at = node_after((), problem)
-    yield from _with_compliance(at, problem, POLICY.torque_first, POLICY.torque_plain)
-
-
-def _with_compliance(at: Node, problem: Problem, least: float, most: float) -> Iterator[Node]:
-    """The node with a compliance, not confirmed in the loop.
-
-    `least`, `most`: bounds of the share of the residual torque that it leaves.
-    """
-    linearisation = linearisation_at(at.current, at.data, problem)
-    steps = compliance_from_torque(linearisation, at.data, at.current, problem.progress, least, most)
-    if steps:
-        yield _bold(at, steps, problem, _THROUGH, wide=False)
+    steps = compliance_from_torque(at, problem, POLICY.torque_first, POLICY.torque_plain)
+    yield from _begun(at, steps, problem, _THROUGH, wide=False)
 
 
 def on_training(node: Node, problem: Problem) -> Iterator[Node]:
@@ -73,7 +62,7 @@ def on_training(node: Node, problem: Problem) -> Iterator[Node]:
     screened, _ = screen(problem.linearisation, by_folds, start.simulated, ())
     at = rescored(start, by_folds)
     step = next_step(problem.linearisation, screened, at, by_folds, problem.progress)
-    yield from _started((step,) if step else (), problem)
+    yield from _begun(node_after((), problem), (step,) if step else (), problem)
 
 
 def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
@@ -85,22 +74,17 @@ def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
         return
     steps = shared_effects(problem)
     if steps:
-        yield with_steps(Node(problem.start, problem.data), steps, problem.seed)
+        yield with_steps(node_after((), problem), steps, problem.seed)
 
 
 def two_at_once(node: Node, problem: Problem) -> Iterator[Node]:
     """The best pair of effects: the best first step may be neither of them."""
-    yield from _started(best_pair(problem), problem)
+    yield from _begun(node_after((), problem), best_pair(problem), problem)
 
 
 def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:
     """Effects found along the measured motion, where no loop holds an axis."""
-    yield from _started(inverse_dynamics_start(problem), problem)
-
-
-def _started(steps: Sequence[AcceptedStep], problem: Problem) -> Iterator[Node]:
-    if steps:
-        yield _bold(Node(problem.start, problem.data), steps, problem, Growth())
+    yield from _begun(node_after((), problem), inverse_dynamics_start(problem), problem)
 
 
 def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
@@ -134,11 +118,17 @@ def what_training_shows(node: Node, problem: Problem) -> Iterator[Node]:
     step = next_step(
         linearisation, screened, before, by_folds, problem.progress, later=later, provisional=True
     )
-    if step is not None:
-        yield _bold(node, (step,), problem, _THROUGH, wide=False)
+    yield from _begun(node, (step,) if step else (), problem, _THROUGH, wide=False)
 
 
-def _bold(
-    at: Node, steps: Sequence[AcceptedStep], problem: Problem, growth: Growth, *, wide: bool = True
-) -> Node:
-    return with_steps(at.begun(growth=growth, bold=True), steps, problem.seed, wide=wide)
+def _begun(
+    at: Node,
+    steps: Sequence[AcceptedStep],
+    problem: Problem,
+    growth: Growth = _PLAIN,
+    *,
+    wide: bool = True,
+) -> Iterator[Node]:
+    """The node with bold steps, not confirmed by any data, to be grown; none without steps."""
+    if steps:
+        yield with_steps(at.begun(growth=growth, bold=True), steps, problem.seed, wide=wide)
