@@ -40,10 +40,10 @@ def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> N
     (gap,) = step.fit.hypothesis.free
     assert gap.key == GAP and step.added == GAP
     assert gap.values["gap"] == pytest.approx(0.0084, rel=0.1)
-    assert SPRING not in {c.key for c in compliance_candidates(linearisation, data.training, 1.0)}
+    assert SPRING not in {c.key for c in compliance_candidates(linearisation, 1.0)}
     after = step.fit.hypothesis.model
     linearisation = Linearisation.of(after, data, step.fit.simulated, len(data.recordings))
-    found = {c.key: c for c in compliance_candidates(linearisation, data.training, 1.0)}
+    found = {c.key: c for c in compliance_candidates(linearisation, 1.0)}
     assert found[SPRING].test_loss < 0.05
     assert found[SPRING].shape["stiffness"] == pytest.approx(1180.0, rel=0.15)
     assert GAP not in found and EffectKey("backlash", "knee", "joint") not in found
@@ -72,7 +72,7 @@ def test_what_gives_way_already_asks_for_no_more() -> None:
     training, _ = recordings(BOTH[1])
     soft = having(LEG, SPRING, **BOTH[1].parameters)
     problem = asked(soft, training)
-    assert not compliance_candidates(problem.linearisation, problem.data.training, 1.0)
+    assert not compliance_candidates(problem.linearisation, 1.0)
 
 
 def test_what_the_torque_at_a_gap_does_not_show_begins_where_the_loop_before_had_it() -> None:

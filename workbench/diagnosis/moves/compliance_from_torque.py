@@ -43,14 +43,14 @@ def compliance_from_torque(
         One step an effect, without its own data and runs; none where no compliance explains enough.
     """
     data, start, linearisation = at.data, at.current, linearisation_at(at.current, at.data, problem)
-    known = compliance_candidates(linearisation, data.training, 1.0, start.hypothesis.free)
+    known = compliance_candidates(linearisation, 1.0, start.hypothesis.free)
     if not known or not least <= known[0].test_loss <= most:
         return ()
     plain, *others = known
     problem.progress(f"beginning with {plain.key}, which the torque shows")
     chosen = [plain]
     if kinds.diverges(effect_named(plain.key.effect)):
-        chosen = beside_backlash(linearisation, plain, start, data.training)
+        chosen = beside_backlash(linearisation, plain, start)
     fits = _fits(linearisation, chosen, start, data)
     if fits is None or not identifiable(linearisation, fits[-1]):
         return ()

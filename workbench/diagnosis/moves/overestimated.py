@@ -75,7 +75,7 @@ def overestimated(found: SearchResult) -> Overestimated | None:
     columns, entries = _columns(linearisation)
     if not entries:
         return None
-    pieces, held_out = equations(linearisation, [], columns, along, simulated.clean)
+    pieces, held_out = equations(linearisation, [], columns, along)
     floor = test_noise_floor(along)
     chosen: list[Entry] = []
     before = excess = max(_judged(pieces, held_out, ()) - floor, 0.0)

@@ -109,7 +109,7 @@ def _screened(linearisation: Linearisation, data: Data, start: Fit) -> list[Pair
     pairs = [(a, b) for a, b in combinations(entries, 2) if may_stand_together(a.key, b.key)]
     if not pairs or 2.0 * rows * len(columns) > POLICY.pair_values:
         return []
-    pieces, held_out = equations(linearisation, [], columns, data, start.simulated)
+    pieces, held_out = equations(linearisation, [], columns, data)
     left = left_by(total(pieces), pairs)
     best: dict[tuple[EffectKey, EffectKey], tuple[float, Pair]] = {}
     for k in np.argsort(left)[: POLICY.pairs_solved]:

@@ -52,7 +52,7 @@ def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
         data = data.cross_validated()
         start = rescored(start, data)
     whole = problem.linear.equations if problem.linear else None
-    whole = whole or _equations(linearisation, data, start)
+    whole = whole or _equations(linearisation, data)
     sets = _promising(problem.screened, linearisation, data, start, whole)[: POLICY.sets_simulated]
     if not sets:
         return ()
@@ -157,9 +157,9 @@ def _shape(shape: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
     return tuple(sorted(shape.items()))
 
 
-def _equations(linearisation: Linearisation, data: Data, start: Fit) -> Equations:
+def _equations(linearisation: Linearisation, data: Data) -> Equations:
     columns, entries = entries_of(linearisation)
-    return Equations(tuple(entries), *equations(linearisation, [], columns, data, start.simulated))
+    return Equations(tuple(entries), *equations(linearisation, [], columns, data))
 
 
 def _excess(start: Fit, data: Data) -> dict[str, float]:

@@ -89,7 +89,7 @@ def simplify(
     if rest is None:
         return ()
     linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
-    candidates, _ = screen(linearisation, data, rest.simulated, rest.hypothesis.free)
+    candidates, _ = screen(linearisation, data, rest.hypothesis.free)
     chosen = [c for c in candidates if contains(given_up.key, c.key)]
     for count in (2,) if last else (1, 2):
         sets = list(combinations(chosen, count))

@@ -128,9 +128,7 @@ def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> TrialFit
     """Fits of springs and backlash, which are expensive to simulate and seldom needed."""
     at.progress("looking for springs and gaps")
     best = min((f.test_loss for _, f in rigid), default=np.inf)
-    late = compliance_candidates(
-        at.linearisation, at.data.training, at.current.test_loss, at.current.hypothesis.free
-    )
+    late = compliance_candidates(at.linearisation, at.current.test_loss, at.current.hypothesis.free)
     late = [c for c in late if c.test_loss < POLICY.compliance_simulated * best]
     return _fitted(late, at) if late else TrialFits()
 

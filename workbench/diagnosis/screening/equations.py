@@ -53,13 +53,12 @@ def equations(
     known: list[np.ndarray],
     columns: list[SensitivityColumn],
     data: Data,
-    simulated: Sequence[Recording],
 ) -> tuple[list[Normal], Normal | None]:
     """Normal equations of each training fold, and of the held-out recordings together.
 
     `known`: responses of the unknowns that stand before `columns`, per recording.
     """
-    return equations_of(responses(linearisation, known, columns, data), data, simulated)
+    return equations_of(responses(linearisation, known, columns, data), data, linearisation.runs)
 
 
 def responses(

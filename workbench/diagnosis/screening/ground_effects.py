@@ -29,7 +29,7 @@ def by_runs(linearisation: Linearisation, data: Data) -> list[Candidate]:
         (key, *start)
         for key in places(model)
         if data.replay.needs_runs(effect_named(key.effect))
-        for start in _starts(key, linearisation, data)
+        for start in _starts(key, linearisation)
     ]
     models = []
     for key, coefficients, shape in tried:
@@ -44,13 +44,11 @@ def by_runs(linearisation: Linearisation, data: Data) -> list[Candidate]:
     return list(best.values())
 
 
-def _starts(
-    key: EffectKey, linearisation: Linearisation, data: Data
-) -> list[tuple[np.ndarray, Mapping[str, float]]]:
+def _starts(key: EffectKey, linearisation: Linearisation) -> list[tuple[np.ndarray, Mapping[str, float]]]:
     """Coefficients and shapes to begin with; none where feet show nothing of it."""
     effect = effect_named(key.effect)
     if isinstance(effect, OnGround):
-        shapes = effect.initial_values(linearisation.motions[: data.training])
+        shapes = effect.initial_values(linearisation.fitted_motions)
         return [(np.zeros(0), shape) for shape in shapes]
     return [(np.array([value]), {}) for value in _MOVED]
 
@@ -62,7 +60,7 @@ def unobservable_effects(linearisation: Linearisation, data: Data) -> list[Effec
         effect = effect_named(key.effect)
         # what shifts commands or readings is no torque, which is all that a measured motion tells
         along = not data.replay.simulates and effect.stage not in kinds.TORQUES
-        untouched = data.replay.needs_runs(effect) and not _starts(key, linearisation, data)
+        untouched = data.replay.needs_runs(effect) and not _starts(key, linearisation)
         if along or untouched or not data.replay.shows(key.effect):
             out.append(key)
     return out

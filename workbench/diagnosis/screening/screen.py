@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 import numpy as np
 
 from workbench.comparison import is_free
-from workbench.core import EffectKey, Recording
+from workbench.core import EffectKey
 from workbench.effects import Compliance, effect_named, places
 from workbench.models import AppliedEffect, Placement
 
@@ -26,8 +26,7 @@ _HELD = 4_000_000  # numbers of a column times columns, of more than a block of 
 def screen(
     linearisation: Linearisation,
     data: Data,
-    simulated: Sequence[Recording],
-    free: Sequence[AppliedEffect],
+    free: Sequence[AppliedEffect] = (),
     *,
     left_out: Container[EffectKey] = (),
     whole: Equations | None = None,
@@ -37,7 +36,6 @@ def screen(
     Args:
         linearisation: model, motions and loops on all recordings of `data`.
         data: recordings and weights.
-        simulated: the model's runs.
         free: effects in the model whose parameters may follow.
         left_out: effects that are not asked for.
         whole: the equations of all effects where they are known; only without `free` and `left_out`.
@@ -53,7 +51,7 @@ def screen(
     taken = {applied.key for applied in free}
     asked = [key for key in places(linearisation.model) if key not in taken and key not in left_out]
     blocks = (
-        Equations(tuple(entries), *equations(linearisation, known, columns, data, simulated))
+        Equations(tuple(entries), *equations(linearisation, known, columns, data))
         for columns, entries in _blocks(linearisation, len(following), asked, size)
     )
     for block in blocks if whole is None else (whole,):

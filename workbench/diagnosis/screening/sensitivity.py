@@ -81,6 +81,11 @@ class Linearisation:
 
         return tuple(on_all_cores(one, range(len(self.runs)), self.runs))
 
+    @property
+    def fitted_motions(self) -> tuple[Motion, ...]:
+        """Those of the recordings that are fitted."""
+        return self.motions[: self.data.training]
+
     @cached_property
     def loops(self) -> tuple[Any, ...]:
         """The linearised loop of each recording."""
