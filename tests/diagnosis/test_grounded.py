@@ -54,4 +54,4 @@ def test_in_the_air_no_contact_is_a_candidate() -> None:
     linearisation = Linearisation.of(MODEL, data, simulated.clean, len(data.recordings))
     candidates, _ = screen(linearisation, data)
     assert not {c.key for c in candidates} & CONTACTS
-    assert set(unobservable_effects(linearisation, data)) >= CONTACTS
+    assert set(unobservable_effects(linearisation)) >= CONTACTS

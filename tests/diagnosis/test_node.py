@@ -34,6 +34,6 @@ def test_where_a_search_comes_back_to_nothing_is_worked_out_again(monkeypatch: p
     first = compliance.compliance_candidates(here, 1.0, one.hypothesis.free)
     monkeypatch.setattr(compliance, "_shares", lambda *_: pytest.fail("asked a second time"))
     again = compliance.compliance_candidates(
-        linearisation_at(one, problem.data, problem), 1, 100.0, one.hypothesis.free
+        linearisation_at(one, problem.data, problem), 100.0, one.hypothesis.free
     )
     assert first and [(c.key, c.test_loss) for c in again] == [(c.key, 100.0 * c.test_loss) for c in first]

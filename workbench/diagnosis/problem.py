@@ -99,13 +99,9 @@ class Problem:
         None where loops are too large and nothing drives the machine along its measured motion.
         """
         self.progress("asking what these recordings can tell apart")
-        if not self.data.replay.simulates or self.is_expensive or is_too_large(self.linearisation, self.data):
-            return (
-                None
-                if self.inverse_dynamics is None
-                else linear_along(self.inverse_dynamics[2], self.inverse_dynamics[0])
-            )
-        return linear_of(self.linearisation, self.data)
+        if not self.data.replay.simulates or self.is_expensive or is_too_large(self.linearisation):
+            return None if self.inverse_dynamics is None else linear_along(self.inverse_dynamics[2])
+        return linear_of(self.linearisation)
 
     @cached_property
     def screened(self) -> tuple[Candidate, ...]:

@@ -97,6 +97,6 @@ def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Di
     """Identifiability and disagreement of the recordings; nothing where there is no linear problem."""
     if problem.linear is None:
         return None, ()
-    known = identifiability_of(problem.linear, problem.linearisation, problem.data)
+    known = identifiability_of(problem.linear, problem.linearisation)
     problem.progress(f"the recordings tell {len(known.separable)} of {known.count} effects from all others")
     return known, disagreements(problem.linear, [r.name for r in problem.data.recordings])

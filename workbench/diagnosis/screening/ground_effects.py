@@ -53,14 +53,14 @@ def _starts(key: EffectKey, linearisation: Linearisation) -> list[tuple[np.ndarr
     return [(np.array([value]), {}) for value in _MOVED]
 
 
-def unobservable_effects(linearisation: Linearisation, data: Data) -> list[EffectKey]:
+def unobservable_effects(linearisation: Linearisation) -> list[EffectKey]:
     """Effects that this kind of replay, or the recorded ground forces, cannot show."""
-    out = []
+    out, replay = [], linearisation.data.replay
     for key in places(linearisation.model):
         effect = effect_named(key.effect)
         # what shifts commands or readings is no torque, which is all that a measured motion tells
-        along = not data.replay.simulates and effect.stage not in kinds.TORQUES
-        untouched = data.replay.needs_runs(effect) and not _starts(key, linearisation)
-        if along or untouched or not data.replay.shows(key.effect):
+        along = not replay.simulates and effect.stage not in kinds.TORQUES
+        untouched = replay.needs_runs(effect) and not _starts(key, linearisation)
+        if along or untouched or not replay.shows(key.effect):
             out.append(key)
     return out

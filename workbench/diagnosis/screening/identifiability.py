@@ -14,9 +14,8 @@ import numpy as np
 
 from workbench.core import Disagreement, EffectKey, Estimate, Identifiability
 from workbench.effects import effect_named, kinds
-from workbench.models import AppliedEffect, Model
+from workbench.models import AppliedEffect
 
-from ..data import Data
 from ..fitting.uncertainty import with_deviations
 from ..hypothesis import Hypothesis, applied_effect
 from ..policy import POLICY
@@ -26,9 +25,8 @@ from .linear_problem import Linear, columns_of
 from .sensitivity import Linearisation
 
 
-def identifiability_of(linear: Linear, linearisation: Linearisation, data: Data) -> Identifiability:
+def identifiability_of(linear: Linear, linearisation: Linearisation) -> Identifiability:
     """Which effects the recordings can tell apart at a small size, and how well each would be known."""
-    model, unseen = linearisation.model, unobservable_effects(linearisation, data)
     shows = [linear.shown(e) >= POLICY.significant for e in linear.entries]
     excited = [e for e, shown in zip(linear.entries, shows, strict=True) if shown]
     silent = [e.key for e, shown in zip(linear.entries, shows, strict=True) if not shown]
@@ -37,8 +35,8 @@ def identifiability_of(linear: Linear, linearisation: Linearisation, data: Data)
     return Identifiability(
         separable=tuple(e.key for e in excited if e.key not in alike),
         groups=groups,
-        not_excited=(*unseen, *silent),
-        expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, model, data))),
+        not_excited=(*unobservable_effects(linearisation), *silent),
+        expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, linearisation))),
     )
 
 
@@ -58,12 +56,12 @@ def _groups(linear: Linear, excited: Sequence[Entry]) -> tuple[tuple[EffectKey, 
     return tuple(sorted((tuple(sorted(g, key=order.index)) for g in found), key=lambda g: order.index(g[0])))
 
 
-def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping[str, Estimate]:
+def _expected(linear: Linear, entry: Entry, linearisation: Linearisation) -> Mapping[str, Estimate]:
     """Of a small effect, fitted alone: its parameters with the deviations that noise gives them.
 
     Nonlinear parameters are held where they are, but for those of effects that have no others.
     """
-    effect = effect_named(entry.key.effect)
+    effect, model = effect_named(entry.key.effect), linearisation.model
     if kinds.free_parameters(effect, model) == 0:
         return {}
     own, count = columns_of(entry), len(entry.linear)
@@ -77,7 +75,7 @@ def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping
     coefficients = np.full(count, linear.small(entry))
     values = effect.parameters.to_values(coefficients, entry.shape)
     applied = applied_effect(model, AppliedEffect(entry.key), values)
-    (known,) = with_deviations(Hypothesis(model, (applied,)), covariance, data).free
+    (known,) = with_deviations(Hypothesis(model, (applied,)), covariance, linearisation.data).free
     return {name: known.parameters[name] for name in asked}
 
 
