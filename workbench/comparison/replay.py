@@ -30,6 +30,8 @@ class Replay(ABC):
 
     #: Whether a run is a simulation; along a measured motion it is a sum over rows, which costs nothing.
     simulates: ClassVar[bool] = True
+    #: Whether drives push; what nothing drives shows no motors, and its torque no more than that it is nil.
+    driven: ClassVar[bool] = True
     #: Whether nothing but the machine decides the torque along a motion. Where the ground's force is part of
     #: it, no law along the motion, no response of a loop, no sign of an axis can be asked by itself.
     machine_alone: ClassVar[bool] = True

@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -89,6 +89,8 @@ class _Swinging:
 
 class Swings(Replay):
     """Every model swings from measured states; position is scored."""
+
+    driven: ClassVar[bool] = False
 
     def __init__(self, recordings: Sequence[Recording], noise: NoiseModel) -> None:
         self.noise = noise

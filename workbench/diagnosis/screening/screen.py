@@ -6,7 +6,6 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from workbench.comparison import is_free
 from workbench.core import EffectKey
 from workbench.effects import Compliance, effect_named, places
 from workbench.models import AppliedEffect, Placement
@@ -117,9 +116,7 @@ def _size(parts: Sequence[np.ndarray | None]) -> float:
 def sizes_of(linearisation: Linearisation) -> tuple[float, float, float]:
     """Of the motors' torque, of the motion and of its rate."""
     motor = _size([m.torque for m in linearisation.motions])
-    if all(
-        map(is_free, linearisation.data.recordings)
-    ):  # then what accelerates the mechanism stands for the motor's
+    if not linearisation.data.replay.driven:  # then what accelerates the mechanism stands for the motor's
         motor = _size([np.einsum("kij,kj->ki", m.inertia(), m.acceleration) for m in linearisation.motions])
     moved = _size([m.position - m.position.mean(axis=0) for m in linearisation.motions])
     return motor, moved, _size([m.velocity for m in linearisation.motions])
