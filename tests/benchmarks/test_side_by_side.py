@@ -48,7 +48,6 @@ def test_a_ratio_is_that_of_the_work() -> None:
 def test_the_whole_catalogue_is_screened_in_the_time_of_a_few_simulations(recording: Recording) -> None:
     model = load_model("leg")
     data, simulated = gather(model, [recording], (), 0)
-    data = data.with_holdout_checked(data.mean_squares(simulated.clean))
     start = starting_fit(model, data, simulated.clean)
 
     def screened() -> int:

@@ -174,7 +174,7 @@ def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[D
     try:
         fresh, simulated = data.of_model(found.hypothesis.model, seed)
     except SimulationError:
-        return data.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), None
+        return data.weighed_for(found.mean_squares), None
     if wide and found.hypothesis.diverges:
         fresh = replace(fresh, floor=np.maximum(fresh.floor, divergence(found, data)))
-    return fresh.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), simulated
+    return fresh.weighed_for(found.mean_squares), simulated

@@ -120,18 +120,3 @@ def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data
     """A hypothesis as it is, with its runs of all recordings."""
     unscored = Fit(hypothesis, tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0))
     return rescored(unscored, data)
-
-
-def problem_of(
-    model: Model, data: Data, simulated: Sequence[Recording], limit: int, seed: int, progress: Progress
-) -> Problem:
-    """The problem of a model on recordings.
-
-    Args:
-        model: the model as it is.
-        data: its recordings, with its noise.
-        simulated: its runs without noise.
-        limit, seed, progress: as `Problem` has them.
-    """
-    data = data.with_holdout_checked(data.mean_squares(simulated))
-    return Problem(starting_fit(model, data, simulated), data, limit, seed, progress)

@@ -15,7 +15,7 @@ from .loss import explained, median_explained
 from .moves.joint_solution import solve_jointly
 from .node import Node, is_consistent
 from .policy import POLICY
-from .problem import Problem, Progress, problem_of
+from .problem import Problem, Progress, starting_fit
 from .screening.identifiability import disagreements, identifiability_of
 from .search_result import SearchResult
 
@@ -58,7 +58,7 @@ def search(
     if noise_rules(data.score(data.floor), data.recordings):
         raise UnstableLoop(cannot_run(model.name, data.score(data.floor)))
     most = POLICY.most_effects if limit is None else limit
-    problem = problem_of(model, data, simulated.clean, most, seed, progress)
+    problem = Problem(starting_fit(model, data, simulated.clean), data, most, seed, progress)
     start, first = problem.start, problem.data
     known, disagreeing = (None, ()) if only_jointly else _distinguishable(problem)
     before = is_consistent(first, start.mean_squares)

@@ -11,14 +11,7 @@ from dataclasses import replace
 
 from ..acceptance import holdout_insensitive, near_noise_floor
 from ..loss import rescored
-from ..node import (
-    Growth,
-    Node,
-    explains_data,
-    node_after,
-    screened_at,
-    with_steps,
-)
+from ..node import Growth, Node, explains_data, node_after, screened_at, with_steps
 from ..policy import POLICY
 from ..problem import Problem
 from ..screening.screen import screen
