@@ -150,8 +150,7 @@ class Data:
         """
         self.budget.add(self.recordings, _NOISY)
         simulated = self.replay.with_noise(model, seed)
-        fresh = replace(self, holdout_uninformative=False, **_floor(self.recordings, simulated))
-        return fresh, simulated
+        return replace(self, holdout_uninformative=False, **_floor(self.recordings, simulated)), simulated
 
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
         """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
@@ -205,11 +204,7 @@ class Data:
 def gather(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording], seed: int
 ) -> tuple[Data, Simulated]:
-    """Simulate a model with and without noise on all recordings.
-
-    Returns:
-        The data, weighed for this model's error and tested where it shows, and the runs themselves.
-    """
+    """Runs of a model with and without noise, and the data with its floor, weighed for its error."""
     replay = replay_of(model, (*training, *held_out))
     simulated = replay.with_noise(model, seed)
     data = Data(
