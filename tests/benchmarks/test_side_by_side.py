@@ -52,7 +52,7 @@ def test_the_whole_catalogue_is_screened_in_the_time_of_a_few_simulations(record
 
     def screened() -> int:
         linearisation = Linearisation.of(model, data, start.simulated, 1)
-        return len(screen(linearisation, data)[0])
+        return len(screen(linearisation, data))
 
     places = screened()
     few = runs(replay_of(model, [recording]), model, 10)

@@ -65,7 +65,7 @@ def test_friction_is_plain_along_the_motion_and_not_in_the_loop(servo: Model, lo
     data, runs = gather(servo, [*logs[:2], *logs[4:]], logs[2:4], seed=0)
     start = starting_fit(servo, data, runs.clean)
     linearisation = Linearisation.of(servo, data, runs.clean, len(data.recordings))
-    in_loop = {c.key.effect: c.test_loss for c in screen(linearisation, data)[0]}
+    in_loop = {c.key.effect: c.test_loss for c in screen(linearisation, data)}
     found = {c.key.effect: c.test_loss for c in candidates(linearisation, start, data, 0)}
     assert in_loop["load_dependent_friction"] > 0.04 * start.test_loss
     assert found["load_dependent_friction"] < 0.01 * start.test_loss

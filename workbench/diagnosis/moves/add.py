@@ -81,7 +81,7 @@ def _next_step(node: Node, how: Growth, problem: Problem) -> AcceptedStep | None
         # held-out motion may never show what is missing (a torque limit, for one)
         problem.progress("judging by the recordings that show most")
         by_folds = data.cross_validated()
-        screened, _ = screen(linearisation, by_folds, current.hypothesis.free)
+        screened = screen(linearisation, by_folds, current.hypothesis.free)
         step = take(linearisation, screened, rescored(current, by_folds), by_folds)
         if step is not None and not unchanged_on_holdout(step.fit, current, data):
             return None

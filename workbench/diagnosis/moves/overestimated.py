@@ -21,7 +21,7 @@ from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
 from ..loss import test_noise_floor
 from ..policy import POLICY
-from ..screening.equations import Entry, equations, judge, limits_of
+from ..screening.equations import Entry, bounds_of, equations
 from ..screening.sensitivity import Linearisation, SensitivityColumn
 from ..search_result import SearchResult
 
@@ -75,12 +75,12 @@ def overestimated(found: SearchResult) -> Overestimated | None:
     columns, entries = _columns(linearisation)
     if not entries:
         return None
-    pieces, held_out = equations(linearisation, [], columns, along)
+    whole = equations(linearisation, [], columns, entries, along)
     floor = test_noise_floor(along)
     chosen: list[Entry] = []
-    before = excess = max(_judged(pieces, held_out, ()) - floor, 0.0)
+    before = excess = max(whole.judged(())[0] - floor, 0.0)
     while len(chosen) < len(entries):
-        tried = [(_judged(pieces, held_out, (*chosen, e)), e) for e in entries if e not in chosen]
+        tried = [(whole.judged((*chosen, e))[0], e) for e in entries if e not in chosen]
         least, best = min(tried, key=lambda t: t[0])
         left = max(least - floor, 0.0)
         if before - left < max(POLICY.too_much_gain * before, POLICY.too_much_least * excess):
@@ -88,12 +88,9 @@ def overestimated(found: SearchResult) -> Overestimated | None:
         chosen, before = [*chosen, best], left
     if not chosen or excess <= 0.0 or before > (1.0 - POLICY.too_much_share) * excess:
         return None
-    lower, upper = (
-        np.concatenate(b) for b in zip(*(limits_of(linearisation, e) for e in chosen), strict=True)
-    )
-    index = [k for e in chosen for k in e.linear]
-    bounded = judge(pieces, held_out, index, (), (lower, upper))[0] - floor
-    values, deviations = _spread([p.pick(index) for p in pieces])
+    lower, upper = bounds_of(linearisation, chosen)
+    bounded = whole.judged(chosen, (lower, upper))[0] - floor
+    values, deviations = _spread([p.pick([k for e in chosen for k in e.linear]) for p in whole.pieces])
     below = values < lower - POLICY.sure * deviations
     if not below.any() or bounded < POLICY.too_much_times * before:
         return None
@@ -114,10 +111,6 @@ def _columns(linearisation: Linearisation) -> tuple[list[SensitivityColumn], lis
             entries.append(Entry(key, {}, [len(columns)], None, 1.0))
             columns += linear
     return columns, entries
-
-
-def _judged(pieces: list[Normal], held_out: Normal | None, chosen: Sequence[Entry]) -> float:
-    return judge(pieces, held_out, [k for e in chosen for k in e.linear])[0]
 
 
 def _spread(pieces: Sequence[Normal]) -> tuple[np.ndarray, np.ndarray]:

@@ -109,12 +109,12 @@ def _screened(linearisation: Linearisation, data: Data, start: Fit) -> list[Pair
     pairs = [(a, b) for a, b in combinations(entries, 2) if may_stand_together(a.key, b.key)]
     if not pairs or 2.0 * rows * len(columns) > POLICY.pair_values:
         return []
-    pieces, held_out = equations(linearisation, [], columns, data)
-    left = left_by(total(pieces), pairs)
+    whole = equations(linearisation, [], columns, entries, data)
+    left = left_by(total(whole.pieces), pairs)
     best: dict[tuple[EffectKey, EffectKey], tuple[float, Pair]] = {}
     for k in np.argsort(left)[: POLICY.pairs_solved]:
         one, other = pairs[k]
-        test_loss, pair = solved_together((one, other), linearisation, pieces, held_out)
+        test_loss, pair = solved_together((one, other), linearisation, whole)
         if (one.key, other.key) in best and best[one.key, other.key][0] <= test_loss:
             continue
         best[one.key, other.key] = test_loss, (pair[0], pair[1])

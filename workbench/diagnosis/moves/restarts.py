@@ -52,7 +52,7 @@ def on_training(node: Node, problem: Problem) -> Iterator[Node]:
         return
     problem.progress("beginning with what the training recordings show")
     by_folds = data.cross_validated()
-    screened, _ = screen(problem.linearisation, by_folds)
+    screened = screen(problem.linearisation, by_folds)
     at = rescored(start, by_folds)
     step = next_step(problem.linearisation, screened, at, by_folds, problem.progress)
     yield from _begun(node_after((), problem), (step,) if step else (), problem)

@@ -8,23 +8,18 @@ import numpy as np
 
 from ..acceptance import degrades_holdout, explains_most
 from ..data import Data
-from ..fitting.normal_equations import Normal
 from ..hypothesis import Fit
 from ..screening.candidate import Candidate
-from ..screening.equations import Entry, judge, limits_of
+from ..screening.equations import Entry, Equations, bounds_of
 from ..screening.sensitivity import Linearisation
 from ..significance import cancel_each_other, identifiable
 
 
 def solved_together(
-    entries: Sequence[Entry], linearisation: Linearisation, pieces: list[Normal], held_out: Normal | None
+    entries: Sequence[Entry], linearisation: Linearisation, whole: Equations
 ) -> tuple[float, tuple[Candidate, ...]]:
     """What effects leave together on data that they were not fitted on, and each with its coefficients."""
-    lower, upper = (
-        np.concatenate(b) for b in zip(*(limits_of(linearisation, e) for e in entries), strict=True)
-    )
-    index, fixed = [k for e in entries for k in e.linear], [e.fixed for e in entries if e.fixed is not None]
-    test_loss, solution = judge(pieces, held_out, index, fixed, (lower, upper))
+    test_loss, solution = whole.judged(entries, bounds_of(linearisation, entries))
     parts = np.split(solution, np.cumsum([len(e.linear) for e in entries])[:-1])
     found = (Candidate(e.key, x, e.shape, test_loss) for e, x in zip(entries, parts, strict=True))
     return test_loss, tuple(found)

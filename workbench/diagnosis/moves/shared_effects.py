@@ -48,11 +48,13 @@ def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
     if linearisation.model.size < 2:
         return ()
     problem.progress("looking for one cause on every axis")
-    if holdout_insensitive(start, data):  # an insensitive holdout cannot test
-        data = data.cross_validated()
-        start = rescored(start, data)
     whole = problem.linear.equations if problem.linear else None
-    whole = whole or _equations(linearisation, data)
+    if whole is None:
+        columns, entries = entries_of(linearisation)
+        whole = equations(linearisation, [], columns, entries, data)
+    if holdout_insensitive(start, data):  # an insensitive holdout cannot test
+        data, whole = data.cross_validated(), replace(whole, held_out=None)
+        start = rescored(start, data)
     sets = _promising(problem.screened, linearisation, data, start, whole)[: POLICY.sets_simulated]
     if not sets:
         return ()
@@ -112,8 +114,7 @@ def _promising(
     for option, own in _sets(at_drives, linearisation, whole, excess, start.test_loss):
         gone = (1.0 - POLICY.promising) * sum(excess[a] for a in {e.key.axis for e in own} if a)
         most = floor + max(start.test_loss - floor, 0.0) - gone
-        held_out = whole.held_out if data.tests_on_holdout else None
-        test_loss, chosen = solved_together(own, linearisation, whole.pieces, held_out)
+        test_loss, chosen = solved_together(own, linearisation, whole)
         if test_loss < min(most, best[option][0] if option in best else np.inf):
             best[option] = test_loss, chosen
     return [(option, chosen) for option, (_, chosen) in sorted(best.items(), key=lambda b: b[1][0])]
@@ -155,11 +156,6 @@ def _drives(entry: Entry, names: Sequence[str]) -> bool:
 
 def _shape(shape: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
     return tuple(sorted(shape.items()))
-
-
-def _equations(linearisation: Linearisation, data: Data) -> Equations:
-    columns, entries = entries_of(linearisation)
-    return Equations(tuple(entries), *equations(linearisation, [], columns, data))
 
 
 def _excess(start: Fit, data: Data) -> dict[str, float]:

@@ -87,7 +87,7 @@ def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) ->
     if rest is None:
         return ()
     linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
-    candidates, _ = screen(linearisation, data, rest.hypothesis.free)
+    candidates = screen(linearisation, data, rest.hypothesis.free)
     chosen = [c for c in candidates if contains(given_up.key, c.key)]
     for count in (2,) if last else (1, 2):
         sets = list(combinations(chosen, count))

@@ -105,12 +105,13 @@ def linear_of(linearisation: Linearisation) -> Linear:
     """All effects as they travel round the loops of the recordings."""
     data, (columns, entries) = linearisation.data, entries_of(linearisation)
     changes = responses(linearisation, [], columns, data)
-    pieces, held_out = equations_of(changes, data, linearisation.runs)
+    known = equations_of(changes, entries, data, linearisation.runs)
     each, white = range(data.training), data.weight**2
-    own = [total([p for p, f in zip(pieces, data.folds, strict=True) if f.recording == i]) for i in each]
+    own = [
+        total([p for p, f in zip(known.pieces, data.folds, strict=True) if f.recording == i]) for i in each
+    ]
     spread = [scatter([draw[i] for draw in data.draws], changes[i], data) for i in each]
     quiet = np.array([np.sum(data.floor[i] * white) * len(linearisation.runs[i]) for i in each])
-    known = Equations(tuple(entries), pieces, held_out)
     level = quiet.sum() / max(sum(p.samples for p in own) * np.count_nonzero(white), 1)
     return Linear(entries, own, quiet, np.sum(spread, axis=0), level, known)
 

@@ -13,7 +13,7 @@ from workbench.models import AppliedEffect, Placement
 from ..data import Data
 from .candidate import Candidate
 from .command_path import by_command_path
-from .equations import Entry, Equations, equations, judge, limits_of
+from .equations import Entry, Equations, bounds_of, equations
 from .ground_effects import by_runs
 from .propagation import propagate_sensitivities
 from .sensitivity import Linearisation, SensitivityColumn
@@ -29,7 +29,7 @@ def screen(
     *,
     left_out: Container[EffectKey] = (),
     whole: Equations | None = None,
-) -> tuple[list[Candidate], float]:
+) -> list[Candidate]:
     """All effects that could be added to the linearised model, with their predicted test loss.
 
     Args:
@@ -40,7 +40,7 @@ def screen(
         whole: the equations of all effects where they are known; only without `free` and `left_out`.
 
     Returns:
-        Candidates, best first, and the test loss without any of them (parameters of `free` refitted).
+        Candidates, best first.
     """
     following = [c for applied in free for c in linearisation.derivatives(applied)]
     kept, known = list(range(len(following))), propagate_sensitivities([linearisation], [following], data)[0]
@@ -50,20 +50,19 @@ def screen(
     taken = {applied.key for applied in free}
     asked = [key for key in places(linearisation.model) if key not in taken and key not in left_out]
     blocks = (
-        Equations(tuple(entries), *equations(linearisation, known, columns, data))
+        equations(linearisation, known, columns, entries, data)
         for columns, entries in _blocks(linearisation, len(following), asked, size)
     )
     for block in blocks if whole is None else (whole,):
         if without is None:
-            without = judge(block.pieces, block.held_out, kept)[0]
+            without = block.judged((), kept=kept)[0]
         for entry in block.entries:
-            candidate = _candidate(linearisation, entry, kept, block)
-            before = best.get(entry.key)
-            if before is None or candidate.test_loss < before.test_loss:
-                best[entry.key] = candidate
+            test_loss, x = block.judged([entry], bounds_of(linearisation, [entry], len(kept)), kept)
+            if entry.key not in best or test_loss < best[entry.key].test_loss:
+                best[entry.key] = Candidate(entry.key, x[len(kept) :], entry.shape, test_loss)
     apart = [c for c in by_runs(linearisation, data) if c.key not in taken]
     found = [*by_command_path(linearisation, best.values(), without or 0.0), *apart]
-    return sorted(found, key=lambda c: c.test_loss), without or 0.0
+    return sorted(found, key=lambda c: c.test_loss)
 
 
 def _blocks(
@@ -91,15 +90,6 @@ def _blocks(
             numbers = list(range(start, start + len(linear)))
             entries.append(Entry(key, shape, numbers, where, strength_of(own, sizes)))
     yield columns, entries
-
-
-def _candidate(linearisation: Linearisation, entry: Entry, kept: list[int], block: Equations) -> Candidate:
-    lower, upper = limits_of(linearisation, entry)
-    open_low, open_high = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
-    bounds = np.concatenate([open_low, lower]), np.concatenate([open_high, upper])
-    fixed = () if entry.fixed is None else (entry.fixed,)
-    test_loss, solution = judge(block.pieces, block.held_out, [*kept, *entry.linear], fixed, bounds)
-    return Candidate(entry.key, solution[len(kept) :], entry.shape, test_loss)
 
 
 def entries_of(linearisation: Linearisation) -> tuple[list[SensitivityColumn], list[Entry]]:

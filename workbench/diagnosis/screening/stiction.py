@@ -50,7 +50,7 @@ def candidates(
     Returns:
         Best first.
     """
-    in_loop = screen(linearisation, data, current.hypothesis.free, whole=whole)[0]
+    in_loop = screen(linearisation, data, current.hypothesis.free, whole=whole)
     known = all(scored_torque(r) for r in data.recordings)
     floor = test_noise_floor(data)
     left = min((c.test_loss - floor for c in in_loop), default=0.0)
@@ -74,7 +74,7 @@ def candidates(
         return replace(other, test_loss=test_loss) if test_loss < own.test_loss else own
 
     others = {key for key in places(model) if not kinds.is_dry(effect_named(key.effect))}
-    found, _ = screen(moving, along, current.hypothesis.free, left_out=others)
+    found = screen(moving, along, current.hypothesis.free, left_out=others)
     seen = {c.key: c for c in found if c.key not in others}
     best = (better(c, seen[c.key]) if c.key in seen else c for c in in_loop)
     return tuple(sorted(best, key=lambda c: c.test_loss))
