@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
+from workbench.core import EffectKey, Finding, Step, Verdict
 from workbench.effects import effect_named, model_value
 from workbench.models import AppliedEffect, Model, Placement
 
@@ -200,13 +200,11 @@ def refuting_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
 
 
 def _estimated(applied: AppliedEffect) -> str:
-    values = (_value(name, estimate) for name, estimate in applied.parameters.items())
+    values = (
+        f"{name} {e.value:.3g} ± {2 * e.std:.2g} {e.unit.replace('*', ' ')}".strip()
+        for name, e in applied.parameters.items()
+    )
     return f"{applied.key} ({', '.join(values)})"
-
-
-def _value(name: str, estimate: Estimate) -> str:
-    unit = estimate.unit.replace("*", " ")
-    return f"{name} {estimate.value:.3g} ± {2 * estimate.std:.2g} {unit}".strip()
 
 
 def cut_short_line(found: SearchResult) -> tuple[str, ...]:

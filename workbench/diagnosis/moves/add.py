@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from workbench.core import EffectKey
 from workbench.effects import contains
 
 from ..acceptance import (
@@ -145,6 +144,8 @@ def _step(helpful: list[Explanation], tried: TrialFits, at: SearchState, basics_
     kept = kept if off_command_path(linearisation, candidate, fine) else fine
     alike = (*best[2], *(c.key for c, _ in wider))
     alike = (*alike, *(k for k in equivalents_of(model, key, data.recordings) if k not in alike))
+    removed = dict(tried.at_first)
+    removed |= {c.key: removed_share(before.test_loss, f.test_loss, at.floor) for c, f in tried.fits}
     explanations = sorted((*helpful, *wider), key=lambda cf: cf[1].test_loss)
     return AcceptedStep.between(
         before,
@@ -161,13 +162,6 @@ def _step(helpful: list[Explanation], tried: TrialFits, at: SearchState, basics_
             and not contains(key, c.key)
         ),
         dropped=tuple(a.key for a in before.hypothesis.added if a.key not in kept.hypothesis.keys),
-        ranking=_ranking(tried, at),
+        ranking=tuple(sorted(removed.items(), key=lambda r: -r[1])),
         loss_ratios=loss_ratios(key, found.test_loss, ((c.key, f.test_loss) for c, f in tried.fits)),
     )
-
-
-def _ranking(tried: TrialFits, at: SearchState) -> tuple[tuple[EffectKey, float], ...]:
-    """What every simulated candidate removed of the excess, best first."""
-    removed = dict(tried.at_first)
-    removed |= {c.key: removed_share(at.current.test_loss, f.test_loss, at.floor) for c, f in tried.fits}
-    return tuple(sorted(removed.items(), key=lambda r: -r[1]))

@@ -130,7 +130,11 @@ def _sets(
     """Effects of a make on all axes, or on those that show them: in the best shape of each, and all alike."""
     there = {effect for effect, _ in at_drives}
     names = [effect.name for effect in EFFECTS if kinds.shared_by_design(effect) and effect.name in there]
-    entries = {(e.key.effect, e.key.axis, _shape(e.shape)): e for e in whole.entries if _drives(e, names)}
+    entries = {
+        (e.key.effect, e.key.axis, _shape(e.shape)): e
+        for e in whole.entries
+        if e.key.location == "actuator" and e.key.axis is not None and e.key.effect in names
+    }
     everywhere = set(linearisation.model.driven)
     for option in (*((name,) for name in names), _FRICTION, _DRIVES):
         gains = {a: before - _least(at_drives, option, a) for a in everywhere}
@@ -148,10 +152,6 @@ def _sets(
             alike = [entries[name, a, shape] for a in sorted(everywhere) if (name, a, shape) in entries]
             if len(alike) == len(everywhere):
                 yield (name,), alike
-
-
-def _drives(entry: Entry, names: Sequence[str]) -> bool:
-    return entry.key.location == "actuator" and entry.key.axis is not None and entry.key.effect in names
 
 
 def _shape(shape: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
