@@ -7,7 +7,6 @@ estimate follows from them, alone and beside any other effect (L. Ljung, System 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -109,35 +108,30 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
     if (linear.excess <= linear.quiet).all():  # what is at the noise contradicts nothing
         return ()
     single = [e for e in linear.entries if len(e.linear) == 1 and len(linear.own) > 1]
-    tried = [_BySize.of(linear, e) for e in single]
-    best = min((t for t in tried if t is not None), key=lambda t: t.left.sum(), default=None)
-    if best is None or (best.left > np.maximum((1.0 - POLICY.explained) * linear.excess, linear.quiet)).any():
+    tried = [(own[2].sum(), e, own) for e in single if (own := _by_recording(linear, e)) is not None]
+    if not tried:
         return ()
-    low, high = int(best.sizes.argmin()), int(best.sizes.argmax())
-    apart, deviation = np.ptp(best.sizes), np.hypot(best.deviations[low], best.deviations[high])
-    if apart < max(POLICY.disagreement * np.abs(best.sizes).max(), POLICY.significant * deviation):
+    _, entry, (sizes, deviations, left) = min(tried, key=lambda t: t[0])
+    low, high = int(sizes.argmin()), int(sizes.argmax())
+    apart, deviation = np.ptp(sizes), np.hypot(deviations[low], deviations[high])
+    unclear = (left > np.maximum((1.0 - POLICY.explained) * linear.excess, linear.quiet)).any()
+    least = max(POLICY.disagreement * np.abs(sizes).max(), POLICY.significant * deviation)
+    if unclear or apart < least:
         return ()
-    effect = effect_named(best.entry.key.effect)
+    effect = effect_named(entry.key.effect)
     (name,) = (p.name for p in effect.parameters if p.name not in effect.parameters.nonlinear)
-    values = [effect.parameters.to_values(np.array([x]), best.entry.shape)[name] for x in best.sizes]
-    return (Disagreement(tuple(names[: len(values)]), best.entry.key, tuple(map(float, values))),)
+    values = [effect.parameters.to_values(np.array([x]), entry.shape)[name] for x in sizes]
+    return (Disagreement(tuple(names[: len(values)]), entry.key, tuple(map(float, values))),)
 
 
-@dataclass(frozen=True)
-class _BySize:
-    """An effect by recording: its sizes with deviations, and what each leaves above the noise."""
+def _by_recording(linear: Linear, entry: Entry) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Sizes of an effect by recording, their deviations, and what is left above the noise, (R,) each.
 
-    entry: Entry
-    sizes: np.ndarray
-    deviations: np.ndarray
-    left: np.ndarray
-
-    @staticmethod
-    def of(linear: Linear, entry: Entry) -> _BySize | None:
-        """None where a recording shows nothing of it."""
-        (k,) = entry.linear
-        gram = np.array([own.gram[k, k] for own in linear.own])
-        right = np.array([own.right[k] for own in linear.own])
-        if (gram <= 0.0).any():
-            return None
-        return _BySize(entry, right / gram, 1.0 / np.sqrt(gram), linear.excess - right**2 / gram)
+    None where a recording shows nothing of it.
+    """
+    (k,) = entry.linear
+    gram = np.array([own.gram[k, k] for own in linear.own])
+    right = np.array([own.right[k] for own in linear.own])
+    if (gram <= 0.0).any():
+        return None
+    return right / gram, 1.0 / np.sqrt(gram), linear.excess - right**2 / gram
