@@ -9,17 +9,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from workbench.core import Recording
+from workbench.simulation import scored_torque
+
 from ..acceptance import holdout_insensitive, near_noise_floor
+from ..fitting.fit import fit
+from ..fitting.refinement import converged
 from ..loss import rescored
 from ..node import Growth, Node, explains_data, node_after, screened_at, with_steps
 from ..policy import POLICY
 from ..problem import Problem
 from ..screening.screen import screen
 from ..search_result import AcceptedStep
-from .add import next_step
+from .add import grown, next_step
 from .choice import better_refinement
 from .compliance_from_torque import compliance_from_torque
-from .inverse_dynamics import inverse_dynamics_start
 from .pairs import best_pair
 from .shared_effects import shared_effects
 
@@ -76,8 +80,37 @@ def two_at_once(node: Node, problem: Problem) -> Iterator[Node]:
 
 
 def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:
-    """Effects found along the measured motion, where no loop holds an axis."""
-    yield from _begun(node_after((), problem), inverse_dynamics_start(problem), problem)
+    """Effects that explain the torque along the measured motion, then fitted in the closed loop.
+
+    A pendulum that swings freely on a cart swings on where its friction is missing: the simulated motion soon
+    differs from the measured one, and its sensitivities say nothing. Along the measured motion the friction
+    is identifiable. Not asked where that replay was used already, a loop holds every axis to its reference,
+    or no torque was recorded.
+    """
+    recordings = problem.data.recordings
+    blind = any(scored_torque(r) is None for r in recordings)
+    if blind or all(map(_holds, recordings)) or not problem.data.replay.simulates:
+        return
+    problem.progress("asking the torque along the measured motion")
+    if problem.inverse_dynamics is None:
+        return
+    data, start, _ = problem.inverse_dynamics
+    asked = Problem(start, data, problem.limit, problem.seed, problem.progress)
+    found = grown(Node(start, data, growth=Growth()), asked).steps
+    fits = fit([step.fit.hypothesis for step in found], problem.data)
+    if not fits or fits[-1] is None:
+        return
+    last = converged(fits[-1], problem.data)
+    # an intermediate loop may not run although the final one does
+    ends = [*(f or last for f in fits[:-1]), last]
+    steps = [replace(s, fit=f, data=problem.data) for s, f in zip(found, ends, strict=True)]
+    yield from _begun(node_after((), problem), steps, problem)
+
+
+def _holds(recording: Recording) -> bool:
+    """Whether a loop holds all axes to their reference."""
+    loop = recording.controller
+    return loop.kind != "none" and all(loop.kp)
 
 
 def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
