@@ -32,7 +32,7 @@ from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import cancel_each_other, identifiable
 from .choice import Explanation, choose, loss_ratios
-from .trial_fits import SearchState, TrialFits, try_in_order
+from .trial_fits import SearchState, try_in_order
 
 
 def grown(node: Node, problem: Problem) -> Node:
@@ -125,14 +125,16 @@ def next_step(
     tried, enough = try_in_order(at), explains_training if provisional else improves
     helpful = [
         (c, f)
-        for c, f in tried.fits
+        for c, f in tried
         if enough(f, current, at.excess) and lowers_error(f, current, data) and identifiable(linearisation, f)
     ]
     step = _step(helpful, tried, at, basics_first) if helpful else None
     return None if step is None or cancel_each_other(linearisation, step.fit) else step
 
 
-def _step(helpful: list[Explanation], tried: TrialFits, at: SearchState, basics_first: bool) -> AcceptedStep:
+def _step(
+    helpful: list[Explanation], tried: list[Explanation], at: SearchState, basics_first: bool
+) -> AcceptedStep:
     """The step with the best of candidates that may be named, without effects that it makes needless."""
     linearisation, model, data, before = at.linearisation, at.linearisation.model, at.data, at.current
     best = choose(helpful, at.parameter_free, before.test_loss, data, model, basics_first)
@@ -144,8 +146,8 @@ def _step(helpful: list[Explanation], tried: TrialFits, at: SearchState, basics_
     kept = kept if off_command_path(linearisation, candidate, fine) else fine
     alike = (*best[2], *(c.key for c, _ in wider))
     alike = (*alike, *(k for k in equivalents_of(model, key, data.recordings) if k not in alike))
-    removed = dict(tried.at_first)
-    removed |= {c.key: removed_share(before.test_loss, f.test_loss, at.floor) for c, f in tried.fits}
+    shares = {c.key: removed_share(before.test_loss, f.test_loss, at.floor) for c, f in tried}
+    removed = at.at_first | shares
     explanations = sorted((*helpful, *wider), key=lambda cf: cf[1].test_loss)
     return AcceptedStep.between(
         before,
@@ -163,5 +165,5 @@ def _step(helpful: list[Explanation], tried: TrialFits, at: SearchState, basics_
         ),
         dropped=tuple(a.key for a in before.hypothesis.added if a.key not in kept.hypothesis.keys),
         ranking=tuple(sorted(removed.items(), key=lambda r: -r[1])),
-        loss_ratios=loss_ratios(key, found.test_loss, ((c.key, f.test_loss) for c, f in tried.fits)),
+        loss_ratios=loss_ratios(key, found.test_loss, ((c.key, f.test_loss) for c, f in tried)),
     )
