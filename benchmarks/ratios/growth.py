@@ -87,7 +87,7 @@ def _catalogue(repeats: int) -> Row:
     for _ in range(repeats + 1):
         begun = time.process_time()
         fresh = sensitivity.Linearisation.of(model, data, start.simulated, len(recordings))
-        screen(fresh, data, start.simulated, ())
+        screen(fresh, data)
         screened = time.process_time()
         replay.run([model] * places)
         found.append((screened - begun) / (time.process_time() - screened))

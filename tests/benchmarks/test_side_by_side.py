@@ -48,12 +48,11 @@ def test_a_ratio_is_that_of_the_work() -> None:
 def test_the_whole_catalogue_is_screened_in_the_time_of_a_few_simulations(recording: Recording) -> None:
     model = load_model("leg")
     data, simulated = gather(model, [recording], (), 0)
-    data = data.with_holdout_checked(data.mean_squares(simulated.clean))
     start = starting_fit(model, data, simulated.clean)
 
     def screened() -> int:
         linearisation = Linearisation.of(model, data, start.simulated, 1)
-        return len(screen(linearisation, data, start.simulated, ())[0])
+        return len(screen(linearisation, data))
 
     places = screened()
     few = runs(replay_of(model, [recording]), model, 10)

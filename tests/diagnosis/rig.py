@@ -12,7 +12,7 @@ from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Hypothesis, applied_effect
 from workbench.diagnosis.moves.order import ONE_BY_ONE
 from workbench.diagnosis.node import Node, with_steps
-from workbench.diagnosis.problem import Problem, problem_of
+from workbench.diagnosis.problem import Problem, starting_fit
 from workbench.diagnosis.search_result import AcceptedStep
 from workbench.models import AppliedEffect, Model
 from workbench.rigs import HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep, validation
@@ -40,7 +40,7 @@ SPRING_AND_DELAY = (
 def asked(model: Model, training: Sequence[Recording], held_out: Sequence[Recording] = ()) -> Problem:
     """What a search is asked of these recordings."""
     data, runs = gather(model, training, held_out, seed=0)
-    return problem_of(model, data, runs.clean, 6, 0, lambda text: None)
+    return Problem(starting_fit(model, data, runs.clean), data, 6, 0, lambda text: None)
 
 
 def applied(model: Model, key: EffectKey, **values: float) -> AppliedEffect:

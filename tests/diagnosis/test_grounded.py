@@ -52,6 +52,6 @@ def test_in_the_air_no_contact_is_a_candidate() -> None:
     hidden = HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.2})
     data, simulated = gather(MODEL, recorded(hidden), (), seed=0)
     linearisation = Linearisation.of(MODEL, data, simulated.clean, len(data.recordings))
-    candidates, _ = screen(linearisation, data, simulated.clean, ())
+    candidates = screen(linearisation, data)
     assert not {c.key for c in candidates} & CONTACTS
-    assert set(unobservable_effects(linearisation, data)) >= CONTACTS
+    assert set(unobservable_effects(linearisation)) >= CONTACTS

@@ -44,7 +44,7 @@ def screened(folder: Path, runs: list[Recording]) -> tuple[Linearisation, Data, 
     data, simulated = gather(model, runs, (), 0)
     start = starting_fit(model, data, simulated.clean)
     linearisation = Linearisation.of(model, data, start.simulated, len(runs))
-    return linearisation, data, start, screen(linearisation, data, start.simulated, ())[0]
+    return linearisation, data, start, screen(linearisation, data)
 
 
 @pytest.mark.parametrize(

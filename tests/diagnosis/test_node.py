@@ -31,9 +31,9 @@ def test_where_a_search_comes_back_to_nothing_is_worked_out_again(monkeypatch: p
     here = linearisation_at(one, problem.data, problem)
     assert linearisation_at(replace(one, training_loss=0.0), problem.data, problem) is here
     assert linearisation_at(other, problem.data, problem) is not here
-    first = compliance.compliance_candidates(here, 1, 1.0, one.hypothesis.free)
+    first = compliance.compliance_candidates(here, 1.0, one.hypothesis.free)
     monkeypatch.setattr(compliance, "_shares", lambda *_: pytest.fail("asked a second time"))
     again = compliance.compliance_candidates(
-        linearisation_at(one, problem.data, problem), 1, 100.0, one.hypothesis.free
+        linearisation_at(one, problem.data, problem), 100.0, one.hypothesis.free
     )
     assert first and [(c.key, c.test_loss) for c in again] == [(c.key, 100.0 * c.test_loss) for c in first]

@@ -35,7 +35,7 @@ def test_it_is_of_what_stands_above_the_noise() -> None:
 def test_a_step_its_ranking_and_its_evidence_have_the_same_share() -> None:
     hidden = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.02})
     problem = asked(load_model("leg"), *recordings(hidden))
-    screened, _ = screen(problem.linearisation, problem.data, problem.start.simulated, ())
+    screened = screen(problem.linearisation, problem.data)
     step = next_step(problem.linearisation, screened, problem.start, problem.data, problem.progress)
     assert step is not None and step.added == FRICTION
     before, floor = problem.start.test_loss, noise_floor(problem.data)

@@ -14,7 +14,8 @@ from .following import MeasuredMotion, followed
 from .long import compare_logs
 from .matching import matched, matched_ways
 from .noise import DRAWS, NoiseModel
-from .replay import Replay, needs_inverse, replay_of
+from .replay import Replay
+from .replay_of import needs_inverse, replay_of
 from .score import Scale, normalised, score_runs, scored_signals
 from .shifted import Shifted, shifted_axes
 from .signs import Turn, Turned, turned_axes

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from workbench.core import Recording
-from workbench.effects import Motion, OnGround, Plant, effect_named
+from workbench.effects import Motion, Plant
 from workbench.models import Model
 from workbench.simulation import (
     Disturbance,
@@ -26,6 +26,7 @@ from workbench.simulation import (
 
 from .counted_rows import settled
 from .noise import DRAWS, NoiseModel, noise_seeds
+from .replay import Replay
 from .simulated import Simulated
 
 _SHIFT, _LONGEST = 0.05, 0.002  # of a period; s
@@ -47,17 +48,11 @@ def _shifted(model: Model, recording: Recording) -> Model:
 
 
 @dataclass(frozen=True)
-class ClosedLoop:
+class ClosedLoop(Replay):
     """Every model runs the way the recordings were made; position and torque are scored."""
 
     recordings: tuple[Recording, ...]
     noise: NoiseModel
-    on_ground: ClassVar[bool] = False
-    simulates: ClassVar[bool] = True
-
-    def shows(self, effect: str) -> bool:
-        """Off the ground, all but contacts with it."""
-        return not isinstance(effect_named(effect), OnGround)
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> ClosedLoop:
         """The same for other recordings."""

@@ -19,7 +19,7 @@ from .consistent import MARGIN_TOTAL
 from .evaluate import evaluate
 from .matching import matched
 from .noise import DRAWS, NoiseModel
-from .replay import replay_of
+from .replay_of import replay_of
 from .score import Scale, normalised
 from .simulated import Simulated
 from .soft_friction import softness_note

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.core import Recording, SimulationError
-from workbench.effects import Motion, OnGround, Plant, compile_plant, effect_named, giving_way
+from workbench.effects import Motion, Plant, compile_plant, giving_way
 from workbench.models import Model
 from workbench.simulation import Disturbance, SensorNoise
 
@@ -19,6 +19,7 @@ from .counted_rows import moving
 from .inverse import cutoff_hz
 from .measured_motion import Follower, Reading, read_motion
 from .noise import DRAWS, NoiseModel, noise_seeds
+from .replay import Replay
 from .simulated import Simulated
 
 
@@ -40,14 +41,13 @@ def _along(recording: Recording, why: str) -> Recording:
     )
 
 
-class MeasuredMotion:
+class MeasuredMotion(Replay):
     """Every model follows the motion that was measured; the torque that it needs is scored.
 
     The position is taken from the recording, so that it says nothing of the model. Rows at the edges, where
     differentiating errs, and axes while they stand still, where dry friction takes any value, do not count.
     """
 
-    on_ground: ClassVar[bool] = False
     simulates: ClassVar[bool] = False
 
     def __init__(
@@ -67,10 +67,6 @@ class MeasuredMotion:
             [replace(r, counts=c) for r, c in zip(each, counts, strict=True)] for each in (first, smooth)
         )
         self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
-
-    def shows(self, effect: str) -> bool:
-        """Off the ground, all but contacts with it."""
-        return not isinstance(effect_named(effect), OnGround)
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> MeasuredMotion:
         """The same, with the same filter, for other recordings of the same kind."""

@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 
 from workbench.core import Recording, SimulationError
-from workbench.effects import Motion, Plant, compile_plant, effect_named, kinds
+from workbench.effects import Effect, Motion, OnGround, Plant, compile_plant, effect_named, kinds
 from workbench.models import Model
 from workbench.recordings import white_noise
 from workbench.simulation import (
@@ -31,6 +31,7 @@ from workbench.simulation import (
 from .feet import Feet
 from .floating import floats
 from .noise import DRAWS, NoiseModel, noise_seeds
+from .replay import Replay
 from .simulated import Simulated
 from .standing import (
     FORCE,
@@ -44,11 +45,11 @@ from .standing import (
 from .starts import local_state, shaken
 
 
-class Grounded:
+class Grounded(Replay):
     """Every model runs in short windows on its ground."""
 
-    on_ground: ClassVar[bool] = True
-    simulates: ClassVar[bool] = True
+    machine_alone: ClassVar[bool] = False
+    smooth: ClassVar[bool] = False
 
     def __init__(self, model: Model, recordings: Sequence[Recording], noise: NoiseModel) -> None:
         for r in recordings:
@@ -66,8 +67,12 @@ class Grounded:
         self.recordings = tuple(s.recording for s in self._standing)
 
     def shows(self, effect: str) -> bool:
-        """Whether windows can tell anything of an effect."""
+        """All but what has a state that no sensor shows where a window begins."""
         return not kinds.has_hidden_state(effect_named(effect))
+
+    def needs_runs(self, effect: Effect) -> bool:
+        """Contacts, and how deep a foot goes, are no torque along a motion."""
+        return isinstance(effect, OnGround) or kinds.changes_foot_position(effect)
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Grounded:
         """The same for other recordings."""

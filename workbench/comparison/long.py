@@ -20,7 +20,8 @@ from .lines import line_shares
 from .matching import matched
 from .noise import DRAWS
 from .notes import notes_of
-from .replay import Replay, replay_of
+from .replay import Replay
+from .replay_of import replay_of
 from .score import Scale, follows_motion, normalised
 from .simulated import Simulated
 from .standing import on_ground

@@ -14,7 +14,8 @@ from workbench.simulation import check_axes
 from .consistent import MARGIN_TOTAL
 from .evaluate import evaluate
 from .floating import with_base
-from .replay import Replay, replay_of
+from .replay import Replay
+from .replay_of import replay_of
 from .score import Scale, normalised, pooled, squares
 from .standing import check_ground, on_ground
 from .touching import refuse_overlaps

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from workbench.core import Recording
-from workbench.effects import Motion, OnGround, Plant, effect_named, kinds
+from workbench.effects import Motion, Plant, effect_named, kinds
 from workbench.models import Model
 from workbench.recordings import NoiseLevels, white_noise
 from workbench.simulation import (
@@ -31,6 +31,7 @@ from workbench.simulation import (
 )
 
 from .noise import DRAWS, NoiseModel, noise_seeds
+from .replay import Replay
 from .simulated import Simulated
 from .starts import local_state, shaken
 from .swing_starts import swing_starts
@@ -86,11 +87,10 @@ class _Swinging:
         return replace(r, signals=signals, extra={}, derived=(), notes=(), source=None)
 
 
-class Swings:
+class Swings(Replay):
     """Every model swings from measured states; position is scored."""
 
-    on_ground: ClassVar[bool] = False
-    simulates: ClassVar[bool] = True
+    driven: ClassVar[bool] = False
 
     def __init__(self, recordings: Sequence[Recording], noise: NoiseModel) -> None:
         self.noise = noise
@@ -100,9 +100,8 @@ class Swings:
     def shows(self, effect: str) -> bool:
         """Neither what has a state that no sensor shows where a swing begins, nor a bent reading."""
         known = effect_named(effect)
-        return not (
-            isinstance(known, OnGround) or kinds.has_hidden_state(known) or kinds.bends_reading(known)
-        )
+        unseen = kinds.has_hidden_state(known) or kinds.bends_reading(known)
+        return super().shows(effect) and not unseen
 
     def like(self, model: Model, recordings: Sequence[Recording]) -> Swings:
         """The same sensors for other recordings."""

@@ -49,7 +49,7 @@ def improves_residual(found: Fit, current: Fit, start: Fit, data: Data) -> bool:
     of what the next one leaves, while in a model that lacks something else many take a little of it each. Or
     whether it explains nearly all of a rest that is small in the whole and yet plain to see.
     """
-    if _explains_the_rest(found, current, data):
+    if explains_most(found, current, data, POLICY.plain_rest_left):
         return True
     plain = data.reweighed(start.mean_squares, POLICY.later_tolerance)
     removed = {}
@@ -77,10 +77,6 @@ def improves_an_axis(found: Fit, current: Fit, data: Data) -> bool:
         better &= np.sqrt(after) < (1.0 - POLICY.later_fall) * np.sqrt(before)
         better &= before - after > POLICY.later_gain * (before - floor)
     return bool(better.any())
-
-
-def _explains_the_rest(found: Fit, current: Fit, data: Data) -> bool:
-    return explains_most(found, current, data, POLICY.plain_rest_left)
 
 
 def explains_most(found: Fit, current: Fit, data: Data, left: float | None = None) -> bool:

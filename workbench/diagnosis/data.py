@@ -5,17 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from workbench.comparison import (
-    Replay,
-    Scale,
-    Simulated,
-    normalised,
-    replay_of,
-    scored_signals,
-)
+from workbench.comparison import Replay, Scale, Simulated, followed, normalised, replay_of, scored_signals
 from workbench.core import Recording
 from workbench.models import Model
 
@@ -75,13 +69,16 @@ class Data:
         """Whether the test loss is that of held-out recordings; else it is cross-validated on folds."""
         return self.held_out and not self.holdout_uninformative
 
-    def with_holdout_checked(self, mean_squares: np.ndarray) -> Data:
-        """The same data, tested on held-out recordings only if the model's error there exceeds the noise."""
+    def weighed_for(self, mean_squares: np.ndarray) -> Data:
+        """The same data for a model that leaves these mean squares, (R, 2, n).
+
+        Tested on held-out recordings only if the error there exceeds the noise.
+        """
+        out = self.reweighed(mean_squares)
         if not self.held_out:
-            return self
-        error = self.objective(self.pool(mean_squares, held_out=True))
-        floor = self.objective(self.pool(self.floor, held_out=True))
-        return replace(self, holdout_uninformative=error < POLICY.holdout_informative * floor)
+            return out
+        error, floor = (out.objective(out.pool(ms, held_out=True)) for ms in (mean_squares, out.floor))
+        return replace(out, holdout_uninformative=error < POLICY.holdout_informative * floor)
 
     def cross_validated(self) -> Data:
         """The same data, cross-validated on folds of the training recordings."""
@@ -90,7 +87,7 @@ class Data:
     @property
     def noise_squares(self) -> np.ndarray:
         """Mean squares that noise alone leaves, of each draw and recording, (N, R, 2, n)."""
-        return _squares(self.draws)
+        return np.array([[np.mean(x**2, axis=0) for x in draw] for draw in self.draws])
 
     @property
     def folds(self) -> tuple[Fold, ...]:
@@ -153,15 +150,12 @@ class Data:
         """
         self.budget.add(self.recordings, _NOISY)
         simulated = self.replay.with_noise(model, seed)
-        fresh = floor_of(self.replay, self.training, simulated)
-        return replace(fresh, budget=self.budget, motion_periods=self.motion_periods), simulated
+        return replace(self, holdout_uninformative=False, **_floor(self.recordings, simulated)), simulated
 
     def residual(self, index: int, simulated: Recording) -> np.ndarray:
         """Measured minus simulated, (N, 2, n), unweighted; zero where not measured or masked."""
         measured = self.recordings[index]
-        out = np.zeros((len(measured), 2, len(measured.axes)))
-        for k, name in enumerate(scored_signals(measured)):
-            out[:, k] = measured.signals[name] - simulated.signals[name]
+        out = difference(measured, simulated, measured)
         out[~measured.valid] = 0.0
         return out
 
@@ -210,42 +204,44 @@ class Data:
 def gather(
     model: Model, training: Sequence[Recording], held_out: Sequence[Recording], seed: int
 ) -> tuple[Data, Simulated]:
-    """Simulate a model with and without noise on all recordings.
-
-    Returns:
-        The data, weighed for this model's error, and the runs themselves.
-    """
+    """Runs of a model with and without noise, and the data with its floor, weighed for its error."""
     replay = replay_of(model, (*training, *held_out))
     simulated = replay.with_noise(model, seed)
-    motion_periods = tuple(motion_period(r) for r in replay.recordings)
-    data = replace(
-        floor_of(replay, len(training), simulated),
+    data = Data(
+        recordings=replay.recordings,
+        training=len(training),
+        replay=replay,
+        weight=np.ones((2, len(replay.recordings[0].axes))),
         budget=WorkBudget.for_search(training, replay.simulates),
-        motion_periods=motion_periods,
+        motion_periods=tuple(motion_period(r) for r in replay.recordings),
+        **_floor(replay.recordings, simulated),
     )
-    return data.reweighed(data.mean_squares(simulated.clean)), simulated
+    return data.weighed_for(data.mean_squares(simulated.clean)), simulated
 
 
-def floor_of(replay: Replay, training: int, simulated: Simulated) -> Data:
-    """Noise floor from noisy and noise-free runs of one model."""
-    recordings = replay.recordings
+def gather_along(
+    model: Model, recordings: Sequence[Recording], training: int, seed: int
+) -> tuple[Data, Simulated]:
+    """As `gather`, along the motion that was measured, whatever loops made it."""
+    along = followed(recordings)
+    return gather(model, along[:training], along[training:], seed)
+
+
+def _floor(recordings: Sequence[Recording], simulated: Simulated) -> dict[str, Any]:
+    """Noise floor from noisy and noise-free runs of one model, as `Data` has it."""
     draws = tuple(
-        tuple(_difference(n, c, r) for n, c, r in zip(draw, simulated.clean, recordings, strict=True))
+        tuple(difference(n, c, r) for n, c, r in zip(draw, simulated.clean, recordings, strict=True))
         for draw in simulated.noisy
     )
-    floor = np.mean(_squares(draws), axis=0)
-    n = len(recordings[0].axes)
     counts = [max(int(np.sum(r.valid)), 1) for r in recordings]
     apart = np.stack([np.nan_to_num(simulated.immaterial(i)) / c for i, c in enumerate(counts)])
-    return Data(recordings, training, replay, floor, apart, draws, np.ones((2, n)))
+    floor = np.mean([[np.mean(x**2, axis=0) for x in draw] for draw in draws], axis=0)
+    return {"floor": floor, "immaterial": apart, "draws": draws}
 
 
-def _squares(draws: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
-    return np.stack([np.stack([np.mean(x**2, axis=0) for x in draw]) for draw in draws])
-
-
-def _difference(noisy: Recording, clean: Recording, measured: Recording) -> np.ndarray:
+def difference(one: Recording, other: Recording, measured: Recording) -> np.ndarray:
+    """One less the other of the scored signals of a recording, (N, 2, n); zero where there is none."""
     out = np.zeros((len(measured), 2, len(measured.axes)))
     for k, name in enumerate(scored_signals(measured)):
-        out[:, k] = noisy.signals[name] - clean.signals[name]
+        out[:, k] = one.signals[name] - other.signals[name]
     return out

@@ -13,11 +13,9 @@ from workbench.effects import SETTINGS
 from workbench.models import Model
 
 from .checks.units import doubted
-from .data import Data
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
-from .node import trajectories_diverge
 from .policy import POLICY
 from .problem import Progress
 from .rounds import Rounds, comparisons, part_of, rounds
@@ -67,7 +65,8 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
     after, *holdout_after = before, *holdout_before
     if named and last.steps[-1].runs is not None:
         after, *holdout_after = comparisons(last.final.hypothesis.model, last.steps[-1].runs, last)
-    held_out_floor = _held_out_floor(last.final_data if named else first.start_data)
+    judging = last.final_data if named else first.start_data
+    held_out_floor = judging.score(judging.floor, held_out=True) if judging.held_out else None
     each = [(f, findings_of(f, held_out_floor)) for f in found] if named else []
     recordings = first.start_data.recordings
     findings = doubted(tuple(finding for _, own in each for finding in own), recordings)
@@ -142,16 +141,12 @@ def _parting(found: SearchResult) -> tuple[str, ...]:
     """What counts as noise besides, where runs of models that are equally good part."""
     data = found.final_data
     own, noise = data.score(data.floor), data.score(np.mean(data.noise_squares, axis=0))
-    if not trajectories_diverge(found.final) or own < POLICY.noise_slack * noise:
+    if not found.final.hypothesis.diverges or own < POLICY.noise_slack * noise:
         return ()
     return (
         f"with a gap, runs of models that do equally well part: an error of {own:.3g} is no sign that "
         f"anything is missing, although noise alone makes {noise:.3g}",
     )
-
-
-def _held_out_floor(data: Data) -> float | None:
-    return data.score(data.floor, held_out=True) if data.held_out else None
 
 
 def _model_settings(found: SearchResult) -> dict[str, float]:

@@ -10,8 +10,7 @@ from itertools import count, takewhile
 from workbench.core import Tried
 
 from .moves.add import grown
-from .moves.move import Move
-from .moves.order import MOVES
+from .moves.order import MOVES, Move
 from .node import Node, explained_share, node_after
 from .node_acceptance import accepts
 from .problem import Problem

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.core import EffectKey, Estimate, Finding, Step, Verdict
+from workbench.core import EffectKey, Finding, Step, Verdict
 from workbench.effects import effect_named, model_value
 from workbench.models import AppliedEffect, Model, Placement
 
@@ -30,7 +30,7 @@ def findings_of(found: SearchResult, held_out_floor: float | None) -> tuple[Find
     there are none.
     """
     findings = []
-    keys = {applied.key for applied in found.final.hypothesis.added}
+    keys = found.final.hypothesis.keys
     for applied in found.final.hypothesis.added:
         index = next(k for k, s in enumerate(found.steps) if s.added == applied.key)
         step, previous = found.steps[index], _before(found, index)
@@ -97,8 +97,8 @@ def _before(found: SearchResult, index: int) -> Fit:
     step = found.steps[index]
     if fits[index].test_loss > step.fit.test_loss:
         return fits[index]
-    own = {a.key for a in step.fit.hypothesis.added} - {step.added}
-    return next(f for f in reversed(fits[: index + 1]) if own >= {a.key for a in f.hypothesis.added})
+    own = step.fit.hypothesis.keys - {step.added}
+    return next(f for f in reversed(fits[: index + 1]) if own >= f.hypothesis.keys)
 
 
 def _probability(step: AcceptedStep, found: SearchResult, rivals: Iterable[EffectKey]) -> float:
@@ -200,13 +200,11 @@ def refuting_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
 
 
 def _estimated(applied: AppliedEffect) -> str:
-    values = (_value(name, estimate) for name, estimate in applied.parameters.items())
+    values = (
+        f"{name} {e.value:.3g} ± {2 * e.std:.2g} {e.unit.replace('*', ' ')}".strip()
+        for name, e in applied.parameters.items()
+    )
     return f"{applied.key} ({', '.join(values)})"
-
-
-def _value(name: str, estimate: Estimate) -> str:
-    unit = estimate.unit.replace("*", " ")
-    return f"{name} {estimate.value:.3g} ± {2 * estimate.std:.2g} {unit}".strip()
 
 
 def cut_short_line(found: SearchResult) -> tuple[str, ...]:

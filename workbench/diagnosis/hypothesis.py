@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey, Estimate, Recording
-from workbench.effects import axis_units, effect_named
+from workbench.effects import axis_units, effect_named, kinds
 from workbench.models import AppliedEffect, Model, Placement
 
 
@@ -23,6 +23,16 @@ class Hypothesis:
     def added(self) -> tuple[AppliedEffect, ...]:
         """All effects over the base."""
         return (*self.parameter_free, *self.free)
+
+    @property
+    def keys(self) -> frozenset[EffectKey]:
+        """Which effects these are."""
+        return frozenset(a.key for a in self.added)
+
+    @property
+    def diverges(self) -> bool:
+        """Whether trajectories diverge for small changes of its parameters."""
+        return any(kinds.diverges(effect_named(a.key.effect)) for a in self.free)
 
     @property
     def size(self) -> int:

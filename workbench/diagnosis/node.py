@@ -11,7 +11,6 @@ import numpy as np
 from workbench.comparison import Scale, Simulated
 from workbench.comparison.consistent import consistent
 from workbench.core import EffectKey, SimulationError
-from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect
 
 from .adequacy.adequacy import Adequacy
@@ -20,7 +19,7 @@ from .fitting.divergence import divergence
 from .hypothesis import Fit
 from .loss import explained, median_explained, rescored
 from .policy import POLICY
-from .problem import Keys, Problem
+from .problem import Problem
 from .screening.candidate import Candidate
 from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
@@ -79,9 +78,9 @@ class Node:
         return Node(self.current, self.data, self.steps, self.done, **changes)
 
     @property
-    def keys(self) -> Keys:
+    def keys(self) -> frozenset[EffectKey]:
         """Its effects."""
-        return effect_keys(self.current)
+        return self.current.hypothesis.keys
 
     @property
     def size(self) -> int:
@@ -91,17 +90,12 @@ class Node:
     @property
     def diverges(self) -> bool:
         """Whether trajectories of its model diverge for small parameter changes."""
-        return trajectories_diverge(self.current)
+        return self.current.hypothesis.diverges
 
 
-def trajectories_diverge(found: Fit) -> bool:
-    """Whether trajectories of a fitted model diverge for small parameter changes."""
-    return any(kinds.diverges(effect_named(a.key.effect)) for a in found.hypothesis.free)
-
-
-def effect_keys(found: Fit) -> Keys:
+def effect_keys(found: Fit) -> frozenset[EffectKey]:
     """The effects of a fit."""
-    return frozenset(a.key for a in found.hypothesis.added)
+    return found.hypothesis.keys
 
 
 def screened_at(current: Fit, data: Data, problem: Problem) -> tuple[Linearisation, Sequence[Candidate]]:
@@ -177,7 +171,7 @@ def _refloor(found: Fit, data: Data, seed: int, *, wide: bool = True) -> tuple[D
     try:
         fresh, simulated = data.of_model(found.hypothesis.model, seed)
     except SimulationError:
-        return data.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), None
-    if wide and trajectories_diverge(found):
+        return data.weighed_for(found.mean_squares), None
+    if wide and found.hypothesis.diverges:
         fresh = replace(fresh, floor=np.maximum(fresh.floor, divergence(found, data)))
-    return fresh.reweighed(found.mean_squares).with_holdout_checked(found.mean_squares), simulated
+    return fresh.weighed_for(found.mean_squares), simulated

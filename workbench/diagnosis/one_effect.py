@@ -50,7 +50,7 @@ def fit_effect(
     linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
     progress(f"looking for values of {key} to start from")
     tried = (
-        compliance_candidates(linearisation, data.training, start.test_loss)
+        compliance_candidates(linearisation, start.test_loss)
         if isinstance(effect_named(key.effect), Compliance)
         else candidates(linearisation, start, data, seed)
     )

@@ -9,11 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
-from workbench.comparison import ClosedLoop, MeasuredMotion, followed, with_torque_by_law
-from workbench.core import EffectKey, Recording, SimulationError
+from workbench.comparison import with_torque_by_law
+from workbench.core import Recording, SimulationError
 from workbench.models import Model
 
-from .data import Data, gather
+from .data import Data, gather_along
 from .hypothesis import Fit, Hypothesis
 from .loss import rescored
 from .screening.candidate import Candidate
@@ -25,8 +25,6 @@ from .screening.torque_regression import Regression
 
 #: Told what is being done.
 Progress = Callable[[str], None]
-#: The effects of a model.
-Keys = frozenset[EffectKey]
 
 _KEPT_LINEARISATIONS = 4  # cached: a search seldom returns to older ones, and each holds every row
 
@@ -73,23 +71,19 @@ class Problem:
 
         None where nothing drives it there: neither a measured torque nor the law of a loop.
         """
-        if not isinstance(self.data.replay, ClosedLoop):
-            there = (self.data, self.start) if isinstance(self.data.replay, MeasuredMotion) else None
-        else:
-            there = self._followed()
+        there = self._followed() if self.data.replay.simulates else (self.data, self.start)
         return None if there is None else (*there, regression_of(there[1], there[0]))
 
     def _followed(self) -> tuple[Data, Fit] | None:
-        model, data = self.start.hypothesis.model, self.data
-        driven = with_torque_by_law(model, data.recordings)
+        model, replay = self.start.hypothesis.model, self.data.replay
+        known = replay.machine_alone and replay.driven
+        driven = with_torque_by_law(model, self.data.recordings) if known else None
         if driven is None:
             return None
-        along = followed(driven)
         try:
-            fresh, runs = gather(model, along[: data.training], along[data.training :], self.seed)
+            fresh, runs = gather_along(model, driven, self.data.training, self.seed)
         except SimulationError:
             return None
-        fresh = fresh.with_holdout_checked(fresh.mean_squares(runs.clean))
         return fresh, starting_fit(model, fresh, runs.clean)
 
     @property
@@ -104,14 +98,9 @@ class Problem:
         None where loops are too large and nothing drives the machine along its measured motion.
         """
         self.progress("asking what these recordings can tell apart")
-        measured = isinstance(self.data.replay, MeasuredMotion)
-        if measured or self.is_expensive or is_too_large(self.linearisation, self.data):
-            return (
-                None
-                if self.inverse_dynamics is None
-                else linear_along(self.inverse_dynamics[2], self.inverse_dynamics[0])
-            )
-        return linear_of(self.linearisation, self.data)
+        if not self.data.replay.simulates or self.is_expensive or is_too_large(self.linearisation):
+            return None if self.inverse_dynamics is None else linear_along(self.inverse_dynamics[2])
+        return linear_of(self.linearisation)
 
     @cached_property
     def screened(self) -> tuple[Candidate, ...]:
@@ -130,18 +119,3 @@ def evaluated(hypothesis: Hypothesis, simulated: Sequence[Recording], data: Data
     """A hypothesis as it is, with its runs of all recordings."""
     unscored = Fit(hypothesis, tuple(simulated), data.mean_squares(simulated), 0.0, 0.0, np.zeros(0))
     return rescored(unscored, data)
-
-
-def problem_of(
-    model: Model, data: Data, simulated: Sequence[Recording], limit: int, seed: int, progress: Progress
-) -> Problem:
-    """The problem of a model on recordings.
-
-    Args:
-        model: the model as it is.
-        data: its recordings, with its noise.
-        simulated: its runs without noise.
-        limit, seed, progress: as `Problem` has them.
-    """
-    data = data.with_holdout_checked(data.mean_squares(simulated))
-    return Problem(starting_fit(model, data, simulated), data, limit, seed, progress)

@@ -16,7 +16,7 @@ from .loss import explained, median_explained
 from .moves.joint_solution import solve_jointly
 from .node import Node, is_consistent
 from .policy import POLICY
-from .problem import Problem, Progress, problem_of
+from .problem import Problem, Progress, starting_fit
 from .screening.identifiability import disagreements, identifiability_of
 from .search_result import SearchResult
 
@@ -59,13 +59,13 @@ def search(
     if noise_rules(data.score(data.floor), data.recordings):
         raise UnstableLoop(cannot_run(model.name, data.score(data.floor)))
     most = POLICY.most_effects if limit is None else limit
-    problem = problem_of(model, data, simulated.clean, most, seed, progress)
+    problem = Problem(starting_fit(model, data, simulated.clean), data, most, seed, progress)
     start, first = problem.start, problem.data
     known, disagreeing = (None, ()) if only_jointly else _distinguishable(problem)
     before = is_consistent(first, start.mean_squares)
     node, trace = Node(start, first, done=before), ()
     if not before:
-        if not data.replay.on_ground:
+        if data.replay.machine_alone:
             refuse_wrong_sign_in_loop(
                 model, training, first.score(start.mean_squares), first.score(first.floor)
             )
@@ -100,6 +100,6 @@ def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Di
     units = differing_units(recordings)
     if problem.linear is None:
         return None, units
-    known = identifiability_of(problem.linear, problem.linearisation, problem.data)
+    known = identifiability_of(problem.linear, problem.linearisation)
     problem.progress(f"the recordings tell {len(known.separable)} of {known.count} effects from all others")
     return known, units or disagreements(problem.linear, [r.name for r in recordings])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -64,6 +64,20 @@ class AcceptedStep:
     def indistinguishable_at(self, end: Fit) -> tuple[EffectKey, ...]:
         """Indistinguishable effects, without those that are in the final fit in any form."""
         return tuple(key for key in self.indistinguishable if not has_cause(end, key))
+
+
+def steps_through(
+    before: Fit,
+    found: Iterable[tuple[EffectKey, Fit]],
+    data: Data,
+    told: Callable[[EffectKey], dict[str, Any]] = lambda key: {},
+) -> tuple[AcceptedStep, ...]:
+    """Steps from a fit through others, each with an effect more, with what is `told` of each besides."""
+    steps = []
+    for key, fit in found:
+        steps.append(AcceptedStep.between(before, fit, key, data, **told(key)))
+        before = fit
+    return tuple(steps)
 
 
 def has_cause(found: Fit, key: EffectKey) -> bool:

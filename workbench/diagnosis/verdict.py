@@ -28,7 +28,7 @@ def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
         and not refuted(found)
         and not _another_shape(found)
         and all(is_significant(a) for a in found.final.hypothesis.free)
-        and not _far_off_the_ground(found)
+        and not _far_off_contact(found)
     )
     doubtful = not found.consistent_after or found.final.hypothesis.size > POLICY.plain_parameters
     less = overestimated(found) if doubtful else None
@@ -56,11 +56,11 @@ def _another_shape(found: SearchResult) -> bool:
     return named and ResidualEvidence(found.final_data, found.final).follows_positions
 
 
-def _far_off_the_ground(found: SearchResult) -> bool:
-    """Whether a search on the ground ends well above the noise.
+def _far_off_contact(found: SearchResult) -> bool:
+    """Whether a search with contacts that make and break ends well above the noise.
 
     A foot a millimetre off is many newtons, nearly all of which any other way to lift it takes off as well.
     """
     data = found.final_data
     error, floor = data.score(found.final.mean_squares), data.score(data.floor)
-    return data.replay.on_ground and error > POLICY.ground_error * floor
+    return not data.replay.smooth and error > POLICY.ground_error * floor

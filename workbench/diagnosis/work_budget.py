@@ -27,7 +27,8 @@ class WorkBudget:
     @staticmethod
     def for_search(recordings: Sequence[Recording], simulates: bool = True) -> WorkBudget:
         """The budget of a search on these recordings; unlimited where nothing is simulated."""
-        return WorkBudget(_most(recordings) if simulates else float("inf"))
+        least = POLICY.budget_runs * _steps(recordings)
+        return WorkBudget(max(POLICY.budget_steps, least) if simulates else float("inf"))
 
     @property
     def spent(self) -> bool:
@@ -37,10 +38,6 @@ class WorkBudget:
     def add(self, recordings: Sequence[Recording], runs: int = 0, columns: int = 0) -> None:
         """Count runs of these recordings, and columns propagated along them."""
         self.done += (runs + POLICY.column_cost * columns) * _steps(recordings)
-
-
-def _most(recordings: Sequence[Recording]) -> float:
-    return max(POLICY.budget_steps, POLICY.budget_runs * _steps(recordings))
 
 
 def _steps(recordings: Sequence[Recording]) -> float:

@@ -14,6 +14,7 @@ from workbench.diagnosis.moves import beside_backlash as module
 from workbench.diagnosis.moves.beside_backlash import beside_backlash
 from workbench.diagnosis.moves.compliance_from_torque import compliance_from_torque
 from workbench.diagnosis.moves.order import ONE_BY_ONE
+from workbench.diagnosis.node import Node
 from workbench.diagnosis.problem import Problem
 from workbench.diagnosis.screening.compliance import compliance_candidates
 from workbench.effects import load_model
@@ -35,9 +36,9 @@ def heavier() -> Problem:
 
 
 def test_a_gap_is_found_with_what_hides_its_size(heavier: Problem) -> None:
-    alone = compliance_candidates(heavier.linearisation, heavier.data.training, 1.0)[0]
+    alone = compliance_candidates(heavier.linearisation, 1.0)[0]
     assert alone.key == KEY
-    gap, more = beside_backlash(heavier.linearisation, alone, heavier.start, heavier.data.training)
+    gap, more = beside_backlash(heavier.linearisation, alone, heavier.start)
     assert more.key == INERTIA and more.coefficients[2] == pytest.approx(0.0012, rel=0.05)
     off, off_alone = (abs(np.log(c.shape["stiffness"] / 400.0)) for c in (gap, alone))
     assert off < 0.05 and off_alone > 0.2
@@ -45,7 +46,7 @@ def test_a_gap_is_found_with_what_hides_its_size(heavier: Problem) -> None:
 
 
 def test_each_is_a_step_and_the_error_falls_with_all(heavier: Problem) -> None:
-    steps = compliance_from_torque(heavier.linearisation, heavier.data, heavier.start, heavier.progress)
+    steps = compliance_from_torque(Node(heavier.start, heavier.data), heavier)
     assert [s.added for s in steps] == [KEY, INERTIA]
     assert [{a.key for a in s.fit.hypothesis.free} for s in steps] == [{KEY}, {KEY, INERTIA}]
     assert all(s.ranking == ((s.added, s.removed_share),) for s in steps), "and no shares of the torque"
@@ -58,16 +59,16 @@ def test_each_is_a_step_and_the_error_falls_with_all(heavier: Problem) -> None:
 
 def test_a_gap_that_is_all_that_is_missing_stays_alone() -> None:
     problem = asked(LEG, *recordings(GAP))
-    alone = compliance_candidates(problem.linearisation, problem.data.training, 1.0)[0]
-    assert beside_backlash(problem.linearisation, alone, problem.start, problem.data.training) == [alone]
+    alone = compliance_candidates(problem.linearisation, 1.0)[0]
+    assert beside_backlash(problem.linearisation, alone, problem.start) == [alone]
 
 
 def test_of_what_does_about_as_well_the_simplest_is_taken() -> None:
     """Dry friction has many forms, and four parameters always leave a little less than one."""
     little = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.05})
     problem = asked(LEG, *recordings(GAP, little))
-    alone = compliance_candidates(problem.linearisation, problem.data.training, 1.0)[0]
-    _, friction = beside_backlash(problem.linearisation, alone, problem.start, problem.data.training)
+    alone = compliance_candidates(problem.linearisation, 1.0)[0]
+    _, friction = beside_backlash(problem.linearisation, alone, problem.start)
     assert friction.key == COULOMB and friction.coefficients == pytest.approx([0.05], rel=0.1)
 
 
@@ -77,17 +78,15 @@ def test_what_no_body_can_be_is_not_proposed(heavier: Problem, monkeypatch: pyte
             raise SimulationError("no body has such an inertia")
 
     monkeypatch.setattr(module, "compile_plant", refuse)
-    alone = compliance_candidates(heavier.linearisation, heavier.data.training, 1.0)[0]
-    found = beside_backlash(heavier.linearisation, alone, heavier.start, heavier.data.training)
+    alone = compliance_candidates(heavier.linearisation, 1.0)[0]
+    found = beside_backlash(heavier.linearisation, alone, heavier.start)
     assert INERTIA not in {c.key for c in found} and found[0].key == KEY
 
 
 def test_an_inertia_that_stood_for_a_gap_makes_room_for_it() -> None:
     """Friction hides the gap at first, and a rotor's inertia then stands for what is left of it."""
     problem = asked(LEG, *recordings(GAP, FRICTION, HEAVIER))
-    assert all(
-        c.test_loss > 0.1 for c in compliance_candidates(problem.linearisation, problem.data.training, 1.0)
-    )
+    assert all(c.test_loss > 0.1 for c in compliance_candidates(problem.linearisation, 1.0))
     friction = applied(LEG, COULOMB, torque=0.2)
     stand_in = applied(LEG, EffectKey("reflected_inertia", "knee"), inertia=0.0017)
     node = node_with(problem, friction, stand_in, move=ONE_BY_ONE)

@@ -12,6 +12,9 @@ from tests.simulation.make import having
 from workbench.core import EffectKey
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
 from workbench.diagnosis.moves.compliance_from_torque import _with_unseen, compliance_from_torque
+from workbench.diagnosis.node import Node
+from workbench.diagnosis.policy import POLICY
+from workbench.diagnosis.problem import Problem
 from workbench.diagnosis.screening.compliance import compliance_candidates
 from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.effects import load_model
@@ -25,17 +28,22 @@ BOTH = (
 )
 
 
+def root(problem: Problem) -> Node:
+    """The model as it is."""
+    return Node(problem.start, problem.data)
+
+
 def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> None:
     problem = asked(LEG, *recordings(*BOTH))
     data, linearisation = problem.data, problem.linearisation
-    (step,) = compliance_from_torque(linearisation, data, problem.start, problem.progress)
+    (step,) = compliance_from_torque(root(problem), problem, most=POLICY.torque_plain)
     (gap,) = step.fit.hypothesis.free
     assert gap.key == GAP and step.added == GAP
     assert gap.values["gap"] == pytest.approx(0.0084, rel=0.1)
-    assert SPRING not in {c.key for c in compliance_candidates(linearisation, data.training, 1.0)}
+    assert SPRING not in {c.key for c in compliance_candidates(linearisation, 1.0)}
     after = step.fit.hypothesis.model
     linearisation = Linearisation.of(after, data, step.fit.simulated, len(data.recordings))
-    found = {c.key: c for c in compliance_candidates(linearisation, data.training, 1.0)}
+    found = {c.key: c for c in compliance_candidates(linearisation, 1.0)}
     assert found[SPRING].test_loss < 0.05
     assert found[SPRING].shape["stiffness"] == pytest.approx(1180.0, rel=0.15)
     assert GAP not in found and EffectKey("backlash", "knee", "joint") not in found
@@ -44,7 +52,7 @@ def test_a_gap_is_taken_at_the_torque_s_word_and_then_the_spring_is_plain() -> N
 def test_a_spring_is_taken_beside_a_delay_that_hides_it_from_the_loop() -> None:
     """By itself it hardly lowers the error of held-out motion; both are what is missing."""
     problem = asked(LEG, *recordings(*SPRING_AND_DELAY))
-    (step,) = compliance_from_torque(problem.linearisation, problem.data, problem.start, problem.progress)
+    (step,) = compliance_from_torque(root(problem), problem, most=POLICY.torque_plain)
     # which side of the knee it is on cannot be told before the delay is there: `instead` asks it then
     pin, drive = (EffectKey("joint_compliance", "knee", place) for place in ("joint", "actuator"))
     assert step.added in (pin, drive)
@@ -56,7 +64,7 @@ def test_a_spring_is_taken_beside_a_delay_that_hides_it_from_the_loop() -> None:
 def test_nothing_is_taken_where_nothing_gives_way() -> None:
     training, _ = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.4}))
     problem = asked(LEG, training)
-    assert compliance_from_torque(problem.linearisation, problem.data, problem.start, problem.progress) == ()
+    assert compliance_from_torque(root(problem), problem, most=POLICY.torque_plain) == ()
 
 
 def test_what_gives_way_already_asks_for_no_more() -> None:
@@ -64,7 +72,7 @@ def test_what_gives_way_already_asks_for_no_more() -> None:
     training, _ = recordings(BOTH[1])
     soft = having(LEG, SPRING, **BOTH[1].parameters)
     problem = asked(soft, training)
-    assert not compliance_candidates(problem.linearisation, problem.data.training, 1.0)
+    assert not compliance_candidates(problem.linearisation, 1.0)
 
 
 def test_what_the_torque_at_a_gap_does_not_show_begins_where_the_loop_before_had_it() -> None:

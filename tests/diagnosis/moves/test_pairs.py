@@ -7,15 +7,12 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from tests.diagnosis.rig import recordings
+from tests.diagnosis.rig import asked, recordings
 from workbench.core import EffectKey
-from workbench.diagnosis.data import gather
 from workbench.diagnosis.fitting.normal_equations import normal
 from workbench.diagnosis.hypothesis import Fit
 from workbench.diagnosis.moves.pairs import best_pair, left_by
-from workbench.diagnosis.problem import starting_fit
 from workbench.diagnosis.screening.equations import Entry
-from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.diagnosis.search_result import AcceptedStep
 from workbench.effects import load_model
 from workbench.rigs import HiddenEffect
@@ -41,15 +38,10 @@ def test_pairs_side_by_side_leave_what_each_leaves_by_itself() -> None:
         assert left == pytest.approx(np.sum((rest - best) ** 2), rel=1e-6)
 
 
-def found(*hidden: HiddenEffect) -> tuple[Fit, tuple[AcceptedStep, AcceptedStep]]:
+def found(*hidden: HiddenEffect) -> tuple[Fit, tuple[AcceptedStep, ...]]:
     """The leg as it is believed, and the pair that explains what these do."""
-    model = load_model("leg")
-    training, held_out = recordings(*hidden)
-    data, runs = gather(model, training, held_out, seed=0)
-    start = starting_fit(model, data, runs.clean)
-    steps = best_pair(Linearisation.of(model, data, start.simulated, 4), data, start, lambda text: None)
-    assert steps is not None
-    return start, steps
+    problem = asked(load_model("leg"), *recordings(*hidden))
+    return problem.start, best_pair(problem)
 
 
 def test_a_true_pair_is_found() -> None:
@@ -85,10 +77,5 @@ def test_two_of_three_causes_are_a_pair() -> None:
 
 
 def test_a_single_cause_is_no_pair() -> None:
-    model = load_model("leg")
     training, _ = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.15}))
-    data, runs = gather(model, training[:2], (), seed=0)
-    start = starting_fit(model, data, runs.clean)
-    assert (
-        best_pair(Linearisation.of(model, data, start.simulated, 2), data, start, lambda text: None) is None
-    )
+    assert best_pair(asked(load_model("leg"), training[:2])) == ()

@@ -9,14 +9,12 @@ from tempfile import mkdtemp
 
 import numpy as np
 
+from tests.diagnosis.rig import asked
 from workbench.core import Controller, EffectKey, Estimate, Recording
 from workbench.diagnosis.data import Data, gather
 from workbench.diagnosis.fitting.fit import fit
 from workbench.diagnosis.hypothesis import Fit, Hypothesis
 from workbench.diagnosis.moves.shared_effects import needed, shared_effects
-from workbench.diagnosis.problem import starting_fit
-from workbench.diagnosis.screening.screen import screen
-from workbench.diagnosis.screening.sensitivity import Linearisation
 from workbench.diagnosis.search_result import AcceptedStep
 from workbench.effects import load_model
 from workbench.models import AppliedEffect, Model
@@ -75,13 +73,7 @@ def found(
 ) -> tuple[AcceptedStep, ...]:
     """What is found on every axis of the slides."""
     recordings = [played(f"r{k}", k, coulomb, damping, hum) for k in range(3)]
-    model = gantry(len(coulomb))
-    data, simulated = gather(model, recordings[:2], recordings[2:], 0)
-    data = data.with_holdout_checked(data.mean_squares(simulated.clean))
-    start = starting_fit(model, data, simulated.clean)
-    linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
-    screened, _ = screen(linearisation, data, start.simulated, ())
-    return shared_effects(screened, linearisation, data, start, lambda text: None)
+    return shared_effects(asked(gantry(len(coulomb)), recordings[:2], recordings[2:]))
 
 
 def test_damping_on_every_axis_is_found_with_each_axis_s_own() -> None:
@@ -122,8 +114,7 @@ def test_nothing_is_found_in_what_lacks_nothing() -> None:
 def fitted(*effects: tuple[str, str]) -> tuple[Fit, Data]:
     """Slides with damping and a hum, explained by effects on all three of them."""
     recordings = [played(f"r{k}", k, (0.0, 0.0, 0.0), (12.0, 5.0, 2.0), hum=0.1) for k in range(2)]
-    data, simulated = gather(gantry(), recordings, [], 0)
-    data = data.with_holdout_checked(data.mean_squares(simulated.clean))
+    data, _ = gather(gantry(), recordings, [], 0)
     free = tuple(
         AppliedEffect(EffectKey(effect, axis), {parameter: Estimate(0.0, 0.0, "")})
         for effect, parameter in effects

@@ -49,7 +49,7 @@ def linearisation(*hidden: HiddenEffect) -> Linearisation:
 @pytest.mark.parametrize("hidden", HIDDEN, ids=str_of)
 def test_the_torque_alone_tells_what_gives_way_and_how_much(hidden: HiddenEffect) -> None:
     made = linearisation(hidden)
-    candidates = {c.key: c for c in compliance_candidates(made, len(made.runs), 1.0)}
+    candidates = {c.key: c for c in compliance_candidates(made, 1.0)}
     key = EffectKey(hidden.effect, hidden.axis)
     assert key in candidates
     axes = {k.axis for k, c in candidates.items() if c.test_loss <= 5 * candidates[key].test_loss}
@@ -67,7 +67,7 @@ def test_the_torque_alone_tells_what_gives_way_and_how_much(hidden: HiddenEffect
 def test_a_spring_is_asked_beside_a_gap_that_follows_the_torque_closer() -> None:
     spring = HiddenEffect("joint_compliance", "knee", "joint", {"stiffness": 123.3, "damping": 0.19})
     made = linearisation(spring)
-    left = {c.key.effect: c.test_loss for c in compliance_candidates(made, len(made.runs), 1.0)}
+    left = {c.key.effect: c.test_loss for c in compliance_candidates(made, 1.0)}
     assert left["joint_compliance"] > 5 * left["backlash"], "what gaps pass on is drawn to the torque"
 
 
@@ -79,7 +79,7 @@ def test_a_second_spring_is_asked_for_with_the_first_which_was_fitted_to_both() 
     mixed = applied(LEG, keys[0], stiffness=540.0, damping=1.1)
     problem = asked(LEG.with_effect(mixed), training)
     made = problem.linearisation
-    candidates = {c.key: c for c in compliance_candidates(made, len(made.runs), 1.0, (mixed,))}
+    candidates = {c.key: c for c in compliance_candidates(made, 1.0, (mixed,))}
     found = candidates[keys[1]]
     assert found.test_loss < 0.2
     assert found.shape["stiffness"] == pytest.approx(300.0, rel=0.05)
@@ -93,7 +93,7 @@ def test_a_second_spring_is_asked_for_with_the_first_which_was_fitted_to_both() 
 
 def test_friction_asks_for_no_spring() -> None:
     made = linearisation(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.4}))
-    assert not compliance_candidates(made, len(made.runs), 1.0)
+    assert not compliance_candidates(made, 1.0)
 
 
 @pytest.mark.parametrize("hidden", [HIDDEN[1], HIDDEN[4], HIDDEN[6], IN_THE_PIN], ids=str_of)

@@ -11,7 +11,7 @@ from tests.bench_arm import FAST, NUMBERS, SLOW, bench_arm, logged
 from workbench.core import Diagnosis, EffectKey, Recording
 from workbench.diagnosis import diagnose, fit_effect
 from workbench.diagnosis.data import gather
-from workbench.diagnosis.problem import problem_of
+from workbench.diagnosis.problem import Problem, starting_fit
 from workbench.diagnosis.screening.identifiability import disagreements
 from workbench.effects import load_model
 from workbench.models import Model
@@ -90,7 +90,7 @@ def test_recordings_of_two_machines_disagree_by_what_is_another_in_them(tmp_path
     logs = [logged(m, FAST, seconds=6.0, seed=k) for k, m in enumerate(machines)]
     model = load_model(bench_arm(tmp_path))
     data, runs = gather(model, logs, (), seed=0)
-    linear = problem_of(model, data, runs.clean, 1, 0, print).linear
+    linear = Problem(starting_fit(model, data, runs.clean), data, 1, 0, print).linear
     assert linear is not None
     (found,) = disagreements(linear, ("one day", "another"))
     assert (str(found.key), found.recordings) == ("viscous_damping@lift", ("one day", "another"))

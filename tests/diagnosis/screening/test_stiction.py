@@ -65,7 +65,7 @@ def test_friction_is_plain_along_the_motion_and_not_in_the_loop(servo: Model, lo
     data, runs = gather(servo, [*logs[:2], *logs[4:]], logs[2:4], seed=0)
     start = starting_fit(servo, data, runs.clean)
     linearisation = Linearisation.of(servo, data, runs.clean, len(data.recordings))
-    in_loop = {c.key.effect: c.test_loss for c in screen(linearisation, data, runs.clean, ())[0]}
+    in_loop = {c.key.effect: c.test_loss for c in screen(linearisation, data)}
     found = {c.key.effect: c.test_loss for c in candidates(linearisation, start, data, 0)}
     assert in_loop["load_dependent_friction"] > 0.04 * start.test_loss
     assert found["load_dependent_friction"] < 0.01 * start.test_loss
@@ -104,7 +104,7 @@ def test_what_follows_any_slow_torque_is_no_gap(servo: Model, logs: list[Recordi
     along = followed(logs)
     data, runs = gather(servo, along, (), seed=0)
     made = Linearisation.of(servo, data, runs.clean, len(along))
-    assert not [c for c in compliance_candidates(made, len(along), 1.0) if c.key.effect == "backlash"]
+    assert not [c for c in compliance_candidates(made, 1.0) if c.key.effect == "backlash"]
     soft = having(servo, EffectKey("backlash", "m"), gap=0.05, stiffness=0.4)
     assert not np.isfinite(data.replay.run([soft])[0][0].signals["torque_command"]).any()
     found = wb.diagnose(servo, along[:4], along[4:])

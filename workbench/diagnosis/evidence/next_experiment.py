@@ -35,14 +35,13 @@ def next_experiment(
     verdict: Verdict, findings: Sequence[Finding], found: SearchResult, after: Comparison
 ) -> str | None:
     """One or two sentences: which motion would settle what is open; None where nothing is."""
-    data_on_ground = found.final_data.replay.on_ground
     for finding in findings:
         step = next(s for s in found.steps if s.added == finding.key)
         rivals = finding.indistinguishable_from
         if not rivals and (finding.probability >= POLICY.doubtful or found.adequacy):
             continue  # where drives leave a rest, that is what to look at
         models = {key: model for key, model in step.others if key in rivals or not rivals}
-        if data_on_ground and (models or rivals):
+        if not found.final_data.replay.machine_alone and (models or rivals):
             rival = next(iter(models), None) or rivals[0]
             return f"To tell {finding.key} from {rival} on the ground: {_ways(finding.key, rival)}."
         if models:

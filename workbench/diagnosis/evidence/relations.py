@@ -52,13 +52,12 @@ class _Column:
     values: np.ndarray
 
 
-def relations(missing: Missing, axis: str, *, seed: int = 0) -> tuple[Relation, ...]:
+def relations(missing: Missing, axis: str) -> tuple[Relation, ...]:
     """The one or two quantities that the residual torque of an axis correlates with most.
 
     Args:
         missing: see `missing_torque`.
         axis: name.
-        seed: of the shuffles.
 
     Returns:
         At most two, the larger first; the second explains part of what the first leaves. Empty where
@@ -72,7 +71,7 @@ def relations(missing: Missing, axis: str, *, seed: int = 0) -> tuple[Relation, 
         return ()
     made = [(c, _orthonormal(c.values[:count])) for c in _columns(missing, k)]
     bases = [(c, b) for c, b in made if b is not None]
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     orders = np.array([rng.permutation(count // block) for _ in range(_SHUFFLES)])
     found: list[Relation] = []
     while len(found) < 2 and bases:

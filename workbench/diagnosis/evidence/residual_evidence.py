@@ -38,7 +38,7 @@ class ResidualEvidence:
     @cached_property
     def responses(self) -> Responses | None:
         """Measured and modelled frequency response, if the recordings give one; none of short windows."""
-        if self.data.replay.on_ground:
+        if not self.data.replay.machine_alone:
             return None
         count = self.data.training
         return responses(self.data.recordings[:count], self.fit.simulated[:count])
@@ -46,7 +46,7 @@ class ResidualEvidence:
     @cached_property
     def missing(self) -> Missing | None:
         """The residual torque, actuator coordinates; on the ground, its force would be part."""
-        if self.data.replay.on_ground:
+        if not self.data.replay.machine_alone:
             return None
         count = self.data.training
         levels = self.data.replay.noise.levels
@@ -93,7 +93,7 @@ class ResidualEvidence:
             where: shares of the rest, largest first.
         """
         lines = []
-        if not self.data.replay.on_ground:
+        if self.data.replay.machine_alone:
             delay = self.model.actuators.delay_s
             lines += torque_offset_lines(self.data.recordings[: self.data.training], delay)
         if self.responses is not None:

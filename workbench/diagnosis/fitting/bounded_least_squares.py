@@ -12,12 +12,17 @@ _RIDGE = 1e-7  # of each unknown's own information
 _OPEN_TOLERANCE = 1e-12
 
 
-def solve(equations: Normal, lower: np.ndarray, upper: np.ndarray, damping: float = 0.0) -> np.ndarray:
+def solve(
+    equations: Normal,
+    lower: np.ndarray | float = -np.inf,
+    upper: np.ndarray | float = np.inf,
+    damping: float = 0.0,
+) -> np.ndarray:
     """Unknowns (C,) that minimise the squared residual within bounds.
 
     Args:
         equations: normal equations.
-        lower, upper: bounds (C,).
+        lower, upper: bounds (C,); none by default.
         damping: Levenberg-Marquardt factor on the diagonal.
     """
     count = len(equations.right)

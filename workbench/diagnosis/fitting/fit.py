@@ -16,10 +16,9 @@ from ..removed_share import removed_share
 from ..screening.propagation import propagate_sensitivities
 from ..screening.sensitivity import Linearisation
 from .bounded_least_squares import solve
-from .delays import retry_at_best_delay
+from .delays import across_row_edge, has_whole_row_delay, retry_at_best_delay
 from .normal_equations import Normal, normal, total
 from .uncertainty import covariance_of, scatter, with_deviations
-from .whole_row_delays import across_row_edge, has_whole_row_delay
 
 _ITERATIONS = 6
 TOLERANCE = 0.003  # relative fall of the objective below which fitting stops, good enough to compare

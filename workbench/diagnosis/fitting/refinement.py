@@ -95,15 +95,14 @@ def converged(found: Fit, data: Data) -> Fit:
 
     A later effect must not win by what an unfinished fit had still to gain.
     """
-    free = found.hypothesis.free
-    if not free or any(kinds.diverges(effect_named(a.key.effect)) for a in free):
+    if not found.hypothesis.free or found.hypothesis.diverges:
         return found
     for _ in range(_ROUNDS):
         better = fit([found.hypothesis], data, iterations=4, enough=FINE_TOLERANCE)[0]
         if better is None or better.training_loss > found.training_loss:
             return found
         still_falling = better.training_loss < (1.0 - POLICY.tie) * found.training_loss
-        found = widened(better, [found], share=0.0)
+        found = widened(better, found)
         if not still_falling:
             break
     return found

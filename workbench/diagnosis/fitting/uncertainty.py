@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -18,37 +18,32 @@ from ..policy import POLICY
 from .normal_equations import Normal
 
 
-def widened(found: Fit, others: Sequence[Fit], share: float) -> Fit:
-    """The fit with deviations no smaller than those of other fits of the same effects.
-
-    They also cover a `share` of the distance to the other estimates.
-    """
-    free = []
-    for k, applied in enumerate(found.hypothesis.free):
-        parameters = {}
-        for name, estimate in applied.parameters.items():
-            rivals = [o.hypothesis.free[k].parameters[name] for o in others]
-            away = max(abs(r.value - estimate.value) for r in rivals)
-            least = max(estimate.std, *(r.std for r in rivals))
-            spread = float(np.hypot(least, share * away))
-            parameters[name] = replace(estimate, std=spread)
-        free.append(AppliedEffect(applied.key, parameters))
-    return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
+def widened(found: Fit, other: Fit) -> Fit:
+    """The fit with deviations no smaller than those of another fit of the same effects."""
+    there = [a.parameters for a in other.hypothesis.free]
+    return _deviating(found, lambda k, name, own: max(own.std, there[k][name].std))
 
 
 def moved_apart(found: Fit, own: Fit, others: Sequence[Fit]) -> Fit:
     """The fit with deviations that cover a share of the distance from `own` to `others`."""
-    share = POLICY.rival_deviation
-    free = []
-    for k, applied in enumerate(found.hypothesis.free):
-        middle = own.hypothesis.free[k].parameters
-        parameters = {}
-        for name, estimate in applied.parameters.items():
-            rivals = [o.hypothesis.free[k].parameters[name].value for o in others]
-            away = max((abs(r - middle[name].value) for r in rivals), default=0.0)
-            parameters[name] = replace(estimate, std=float(np.hypot(estimate.std, share * away)))
-        free.append(AppliedEffect(applied.key, parameters))
-    return replace(found, hypothesis=replace(found.hypothesis, free=tuple(free)))
+
+    def value(of: Fit, k: int, name: str) -> float:
+        return of.hypothesis.free[k].parameters[name].value
+
+    def deviation(k: int, name: str, estimate: Estimate) -> float:
+        away = max((abs(value(o, k, name) - value(own, k, name)) for o in others), default=0.0)
+        return float(np.hypot(estimate.std, POLICY.rival_deviation * away))
+
+    return _deviating(found, deviation)
+
+
+def _deviating(found: Fit, deviation: Callable[[int, str, Estimate], float]) -> Fit:
+    """The fit with other deviations, by the number of an effect, the name of a parameter and its estimate."""
+    free = tuple(
+        AppliedEffect(a.key, {n: replace(e, std=deviation(k, n, e)) for n, e in a.parameters.items()})
+        for k, a in enumerate(found.hypothesis.free)
+    )
+    return replace(found, hypothesis=replace(found.hypothesis, free=free))
 
 
 def covariance_of(
@@ -104,7 +99,7 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         soft = POLICY.onset_deviation_of_many if many else POLICY.onset_deviation
         onset = soft * kinds.is_dry(effect) * np.abs(middle)
         neutral = np.array([p.neutral for p in effect.parameters])
-        share = POLICY.start_deviation if data.replay.on_ground else POLICY.model_deviation
+        share = POLICY.model_deviation if data.replay.smooth else POLICY.start_deviation
         # of a number that the model has, what right simulations differ by is a share of the whole number
         place = Placement.of(hypothesis.base, applied.key)
         whole = np.abs(middle - neutral) + abs(model_value(effect, hypothesis.base, place) or 0.0)

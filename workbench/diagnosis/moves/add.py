@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
 
-from workbench.core import EffectKey
 from workbench.effects import contains
 
 from ..acceptance import (
@@ -34,7 +32,7 @@ from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
 from ..significance import cancel_each_other, identifiable
 from .choice import Explanation, choose, loss_ratios
-from .trial_fits import SearchState, TrialFits, try_in_order
+from .trial_fits import SearchState, try_in_order
 
 
 def grown(node: Node, problem: Problem) -> Node:
@@ -82,7 +80,7 @@ def _next_step(node: Node, how: Growth, problem: Problem) -> AcceptedStep | None
         # held-out motion may never show what is missing (a torque limit, for one)
         problem.progress("judging by the recordings that show most")
         by_folds = data.cross_validated()
-        screened, _ = screen(linearisation, by_folds, current.simulated, current.hypothesis.free)
+        screened = screen(linearisation, by_folds, current.hypothesis.free)
         step = take(linearisation, screened, rescored(current, by_folds), by_folds)
         if step is not None and not unchanged_on_holdout(step.fit, current, data):
             return None
@@ -99,32 +97,6 @@ def _settled(node: Node, problem: Problem) -> Node:
     if node.growth is None or not node.growth.through_divergence or not node.steps:
         return node
     return with_last_step(node, node.steps[-1], problem.seed)
-
-
-@dataclass(frozen=True)
-class _Choice:
-    """The effect that is taken.
-
-    Attributes:
-        candidate: what was screened.
-        found: its fit, as it was simulated beside the others.
-        kept: the same fit, converged, without effects that it made needless.
-        indistinguishable: effects that fit as well, including those that no data can distinguish from it.
-        needless: effects that were found before, which it contains or replaces.
-        explanations: all candidates that may be named, with their fits.
-    """
-
-    candidate: Candidate
-    found: Fit
-    kept: Fit
-    indistinguishable: tuple[EffectKey, ...]
-    needless: tuple[EffectKey, ...]
-    explanations: tuple[Explanation, ...]
-
-    @property
-    def key(self) -> EffectKey:
-        """The effect."""
-        return self.candidate.key
 
 
 def next_step(
@@ -150,79 +122,48 @@ def next_step(
     fitted = {a.key for a in current.hypothesis.free}
     new = tuple(c for c in candidates if c.key not in fitted)
     at = SearchState(linearisation, new, current, data, later, progress)
-    tried = try_in_order(at)
-    helpful = _helpful(tried, at, explains_training if provisional else improves)
-    if not helpful:
-        return None
-    choice = _choice(helpful, at, basics_first)
-    return None if cancel_each_other(linearisation, choice.kept) else _step(choice, tried, at)
-
-
-def _helpful(
-    tried: TrialFits, at: SearchState, enough: Callable[[Fit, Fit, float], bool]
-) -> list[Explanation]:
-    """Candidates that may be named: they explain enough, lower the error, and are identifiable."""
-    better = [
+    tried, enough = try_in_order(at), explains_training if provisional else improves
+    helpful = [
         (c, f)
-        for c, f in tried.fits
-        if enough(f, at.current, at.excess) and lowers_error(f, at.current, at.data)
+        for c, f in tried
+        if enough(f, current, at.excess) and lowers_error(f, current, data) and identifiable(linearisation, f)
     ]
-    return [(c, f) for c, f in better if identifiable(at.linearisation, f)]
+    step = _step(helpful, tried, at, basics_first) if helpful else None
+    return None if step is None or cancel_each_other(linearisation, step.fit) else step
 
 
-def _choice(helpful: list[Explanation], at: SearchState, basics_first: bool) -> _Choice:
-    """The best candidate, with those that fit as well, and without effects that it makes needless."""
-    candidate, found, indistinguishable = choose(
-        helpful, at.parameter_free, at.current.test_loss, at.data, at.linearisation.model, basics_first
-    )
-    candidate, found = special_case(at.linearisation, candidate, found, helpful, at.data)
-    wider = named_beside(at.linearisation, at.candidates, candidate, found, at.current, at.data)
-    indistinguishable = (*indistinguishable, *(c.key for c, _ in wider))
-    kept, needless = prune(found, candidate.key, at.data, at.current)
-    fine = converged(kept, at.data)
-    kept = kept if off_command_path(at.linearisation, candidate, fine) else fine
-    same = equivalents_of(at.linearisation.model, candidate.key, at.data.recordings)
-    indistinguishable = (*indistinguishable, *(k for k in same if k not in indistinguishable))
-    return _Choice(candidate, found, kept, indistinguishable, needless, (*helpful, *wider))
-
-
-def _step(choice: _Choice, tried: TrialFits, at: SearchState) -> AcceptedStep:
-    """The accepted step of a choice."""
-    before, kept, data = at.current, choice.kept, at.data
-    left = {a.key for a in kept.hypothesis.added}
+def _step(
+    helpful: list[Explanation], tried: list[Explanation], at: SearchState, basics_first: bool
+) -> AcceptedStep:
+    """The step with the best of candidates that may be named, without effects that it makes needless."""
+    linearisation, model, data, before = at.linearisation, at.linearisation.model, at.data, at.current
+    best = choose(helpful, at.parameter_free, before.test_loss, data, model, basics_first)
+    candidate, found = special_case(linearisation, *best[:2], helpful, data)
+    key = candidate.key
+    wider = named_beside(linearisation, at.candidates, candidate, found, before, data)
+    kept, needless = prune(found, key, data, before)
+    fine = converged(kept, data)
+    kept = kept if off_command_path(linearisation, candidate, fine) else fine
+    alike = (*best[2], *(c.key for c, _ in wider))
+    alike = (*alike, *(k for k in equivalents_of(model, key, data.recordings) if k not in alike))
+    shares = {c.key: removed_share(before.test_loss, f.test_loss, at.floor) for c, f in tried}
+    removed = at.at_first | shares
+    explanations = sorted((*helpful, *wider), key=lambda cf: cf[1].test_loss)
     return AcceptedStep.between(
         before,
         kept,
-        choice.key,
+        key,
         data,
-        indistinguishable=(
-            *choice.indistinguishable,
-            *(k for k in choice.needless if not contains(choice.key, k)),
-        ),
+        indistinguishable=(*alike, *(k for k in needless if not contains(key, k))),
+        # neither special cases nor refinements of the effect
         others=tuple(
             (c.key, f.hypothesis.model)
-            for c, f in sorted(choice.explanations, key=lambda cf: cf[1].test_loss)
-            if _stands_for_itself(c, choice)
+            for c, f in explanations
+            if c is not candidate
+            and (c.key in alike or not contains(c.key, key))
+            and not contains(key, c.key)
         ),
-        dropped=tuple(a.key for a in before.hypothesis.added if a.key not in left),
-        ranking=_ranking(tried, at),
-        loss_ratios=loss_ratios(
-            choice.key, choice.found.test_loss, ((c.key, f.test_loss) for c, f in tried.fits)
-        ),
+        dropped=tuple(a.key for a in before.hypothesis.added if a.key not in kept.hypothesis.keys),
+        ranking=tuple(sorted(removed.items(), key=lambda r: -r[1])),
+        loss_ratios=loss_ratios(key, found.test_loss, ((c.key, f.test_loss) for c, f in tried)),
     )
-
-
-def _stands_for_itself(other: Candidate, choice: _Choice) -> bool:
-    """Whether a candidate is neither special case nor refinement of the chosen one."""
-    return (
-        other is not choice.candidate
-        and (other.key in choice.indistinguishable or not contains(other.key, choice.key))
-        and not contains(choice.key, other.key)
-    )
-
-
-def _ranking(tried: TrialFits, at: SearchState) -> tuple[tuple[EffectKey, float], ...]:
-    """What every simulated candidate removed of the excess, best first."""
-    removed = dict(tried.at_first)
-    removed |= {c.key: removed_share(at.current.test_loss, f.test_loss, at.floor) for c, f in tried.fits}
-    return tuple(sorted(removed.items(), key=lambda r: -r[1]))

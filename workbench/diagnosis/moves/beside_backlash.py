@@ -24,7 +24,7 @@ from ..policy import POLICY
 from ..screening.candidate import Candidate
 from ..screening.equations import Entry, limits_of
 from ..screening.screen import entries_of
-from ..screening.sensitivity import Linearisation, SensitivityColumn
+from ..screening.sensitivity import Linearisation
 from .pairs import may_stand_together
 
 _PROBE_STEP = 0.005  # of the load: the size of a torque in a difference
@@ -74,10 +74,10 @@ class _Option:
 class _Backlash:
     """A gap and torques about it, along motions."""
 
-    def __init__(self, linearisation: Linearisation, gap: Candidate, training: int) -> None:
+    def __init__(self, linearisation: Linearisation, gap: Candidate) -> None:
         place = Placement.of(linearisation.model, gap.key)
         assert place is not None
-        motions = linearisation.motions[:training]
+        motions = linearisation.fitted_motions
         self._pieces = [Passage.of(m, linearisation.model, place) for m in motions]
         self._inertia = link_inertia(motions[0], linearisation.model, place)[0]
         self._retardation = gap.shape.get("retardation", linearisation.model.flank_retardation_s)
@@ -119,23 +119,20 @@ class _Backlash:
         return found.x * sizes
 
 
-def beside_backlash(
-    linearisation: Linearisation, gap: Candidate, current: Fit, training: int
-) -> list[Candidate]:
+def beside_backlash(linearisation: Linearisation, gap: Candidate, current: Fit) -> list[Candidate]:
     """Backlash and the other effects missing at its axis; backlash first, with its values beside the others.
 
     Args:
-        linearisation: of the model so far; the first `training` of its recordings are used.
+        linearisation: of the model so far; those of its recordings that are fitted are used.
         gap: backlash fitted alone.
         current: the model's fit.
-        training: their number.
 
     Returns:
         Backlash alone where nothing else is missing.
     """
-    seen = _Backlash(linearisation, gap, training)
-    taken = {a.key for a in current.hypothesis.added}
-    options = [o for o in _options(linearisation, gap.key, training) if o.entry.key not in taken]
+    seen = _Backlash(linearisation, gap)
+    taken, offered = current.hypothesis.keys, _options(linearisation, gap.key)
+    options = [o for o in offered if o.entry.key not in taken]
     chosen: list[_Option] = []
     values = np.log([gap.shape["gap"], gap.shape["stiffness"]])
     left = _square(seen.left((), values))
@@ -157,7 +154,7 @@ def beside_backlash(
     if not chosen:
         return [gap]
     others = _candidates(chosen, values[2:], gap)
-    return [_again(linearisation, gap, others, current, training), *others]
+    return [_again(linearisation, gap, others, current), *others]
 
 
 def _can_be(model: Model) -> bool:
@@ -169,26 +166,23 @@ def _can_be(model: Model) -> bool:
     return True
 
 
-def _options(linearisation: Linearisation, gap: EffectKey, training: int) -> list[_Option]:
+def _options(linearisation: Linearisation, gap: EffectKey) -> list[_Option]:
     """Effects that are torques at the axis of a gap."""
     place = Placement.of(linearisation.model, gap)
     assert place is not None
     columns, entries = entries_of(linearisation)
-    least = 1e-9 * max(float(np.sqrt(np.mean(m.torque**2))) for m in linearisation.motions[:training])
+    least = 1e-9 * max(float(np.sqrt(np.mean(m.torque**2))) for m in linearisation.fitted_motions)
     options = []
     for entry in entries:
         at_motor = (entry.key.axis, entry.key.location) == (gap.axis, "actuator")
         torques: list[_Torque | None] = []
         for number, low, high in zip(entry.linear, *limits_of(linearisation, entry), strict=True):
-            torque = _Torque(at_motor, _on(columns[number], place.index, training), (low, high))
+            rows = tuple(t[:, place.index] for t in columns[number].torque[: linearisation.data.training])
+            torque = _Torque(at_motor, rows, (low, high))
             torques.append(torque if torque.size > least else None)
         if entry.fixed is None and any(torques):
             options.append(_Option(entry, tuple(torques)))
     return options
-
-
-def _on(column: SensitivityColumn, index: int, training: int) -> tuple[np.ndarray, ...]:
-    return tuple(torque[:, index] for torque in column.torque[:training])
 
 
 def _best(
@@ -232,11 +226,11 @@ def _candidates(chosen: Sequence[_Option], coefficients: np.ndarray, gap: Candid
 
 
 def _again(
-    linearisation: Linearisation, gap: Candidate, others: Sequence[Candidate], current: Fit, training: int
+    linearisation: Linearisation, gap: Candidate, others: Sequence[Candidate], current: Fit
 ) -> Candidate:
     """The gap as it is in a model that has the others."""
     model = with_candidates(linearisation, others, current).model
-    seen = Linearisation(model, linearisation.data, linearisation.runs[:training])
+    seen = Linearisation(model, linearisation.data, linearisation.runs[: linearisation.data.training])
     initial_values = effect_named(gap.key.effect).initial_values(
         seen.motions, model, Placement.of(model, gap.key)
     )

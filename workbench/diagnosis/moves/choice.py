@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named, kinds
@@ -20,6 +20,7 @@ from ..screening.candidate import Candidate
 Explanation = tuple[Candidate, Fit]
 #: An effect with what is left where it explains the data.
 EffectLoss = tuple[EffectKey, float]
+_T = TypeVar("_T")
 
 
 def choose(
@@ -98,31 +99,19 @@ def better_refinement(added: EffectKey, ranking: Sequence[tuple[EffectKey, float
     return best if left > POLICY.much_less * max(1.0 - most, 0.0) else None
 
 
-class Fitted(Protocol):
-    """Something with its fit."""
-
-    @property
-    def fit(self) -> Fit:
-        """Its fit."""
-        ...
-
-
-_F = TypeVar("_F", bound=Fitted)
-
-
-def simplest_first(found: Sequence[_F], data: Data, worth: float = 0.0) -> list[_F]:
+def simplest_first(found: Sequence[tuple[_T, Fit]], data: Data, worth: float) -> list[tuple[_T, Fit]]:
     """Explanations sorted by test loss; those within a tie of the best by number of parameters.
 
     `worth`: share of the excess that more parameters have to remove to be better at all.
     """
     floor = test_noise_floor(data)
-    least = min((f.fit.test_loss for f in found), default=0.0)
+    least = min((f.test_loss for _, f in found), default=0.0)
     enough = max((1.0 + POLICY.tie) * least, floor + (least - floor) / (1.0 - worth))
 
-    def rank(one: _F) -> tuple[bool, int, float]:
-        worse = one.fit.test_loss > enough and not at_noise_floor(one.fit, data)
-        size = one.fit.hypothesis.size
-        return worse, 0 if worse else size, one.fit.test_loss
+    def rank(one: tuple[_T, Fit]) -> tuple[bool, int, float]:
+        found = one[1]
+        worse = found.test_loss > enough and not at_noise_floor(found, data)
+        return worse, 0 if worse else found.hypothesis.size, found.test_loss
 
     return sorted(found, key=rank)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.effects import effect_named, kinds
@@ -11,11 +11,12 @@ from ..data import Data
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit, Hypothesis, applied_effect
-from ..policy import POLICY
+from ..node import Node, linearisation_at
+from ..problem import Problem
 from ..screening.candidate import Candidate
 from ..screening.compliance import compliance_candidates, equivalents_at_joint
 from ..screening.sensitivity import Linearisation
-from ..search_result import AcceptedStep
+from ..search_result import AcceptedStep, steps_through
 from ..significance import identifiable
 from .beside_backlash import beside_backlash
 from .choice import loss_ratios
@@ -25,12 +26,7 @@ _FEW = 3  # iterations of an intermediate fit
 
 
 def compliance_from_torque(
-    linearisation: Linearisation,
-    data: Data,
-    start: Fit,
-    progress: Callable[[str], None],
-    least: float = 0.0,
-    most: float | None = None,
+    at: Node, problem: Problem, least: float = 0.0, most: float = 1.0
 ) -> tuple[AcceptedStep, ...]:
     """Steps with the spring or backlash that explains most of the inverse-dynamics residual; else none.
 
@@ -39,40 +35,36 @@ def compliance_from_torque(
     backlash come with it.
 
     Args:
-        linearisation: of the model so far.
-        data: its recordings.
-        start: the model as it is, with what was found of it.
-        progress: told what is being done.
-        least, most: bounds of the share of the residual torque that it leaves; `most` is by default that of
-            the policy.
+        at: the model so far.
+        problem: what is searched.
+        least, most: bounds of the share of the residual torque that it leaves.
 
     Returns:
         One step an effect, without its own data and runs; none where no compliance explains enough.
     """
-    known = compliance_candidates(linearisation, data.training, 1.0, start.hypothesis.free)
-    most = POLICY.torque_plain if most is None else most
+    data, start, linearisation = at.data, at.current, linearisation_at(at.current, at.data, problem)
+    known = compliance_candidates(linearisation, 1.0, start.hypothesis.free)
     if not known or not least <= known[0].test_loss <= most:
         return ()
     plain, *others = known
-    progress(f"beginning with {plain.key}, which the torque shows")
+    problem.progress(f"beginning with {plain.key}, which the torque shows")
     chosen = [plain]
     if kinds.diverges(effect_named(plain.key.effect)):
-        chosen = beside_backlash(linearisation, plain, start, data.training)
+        chosen = beside_backlash(linearisation, plain, start)
     fits = _fits(linearisation, chosen, start, data)
     if fits is None or not identifiable(linearisation, fits[-1]):
         return ()
     close = loss_ratios(plain.key, plain.test_loss, ((c.key, c.test_loss) for c in others))
-    steps = []
-    for candidate, earlier, found in zip(chosen, (start, *fits), fits, strict=False):
-        step = AcceptedStep.between(earlier, found, candidate.key, data)
-        step = replace(
+    steps = steps_through(start, zip((c.key for c in chosen), fits, strict=True), data)
+    return tuple(
+        replace(
             step,
-            indistinguishable=equivalents_at_joint(linearisation.model, candidate.key),
-            ranking=((candidate.key, step.removed_share),),  # losses of others are not of this kind
-            loss_ratios=close if candidate is chosen[0] else (),
+            indistinguishable=equivalents_at_joint(linearisation.model, step.added),
+            ranking=((step.added, step.removed_share),),  # losses of others are not of this kind
+            loss_ratios=() if k else close,
         )
-        steps.append(step)
-    return tuple(steps)
+        for k, step in enumerate(steps)
+    )
 
 
 def _fits(

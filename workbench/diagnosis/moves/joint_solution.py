@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.comparison import MeasuredMotion
 from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect
@@ -166,7 +165,7 @@ def _steps(
 def _in_the_loop(steps: Sequence[AcceptedStep], problem: Problem) -> Node | None:
     """The steps in the replay of the problem; None where the error does not fall there."""
     data = problem.data
-    if not isinstance(data.replay, MeasuredMotion):
+    if data.replay.simulates:
         runs = data.run([s.fit.hypothesis.model for s in steps])
         fits = [evaluated(s.fit.hypothesis, r, data) for s, r in zip(steps, runs, strict=True)]
         if not np.isfinite(fits[-1].mean_squares).all() or not lowers_error(fits[-1], problem.start, data):

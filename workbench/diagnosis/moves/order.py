@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from workbench.comparison import MeasuredMotion
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 from ..acceptance import near_noise_floor
 from ..loss import explained
@@ -17,9 +16,27 @@ from . import restarts
 from .grid_refinement import with_refined_gap
 from .joint_solution import of_all_axes, one_effect_may_suffice
 from .merge import merged
-from .move import Move
 from .replace import replaced
 from .simplify import simplified, without_needless, without_needless_start
+
+
+@dataclass(frozen=True)
+class Move:
+    """A way from a node to others.
+
+    Attributes:
+        name: what it does, in words.
+        propose: other nodes, the most promising first; worked out only as far as they are asked for.
+        wanted: whether it is worth its work for a node, beside the best node so far. It is asked again before
+            each further proposal.
+        cheap: whether it is worth its work even where the budget is spent.
+    """
+
+    name: str
+    propose: Callable[[Node, Problem], Iterator[Node]]
+    wanted: Callable[[Node, Node, Problem], bool]
+    cheap: bool = False
+
 
 ONE_BY_ONE = "one effect after the other"  #: what other starts are held against
 _ALIKE = ("one cause on every axis", "one cause on every axis, after all")
@@ -49,7 +66,7 @@ def _alike_first(node: Node, best: Node, problem: Problem) -> bool:
 
 def _jointly_first(node: Node, best: Node, problem: Problem) -> bool:
     """Where no loop is known, where axes are many, or where no single effect explains the recordings."""
-    first = isinstance(problem.data.replay, MeasuredMotion) or problem.is_expensive
+    first = not problem.data.replay.simulates or problem.is_expensive
     return not node.move and problem.limit > 1 and (first or not one_effect_may_suffice(problem))
 
 

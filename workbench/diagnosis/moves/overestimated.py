@@ -12,17 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.comparison import MeasuredMotion, followed
 from workbench.core import EffectKey
 from workbench.effects import effect_named, places
 from workbench.simulation import scored_torque
 
-from ..data import gather
+from ..data import gather_along
 from ..fitting.bounded_least_squares import solve
 from ..fitting.normal_equations import Normal, total
 from ..loss import test_noise_floor
 from ..policy import POLICY
-from ..screening.equations import Entry, equations, judge, limits_of
+from ..screening.equations import Entry, bounds_of, equations
 from ..screening.sensitivity import Linearisation, SensitivityColumn
 from ..search_result import SearchResult
 
@@ -49,8 +48,8 @@ class Overestimated:
         more = found.final.hypothesis.size - len(self.parts)
         if found.consistent_after:
             return self.at_noise and more >= POLICY.too_much_fewer
-        same = isinstance(found.start_data.replay, MeasuredMotion)
-        return same and more >= 1 and 1.0 - self.share < POLICY.too_much_times * (1.0 - found.explained)
+        along = not found.start_data.replay.simulates
+        return along and more >= 1 and 1.0 - self.share < POLICY.too_much_times * (1.0 - found.explained)
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -69,22 +68,19 @@ class Overestimated:
 def overestimated(found: SearchResult) -> Overestimated | None:
     """Overestimated parameters of the model, from the torque along the motion; None where there are none."""
     data = found.start_data
-    everything = data.recordings
-    if data.replay.on_ground or any(scored_torque(r) is None for r in everything):
+    if not data.replay.machine_alone or any(scored_torque(r) is None for r in data.recordings):
         return None
-    runs = followed(everything)
-    along, simulated = gather(found.model, runs[: data.training], runs[data.training :], 0)
-    along = along.with_holdout_checked(along.mean_squares(simulated.clean))
-    linearisation = Linearisation.of(found.model, along, simulated.clean, len(runs))
+    along, simulated = gather_along(found.model, data.recordings, data.training, 0)
+    linearisation = Linearisation.of(found.model, along, simulated.clean, len(along.recordings))
     columns, entries = _columns(linearisation)
     if not entries:
         return None
-    pieces, held_out = equations(linearisation, [], columns, along, simulated.clean)
+    whole = equations(linearisation, [], columns, entries, along)
     floor = test_noise_floor(along)
     chosen: list[Entry] = []
-    before = excess = max(_judged(pieces, held_out, ()) - floor, 0.0)
+    before = excess = max(whole.judged(())[0] - floor, 0.0)
     while len(chosen) < len(entries):
-        tried = [(_judged(pieces, held_out, (*chosen, e)), e) for e in entries if e not in chosen]
+        tried = [(whole.judged((*chosen, e))[0], e) for e in entries if e not in chosen]
         least, best = min(tried, key=lambda t: t[0])
         left = max(least - floor, 0.0)
         if before - left < max(POLICY.too_much_gain * before, POLICY.too_much_least * excess):
@@ -92,12 +88,9 @@ def overestimated(found: SearchResult) -> Overestimated | None:
         chosen, before = [*chosen, best], left
     if not chosen or excess <= 0.0 or before > (1.0 - POLICY.too_much_share) * excess:
         return None
-    lower, upper = (
-        np.concatenate(b) for b in zip(*(limits_of(linearisation, e) for e in chosen), strict=True)
-    )
-    index = [k for e in chosen for k in e.linear]
-    bounded = judge(pieces, held_out, index, (), (lower, upper))[0] - floor
-    values, deviations = _spread([p.pick(index) for p in pieces])
+    lower, upper = bounds_of(linearisation, chosen)
+    bounded = whole.judged(chosen, (lower, upper))[0] - floor
+    values, deviations = _spread([p.pick([k for e in chosen for k in e.linear]) for p in whole.pieces])
     below = values < lower - POLICY.sure * deviations
     if not below.any() or bounded < POLICY.too_much_times * before:
         return None
@@ -120,17 +113,10 @@ def _columns(linearisation: Linearisation) -> tuple[list[SensitivityColumn], lis
     return columns, entries
 
 
-def _judged(pieces: list[Normal], held_out: Normal | None, chosen: Sequence[Entry]) -> float:
-    index = [k for e in chosen for k in e.linear]
-    anywhere = np.full(len(index), -np.inf), np.full(len(index), np.inf)
-    return judge(pieces, held_out, index, (), anywhere)[0]
-
-
 def _spread(pieces: Sequence[Normal]) -> tuple[np.ndarray, np.ndarray]:
     """The solution on all pieces, and its deviation as leaving out one after the other moves it."""
     whole = total(pieces)
-    anywhere = np.full(len(whole.right), -np.inf), np.full(len(whole.right), np.inf)
-    parts = np.array([solve(whole - p, *anywhere) for p in pieces])
+    parts = np.array([solve(whole - p) for p in pieces])
     size = len(parts)
     deviation = np.sqrt((size - 1) / size * np.sum((parts - parts.mean(axis=0)) ** 2, axis=0))
-    return solve(whole, *anywhere), deviation
+    return solve(whole), deviation

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named, kinds
 
-from ..acceptance import degrades_holdout, explains_most, improves_an_axis
+from ..acceptance import explains_most, improves_an_axis
 from ..data import Data
 from ..fitting.fit import fit, successive_halving
 from ..fitting.normal_equations import Normal, total
@@ -19,66 +20,47 @@ from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
 from ..policy import POLICY
+from ..problem import Problem
 from ..removed_share import removed_shares
 from ..screening.candidate import Candidate
-from ..screening.equations import Entry, equations, judge, limits_of
+from ..screening.equations import Entry, equations
 from ..screening.screen import entries_of
 from ..screening.sensitivity import Linearisation
-from ..search_result import AcceptedStep
-from ..significance import cancel_each_other, identifiable
+from ..search_result import AcceptedStep, steps_through
 from .choice import loss_ratios, simplest_first
+from .sets import is_sound, solved_together
 
 _RIDGE = 1e-9
 
 Pair = tuple[Candidate, Candidate]
 
 
-@dataclass(frozen=True)
-class _Fitted:
-    """A pair with its fit."""
-
-    pair: Pair
-    fit: Fit
-
-
-def best_pair(
-    linearisation: Linearisation, data: Data, start: Fit, progress: Callable[[str], None]
-) -> tuple[AcceptedStep, AcceptedStep] | None:
-    """Two steps with the pair of effects that explains most, both needed; None where no pair explains much.
+def best_pair(problem: Problem) -> tuple[AcceptedStep, ...]:
+    """Two steps with the pair of effects that explains most, both needed; none where no pair explains much.
 
     Every pair in every place and shape is solved on one linearisation of the loop; the best are simulated
     and fitted. There are thousands, so that more than the usual should be asked of what they lead to.
 
-    Args:
-        linearisation: of the model so far.
-        data: its recordings.
-        start: the model as it is.
-        progress: told what is being done.
-
     Returns:
         Two steps, the effect that explains more by itself first; without their own data and runs.
     """
-    progress("looking for two causes at once")
+    linearisation, data, start = problem.linearisation, problem.data, problem.start
+    problem.progress("looking for two causes at once")
     pairs = _screened(linearisation, data, start)[: POLICY.pairs_simulated]
     if not pairs:
-        return None
-    progress(f"fitting {', '.join(f'{a.key} with {b.key}' for a, b in pairs)}")
-    tried = [with_candidates(linearisation, pair, start) for pair in pairs]
-    fits = [
-        _Fitted(p, f)
-        for p, f in zip(pairs, successive_halving(tried, start, data)[0], strict=True)
-        if f is not None
-    ]
-    for found in simplest_first(fits, data, POLICY.later_gain):
-        best = replace(found, fit=converged(found.fit, data))
-        sound = identifiable(linearisation, best.fit) and not cancel_each_other(linearisation, best.fit)
-        if not sound or degrades_holdout(best.fit, start, data) or not explains_most(best.fit, start, data):
+        return ()
+    problem.progress(f"fitting {', '.join(f'{a.key} with {b.key}' for a, b in pairs)}")
+    raced, _ = successive_halving([with_candidates(linearisation, p, start) for p in pairs], start, data)
+    fits = [(pair, f) for pair, f in zip(pairs, raced, strict=True) if f is not None]
+    for _, found in simplest_first(fits, data, POLICY.later_gain):
+        best = converged(found, data)
+        if not is_sound(best, linearisation, data, start):
             continue
-        free = best.fit.hypothesis.free
-        singles = fit([replace(best.fit.hypothesis, free=(a,)) for a in free], data)
-        if all(s is not None and _needs_both(best.fit, s, data) for s in singles):
-            return _steps(best, [s for s in singles if s is not None], fits, data, start)
-    return None
+        singles = fit([replace(best.hypothesis, free=(a,)) for a in best.hypothesis.free], data)
+        needed = [s for s in singles if s is not None and _needs_both(best, s, data)]
+        if len(needed) == len(singles):
+            return _steps(best, needed, fits, data, start)
+    return ()
 
 
 def _needs_both(both: Fit, alone: Fit, data: Data) -> bool:
@@ -87,46 +69,34 @@ def _needs_both(both: Fit, alone: Fit, data: Data) -> bool:
 
 
 def _steps(
-    best: _Fitted, singles: Sequence[Fit], fits: Sequence[_Fitted], data: Data, start: Fit
-) -> tuple[AcceptedStep, AcceptedStep]:
+    best: Fit, singles: Sequence[Fit], fits: Sequence[tuple[Pair, Fit]], data: Data, start: Fit
+) -> tuple[AcceptedStep, ...]:
     """First the effect that does more by itself, then both."""
-    order = sorted(range(2), key=lambda k: singles[k].test_loss)
-    keys = [best.fit.hypothesis.free[k].key for k in order]
-    floor = test_noise_floor(data)
-    alone = [(key, singles[k].test_loss) for key, k in zip(keys, order, strict=True)]
-    shares = removed_shares(start.test_loss, alone, floor)
-    before = (start, singles[order[0]])
-    steps = []
-    for n, result in enumerate((singles[order[0]], best.fit)):
-        partner = keys[1 - n]
+    alone = sorted(zip(best.hypothesis.free, singles, strict=True), key=lambda each: each[1].test_loss)
+    keys = [applied.key for applied, _ in alone]
+    left = [(applied.key, f.test_loss) for applied, f in alone]
+    shares = removed_shares(start.test_loss, left, test_noise_floor(data))
+
+    def told(key: EffectKey) -> dict[str, Any]:
+        """Pairs of the other effect with another one than this."""
+        partner = keys[1] if key == keys[0] else keys[0]
         instead = [
-            (_other(f.pair, partner), f.fit)
-            for f in fits
-            if partner in {c.key for c in f.pair}
-            and _other(f.pair, partner) != keys[n]
-            and f.fit.training_loss < POLICY.pair_rival * best.fit.training_loss
+            (c.key, f)
+            for pair, f in fits
+            for c in pair
+            if partner in {p.key for p in pair} - {c.key}
+            and c.key != key
+            and f.training_loss < POLICY.pair_rival * best.training_loss
         ]
-        steps.append(
-            AcceptedStep.between(
-                before[n],
-                result,
-                keys[n],
-                data,
-                indistinguishable=tuple(
-                    k
-                    for k, f in instead
-                    if f.test_loss <= best.fit.test_loss * (1.0 + POLICY.tie) and not contains(k, keys[n])
-                ),
-                others=tuple((k, f.hypothesis.model) for k, f in instead),
-                ranking=shares,
-                loss_ratios=loss_ratios(keys[n], best.fit.test_loss, ((k, f.test_loss) for k, f in instead)),
-            )
-        )
-    return steps[0], steps[1]
+        tie = best.test_loss * (1.0 + POLICY.tie)
+        return {
+            "indistinguishable": tuple(k for k, f in instead if f.test_loss <= tie and not contains(k, key)),
+            "others": tuple((k, f.hypothesis.model) for k, f in instead),
+            "ranking": shares,
+            "loss_ratios": loss_ratios(key, best.test_loss, ((k, f.test_loss) for k, f in instead)),
+        }
 
-
-def _other(pair: Pair, key: EffectKey) -> EffectKey:
-    return next(c.key for c in pair if c.key != key)
+    return steps_through(start, zip(keys, (alone[0][1], best), strict=True), data, told)
 
 
 def _screened(linearisation: Linearisation, data: Data, start: Fit) -> list[Pair]:
@@ -139,26 +109,15 @@ def _screened(linearisation: Linearisation, data: Data, start: Fit) -> list[Pair
     pairs = [(a, b) for a, b in combinations(entries, 2) if may_stand_together(a.key, b.key)]
     if not pairs or 2.0 * rows * len(columns) > POLICY.pair_values:
         return []
-    pieces, held_out = equations(linearisation, [], columns, data, start.simulated)
-    left = left_by(total(pieces), pairs)
+    whole = equations(linearisation, [], columns, entries, data)
+    left = left_by(total(whole.pieces), pairs)
     best: dict[tuple[EffectKey, EffectKey], tuple[float, Pair]] = {}
     for k in np.argsort(left)[: POLICY.pairs_solved]:
         one, other = pairs[k]
-        bounds = tuple(
-            np.concatenate(b)
-            for b in zip(limits_of(linearisation, one), limits_of(linearisation, other), strict=True)
-        )
-        fixed = [e.fixed for e in (one, other) if e.fixed is not None]
-        test_loss, solution = judge(
-            pieces, held_out, [*one.linear, *other.linear], fixed, (bounds[0], bounds[1])
-        )
+        test_loss, pair = solved_together((one, other), linearisation, whole)
         if (one.key, other.key) in best and best[one.key, other.key][0] <= test_loss:
             continue
-        parts = np.split(solution, [len(one.linear)])
-        first, second = (
-            Candidate(e.key, x, e.shape, test_loss) for e, x in zip((one, other), parts, strict=True)
-        )
-        best[one.key, other.key] = test_loss, (first, second)
+        best[one.key, other.key] = test_loss, (pair[0], pair[1])
     floor = test_noise_floor(data)
     most = floor + POLICY.promising * max(start.test_loss - floor, 0.0)
     return [pair for test_loss, pair in sorted(best.values(), key=lambda jp: jp[0]) if test_loss < most]

@@ -56,7 +56,7 @@ def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[Acc
     linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
     known = (
         *candidates(linearisation, rest, data, problem.seed),
-        *compliance_candidates(linearisation, data.training, rest.test_loss, rest.hypothesis.free),
+        *compliance_candidates(linearisation, rest.test_loss, rest.hypothesis.free),
     )
     chosen = [c for key in keys for c in known if c.key == key][: POLICY.replacements]
     fits = fit([with_candidate(linearisation, c, rest) for c in chosen], data)

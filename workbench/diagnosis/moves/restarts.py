@@ -9,29 +9,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from workbench.core import Recording
+from workbench.simulation import scored_torque
+
 from ..acceptance import holdout_insensitive, near_noise_floor
+from ..fitting.fit import fit
+from ..fitting.refinement import converged
 from ..loss import rescored
-from ..node import (
-    Growth,
-    Node,
-    explains_data,
-    linearisation_at,
-    node_after,
-    screened_at,
-    with_steps,
-)
+from ..node import Growth, Node, explains_data, node_after, screened_at, with_steps
 from ..policy import POLICY
 from ..problem import Problem
 from ..screening.screen import screen
 from ..search_result import AcceptedStep
-from .add import next_step
+from .add import grown, next_step
 from .choice import better_refinement
 from .compliance_from_torque import compliance_from_torque
-from .inverse_dynamics import inverse_dynamics_start
 from .pairs import best_pair
 from .shared_effects import shared_effects
 
-_THROUGH = Growth(through_divergence=True)
+_PLAIN, _THROUGH = Growth(), Growth(through_divergence=True)
 
 
 def clear_compliance(node: Node, problem: Problem) -> Iterator[Node]:
@@ -41,26 +37,16 @@ def clear_compliance(node: Node, problem: Problem) -> Iterator[Node]:
     Inertia alone can explain most of what backlash causes.
     """
     for count in range(len(node.steps) + 1):
-        yield from _with_compliance(
-            node_after(node.steps[:count], problem), problem, 0.0, POLICY.torque_first
-        )
+        at = node_after(node.steps[:count], problem)
+        steps = compliance_from_torque(at, problem, 0.0, POLICY.torque_first)
+        yield from _begun(at, steps, problem, _THROUGH, wide=False)
 
 
 def likely_compliance(node: Node, problem: Problem) -> Iterator[Node]:
     """A compliance that explains most of the inverse-dynamics residual of the model as given."""
     at = node_after((), problem)
-    yield from _with_compliance(at, problem, POLICY.torque_first, POLICY.torque_plain)
-
-
-def _with_compliance(at: Node, problem: Problem, least: float, most: float) -> Iterator[Node]:
-    """The node with a compliance, not confirmed in the loop.
-
-    `least`, `most`: bounds of the share of the residual torque that it leaves.
-    """
-    linearisation = linearisation_at(at.current, at.data, problem)
-    steps = compliance_from_torque(linearisation, at.data, at.current, problem.progress, least, most)
-    if steps:
-        yield _bold(at, steps, problem, _THROUGH, wide=False)
+    steps = compliance_from_torque(at, problem, POLICY.torque_first, POLICY.torque_plain)
+    yield from _begun(at, steps, problem, _THROUGH, wide=False)
 
 
 def on_training(node: Node, problem: Problem) -> Iterator[Node]:
@@ -70,10 +56,10 @@ def on_training(node: Node, problem: Problem) -> Iterator[Node]:
         return
     problem.progress("beginning with what the training recordings show")
     by_folds = data.cross_validated()
-    screened, _ = screen(problem.linearisation, by_folds, start.simulated, ())
+    screened = screen(problem.linearisation, by_folds)
     at = rescored(start, by_folds)
     step = next_step(problem.linearisation, screened, at, by_folds, problem.progress)
-    yield from _started((step,) if step else (), problem)
+    yield from _begun(node_after((), problem), (step,) if step else (), problem)
 
 
 def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
@@ -83,27 +69,48 @@ def on_all_axes(node: Node, problem: Problem) -> Iterator[Node]:
     """
     if not problem.is_new("all axes"):
         return
-    data, start = problem.data, problem.start
-    known = problem.linear.equations if problem.linear else None
-    steps = shared_effects(problem.screened, problem.linearisation, data, start, problem.progress, known)
+    steps = shared_effects(problem)
     if steps:
-        yield with_steps(Node(start, data), steps, problem.seed)
+        yield with_steps(node_after((), problem), steps, problem.seed)
 
 
 def two_at_once(node: Node, problem: Problem) -> Iterator[Node]:
     """The best pair of effects: the best first step may be neither of them."""
-    pair = best_pair(problem.linearisation, problem.data, problem.start, problem.progress)
-    yield from _started(pair or (), problem)
+    yield from _begun(node_after((), problem), best_pair(problem), problem)
 
 
 def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:
-    """Effects found along the measured motion, where no loop holds an axis."""
-    yield from _started(inverse_dynamics_start(problem), problem)
+    """Effects that explain the torque along the measured motion, then fitted in the closed loop.
+
+    A pendulum that swings freely on a cart swings on where its friction is missing: the simulated motion soon
+    differs from the measured one, and its sensitivities say nothing. Along the measured motion the friction
+    is identifiable. Not asked where that replay was used already, a loop holds every axis to its reference,
+    or no torque was recorded.
+    """
+    recordings = problem.data.recordings
+    blind = any(scored_torque(r) is None for r in recordings)
+    if blind or all(map(_holds, recordings)) or not problem.data.replay.simulates:
+        return
+    problem.progress("asking the torque along the measured motion")
+    if problem.inverse_dynamics is None:
+        return
+    data, start, _ = problem.inverse_dynamics
+    asked = Problem(start, data, problem.limit, problem.seed, problem.progress)
+    found = grown(Node(start, data, growth=Growth()), asked).steps
+    fits = fit([step.fit.hypothesis for step in found], problem.data)
+    if not fits or fits[-1] is None:
+        return
+    last = converged(fits[-1], problem.data)
+    # an intermediate loop may not run although the final one does
+    ends = [*(f or last for f in fits[:-1]), last]
+    steps = [replace(s, fit=f, data=problem.data) for s, f in zip(found, ends, strict=True)]
+    yield from _begun(node_after((), problem), steps, problem)
 
 
-def _started(steps: Sequence[AcceptedStep], problem: Problem) -> Iterator[Node]:
-    if steps:
-        yield _bold(Node(problem.start, problem.data), steps, problem, Growth())
+def _holds(recording: Recording) -> bool:
+    """Whether a loop holds all axes to their reference."""
+    loop = recording.controller
+    return loop.kind != "none" and all(loop.kp)
 
 
 def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
@@ -137,11 +144,17 @@ def what_training_shows(node: Node, problem: Problem) -> Iterator[Node]:
     step = next_step(
         linearisation, screened, before, by_folds, problem.progress, later=later, provisional=True
     )
-    if step is not None:
-        yield _bold(node, (step,), problem, _THROUGH, wide=False)
+    yield from _begun(node, (step,) if step else (), problem, _THROUGH, wide=False)
 
 
-def _bold(
-    at: Node, steps: Sequence[AcceptedStep], problem: Problem, growth: Growth, *, wide: bool = True
-) -> Node:
-    return with_steps(at.begun(growth=growth, bold=True), steps, problem.seed, wide=wide)
+def _begun(
+    at: Node,
+    steps: Sequence[AcceptedStep],
+    problem: Problem,
+    growth: Growth = _PLAIN,
+    *,
+    wide: bool = True,
+) -> Iterator[Node]:
+    """The node with bold steps, not confirmed by any data, to be grown; none without steps."""
+    if steps:
+        yield with_steps(at.begun(growth=growth, bold=True), steps, problem.seed, wide=wide)

@@ -2,35 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import EFFECTS, SignalStage, kinds
 
-from ..acceptance import (
-    degrades_holdout,
-    explains_most,
-    holdout_insensitive,
-    improves_an_axis,
-    near_noise_floor,
-)
+from ..acceptance import explains_most, holdout_insensitive, improves_an_axis, near_noise_floor
 from ..data import Data
 from ..fitting.fit import fit, successive_halving
 from ..fitting.refinement import converged, tune_sliding_speed, with_candidates
 from ..hypothesis import Fit
 from ..loss import rescored, test_noise_floor
 from ..policy import POLICY
+from ..problem import Problem
 from ..removed_share import removed_shares
 from ..screening.candidate import Candidate
-from ..screening.equations import Entry, Equations, equations, judge, limits_of
+from ..screening.equations import Entry, Equations, equations
 from ..screening.screen import entries_of
 from ..screening.sensitivity import Linearisation
-from ..search_result import AcceptedStep
-from ..significance import cancel_each_other, identifiable
+from ..search_result import AcceptedStep, steps_through
 from .choice import loss_ratios, simplest_first
+from .sets import is_sound, solved_together
 
 # What a plain model of drives leaves out together: sets that are tried beside each effect by itself.
 _BASIC = sorted((e for e in EFFECTS if e.search.basic and e.locations), key=lambda e: e.name)
@@ -38,62 +34,46 @@ _FRICTION = tuple(e.name for e in _BASIC if e.stage is SignalStage.FRICTION)
 _DRIVES = (*_FRICTION, *(e.name for e in _BASIC if e.stage is not SignalStage.FRICTION))
 
 
-@dataclass(frozen=True)
-class _Fitted:
-    """Effects, each on all axes, with their fit."""
-
-    effects: tuple[str, ...]
-    fit: Fit
-
-
-def shared_effects(
-    screened: Sequence[Candidate],
-    linearisation: Linearisation,
-    data: Data,
-    start: Fit,
-    progress: Callable[[str], None],
-    whole: Equations | None = None,
-) -> tuple[AcceptedStep, ...]:
+def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
     """Steps with one effect (or a few that belong together) on all axes that need it.
 
     Where each of many axes has a share of the error, no single effect explains enough by itself. Axes that
     fit as well without are left out again.
 
-    Args:
-        screened: every effect in every place, as a first one.
-        linearisation: of the model so far.
-        data: its recordings.
-        start: the model as it is.
-        progress: told what is being done.
-        whole: the equations of all effects, where they are known.
-
     Returns:
         One step an effect and axis, the largest first; without their own data and runs.
         Empty where nothing explains much.
     """
+    linearisation, data, start = problem.linearisation, problem.data, problem.start
     if linearisation.model.size < 2:
         return ()
-    progress("looking for one cause on every axis")
+    problem.progress("looking for one cause on every axis")
+    whole = problem.linear.equations if problem.linear else None
+    if whole is None:
+        columns, entries = entries_of(linearisation)
+        whole = equations(linearisation, [], columns, entries, data)
     if holdout_insensitive(start, data):  # an insensitive holdout cannot test
-        data = data.cross_validated()
+        data, whole = data.cross_validated(), replace(whole, held_out=None)
         start = rescored(start, data)
-    whole = whole or _equations(linearisation, data, start)
-    sets = _promising(screened, linearisation, data, start, whole)[: POLICY.sets_simulated]
+    sets = _promising(problem.screened, linearisation, data, start, whole)[: POLICY.sets_simulated]
     if not sets:
         return ()
-    progress(f"fitting {'; '.join(' and '.join(names) for names, _ in sets)} on every axis")
+    problem.progress(f"fitting {'; '.join(' and '.join(names) for names, _ in sets)} on every axis")
     tried = [with_candidates(linearisation, chosen, start) for _, chosen in sets]
-    competed = zip(sets, successive_halving(tried, start, data)[0], strict=True)
-    fits = [_Fitted(names, f) for (names, _), f in competed if f is not None]
+    raced, _ = successive_halving(tried, start, data)
+    fits = [(names, f) for (names, _), f in zip(sets, raced, strict=True) if f is not None]
     floor = test_noise_floor(data)
-    for found in simplest_first(fits, data, POLICY.later_gain):
-        best = replace(found, fit=converged(needed(tune_sliding_speed(found.fit, data, floor), data), data))
-        if len(best.fit.hypothesis.free) < 2 or not explains_most(best.fit, start, data):
-            continue
-        sound = identifiable(linearisation, best.fit) and not cancel_each_other(linearisation, best.fit)
-        if sound and not degrades_holdout(best.fit, start, data):
-            return _steps(best, fits, data, start)
+    for names, found in simplest_first(fits, data, POLICY.later_gain):
+        best = converged(needed(tune_sliding_speed(found, data, floor), data), data)
+        if len(best.hypothesis.free) > 1 and is_sound(best, linearisation, data, start):
+            others = [(f.hypothesis.free[0].key, f.test_loss) for n, f in fits if _other_causes(n, names)]
+            return _steps(best, others, data, start)
     return ()
+
+
+def _other_causes(names: Sequence[str], than: Sequence[str]) -> bool:
+    """Whether none of some effects is one of others, or a refinement of one."""
+    return not set(names) & {*than, *(e.name for e in EFFECTS if set(e.search.contains) & set(than))}
 
 
 def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None) -> Fit:
@@ -122,7 +102,7 @@ def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None)
 
 def _promising(
     screened: Sequence[Candidate], linearisation: Linearisation, data: Data, start: Fit, whole: Equations
-) -> list[tuple[tuple[str, ...], list[Candidate]]]:
+) -> list[tuple[tuple[str, ...], tuple[Candidate, ...]]]:
     """Sets of effects by their loss on the linearised loop, the best of each kind."""
     at_drives = {
         (c.key.effect, c.key.axis): c
@@ -130,18 +110,12 @@ def _promising(
         if c.key.axis is not None and c.key.location == "actuator" and np.isfinite(c.test_loss)
     }
     floor, excess = test_noise_floor(data), _excess(start, data)
-    best: dict[tuple[str, ...], tuple[float, list[Candidate]]] = {}
+    best: dict[tuple[str, ...], tuple[float, tuple[Candidate, ...]]] = {}
     for option, own in _sets(at_drives, linearisation, whole, excess, start.test_loss):
         gone = (1.0 - POLICY.promising) * sum(excess[a] for a in {e.key.axis for e in own} if a)
         most = floor + max(start.test_loss - floor, 0.0) - gone
-        bounds = [np.concatenate(b) for b in zip(*(limits_of(linearisation, e) for e in own), strict=True)]
-        index = [k for e in own for k in e.linear]
-        fixed = [e.fixed for e in own if e.fixed is not None]
-        held_out = whole.held_out if data.tests_on_holdout else None
-        test_loss, solution = judge(whole.pieces, held_out, index, fixed, (bounds[0], bounds[1]))
+        test_loss, chosen = solved_together(own, linearisation, whole)
         if test_loss < min(most, best[option][0] if option in best else np.inf):
-            parts = np.split(solution, np.cumsum([len(e.linear) for e in own])[:-1])
-            chosen = [Candidate(e.key, x, e.shape, test_loss) for e, x in zip(own, parts, strict=True)]
             best[option] = test_loss, chosen
     return [(option, chosen) for option, (_, chosen) in sorted(best.items(), key=lambda b: b[1][0])]
 
@@ -156,7 +130,11 @@ def _sets(
     """Effects of a make on all axes, or on those that show them: in the best shape of each, and all alike."""
     there = {effect for effect, _ in at_drives}
     names = [effect.name for effect in EFFECTS if kinds.shared_by_design(effect) and effect.name in there]
-    entries = {(e.key.effect, e.key.axis, _shape(e.shape)): e for e in whole.entries if _drives(e, names)}
+    entries = {
+        (e.key.effect, e.key.axis, _shape(e.shape)): e
+        for e in whole.entries
+        if e.key.location == "actuator" and e.key.axis is not None and e.key.effect in names
+    }
     everywhere = set(linearisation.model.driven)
     for option in (*((name,) for name in names), _FRICTION, _DRIVES):
         gains = {a: before - _least(at_drives, option, a) for a in everywhere}
@@ -176,17 +154,8 @@ def _sets(
                 yield (name,), alike
 
 
-def _drives(entry: Entry, names: Sequence[str]) -> bool:
-    return entry.key.location == "actuator" and entry.key.axis is not None and entry.key.effect in names
-
-
 def _shape(shape: Mapping[str, float]) -> tuple[tuple[str, float], ...]:
     return tuple(sorted(shape.items()))
-
-
-def _equations(linearisation: Linearisation, data: Data, start: Fit) -> Equations:
-    columns, entries = entries_of(linearisation)
-    return Equations(tuple(entries), *equations(linearisation, [], columns, data, start.simulated))
 
 
 def _excess(start: Fit, data: Data) -> dict[str, float]:
@@ -201,27 +170,25 @@ def _least(candidates: Mapping[tuple[str, str], Candidate], names: Sequence[str]
     return min((candidates[n, axis].test_loss for n in names if (n, axis) in candidates), default=np.inf)
 
 
-def _steps(best: _Fitted, fits: Sequence[_Fitted], data: Data, start: Fit) -> tuple[AcceptedStep, ...]:
-    """Steps of the effects, the one that explains most by itself first."""
-    whole = best.fit.hypothesis
+def _steps(
+    best: Fit, others: Sequence[tuple[EffectKey, float]], data: Data, start: Fit
+) -> tuple[AcceptedStep, ...]:
+    """Steps of the effects, the one that explains most by itself first; `others`: explanations in place."""
+    whole = best.hypothesis
     singles = fit([replace(whole, free=(a,)) for a in whole.free], data, iterations=2)
     left = [np.inf if s is None else s.test_loss for s in singles]
     order = [whole.free[k] for k in np.argsort(left, kind="stable")]
     parts = [replace(whole, free=tuple(order[: k + 1])) for k in range(len(order) - 1)]
     grown = [f for f in fit(parts, data) if f is not None]
-    floor = test_noise_floor(data)
     alone = [(a.key, test_loss) for a, test_loss in zip(whole.free, left, strict=True) if test_loss < np.inf]
-    ranking = removed_shares(start.test_loss, alone, floor)
-    forms = set(best.effects) | {e.name for e in EFFECTS if set(e.search.contains) & set(best.effects)}
-    instead = [(f.fit.hypothesis.free[0].key, f.fit.test_loss) for f in fits if not set(f.effects) & forms]
-    before, steps = start, []
-    for result in (*grown, best.fit):
-        added = next(a.key for a in order if a.key not in _keys(before) and a.key in _keys(result))
-        told = {"ranking": ranking, "loss_ratios": loss_ratios(added, best.fit.test_loss, instead)}
-        steps.append(AcceptedStep.between(before, result, added, data, **told))
-        before = result
-    return tuple(steps)
+    ranking = removed_shares(start.test_loss, alone, test_noise_floor(data))
+    found, known = [], start.hypothesis.keys
+    for result in (*grown, best):
+        added = next(a.key for a in order if a.key in result.hypothesis.keys - known)
+        known = result.hypothesis.keys
+        found.append((added, result))
 
+    def told(key: EffectKey) -> dict[str, Any]:
+        return {"ranking": ranking, "loss_ratios": loss_ratios(key, best.test_loss, others)}
 
-def _keys(found: Fit) -> set[EffectKey]:
-    return {a.key for a in found.hypothesis.free}
+    return steps_through(start, found, data, told)

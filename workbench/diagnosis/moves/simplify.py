@@ -15,9 +15,9 @@ from ..fitting.fit import fit
 from ..fitting.refinement import converged, with_candidates
 from ..hypothesis import Fit
 from ..loss import test_noise_floor
-from ..node import Node, effect_keys, with_last_step, with_steps
+from ..node import Node, with_last_step, with_steps
 from ..policy import POLICY
-from ..problem import Problem, Progress
+from ..problem import Problem
 from ..removed_share import removed_share
 from ..screening.candidate import Candidate
 from ..screening.screen import screen
@@ -41,7 +41,7 @@ def without_needless_start(node: Node, problem: Problem) -> Iterator[Node]:
     """The node without effects of its start that the last effect has made needless."""
     last = node.steps[-1]
     kept = needed(node.current, node.data, node.keys - {last.added})
-    idle = sorted(node.keys - effect_keys(kept), key=str)
+    idle = sorted(node.keys - kept.hypothesis.keys, key=str)
     if idle:
         problem.progress(f"leaving out {', '.join(map(str, idle))}, needless since {last.added}")
         plain = replace(last, fit=converged(kept, node.data), dropped=(*last.dropped, *idle))
@@ -52,7 +52,7 @@ def simplified(node: Node, problem: Problem) -> Iterator[Node]:
     """Nodes with special cases in place of a refinement that fit as well."""
     for step in node.steps:
         last = step is node.steps[-1]
-        simple = simplify(step, node.current, node.data, problem.progress, last=last)
+        simple = _simpler(step, node, problem, last=last)
         if not simple:
             continue
         at = node.begun(as_good=True)
@@ -62,9 +62,7 @@ def simplified(node: Node, problem: Problem) -> Iterator[Node]:
         yield with_steps(at, simple, problem.seed)
 
 
-def simplify(
-    step: AcceptedStep, current: Fit, data: Data, progress: Progress, *, last: bool = False
-) -> tuple[AcceptedStep, ...]:
+def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) -> tuple[AcceptedStep, ...]:
     """Steps with special cases in place of a refinement that was chosen early; none where they fit worse.
 
     The refinement may have fitted the shape of a cause that was found later. One that has two special cases
@@ -72,24 +70,24 @@ def simplify(
 
     Args:
         step: the effect in question, as it was found.
-        current: the last fit, with it and all that came later.
-        data: recordings, with the noise floor of that model.
-        progress: told what is being done.
+        node: with it and all that came later.
+        problem: what is searched.
         last: it is the last step, so that its special cases one by one were worse already.
 
     Returns:
         One or two steps; without their own data and runs.
     """
+    current, data = node.current, node.data
     given_up = next((a for a in current.hypothesis.free if a.key == step.added), None)
     special = effect_named(given_up.key.effect).search.contains if given_up else ()
     if given_up is None or len(special) <= last:
         return ()
-    progress(f"asking whether less than {given_up.key} will do")
+    problem.progress(f"asking whether less than {given_up.key} will do")
     (rest,) = fit([current.hypothesis.without(given_up.key)], data, iterations=1)
     if rest is None:
         return ()
     linearisation = Linearisation.of(rest.hypothesis.model, data, rest.simulated, len(data.recordings))
-    candidates, _ = screen(linearisation, data, rest.simulated, rest.hypothesis.free)
+    candidates = screen(linearisation, data, rest.hypothesis.free)
     chosen = [c for c in candidates if contains(given_up.key, c.key)]
     for count in (2,) if last else (1, 2):
         sets = list(combinations(chosen, count))

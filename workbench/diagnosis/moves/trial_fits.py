@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,8 @@ class SearchState:
         data: recordings and weights.
         later: whether this is not the first effect.
         progress: told what is being done.
+        at_first: share of the excess that candidates removed on the few recordings on which they are fitted
+            first; all that is known of those that are given up there.
     """
 
     linearisation: Linearisation
@@ -45,6 +47,7 @@ class SearchState:
     data: Data
     later: bool
     progress: Progress
+    at_first: dict[EffectKey, float] = field(default_factory=dict)
 
     @cached_property
     def floor(self) -> float:
@@ -71,40 +74,23 @@ class SearchState:
         return any(c in self.parameter_free for c, f in fits if improves(f, self.current, self.excess))
 
 
-@dataclass(frozen=True)
-class TrialFits:
-    """Fits of candidates.
-
-    Attributes:
-        fits: candidates with their fits, tier after tier, each best first.
-        at_first: share of the excess that candidates removed on the few recordings on which they are fitted
-            first; all that is known of those that are given up there.
-    """
-
-    fits: tuple[Explanation, ...] = ()
-    at_first: tuple[tuple[EffectKey, float], ...] = ()
-
-    def __add__(self, more: TrialFits) -> TrialFits:
-        return TrialFits((*self.fits, *more.fits), (*self.at_first, *more.at_first))
-
-
-def try_in_order(at: SearchState) -> TrialFits:
+def try_in_order(at: SearchState) -> list[Explanation]:
     """Fits of parameter-free candidates, then basic effects, refinements, and compliances, as far as needed.
 
-    A fit at the noise floor ends it. A parameter-free candidate that helps makes refinements and
-    compliances needless.
+    Tier after tier, each best first. A fit at the noise floor ends it. A parameter-free candidate that helps
+    makes refinements and compliances needless.
     """
     simple, refined = _free_tiers(at)
-    tried = TrialFits()
+    tried: list[Explanation] = []
     for tier in (at.parameter_free, simple, refined):
-        if any(at_noise_floor(f, at.data) for _, f in tried.fits):
+        if any(at_noise_floor(f, at.data) for _, f in tried):
             break
-        if tier and not (tier is refined and at.parameter_free_helps(tried.fits)):
+        if tier and not (tier is refined and at.parameter_free_helps(tried)):
             tried += _with_sliding_speed(_fitted(tier, at), at)
     enough = POLICY.compliance_from_later if at.later else POLICY.compliance_from
-    if at.parameter_free_helps(tried.fits) or any(at_noise_floor(f, at.data, enough) for _, f in tried.fits):
+    if at.parameter_free_helps(tried) or any(at_noise_floor(f, at.data, enough) for _, f in tried):
         return tried
-    return tried + _springs_and_gaps(tried.fits, at)
+    return tried + _springs_and_gaps(tried, at)
 
 
 def _free_tiers(at: SearchState) -> tuple[list[Candidate], list[Candidate]]:
@@ -124,34 +110,32 @@ def _free_tiers(at: SearchState) -> tuple[list[Candidate], list[Candidate]]:
     return simple[: POLICY.simple_simulated], refined[: POLICY.refined_simulated]
 
 
-def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> TrialFits:
+def _springs_and_gaps(rigid: Sequence[Explanation], at: SearchState) -> list[Explanation]:
     """Fits of springs and backlash, which are expensive to simulate and seldom needed."""
     at.progress("looking for springs and gaps")
     best = min((f.test_loss for _, f in rigid), default=np.inf)
-    late = compliance_candidates(
-        at.linearisation, at.data.training, at.current.test_loss, at.current.hypothesis.free
-    )
+    late = compliance_candidates(at.linearisation, at.current.test_loss, at.current.hypothesis.free)
     late = [c for c in late if c.test_loss < POLICY.compliance_simulated * best]
-    return _fitted(late, at) if late else TrialFits()
+    return _fitted(late, at) if late else []
 
 
-def _fitted(chosen: Sequence[Candidate], at: SearchState) -> TrialFits:
+def _fitted(chosen: Sequence[Candidate], at: SearchState) -> list[Explanation]:
     """Candidates with their fits; what does not run is left out."""
     at.progress(f"fitting {', '.join(str(c.key) for c in chosen)}")
     pairs: list[Explanation] = []
-    at_first: list[tuple[EffectKey, float]] = []
     for diverges in (False, True):
         part = [c for c in chosen if kinds.diverges(effect_named(c.key.effect)) is diverges]
         if not part:
             continue
         tried = [with_candidate(at.linearisation, c, at.current) for c in part]
         if diverges:
-            results, shares = fit(tried, at.data, 1), [None] * len(part)
+            results = fit(tried, at.data, 1)
         else:
             results, shares = successive_halving(tried, at.current, at.data)
+            known = zip(part, shares, strict=True)
+            at.at_first.update((c.key, x) for c, x in known if x is not None)
         pairs += [(c, _as_read(c, f, at)) for c, f in zip(part, results, strict=True) if f is not None]
-        at_first += [(c.key, x) for c, x in zip(part, shares, strict=True) if x is not None]
-    return TrialFits(tuple(sorted(pairs, key=lambda cf: cf[1].training_loss)), tuple(at_first))
+    return sorted(pairs, key=lambda cf: cf[1].training_loss)
 
 
 def _as_read(candidate: Candidate, found: Fit, at: SearchState) -> Fit:
@@ -161,13 +145,11 @@ def _as_read(candidate: Candidate, found: Fit, at: SearchState) -> Fit:
     return fit([with_candidate(at.linearisation, candidate, at.current)], at.data, 1)[0] or found
 
 
-def _with_sliding_speed(tier: TrialFits, at: SearchState) -> TrialFits:
+def _with_sliding_speed(tier: list[Explanation], at: SearchState) -> list[Explanation]:
     """Fits of a tier; those that may be chosen have their sliding speed tuned."""
-    if not tier.fits:
-        return tier
-    close = POLICY.onset_close * tier.fits[0][1].training_loss
+    close = POLICY.onset_close * min((f.training_loss for _, f in tier), default=np.inf)
     best = [
         (c, tune_sliding_speed(f, at.data, at.floor) if f.training_loss < close else f)
-        for c, f in tier.fits[: POLICY.onset_simulated]
+        for c, f in tier[: POLICY.onset_simulated]
     ]
-    return TrialFits((*best, *tier.fits[POLICY.onset_simulated :]), tier.at_first)
+    return best + tier[POLICY.onset_simulated :]

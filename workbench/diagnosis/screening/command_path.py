@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,11 +13,8 @@ from workbench.models import Placement
 
 from ..hypothesis import Fit
 from ..policy import POLICY
+from .candidate import Candidate
 from .sensitivity import Linearisation
-
-if TYPE_CHECKING:
-    from .candidate import Candidate
-
 
 #: What a drive's measured torque is off its command, and what a limit takes away of it, row by row; and the
 #: share that this drive has of what all are off.

@@ -18,27 +18,26 @@ from .sensitivity import Linearisation
 
 
 def compliance_candidates(
-    linearisation: Linearisation, training: int, test_loss: float, found_before: Sequence[AppliedEffect] = ()
+    linearisation: Linearisation, test_loss: float, found_before: Sequence[AppliedEffect] = ()
 ) -> list[Candidate]:
     """Compliances that explain part of the residual torque, best first.
 
     Args:
-        linearisation: of the model so far; the first `training` of its recordings are used.
-        training: their number.
+        linearisation: of the model so far; those of its recordings that are fitted are used.
         test_loss: of the model so far; a candidate's own is its share of it.
         found_before: effects of the model whose parameters may change. A spring among them was fitted to the
             total compliance, so that another one is fitted together with it.
     """
     springs = tuple(a for a in found_before if kinds.is_spring(effect_named(a.key.effect)))
-    asked = training, *(a.key for a in springs)
+    asked = tuple(a.key for a in springs)
     if asked not in linearisation.compliances:
-        linearisation.compliances[asked] = _shares(linearisation, training, springs)
+        linearisation.compliances[asked] = _shares(linearisation, springs)
     return [replace(c, test_loss=c.test_loss * test_loss) for c in linearisation.compliances[asked]]
 
 
-def _shares(linearisation: Linearisation, training: int, springs: Sequence[AppliedEffect]) -> list[Candidate]:
+def _shares(linearisation: Linearisation, springs: Sequence[AppliedEffect]) -> list[Candidate]:
     """Candidates whose `test_loss` is the share of the residual torque that they leave."""
-    motions = [_without_own_compliance(m, linearisation.model) for m in linearisation.motions[:training]]
+    motions = [_without_own_compliance(m, linearisation.model) for m in linearisation.fitted_motions]
 
     def asked(key: EffectKey) -> list[Candidate]:
         if (
@@ -46,7 +45,7 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
             and springs
             and all(a.key.axis != key.axis for a in springs)
         ):
-            return _beside(springs, key, linearisation, training)
+            return _beside(springs, key, linearisation)
         effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
         initial_values = effect.initial_values(motions, linearisation.model, place)
         some = [(shape, left) for shape, left in initial_values if left < POLICY.compliance_left]
@@ -71,14 +70,14 @@ def _shares(linearisation: Linearisation, training: int, springs: Sequence[Appli
 
 
 def _beside(
-    springs: Sequence[AppliedEffect], key: EffectKey, linearisation: Linearisation, training: int
+    springs: Sequence[AppliedEffect], key: EffectKey, linearisation: Linearisation
 ) -> list[Candidate]:
     """A candidate of one more spring, with the stiffness of the others beside it; else none."""
     keys = {a.key for a in springs}
     rigid = replace(
         linearisation.model, effects=tuple(e for e in linearisation.model.effects if e.key not in keys)
     )
-    motions = [_without_own_compliance(m, rigid) for m in linearisation.motions[:training]]
+    motions = [_without_own_compliance(m, rigid) for m in linearisation.fitted_motions]
     seats = (Placement.of(rigid, k) for k in (*(a.key for a in springs), key))
     known, now = [seat for seat in seats if seat is not None], [a.values for a in springs]
     alone, together = Springs(motions, rigid, known[:-1]), Springs(motions, rigid, known)

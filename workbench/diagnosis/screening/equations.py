@@ -39,27 +39,65 @@ def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, n
     return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]
 
 
+def bounds_of(
+    linearisation: Linearisation, entries: Sequence[Entry], kept: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Physical bounds of the coefficients of entries, behind unknowns without any, `kept` in number."""
+    limits = [
+        (np.full(kept, -np.inf), np.full(kept, np.inf)),
+        *(limits_of(linearisation, e) for e in entries),
+    ]
+    return np.concatenate([low for low, _ in limits]), np.concatenate([high for _, high in limits])
+
+
 @dataclass(frozen=True)
 class Equations:
-    """Of all effects in all places and shapes: normal equations of training folds and of held-out data."""
+    """Normal equations of effects in their shapes: of each training fold, and of held-out data that judge."""
 
     entries: tuple[Entry, ...]
     pieces: list[Normal]
     held_out: Normal | None
+
+    def judged(
+        self,
+        entries: Sequence[Entry],
+        bounds: tuple[np.ndarray | float, np.ndarray | float] = (-np.inf, np.inf),
+        kept: Sequence[int] = (),
+    ) -> tuple[float, np.ndarray]:
+        """Mean square left on held-out data (or across folds), and the solution on all training data.
+
+        Args:
+            entries: effects that are fitted together.
+            bounds: of the unknowns; none by default.
+            kept: unknowns that stand before theirs.
+        """
+        index = [*kept, *(k for e in entries for k in e.linear)]
+        fixed = [e.fixed for e in entries if e.fixed is not None]
+        parts = [_shifted(p, index, fixed) for p in self.pieces]
+        whole = total(parts)
+        solution = solve(whole, *bounds)
+        if self.held_out is not None:
+            other = _shifted(self.held_out, index, fixed)
+            return other.after(solution) / other.samples, solution
+        left = 0.0
+        for part in parts:
+            rest = whole - part
+            left += part.after(solve(rest, *bounds))
+        return left / whole.samples, solution
 
 
 def equations(
     linearisation: Linearisation,
     known: list[np.ndarray],
     columns: list[SensitivityColumn],
+    entries: Sequence[Entry],
     data: Data,
-    simulated: Sequence[Recording],
-) -> tuple[list[Normal], Normal | None]:
-    """Normal equations of each training fold, and of the held-out recordings together.
+) -> Equations:
+    """Normal equations of the columns of entries.
 
     `known`: responses of the unknowns that stand before `columns`, per recording.
     """
-    return equations_of(responses(linearisation, known, columns, data), data, simulated)
+    return equations_of(responses(linearisation, known, columns, data), entries, data, linearisation.runs)
 
 
 def responses(
@@ -75,44 +113,16 @@ def responses(
 
 
 def equations_of(
-    changes: Sequence[np.ndarray], data: Data, simulated: Sequence[Recording]
-) -> tuple[list[Normal], Normal | None]:
-    """Normal equations of each training fold, and of held-out recordings that judge, from `responses`."""
+    changes: Sequence[np.ndarray], entries: Sequence[Entry], data: Data, simulated: Sequence[Recording]
+) -> Equations:
+    """The same from `responses`."""
     residuals = [data.residual(i, s) * data.weight for i, s in enumerate(simulated)]
     pieces = [normal(changes[f.recording][f.rows], residuals[f.recording][f.rows]) for f in data.folds]
     held_out: Normal | None = None
     for i in range(data.training, len(simulated) if data.tests_on_holdout else data.training):
         own = normal(changes[i], residuals[i])
         held_out = own if held_out is None else held_out + own
-    return pieces, held_out
-
-
-def judge(
-    pieces: list[Normal],
-    held_out: Normal | None,
-    index: list[int],
-    fixed: Sequence[int],
-    bounds: tuple[np.ndarray, np.ndarray],
-) -> tuple[float, np.ndarray]:
-    """Mean square left on held-out data (or across folds), and the solution on all training data.
-
-    Args:
-        pieces, held_out: see `equations`.
-        index: unknowns.
-        fixed: columns without a coefficient, which come off the residual first.
-        bounds: of the unknowns.
-    """
-    parts = [_shifted(p, index, fixed) for p in pieces]
-    whole = total(parts)
-    solution = solve(whole, *bounds)
-    if held_out is not None:
-        other = _shifted(held_out, index, fixed)
-        return other.after(solution) / other.samples, solution
-    left = 0.0
-    for part in parts:
-        rest = whole - part
-        left += part.after(solve(rest, *bounds))
-    return left / whole.samples, solution
+    return Equations(tuple(entries), pieces, held_out)
 
 
 def _shifted(piece: Normal, index: list[int], fixed: Sequence[int]) -> Normal:

@@ -18,26 +18,23 @@ from .sensitivity import Linearisation
 _MOVED = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)  # m, of a foot: values to begin with
 
 
-def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
+def by_runs(linearisation: Linearisation, data: Data) -> list[Candidate]:
     """Candidates of ground contact and foot position, from measured forces, by simulation.
 
     They are no torque along a motion. Where forces were not recorded, these effects are in
     `unobservable_effects`.
     """
-    tried: list[tuple[EffectKey, np.ndarray, Mapping[str, float]]] = []
-    for key in places(linearisation.model) if data.replay.on_ground else ():
-        effect = effect_named(key.effect)
-        if isinstance(effect, OnGround):
-            own = effect.initial_values(linearisation.motions[: data.training])
-            tried += [(key, np.zeros(0), shape) for shape in own]
-        elif kinds.changes_foot_position(effect):
-            tried += [(key, np.array([value]), {}) for value in _MOVED]
+    model = linearisation.model
+    tried = [
+        (key, *start)
+        for key in places(model)
+        if data.replay.needs_runs(effect_named(key.effect))
+        for start in _starts(key, linearisation)
+    ]
     models = []
     for key, coefficients, shape in tried:
         values = effect_named(key.effect).parameters.to_values(coefficients, shape)
-        models.append(
-            linearisation.model.with_effect(applied_effect(linearisation.model, AppliedEffect(key), values))
-        )
+        models.append(model.with_effect(applied_effect(model, AppliedEffect(key), values)))
     squares = [data.mean_squares(runs) for runs in data.run(models)] if models else []
     part = data.tests_on_holdout
     test_loss = [data.objective(data.pool(s, part)) if np.isfinite(s).all() else np.inf for s in squares]
@@ -47,16 +44,23 @@ def on_the_ground(linearisation: Linearisation, data: Data) -> list[Candidate]:
     return list(best.values())
 
 
-def unobservable_effects(linearisation: Linearisation, data: Data) -> list[EffectKey]:
+def _starts(key: EffectKey, linearisation: Linearisation) -> list[tuple[np.ndarray, Mapping[str, float]]]:
+    """Coefficients and shapes to begin with; none where feet show nothing of it."""
+    effect = effect_named(key.effect)
+    if isinstance(effect, OnGround):
+        shapes = effect.initial_values(linearisation.fitted_motions)
+        return [(np.zeros(0), shape) for shape in shapes]
+    return [(np.array([value]), {}) for value in _MOVED]
+
+
+def unobservable_effects(linearisation: Linearisation) -> list[EffectKey]:
     """Effects that this kind of replay, or the recorded ground forces, cannot show."""
-    out = []
+    out, replay = [], linearisation.data.replay
     for key in places(linearisation.model):
         effect = effect_named(key.effect)
-        hidden = not data.replay.shows(key.effect)
-        if data.replay.on_ground and isinstance(effect, OnGround):
-            hidden = hidden or not effect.initial_values(linearisation.motions[: data.training])
         # what shifts commands or readings is no torque, which is all that a measured motion tells
-        along = not data.replay.simulates and effect.stage not in kinds.TORQUES
-        if hidden or along:
+        along = not replay.simulates and effect.stage not in kinds.TORQUES
+        untouched = replay.needs_runs(effect) and not _starts(key, linearisation)
+        if along or untouched or not replay.shows(key.effect):
             out.append(key)
     return out

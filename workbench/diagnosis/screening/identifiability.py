@@ -7,16 +7,14 @@ estimate follows from them, alone and beside any other effect (L. Ljung, System 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from workbench.core import Disagreement, EffectKey, Estimate, Identifiability
 from workbench.effects import effect_named, kinds
-from workbench.models import AppliedEffect, Model
+from workbench.models import AppliedEffect
 
-from ..data import Data
 from ..fitting.uncertainty import with_deviations
 from ..hypothesis import Hypothesis, applied_effect
 from ..policy import POLICY
@@ -26,9 +24,8 @@ from .linear_problem import Linear, columns_of
 from .sensitivity import Linearisation
 
 
-def identifiability_of(linear: Linear, linearisation: Linearisation, data: Data) -> Identifiability:
+def identifiability_of(linear: Linear, linearisation: Linearisation) -> Identifiability:
     """Which effects the recordings can tell apart at a small size, and how well each would be known."""
-    model, unseen = linearisation.model, unobservable_effects(linearisation, data)
     shows = [linear.shown(e) >= POLICY.significant for e in linear.entries]
     excited = [e for e, shown in zip(linear.entries, shows, strict=True) if shown]
     silent = [e.key for e, shown in zip(linear.entries, shows, strict=True) if not shown]
@@ -37,8 +34,8 @@ def identifiability_of(linear: Linear, linearisation: Linearisation, data: Data)
     return Identifiability(
         separable=tuple(e.key for e in excited if e.key not in alike),
         groups=groups,
-        not_excited=(*unseen, *silent),
-        expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, model, data))),
+        not_excited=(*unobservable_effects(linearisation), *silent),
+        expected=tuple((e.key, x) for e in excited if (x := _expected(linear, e, linearisation))),
     )
 
 
@@ -58,12 +55,12 @@ def _groups(linear: Linear, excited: Sequence[Entry]) -> tuple[tuple[EffectKey, 
     return tuple(sorted((tuple(sorted(g, key=order.index)) for g in found), key=lambda g: order.index(g[0])))
 
 
-def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping[str, Estimate]:
+def _expected(linear: Linear, entry: Entry, linearisation: Linearisation) -> Mapping[str, Estimate]:
     """Of a small effect, fitted alone: its parameters with the deviations that noise gives them.
 
     Nonlinear parameters are held where they are, but for those of effects that have no others.
     """
-    effect = effect_named(entry.key.effect)
+    effect, model = effect_named(entry.key.effect), linearisation.model
     if kinds.free_parameters(effect, model) == 0:
         return {}
     own, count = columns_of(entry), len(entry.linear)
@@ -77,7 +74,7 @@ def _expected(linear: Linear, entry: Entry, model: Model, data: Data) -> Mapping
     coefficients = np.full(count, linear.small(entry))
     values = effect.parameters.to_values(coefficients, entry.shape)
     applied = applied_effect(model, AppliedEffect(entry.key), values)
-    (known,) = with_deviations(Hypothesis(model, (applied,)), covariance, data).free
+    (known,) = with_deviations(Hypothesis(model, (applied,)), covariance, linearisation.data).free
     return {name: known.parameters[name] for name in asked}
 
 
@@ -111,35 +108,30 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
     if (linear.excess <= linear.quiet).all():  # what is at the noise contradicts nothing
         return ()
     single = [e for e in linear.entries if len(e.linear) == 1 and len(linear.own) > 1]
-    tried = [_BySize.of(linear, e) for e in single]
-    best = min((t for t in tried if t is not None), key=lambda t: t.left.sum(), default=None)
-    if best is None or (best.left > np.maximum((1.0 - POLICY.explained) * linear.excess, linear.quiet)).any():
+    tried = [(own[2].sum(), e, own) for e in single if (own := _by_recording(linear, e)) is not None]
+    if not tried:
         return ()
-    low, high = int(best.sizes.argmin()), int(best.sizes.argmax())
-    apart, deviation = np.ptp(best.sizes), np.hypot(best.deviations[low], best.deviations[high])
-    if apart < max(POLICY.disagreement * np.abs(best.sizes).max(), POLICY.significant * deviation):
+    _, entry, (sizes, deviations, left) = min(tried, key=lambda t: t[0])
+    low, high = int(sizes.argmin()), int(sizes.argmax())
+    apart, deviation = np.ptp(sizes), np.hypot(deviations[low], deviations[high])
+    unclear = (left > np.maximum((1.0 - POLICY.explained) * linear.excess, linear.quiet)).any()
+    least = max(POLICY.disagreement * np.abs(sizes).max(), POLICY.significant * deviation)
+    if unclear or apart < least:
         return ()
-    effect = effect_named(best.entry.key.effect)
+    effect = effect_named(entry.key.effect)
     (name,) = (p.name for p in effect.parameters if p.name not in effect.parameters.nonlinear)
-    values = [effect.parameters.to_values(np.array([x]), best.entry.shape)[name] for x in best.sizes]
-    return (Disagreement(tuple(names[: len(values)]), best.entry.key, tuple(map(float, values))),)
+    values = [effect.parameters.to_values(np.array([x]), entry.shape)[name] for x in sizes]
+    return (Disagreement(tuple(names[: len(values)]), entry.key, tuple(map(float, values))),)
 
 
-@dataclass(frozen=True)
-class _BySize:
-    """An effect by recording: its sizes with deviations, and what each leaves above the noise."""
+def _by_recording(linear: Linear, entry: Entry) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Sizes of an effect by recording, their deviations, and what is left above the noise, (R,) each.
 
-    entry: Entry
-    sizes: np.ndarray
-    deviations: np.ndarray
-    left: np.ndarray
-
-    @staticmethod
-    def of(linear: Linear, entry: Entry) -> _BySize | None:
-        """None where a recording shows nothing of it."""
-        (k,) = entry.linear
-        gram = np.array([own.gram[k, k] for own in linear.own])
-        right = np.array([own.right[k] for own in linear.own])
-        if (gram <= 0.0).any():
-            return None
-        return _BySize(entry, right / gram, 1.0 / np.sqrt(gram), linear.excess - right**2 / gram)
+    None where a recording shows nothing of it.
+    """
+    (k,) = entry.linear
+    gram = np.array([own.gram[k, k] for own in linear.own])
+    right = np.array([own.right[k] for own in linear.own])
+    if (gram <= 0.0).any():
+        return None
+    return right / gram, 1.0 / np.sqrt(gram), linear.excess - right**2 / gram

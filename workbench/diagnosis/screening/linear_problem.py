@@ -9,7 +9,6 @@ import numpy as np
 from workbench.core import EffectKey
 from workbench.effects import places
 
-from ..data import Data
 from ..fitting.normal_equations import Normal, total
 from ..fitting.uncertainty import scatter
 from ..policy import POLICY
@@ -102,29 +101,31 @@ def columns_of(entry: Entry) -> list[int]:
     return entry.linear or ([entry.fixed] if entry.fixed is not None else [])
 
 
-def linear_of(linearisation: Linearisation, data: Data) -> Linear:
+def linear_of(linearisation: Linearisation) -> Linear:
     """All effects as they travel round the loops of the recordings."""
-    columns, entries = entries_of(linearisation)
+    data, (columns, entries) = linearisation.data, entries_of(linearisation)
     changes = responses(linearisation, [], columns, data)
-    pieces, held_out = equations_of(changes, data, linearisation.runs)
+    known = equations_of(changes, entries, data, linearisation.runs)
     each, white = range(data.training), data.weight**2
-    own = [total([p for p, f in zip(pieces, data.folds, strict=True) if f.recording == i]) for i in each]
+    own = [
+        total([p for p, f in zip(known.pieces, data.folds, strict=True) if f.recording == i]) for i in each
+    ]
     spread = [scatter([draw[i] for draw in data.draws], changes[i], data) for i in each]
     quiet = np.array([np.sum(data.floor[i] * white) * len(linearisation.runs[i]) for i in each])
-    known = Equations(tuple(entries), pieces, held_out)
     level = quiet.sum() / max(sum(p.samples for p in own) * np.count_nonzero(white), 1)
     return Linear(entries, own, quiet, np.sum(spread, axis=0), level, known)
 
 
-def is_too_large(linearisation: Linearisation, data: Data) -> bool:
+def is_too_large(linearisation: Linearisation) -> bool:
     """Whether responses of all effects to all rows could not be held."""
-    values = sum(run.signals["position"].size for run in linearisation.runs[: data.training])
+    values = sum(run.signals["position"].size for run in linearisation.runs[: linearisation.data.training])
     return 2 * values * len(places(linearisation.model)) > POLICY.pair_values
 
 
-def linear_along(regression: Regression, data: Data) -> Linear:
+def linear_along(regression: Regression) -> Linear:
     """All effects that are torques, along the measured motion of the training recordings."""
     own: dict[int, Normal] = {}
+    data = regression.linearisation.data
     quiet = np.zeros(data.training)
     for fold, axes in zip(data.folds, regression.folds, strict=True):
         piece = total(axes)

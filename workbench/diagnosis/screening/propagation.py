@@ -6,11 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.comparison import scored_signals
 from workbench.core import Recording
 from workbench.simulation import Disturbance
 
-from ..data import Data
+from ..data import Data, difference
 from .sensitivity import FiniteDifference, Linearisation, SensitivityColumn
 
 
@@ -93,7 +92,7 @@ def _tried(
     for linearisation, own in zip(linearisations, trials, strict=True):
         slopes = [
             [
-                _difference(next(made), run, data.recordings[i]) / t.change
+                _finite(difference(next(made), run, data.recordings[i])) / t.change
                 for i, run in enumerate(linearisation.runs)
             ]
             for t in own
@@ -108,9 +107,5 @@ def _tried(
     return out
 
 
-def _difference(moved: Recording, run: Recording, measured: Recording) -> np.ndarray:
-    """Change of the scored signals, (N, 2, n)."""
-    out = np.zeros((len(run), 2, len(run.axes)))
-    for k, name in enumerate(scored_signals(measured)):
-        out[:, k] = moved.signals[name] - run.signals[name]
-    return out if np.isfinite(out).all() else np.zeros_like(out)
+def _finite(change: np.ndarray) -> np.ndarray:
+    return change if np.isfinite(change).all() else np.zeros_like(change)

@@ -6,17 +6,15 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from workbench.comparison import is_free
-from workbench.core import EffectKey, Recording
-from workbench.effects import Compliance, OnGround, effect_named, kinds, places
+from workbench.core import EffectKey
+from workbench.effects import Compliance, effect_named, places
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
-from ..fitting.normal_equations import Normal
 from .candidate import Candidate
 from .command_path import by_command_path
-from .equations import Entry, Equations, equations, judge, limits_of
-from .ground_effects import on_the_ground
+from .equations import Entry, Equations, bounds_of, equations
+from .ground_effects import by_runs
 from .propagation import propagate_sensitivities
 from .sensitivity import Linearisation, SensitivityColumn
 
@@ -27,24 +25,22 @@ _HELD = 4_000_000  # numbers of a column times columns, of more than a block of 
 def screen(
     linearisation: Linearisation,
     data: Data,
-    simulated: Sequence[Recording],
-    free: Sequence[AppliedEffect],
+    free: Sequence[AppliedEffect] = (),
     *,
     left_out: Container[EffectKey] = (),
     whole: Equations | None = None,
-) -> tuple[list[Candidate], float]:
+) -> list[Candidate]:
     """All effects that could be added to the linearised model, with their predicted test loss.
 
     Args:
         linearisation: model, motions and loops on all recordings of `data`.
         data: recordings and weights.
-        simulated: the model's runs.
         free: effects in the model whose parameters may follow.
         left_out: effects that are not asked for.
         whole: the equations of all effects where they are known; only without `free` and `left_out`.
 
     Returns:
-        Candidates, best first, and the test loss without any of them (parameters of `free` refitted).
+        Candidates, best first.
     """
     following = [c for applied in free for c in linearisation.derivatives(applied)]
     kept, known = list(range(len(following))), propagate_sensitivities([linearisation], [following], data)[0]
@@ -53,25 +49,20 @@ def screen(
     size = int(np.clip(_HELD // sum(m.position.size for m in linearisation.motions), 1, _BLOCK))
     taken = {applied.key for applied in free}
     asked = [key for key in places(linearisation.model) if key not in taken and key not in left_out]
-    for entries, pieces, held_out in (
-        [(whole.entries, whole.pieces, whole.held_out)]
-        if whole is not None
-        else (
-            (entries, *equations(linearisation, known, columns, data, simulated))
-            for columns, entries in _blocks(linearisation, len(following), asked, size)
-        )
-    ):
+    blocks = (
+        equations(linearisation, known, columns, entries, data)
+        for columns, entries in _blocks(linearisation, len(following), asked, size)
+    )
+    for block in blocks if whole is None else (whole,):
         if without is None:
-            anywhere = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
-            without = judge(pieces, held_out, kept, (), anywhere)[0]
-        for entry in entries:
-            candidate = _candidate(linearisation, entry, kept, pieces, held_out)
-            before = best.get(entry.key)
-            if before is None or candidate.test_loss < before.test_loss:
-                best[entry.key] = candidate
-    apart = [c for c in on_the_ground(linearisation, data) if c.key not in taken]
+            without = block.judged((), kept=kept)[0]
+        for entry in block.entries:
+            test_loss, x = block.judged([entry], bounds_of(linearisation, [entry], len(kept)), kept)
+            if entry.key not in best or test_loss < best[entry.key].test_loss:
+                best[entry.key] = Candidate(entry.key, x[len(kept) :], entry.shape, test_loss)
+    apart = [c for c in by_runs(linearisation, data) if c.key not in taken]
     found = [*by_command_path(linearisation, best.values(), without or 0.0), *apart]
-    return sorted(found, key=lambda c: c.test_loss), without or 0.0
+    return sorted(found, key=lambda c: c.test_loss)
 
 
 def _blocks(
@@ -84,10 +75,9 @@ def _blocks(
     for key in asked:
         effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
         replay = linearisation.data.replay
-        if isinstance(effect, Compliance | OnGround) or not replay.shows(key.effect):
-            continue  # see `compliance_candidates` and `on_the_ground`
-        if kinds.changes_foot_position(effect) and replay.on_ground:
-            continue  # how deep a foot goes is no torque along the motion
+        elsewhere = isinstance(effect, Compliance) or replay.needs_runs(effect)
+        if elsewhere or not replay.shows(key.effect):
+            continue  # see `compliance_candidates` and `by_runs`
         for shape in effect.parameters.shapes(linearisation.motions, linearisation.model, place):
             linear, fixed = linearisation.columns(key, shape)
             own = [*linear, *([fixed] if fixed else [])]
@@ -102,24 +92,9 @@ def _blocks(
     yield columns, entries
 
 
-def _candidate(
-    linearisation: Linearisation, entry: Entry, kept: list[int], pieces: list[Normal], held_out: Normal | None
-) -> Candidate:
-    lower, upper = limits_of(linearisation, entry)
-    open_low, open_high = np.full(len(kept), -np.inf), np.full(len(kept), np.inf)
-    bounds = np.concatenate([open_low, lower]), np.concatenate([open_high, upper])
-    fixed = () if entry.fixed is None else (entry.fixed,)
-    test_loss, solution = judge(pieces, held_out, [*kept, *entry.linear], fixed, bounds)
-    return Candidate(entry.key, solution[len(kept) :], entry.shape, test_loss)
-
-
 def entries_of(linearisation: Linearisation) -> tuple[list[SensitivityColumn], list[Entry]]:
     """All effects in all places and shapes, with their columns."""
-    columns: list[SensitivityColumn] = []
-    entries: list[Entry] = []
-    for more, found in _blocks(linearisation, 0, places(linearisation.model), 10**9):
-        columns, entries = more, found
-    return columns, entries
+    return next(_blocks(linearisation, 0, places(linearisation.model), 10**9))
 
 
 def _size(parts: Sequence[np.ndarray | None]) -> float:
@@ -131,9 +106,7 @@ def _size(parts: Sequence[np.ndarray | None]) -> float:
 def sizes_of(linearisation: Linearisation) -> tuple[float, float, float]:
     """Of the motors' torque, of the motion and of its rate."""
     motor = _size([m.torque for m in linearisation.motions])
-    if all(
-        map(is_free, linearisation.data.recordings)
-    ):  # then what accelerates the mechanism stands for the motor's
+    if not linearisation.data.replay.driven:  # then what accelerates the mechanism stands for the motor's
         motor = _size([np.einsum("kij,kj->ki", m.inertia(), m.acceleration) for m in linearisation.motions])
     moved = _size([m.position - m.position.mean(axis=0) for m in linearisation.motions])
     return motor, moved, _size([m.velocity for m in linearisation.motions])

@@ -81,6 +81,11 @@ class Linearisation:
 
         return tuple(on_all_cores(one, range(len(self.runs)), self.runs))
 
+    @property
+    def fitted_motions(self) -> tuple[Motion, ...]:
+        """Those of the recordings that are fitted."""
+        return self.motions[: self.data.training]
+
     @cached_property
     def loops(self) -> tuple[Any, ...]:
         """The linearised loop of each recording."""
@@ -158,7 +163,7 @@ class Linearisation:
             kinds.by_finite_difference(effect)
             or (behind_springs and self.has_compliance)
             or self.has_stiction
-            or self.data.replay.on_ground
+            or not self.data.replay.smooth
         ):
             return [*self._trials(applied)]
         place = Placement.of(self.model, applied.key)

@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.comparison import followed
 from workbench.core import Recording
 from workbench.effects import effect_named, kinds, places
+from workbench.simulation import scored_torque
 
-from ..data import Data, gather
+from ..data import Data, gather_along
 from ..hypothesis import Fit
 from ..loss import rescored, test_noise_floor
 from ..policy import POLICY
@@ -50,23 +50,22 @@ def candidates(
     Returns:
         Best first.
     """
-    in_loop = screen(linearisation, data, current.simulated, current.hypothesis.free, whole=whole)[0]
-    known = all({"torque_measured", "torque_command"} & set(r.signals) for r in data.recordings)
+    in_loop = screen(linearisation, data, current.hypothesis.free, whole=whole)
+    known = all(scored_torque(r) for r in data.recordings)
     floor = test_noise_floor(data)
     left = min((c.test_loss - floor for c in in_loop), default=0.0)
     explained = left < POLICY.still_explained * (current.test_loss - floor)
-    if explained or data.replay.on_ground or not known or not has_long_standstill(data.recordings):
+    if explained or not data.replay.machine_alone or not known or not has_long_standstill(data.recordings):
         return tuple(in_loop)
-    model, runs = current.hypothesis.model, followed(data.recordings)
-    along, simulated = gather(model, runs[: data.training], runs[data.training :], seed)
-    along = along.with_holdout_checked(along.mean_squares(simulated.clean))
+    model = current.hypothesis.model
+    along, simulated = gather_along(model, data.recordings, data.training, seed)
     before = rescored(
         replace(current, simulated=simulated.clean, mean_squares=along.mean_squares(simulated.clean)), along
     )
     floor_along = test_noise_floor(along)
     if before.test_loss < POLICY.at_noise * floor_along:
         return tuple(in_loop)  # no torque is missing along the motion, and so no friction
-    moving = Linearisation.of(model, along, before.simulated, len(runs))
+    moving = Linearisation.of(model, along, before.simulated, len(along.recordings))
     scale = (current.test_loss - floor) / max(before.test_loss - floor_along, 1e-12)
 
     def better(own: Candidate, other: Candidate) -> Candidate:
@@ -75,7 +74,7 @@ def candidates(
         return replace(other, test_loss=test_loss) if test_loss < own.test_loss else own
 
     others = {key for key in places(model) if not kinds.is_dry(effect_named(key.effect))}
-    found, _ = screen(moving, along, before.simulated, current.hypothesis.free, left_out=others)
+    found = screen(moving, along, current.hypothesis.free, left_out=others)
     seen = {c.key: c for c in found if c.key not in others}
     best = (better(c, seen[c.key]) if c.key in seen else c for c in in_loop)
     return tuple(sorted(best, key=lambda c: c.test_loss))

@@ -10,7 +10,6 @@ import pytest
 
 from tests.diagnosis.rig import asked, recordings
 from workbench.core import Controller, EffectKey, Recording
-from workbench.diagnosis.moves.inverse_dynamics import inverse_dynamics_start
 from workbench.diagnosis.moves.restarts import along_the_motion
 from workbench.diagnosis.node import Node
 from workbench.diagnosis.problem import Problem
@@ -75,9 +74,14 @@ def problem(folder: Path, friction: float) -> Problem:
     return asked(model, training, [crane("judge", friction, (0.5, 1.0, 1.9), 3)])
 
 
+def begun(asked: Problem) -> list[Node]:
+    """What the move proposes."""
+    return list(along_the_motion(Node(asked.start, asked.data), asked))
+
+
 def test_friction_of_a_hinge_that_nothing_drives(tmp_path: Path) -> None:
     lacking = problem(tmp_path, 0.01)
-    (node,) = along_the_motion(Node(lacking.start, lacking.data), lacking)
+    (node,) = begun(lacking)
     assert [s.added for s in node.steps] == [EffectKey("coulomb_friction", "pole")]
     (found,) = node.current.hypothesis.free
     assert found.values["torque"] == pytest.approx(0.01, rel=0.05)
@@ -86,7 +90,7 @@ def test_friction_of_a_hinge_that_nothing_drives(tmp_path: Path) -> None:
 
 
 def test_nothing_is_asked_of_motion_that_lacks_nothing(tmp_path: Path) -> None:
-    assert inverse_dynamics_start(problem(tmp_path, 0.0)) == ()
+    assert not begun(problem(tmp_path, 0.0))
 
 
 def test_a_machine_that_its_loops_hold_is_not_asked() -> None:
@@ -94,11 +98,11 @@ def test_a_machine_that_its_loops_hold_is_not_asked() -> None:
     sticking = HiddenEffect("coulomb_friction", "knee", parameters={"torque": 0.4})
     training, _ = recordings(sticking)
 
-    def begun(text: str) -> None:
+    def told(text: str) -> None:
         raise AssertionError(text)
 
-    held = replace(asked(load_model("leg"), training), progress=begun)
-    assert inverse_dynamics_start(held) == ()
+    held = replace(asked(load_model("leg"), training), progress=told)
+    assert not begun(held)
     loose = replace(training[0], controller=replace(training[0].controller, kp=(50.0, 0.0)))
     with pytest.raises(AssertionError, match="measured motion"):
-        inverse_dynamics_start(replace(held, data=replace(held.data, recordings=(loose,))))
+        begun(replace(held, data=replace(held.data, recordings=(loose,))))

@@ -1,0 +1,58 @@
+"""Which of the four kinds of replay recordings take."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from workbench.core import InputError, Recording
+from workbench.models import Model
+from workbench.simulation import prepare, scored_torque
+
+from .closed_loop import ClosedLoop, with_loops
+from .drift import drifts
+from .following import MeasuredMotion, followed
+from .grounded import Grounded
+from .noise import NoiseModel
+from .replay import Replay
+from .standing import on_ground
+from .swings import Swings, is_free
+
+
+def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel | None = None) -> Replay:
+    """How these recordings can be held against models like this one.
+
+    Where one is on the ground, all run in short windows; where one loop is unknown, or open and drifting,
+    all are replayed along their measured motion: so that one score counts. What nothing drives runs swing by
+    swing.
+
+    Raises:
+        InputError: a loop is unknown and no torque was recorded.
+    """
+    noise = noise or NoiseModel.of(recordings)
+    if any(map(on_ground, recordings)):
+        return Grounded(model, recordings, noise)
+    if all(map(is_free, recordings)):
+        return Swings(recordings, noise)
+    if not any(needs_inverse(model, r) for r in recordings) and not drifts(model, recordings):
+        known = with_loops(model, recordings)
+        return ClosedLoop(known, noise.with_unlogged_rate([prepare(r, model) for r in known]))
+    blind = next((r for r in recordings if scored_torque(r) is None), None)
+    if blind is not None:
+        raise InputError(
+            "neither the loop nor a torque is known", file=blind.source, column="controller",
+            remedy="describe the controller, or name the column of the torque",
+        )  # fmt: skip
+    return MeasuredMotion(followed([_with_stated(model, r) for r in recordings]), noise, model)
+
+
+def needs_inverse(model: Model, recording: Recording) -> bool:
+    """Whether a recording's loop is unknown, so that only inverse dynamics can be compared."""
+    known = recording.controller.kind != "unknown"
+    return not known and (model.controller.kind == "unknown" or recording.get("position_reference") is None)
+
+
+def _with_stated(model: Model, recording: Recording) -> Recording:
+    """With the model's loop where the recording states none and could be run in that: so it is known."""
+    known = recording.controller.kind != "unknown" or needs_inverse(model, recording)
+    return recording if known else replace(recording, controller=model.controller)
