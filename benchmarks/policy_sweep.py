@@ -3,8 +3,8 @@
 python benchmarks/policy_sweep.py --out sweep.jsonl --quick --jobs 2    # goes on where it stopped
 python benchmarks/policy_sweep.py --out sweep.jsonl --first 10 --seed 41 --fields tie,explained
 
-Each case is asked once with all fields *watched* (`watched.py`): what would have been decided otherwise with another
-value. It is asked again only with those values; no other can change its answer. `--again 0` ends before that.
+Each case is asked once with all fields *watched* (`watching.py`): what would have been decided otherwise with
+another value. It is asked again only with those values, as no other can change its answer; `--again 0`: not.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from exam.compact import compact, read
 from exam.mark import mark, revision
 from exam.oracle import QUICK, oracle_cases
 from joblib import Parallel, delayed
-from watched import watching
+from watching import watching
 
 from workbench.diagnosis.policy import POLICY, Policy, trial
 
@@ -133,7 +133,7 @@ def values(name: str) -> tuple[float, float]:
 
 
 def table(lines: Sequence[dict[str, Any]], names: Sequence[str]) -> str:
-    """A row a field that may change an answer, those that changed most first; then what changed, and the rest."""
+    """A row a field that may change answers, those that changed most first; what changed; other fields."""
     before = [line for line in lines if line["field"] is None]
     rows = [row for name in names if (row := _Row.of(name, before, lines)).may_change]
     rows.sort(key=lambda row: (-len(row.found), -row.weight))

@@ -1,17 +1,13 @@
-"""Thresholds that know what they would have decided with another value, while a case is diagnosed once.
+"""A number or an array that knows what it would be for other values of thresholds.
 
-Every field of `POLICY` is read as a number that carries itself and its other values through arithmetic, numpy and
-comparisons. The diagnosis goes the way of the plain value, and its answer is what it is without watching. Noted are
+It goes through arithmetic, numpy and comparisons as the plain value does, and notes of the others:
 
-- *flips*: a comparison, or an order or index that numpy found, would have been another with another value;
-- *escapes*: another value left as a plain number into what cannot be watched (a slice, a count, compiled code);
-- *shown*: another value would have been written in a text or in marks, and decides nothing there.
+- *flips*: a comparison, or an order or index that numpy found, would have been another;
+- *escapes*: it left as another plain number into what is not watched (a slice, compiled code, a plain array);
+- *shown*: it would have been written as another in a text, which decides nothing.
 
-A value without a flip and without an escape cannot change the answer but for numbers that are shown. That is strict,
-not of first order: as long as each comparison falls as it did, the other run does the same operations, on numbers
-that are carried here exactly as it would have them. It holds for one field at a time, and for one value: what lies
-between may differ. After a first flip the other run is another one, and nothing more is noted of it; what follows
-an escape is noted as far as it is known.
+After its first flip the other run is another one, and nothing more is noted of it; what follows an escape is
+noted as far as it is known.
 """
 
 from __future__ import annotations
@@ -19,29 +15,26 @@ from __future__ import annotations
 import operator
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field, fields
-from itertools import product
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from workbench.diagnosis.policy import Policy
-
-Key = tuple[str, float]  # a field, and another value of it
+Key = tuple[str, float]  # a threshold, and another value of it
+_LARGE = (
+    1000  # numbers in an array from which it is not followed: that would be most of the work, for each value
+)
 _ROOT = Path(__file__).parents[1]
-_OWN = tuple(str(_ROOT / part) for part in ("workbench", "benchmarks", "tests"))
-_WATCHED = ("workbench.diagnosis", "exam.")  # modules whose builtins know watched numbers
-_LARGE = 1000  # numbers in an array, from which it is not followed: most of the work would be done for each value
-_UNARY = ("neg", "pos", "abs", "invert")
-_COMPARISONS = ("lt", "le", "eq", "ne", "gt", "ge")
+_CODE = tuple(str(_ROOT / part) for part in ("workbench", "benchmarks", "tests"))
+_OWN = ("watched", "watching")
+_FORWARD = ("neg", "pos", "abs", "invert", "lt", "le", "eq", "ne", "gt", "ge")
 _BINARY = ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow", "matmul", "and", "or", "xor")
 
 
 @dataclass
 class Notes:
-    """What a watched diagnosis did with thresholds: the fields read, and the place (file:line) of each first event."""
+    """The thresholds that were read, and of their other values the place (file:line) of what came first."""
 
     read: set[str] = field(default_factory=set)
     flips: dict[Key, str] = field(default_factory=dict)
@@ -49,37 +42,8 @@ class Notes:
     shown: dict[Key, str] = field(default_factory=dict)
 
 
-@contextmanager
-def watching(values: Callable[[str], tuple[float, ...]]) -> Iterator[Notes]:
-    """What each field decides meanwhile; for one diagnosis at a time.
-
-    Args:
-        values: other values of a field, of the type that it has.
-    """
-    notes = Notes()
-    others = {f.name: {(f.name, v): v for v in values(f.name)} for f in fields(Policy)}
-
-    def get(policy: Policy, name: str) -> Any:
-        plain = object.__getattribute__(policy, name)
-        if name not in others:
-            return plain
-        notes.read.add(name)
-        return _made(plain, others[name], notes)
-
-    modules = [m for n, m in list(sys.modules.items()) if n.startswith(_WATCHED)]
-    Policy.__getattribute__ = get  # type: ignore[method-assign]
-    for module in modules:
-        module.__dict__.update(_BUILTINS)
-    try:
-        yield notes
-    finally:
-        del Policy.__getattribute__
-        for module, name in product(modules, _BUILTINS):
-            del module.__dict__[name]
-
-
 class Watched:
-    """A number or an array with what it would be for other values of thresholds."""
+    """A value, and what it would be; of the others only those that differ."""
 
     def __init__(self, plain: Any, others: dict[Key, Any], notes: Notes) -> None:
         self._plain, self._others, self._notes = plain, others, notes
@@ -87,137 +51,108 @@ class Watched:
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
         function = getattr(ufunc, method)
         if method != "at" and kwargs.get("out") is None:
-            return _applied(function, inputs, kwargs)
-        for key in _keys((inputs, kwargs)):
-            _note(self._notes.escapes, key)  # it is written into a plain array
-        return function(*_with((inputs), None), **_with(kwargs, None))
+            return applied(function, inputs, kwargs)
+        for key in _keys((inputs, kwargs)):  # written into a plain array
+            _note(self._notes.escapes, key)
+        return function(*_with(inputs, None), **_with(kwargs, None))
 
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        return _applied(function, args, kwargs, indices_decide=True)
+        return applied(function, args, kwargs, indices_decide=True)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
         if not callable(getattr(self._plain, name)):
-            return _applied(lambda x: getattr(x, name), (self,), {})
-        return lambda *a, **k: _applied(
-            lambda x, *a, **k: getattr(x, name)(*a, **k), (self, *a), k, indices_decide=True
-        )
+            return applied(lambda x: getattr(x, name), (self,))
+
+        def method(*args: Any, **kwargs: Any) -> Any:
+            return applied(lambda x, *a, **k: getattr(x, name)(*a, **k), (self, *args), kwargs, True)
+
+        return method
 
     def __iter__(self) -> Iterator[Any]:
         return (self[i] for i in range(len(self)))
 
     def __len__(self) -> int:
-        return _applied(len, (self,), {}, indices_decide=True)
+        return applied(len, (self,), indices_decide=True)
 
     def __getitem__(self, index: Any) -> Any:
-        return _applied(operator.getitem, (self, index), {})
+        return applied(operator.getitem, (self, index))
 
     def __round__(self, digits: int | None = None) -> Any:
-        return _applied(round, (self, digits), {}, indices_decide=digits is None)
+        return applied(round, (self, digits), indices_decide=digits is None)
 
     def __bool__(self) -> bool:
-        return _applied(bool, (self,), {})
+        return applied(bool, (self,))
 
     def __array__(self, *args: Any, **kwargs: Any) -> Any:
         return np.array(self._left_as(np.asarray, self._notes.escapes), *args, **{"copy": True, **kwargs})
 
-    def __float__(self) -> float:
-        return self._left_as(float, self._notes.escapes)
-
-    def __int__(self) -> int:
-        return self._left_as(int, self._notes.escapes)
-
-    def __index__(self) -> int:
-        return self._left_as(operator.index, self._notes.escapes)
-
-    def __hash__(self) -> int:
-        return self._left_as(hash, self._notes.escapes)
-
     def __format__(self, form: str) -> str:
         return self._left_as(lambda x: format(x, form), self._notes.shown)
-
-    def __repr__(self) -> str:
-        return self._left_as(repr, self._notes.shown)
 
     def _left_as(self, made: Callable[[Any], Any], noted: dict[Key, str]) -> Any:
         plain = made(self._plain)
         for key, value in self._others.items():
-            if _differ(made(value), plain):
+            if key not in self._notes.flips and _differ(made(value), plain):
                 _note(noted, key)
         return plain
 
 
+def _escape(made: Callable[[Any], Any]) -> Any:
+    return lambda self: self._left_as(made, self._notes.escapes)
+
+
 def _operator(function: Any, turned: bool = False) -> Any:
-    def method(self: Watched, *others: Any) -> Any:
-        return _applied(function, (*others, self) if turned else (self, *others), {})
-
-    return method
+    return lambda self, *others: applied(function, (*others, self) if turned else (self, *others))
 
 
-for _name in (*_UNARY, *_COMPARISONS, *_BINARY):
+for _name, _made in {"float": float, "int": int, "index": operator.index, "hash": hash}.items():
+    setattr(Watched, f"__{_name}__", _escape(_made))
+for _name in (*_FORWARD, *_BINARY):
     _function = getattr(operator, f"__{_name}__")
     setattr(Watched, f"__{_name}__", _operator(_function))
     if _name in _BINARY:
         setattr(Watched, f"__r{_name}__", _operator(_function, turned=True))
 
 
-class _FloatType(type):
-    def __call__(cls, value: Any = 0.0) -> Any:
-        return _applied(float, (value,), {}) if isinstance(value, Watched) else float(value)
-
-    def __instancecheck__(cls, value: Any) -> bool:
-        return isinstance(value, float)
-
-
-class _Float(metaclass=_FloatType):
-    """Stands for `float` in modules of the diagnosis: it leaves watched numbers watched."""
-
-    dtype = np.dtype(np.float64)  # for numpy, where it is given as a type
-
-
-def _extreme(function: Any) -> Any:
-    def of(*args: Any, **kwargs: Any) -> Any:
-        args = (list(args[0]),) if len(args) == 1 else args
-        watched = "key" not in kwargs and any(True for _ in _leaves(args))
-        return _applied(function, args, kwargs) if watched else function(*args, **kwargs)
-
-    return of
-
-
-# what would make a plain number of a watched one, or decide where it need not
-_BUILTINS = {"float": _Float, "min": _extreme(min), "max": _extreme(max)}
-
-
-def _applied(function: Any, args: tuple[Any, ...], kwargs: dict[str, Any], indices_decide: bool = False) -> Any:
-    """A function of the plain values, and of the others."""
-    keys, notes = _keys((args, kwargs)), _notes_of((args, kwargs))
+def applied(
+    function: Any, args: tuple[Any, ...], kwargs: dict[str, Any] | None = None, indices_decide: bool = False
+) -> Any:
+    """A function of watched values among others; `indices_decide`: a whole number that comes out decides."""
+    kwargs = kwargs or {}
     plain, others = function(*_with(args, None), **_with(kwargs, None)), {}
-    for key in keys:
+    notes = next(_leaves((args, kwargs)))._notes
+    for key in _keys((args, kwargs)):
         try:
             with np.errstate(all="ignore"):
                 others[key] = function(*_with(args, key), **_with(kwargs, key))
-        except Exception:  # the other run would have ended here or gone another way
+        except Exception:  # the other run would have ended here, or have gone another way
             _note(notes.escapes, key)
-    return _made(plain, others, notes, indices_decide)
+    return watched(plain, others, notes, indices_decide)
 
 
-def _made(plain: Any, others: dict[Key, Any], notes: Notes, indices_decide: bool = False) -> Any:
-    """A result with what it would be; plain where that decides, or is no other."""
+def watched(plain: Any, others: dict[Key, Any], notes: Notes, indices_decide: bool = False) -> Any:
+    """A value with what it would be; the plain one where that is nothing else, or where it decides."""
     if isinstance(plain, tuple | list) and all(len(o) == len(plain) for o in others.values()):
         parts = [{k: o[i] for k, o in others.items()} for i in range(len(plain))]
-        return type(plain)([_made(p, o, notes, indices_decide) for p, o in zip(plain, parts, strict=True)])
+        return type(plain)([watched(p, o, notes, indices_decide) for p, o in zip(plain, parts, strict=True)])
     others = {k: v for k, v in others.items() if k not in notes.flips and _differ(v, plain)}
     if not others:
         return plain
     array = np.asarray(plain)
-    whole, alone = array.dtype.kind in "biu", array.ndim == 0
-    decides = whole and alone and (indices_decide or array.dtype.kind == "b")
+    whole = array.dtype.kind in "biu"
+    decides = whole and array.ndim == 0 and (indices_decide or array.dtype.kind == "b")
     if not decides and array.dtype.kind in "biufc" and (whole or array.size <= _LARGE):
         return Watched(plain, others, notes)
     for key in others:
         _note(notes.flips if decides else notes.escapes, key)
     return plain
+
+
+def has_watched(tree: Any) -> bool:
+    """Whether a watched value is in arguments."""
+    return any(True for _ in _leaves(tree))
 
 
 def _differ(one: Any, other: Any) -> bool:
@@ -230,7 +165,7 @@ def _with(tree: Any, key: Key | None) -> Any:
     """Arguments with the values that they would have; plain ones without a key."""
     if isinstance(tree, Watched):
         return tree._plain if key is None else tree._others.get(key, tree._plain)
-    if isinstance(tree, list | tuple) and any(True for _ in _leaves(tree)):
+    if isinstance(tree, list | tuple) and has_watched(tree):
         return type(tree)([_with(x, key) for x in tree])
     if isinstance(tree, slice):
         return slice(*_with((tree.start, tree.stop, tree.step), key))
@@ -242,29 +177,24 @@ def _with(tree: Any, key: Key | None) -> Any:
 def _leaves(tree: Any) -> Iterator[Watched]:
     if isinstance(tree, Watched):
         yield tree
-    elif isinstance(tree, list | tuple):
-        for x in tree:
-            yield from _leaves(x)
     elif isinstance(tree, slice):
         yield from _leaves((tree.start, tree.stop, tree.step))
-    elif isinstance(tree, dict):
-        yield from _leaves(list(tree.values()))
+    elif isinstance(tree, list | tuple | dict):
+        for x in tree.values() if isinstance(tree, dict) else tree:
+            yield from _leaves(x)
 
 
-def _keys(tree: Any) -> list[Key]:
-    return list({key: None for leaf in _leaves(tree) for key in leaf._others if key not in leaf._notes.flips})
-
-
-def _notes_of(tree: Any) -> Notes:
-    return next(_leaves(tree))._notes
+def _keys(tree: Any) -> dict[Key, None]:
+    """The other values that lead to other arguments, but for those that have flipped."""
+    return {key: None for leaf in _leaves(tree) for key in leaf._others if key not in leaf._notes.flips}
 
 
 def _note(noted: dict[Key, str], key: Key) -> None:
     """The place in the project's own code, once."""
-    if key in noted:
-        return
     frame = sys._getframe(1)
-    while frame.f_back and (frame.f_code.co_filename == __file__ or not frame.f_code.co_filename.startswith(_OWN)):
+    while frame.f_back and (
+        frame.f_globals["__name__"] in _OWN or not frame.f_code.co_filename.startswith(_CODE)
+    ):
         frame = frame.f_back
     path = frame.f_code.co_filename.removeprefix(f"{_ROOT}/").removeprefix("workbench/diagnosis/")
-    noted[key] = f"{path}:{frame.f_lineno}"
+    noted.setdefault(key, f"{path}:{frame.f_lineno}")
