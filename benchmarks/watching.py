@@ -21,7 +21,6 @@ from watched import Notes, Watched, applied, has_watched, watched
 
 from workbench.diagnosis.policy import Policy
 
-
 _MARKS = ("exam.mark", "exam.answers", "exam.scoring", "exam.compact")  # where answers go; none is compiled
 
 
