@@ -79,5 +79,10 @@ def _extreme(function: Any) -> Any:
     return of
 
 
+def _length(of: Any) -> Any:
+    """Stands for `len`, which may be no more than asked whether it is nil."""
+    return applied(len, (of,)) if isinstance(of, Watched) else len(of)
+
+
 #: What stands for builtins in modules of the diagnosis: those would make plain numbers of watched ones.
-_BUILTINS = {"float": _Float, "min": _extreme(min), "max": _extreme(max)}
+_BUILTINS = {"float": _Float, "min": _extreme(min), "max": _extreme(max), "len": _length}

@@ -68,6 +68,8 @@ def test_least_and_most_in_modules_of_the_diagnosis_decide_only_with_what_follow
         assert most > 1.05 and number > 0.9
         assert here["min"](x * POLICY.at_noise for x in (1.0, 2.0)) == 1.25
         assert np.zeros(2, here["float"]).dtype == np.float64
+        below = np.flatnonzero(rows < POLICY.near_noise)
+        assert here["len"](below) and here["len"](rows) == 3
     assert set(notes.flips) == {("at_noise", LESS), ("at_noise", MORE)}, "by the equality alone"
     assert not notes.escapes and "float" not in here
 
