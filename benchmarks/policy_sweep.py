@@ -122,6 +122,7 @@ def answer(case: Case, change: Change, now: str, patience: float) -> dict[str, A
     with watching(values) as notes:
         line = compact(mark(case, {}, now, patience=patience))
     told = {how: [[*key, at] for key, at in sorted(getattr(notes, how).items())] for how in MAY_CHANGE}
+    told["one_way"] = sorted(name for name, came in notes.outcomes.items() if len(came) == 1)
     return {**line, **change._asdict(), "read": sorted(notes.read), **told}
 
 

@@ -34,9 +34,13 @@ _BINARY = ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow", "matmul", "
 
 @dataclass
 class Notes:
-    """The thresholds that were read, and of their other values the place (file:line) of what came first."""
+    """The thresholds that were read, and of their other values the place (file:line) of what came first.
+
+    `outcomes`: how the comparisons of each came out; one that always comes out the same may be needless.
+    """
 
     read: set[str] = field(default_factory=set)
+    outcomes: dict[str, set[bool]] = field(default_factory=dict)
     flips: dict[Key, str] = field(default_factory=dict)
     escapes: dict[Key, str] = field(default_factory=dict)
     shown: dict[Key, str] = field(default_factory=dict)
@@ -123,6 +127,9 @@ def applied(
     kwargs = kwargs or {}
     plain, others = function(*_with(args, None), **_with(kwargs, None)), {}
     notes = next(_leaves((args, kwargs)))._notes
+    if getattr(plain, "dtype", type(plain)) == bool:
+        for leaf, (name, _) in ((x, k) for x in _leaves(args) for k in x._others):
+            leaf._notes.outcomes.setdefault(name, set()).update(np.unique(plain).tolist())
     for key in _keys((args, kwargs)):
         try:
             with np.errstate(all="ignore"):

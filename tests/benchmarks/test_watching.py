@@ -105,6 +105,16 @@ def test_after_a_flip_nothing_more_is_noted_and_words_decide_nothing() -> None:
     assert set(notes.shown) == {("tie", v) for v in values("tie")}
 
 
+def test_how_comparisons_came_out() -> None:
+    def decide() -> None:
+        assert one > POLICY.at_noise and not one > POLICY.near_noise
+        assert (rows > POLICY.tie).all() and (rows > POLICY.noise_slack).any()
+
+    _, notes = noted(decide)
+    both = {True, False}
+    assert notes.outcomes == {"at_noise": {True}, "near_noise": {False}, "tie": {True}, "noise_slack": both}
+
+
 def test_numbers_are_plain_afterwards_whatever_happened() -> None:
     with pytest.raises(RuntimeError), watching(values):
         raise RuntimeError
