@@ -121,7 +121,9 @@ def answer(case: Case, change: Change, now: str, patience: float) -> dict[str, A
             return {**compact(mark(case, {}, now, patience=patience)), **change._asdict()}
     with watching(values) as notes:
         line = compact(mark(case, {}, now, patience=patience))
-    told = {how: [[*key, at] for key, at in sorted(getattr(notes, how).items())] for how in MAY_CHANGE}
+    told: dict[str, Any] = {
+        how: [[*key, at] for key, at in sorted(getattr(notes, how).items())] for how in MAY_CHANGE
+    }
     told["one_way"] = sorted(name for name, came in notes.outcomes.items() if len(came) == 1)
     return {**line, **change._asdict(), "read": sorted(notes.read), **told}
 
@@ -140,6 +142,13 @@ def table(lines: Sequence[dict[str, Any]], names: Sequence[str]) -> str:
     rows.sort(key=lambda row: (-len(row.found), -row.weight))
     idle = [name for name in names if name not in {row.name for row in rows}]
     read_by = set().union(*(line["read"] for line in before))
+    told = [line for line in before if "one_way" in line]
+    same = [
+        name
+        for name in idle
+        if (own := [line for line in told if name in line["read"]])
+        and all(name in line["one_way"] for line in own)
+    ]
     return "\n".join(
         [
             "| field | read | decides, -/+ | may decide, -/+ | asked again, -/+ | answers | work, -/+ |",
@@ -147,8 +156,12 @@ def table(lines: Sequence[dict[str, Any]], names: Sequence[str]) -> str:
             *(row.text for row in rows),
             "",
             *(f"- {c}" for row in rows for c in row.found),
-            "",
+            *([""] if any(row.found for row in rows) else []),
             f"Decide nothing in {len(before)} cases: {', '.join(n for n in idle if n in read_by) or 'none'}.",
+            "",
+            f"Of these, compared, and always with the same outcome ({len(told)} cases): "
+            f"{', '.join(same) or 'none'}.",
+            "",
             f"Never read there: {', '.join(n for n in idle if n not in read_by) or 'none'}.",
         ]
     )
@@ -202,7 +215,8 @@ class _Row(NamedTuple):
         counts = ", ".join(f"{self.hows[how]} {how}" for how in ANSWERS if self.hows[how])
         answers = counts or ("same" if any(self.asked) else "")
         cells = (f"{low}/{high}" for low, high in (self.decides, self.escapes, self.asked))
-        return f"| {self.name} | {self.read} | {' | '.join(cells)} | {answers} | {'/'.join(self.work)} |"
+        work = "/".join(self.work) if any(self.work) else ""
+        return f"| {self.name} | {self.read} | {' | '.join(cells)} | {answers} | {work} |"
 
 
 def _work(before: Sequence[dict[str, Any]], after: Sequence[dict[str, Any]]) -> str:

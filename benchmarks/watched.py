@@ -28,16 +28,13 @@ _LARGE = (
 _ROOT = Path(__file__).parents[1]
 _CODE = tuple(str(_ROOT / part) for part in ("workbench", "benchmarks", "tests"))
 _OWN = ("watched", "watching")
-_FORWARD = ("neg", "pos", "abs", "invert", "lt", "le", "eq", "ne", "gt", "ge")
+_FORWARD = ("neg", "pos", "abs", "invert", "lt", "le", "eq", "ne", "gt", "ge", "getitem")
 _BINARY = ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow", "matmul", "and", "or", "xor")
 
 
 @dataclass
 class Notes:
-    """The thresholds that were read, and of their other values the place (file:line) of what came first.
-
-    `outcomes`: how the comparisons of each came out; one that always comes out the same may be needless.
-    """
+    """The thresholds read, how their comparisons came out, and where (file:line) other values acted first."""
 
     read: set[str] = field(default_factory=set)
     outcomes: dict[str, set[bool]] = field(default_factory=dict)
@@ -66,28 +63,21 @@ class Watched:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        if not callable(getattr(self._plain, name)):
-            return applied(lambda x: getattr(x, name), (self,))
 
         def method(*args: Any, **kwargs: Any) -> Any:
             return applied(lambda x, *a, **k: getattr(x, name)(*a, **k), (self, *args), kwargs, True)
 
-        return method
+        here = getattr(self._plain, name)
+        return method if callable(here) else applied(lambda x: getattr(x, name), (self,))
 
     def __iter__(self) -> Iterator[Any]:
-        return (self[i] for i in range(len(self)))
+        return (applied(operator.getitem, (self, i)) for i in range(len(self)))
 
     def __len__(self) -> int:
         return applied(len, (self,), indices_decide=True)
 
-    def __getitem__(self, index: Any) -> Any:
-        return applied(operator.getitem, (self, index))
-
     def __round__(self, digits: int | None = None) -> Any:
         return applied(round, (self, digits), indices_decide=digits is None)
-
-    def __bool__(self) -> bool:
-        return applied(bool, (self,))
 
     def __array__(self, *args: Any, **kwargs: Any) -> Any:
         return np.array(self._left_as(np.asarray, self._notes.escapes), *args, **{"copy": True, **kwargs})
@@ -113,6 +103,7 @@ def _operator(function: Any, turned: bool = False) -> Any:
 
 for _name, _made in {"float": float, "int": int, "index": operator.index, "hash": hash}.items():
     setattr(Watched, f"__{_name}__", _escape(_made))
+Watched.__bool__ = _operator(bool)  # type: ignore[attr-defined]
 for _name in (*_FORWARD, *_BINARY):
     _function = getattr(operator, f"__{_name}__")
     setattr(Watched, f"__{_name}__", _operator(_function))
@@ -127,7 +118,7 @@ def applied(
     kwargs = kwargs or {}
     plain, others = function(*_with(args, None), **_with(kwargs, None)), {}
     notes = next(_leaves((args, kwargs)))._notes
-    if getattr(plain, "dtype", type(plain)) == bool:
+    if isinstance(plain, bool) or getattr(plain, "dtype", None) == np.bool_:
         for leaf, (name, _) in ((x, k) for x in _leaves(args) for k in x._others):
             leaf._notes.outcomes.setdefault(name, set()).update(np.unique(plain).tolist())
     for key in _keys((args, kwargs)):
@@ -203,5 +194,5 @@ def _note(noted: dict[Key, str], key: Key) -> None:
         frame.f_globals["__name__"] in _OWN or not frame.f_code.co_filename.startswith(_CODE)
     ):
         frame = frame.f_back
-    path = frame.f_code.co_filename.removeprefix(f"{_ROOT}/").removeprefix("workbench/diagnosis/")
-    noted.setdefault(key, f"{path}:{frame.f_lineno}")
+    path = frame.f_code.co_filename.removeprefix(f"{_ROOT}/")
+    noted.setdefault(key, f"{path.removeprefix('workbench/diagnosis/')}:{frame.f_lineno}")

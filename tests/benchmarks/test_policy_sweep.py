@@ -25,7 +25,8 @@ def line(
     read = ["at_noise", "most_effects", "tie"]
     marks = {"verdict": verdict, "outcome": verdict, "good": verdict == "consistent", "named": []}
     own = {"case": case, **marks, "work": work, **change._asdict(), "cpu_s": work / 1e6}
-    return own | ({"read": read, "flips": [], "escapes": []} | notes if change.field is None else {})
+    none: dict[str, list[list[Any]]] = {"flips": [], "escapes": []}
+    return own | ({"read": read, "one_way": ["tie"], **none, **notes} if change.field is None else {})
 
 
 def test_a_fifth_of_a_count_is_one_at_least() -> None:
@@ -55,6 +56,7 @@ def test_rows_for_what_may_change_and_names_for_the_rest() -> None:
     )
     assert f"- at_noise {low:g}, clean, worse: verdict consistent -> unexplained" in text
     assert "Decide nothing in 2 cases: tie." in text
+    assert "always with the same outcome (2 cases): tie." in text
     assert "Never read there: shrunk." in text
     assert few < more
 
