@@ -3,16 +3,16 @@
 python benchmarks/policy_sweep.py --out sweep.jsonl --quick --jobs 2    # goes on where it stopped
 python benchmarks/policy_sweep.py --out sweep.jsonl --first 10 --seed 41 --fields tie,explained
 
-A case is asked again only for fields that its diagnosis reads as it is: no other can change it. Still it
-takes the diagnosis of each case more than a hundred times.
+Each case is asked once with all fields *watched* (`watching.py`): what would have been decided otherwise with
+another value. It is asked again only with those values, as no other can change its answer; `--again 0`: not.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,11 +23,13 @@ from exam.compact import compact, read
 from exam.mark import mark, revision
 from exam.oracle import QUICK, oracle_cases
 from joblib import Parallel, delayed
+from watching import watching
 
 from workbench.diagnosis.policy import POLICY, Policy, trial
 
 SHARE = 0.2
 ANSWERS = ("worse", "better", "other")  # what a change of an answer may be; the rest is work
+MAY_CHANGE = ("flips", "escapes")  # of `watched.Notes`
 
 
 class Change(NamedTuple):
@@ -48,6 +50,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help=f"the first {QUICK} cases of the oracle")
     parser.add_argument("--cases", nargs="*", default=[], help="only cases whose name has one of these in it")
     parser.add_argument("--fields", help="only these, with commas between them")
+    parser.add_argument("--again", type=int, help="ask no more than so many cases again")
     parser.add_argument("--jobs", type=int, default=-1)
     parser.add_argument(
         "--patience", type=float, default=900.0, help="a diagnosis that takes longer failed [s]"
@@ -60,26 +63,43 @@ def main() -> None:
     every = oracle_cases()[:QUICK] if arguments.quick else all_cases(arguments.seed)
     wanted = [c for c in every if not arguments.cases or any(part in c.name for part in arguments.cases)]
     chosen = wanted[: arguments.first]
-    sweep(chosen, names, arguments.out, arguments.jobs, arguments.patience)
+    sweep(chosen, names, arguments.out, arguments.jobs, arguments.patience, arguments.again)
     cases = {case.name for case in chosen}
     print(table([line for line in read(arguments.out) if line["case"] in cases], names))
 
 
-def sweep(cases: Sequence[Case], names: Sequence[str], out: Path, jobs: int, patience: float) -> None:
-    """Asks each case as it is and with either value of each field that it reads; writes each line at once."""
+def sweep(
+    cases: Sequence[Case],
+    names: Sequence[str],
+    out: Path,
+    jobs: int,
+    patience: float,
+    most: int | None = None,
+) -> None:
+    """Asks each case as it is, then again where another value may change it; writes each line at once.
+
+    Every value is tried in the shortest case first that it may change, then every value in the next.
+    """
     done = {(line["case"], *_change(line)): line for line in (read(out) if out.exists() else [])}
     plain = [(case, Change()) for case in cases if (case.name, *Change()) not in done]
     for line in _asked(plain, out, jobs, patience):
         done[line["case"], *_change(line)] = line
-    tried = [Change(name, value) for name in names for value in values(name)]
-    work = [
-        (case, change)
-        for case in cases
-        for change in tried
-        if (case.name, *change) not in done and change.field in done[case.name, *Change()]["read"]
-    ]
-    for number, line in enumerate(_asked(work, out, jobs, patience), 1):
+        print(f"{line['case']}: {len(_may_change(line))} values may change it", flush=True)
+    turn: Counter[Change] = Counter()
+    work: list[tuple[int, Case, Change]] = []
+    for case in sorted(cases, key=lambda c: done[c.name, *Change()].get("cpu_s", float("inf"))):
+        for change in _may_change(done[case.name, *Change()]):
+            turn[change] += 1
+            if (case.name, *change) not in done and change.field in names:
+                work.append((turn[change], case, change))
+    work = sorted(work, key=lambda w: w[0])[:most]
+    for number, line in enumerate(_asked([w[1:] for w in work], out, jobs, patience), 1):
         print(f"{number}/{len(work)} {line['field']} = {line['value']:g}, {line['case']}", flush=True)
+
+
+def _may_change(line: dict[str, Any]) -> list[Change]:
+    """The values that may change the answer of a case that was asked as it is."""
+    return sorted({Change(field, value) for how in MAY_CHANGE for field, value, _ in line[how]})
 
 
 def _asked(
@@ -95,10 +115,17 @@ def _asked(
 
 
 def answer(case: Case, change: Change, now: str, patience: float) -> dict[str, Any]:
-    """The short line of a case's marks with a changed field, and the fields that were read for it."""
-    with trial(**({} if change.field is None else {change.field: change.value})), _noted() as seen:
+    """The short line of a case's marks with a changed field; of none, with what is noted of all."""
+    if change.field is not None:
+        with trial(**{change.field: change.value}):
+            return {**compact(mark(case, {}, now, patience=patience)), **change._asdict()}
+    with watching(values) as notes:
         line = compact(mark(case, {}, now, patience=patience))
-    return {**line, **change._asdict(), "read": sorted(seen)}
+    told: dict[str, Any] = {
+        how: [[*key, at] for key, at in sorted(getattr(notes, how).items())] for how in MAY_CHANGE
+    }
+    told["one_way"] = sorted(name for name, came in notes.outcomes.items() if len(came) == 1)
+    return {**line, **change._asdict(), "read": sorted(notes.read), **told}
 
 
 def values(name: str) -> tuple[float, float]:
@@ -109,55 +136,94 @@ def values(name: str) -> tuple[float, float]:
 
 
 def table(lines: Sequence[dict[str, Any]], names: Sequence[str]) -> str:
-    """A row a field and value where any of the two changed an answer or the work; then all other fields."""
+    """A row a field that may change answers, those that changed most first; what changed; other fields."""
     before = [line for line in lines if line["field"] is None]
-    rows, idle = ["| field | value | answers | work | cases |", "|---|---|---|---|---|"], []
-    for name in names:
-        after = [[line for line in lines if _change(line) == (name, value)] for value in values(name)]
-        both = [_row(name, value, before, own) for value, own in zip(values(name), after, strict=True)]
-        if any(both):
-            rows += [
-                row or f"| {name} | {v:g} | none | 1.00 | |"
-                for row, v in zip(both, values(name), strict=True)
-            ]
-        else:
-            idle.append(name)
+    rows = [row for name in names if (row := _Row.of(name, before, lines)).may_change]
+    rows.sort(key=lambda row: (-len(row.found), -row.weight))
+    idle = [name for name in names if name not in {row.name for row in rows}]
     read_by = set().union(*(line["read"] for line in before))
-    known = f"Changed nothing in {len(before)} cases that read them"
-    rows += ["", f"{known}: {', '.join(n for n in idle if n in read_by) or 'none'}."]
+    told = [line for line in before if "one_way" in line]
+    same = [
+        name
+        for name in idle
+        if (own := [line for line in told if name in line["read"]])
+        and all(name in line["one_way"] for line in own)
+    ]
     return "\n".join(
-        [*rows, f"Never read there: {', '.join(n for n in idle if n not in read_by) or 'none'}."]
+        [
+            "| field | read | decides, -/+ | may decide, -/+ | asked again, -/+ | answers | work, -/+ |",
+            "|---|---|---|---|---|---|---|",
+            *(row.text for row in rows),
+            "",
+            *(f"- {c}" for row in rows for c in row.found),
+            *([""] if any(row.found for row in rows) else []),
+            f"Decide nothing in {len(before)} cases: {', '.join(n for n in idle if n in read_by) or 'none'}.",
+            "",
+            f"Of these, compared, and always with the same outcome ({len(told)} cases): "
+            f"{', '.join(same) or 'none'}.",
+            "",
+            f"Never read there: {', '.join(n for n in idle if n not in read_by) or 'none'}.",
+        ]
     )
 
 
-def _row(name: str, value: float, before: Sequence[dict[str, Any]], after: Sequence[dict[str, Any]]) -> str:
-    """What a value changed, as a row; empty where that is nothing."""
-    found = [c for c in changes(before, after) if c.how in ANSWERS]
-    work = {line["case"]: line.get("work") or 0.0 for line in before}
-    was, now = sum(work[line["case"]] for line in after), sum(line.get("work") or 0.0 for line in after)
-    if not found and was == now:
-        return ""
-    counts = {how: sum(c.how == how for c in found) for how in ANSWERS}
-    answers = ", ".join(f"{n} {how}" for how, n in counts.items() if n) or "none"
-    words = "; ".join(f"{c.case}: {c.words}" for c in found)
-    return f"| {name} | {value:g} | {answers} | {now / max(was, 1.0):.2f} | {words} |"
+class _Row(NamedTuple):
+    """What one field does: cases by its two values, and the answers that changed, in words."""
+
+    name: str
+    read: int
+    decides: tuple[int, int]
+    escapes: tuple[int, int]
+    asked: tuple[int, int]
+    work: tuple[str, str]
+    found: list[str]
+    hows: Counter[str]
+
+    @staticmethod
+    def of(name: str, before: Sequence[dict[str, Any]], lines: Sequence[dict[str, Any]]) -> _Row:
+        """From the lines of cases as they are, and of all."""
+        decides, escapes, asked, work = [], [], [], []
+        found: list[str] = []
+        hows: Counter[str] = Counter()
+        for value in values(name):
+            flips = {line["case"] for line in before if [name, value] in [f[:2] for f in line["flips"]]}
+            left = {line["case"] for line in before if [name, value] in [f[:2] for f in line["escapes"]]}
+            after = [line for line in lines if _change(line) == (name, value)]
+            changed = [c for c in changes(before, after) if c.how in ANSWERS]
+            found += [f"{name} {value:g}, {c.case}, {c.how}: {c.words}" for c in changed]
+            hows.update(c.how for c in changed)
+            decides.append(len(flips))
+            escapes.append(len(left - flips))
+            asked.append(len(after))
+            work.append(_work(before, after))
+        read = sum(name in line["read"] for line in before)
+        return _Row(name, read, *map(tuple, (decides, escapes, asked, work)), found, hows)  # type: ignore[arg-type]
+
+    @property
+    def weight(self) -> int:
+        """In how many cases it decides, either way."""
+        return sum(self.decides)
+
+    @property
+    def may_change(self) -> bool:
+        """Whether it can change any answer."""
+        return any((*self.decides, *self.escapes))
+
+    @property
+    def text(self) -> str:
+        """Its row."""
+        counts = ", ".join(f"{self.hows[how]} {how}" for how in ANSWERS if self.hows[how])
+        answers = counts or ("same" if any(self.asked) else "")
+        cells = (f"{low}/{high}" for low, high in (self.decides, self.escapes, self.asked))
+        work = "/".join(self.work) if any(self.work) else ""
+        return f"| {self.name} | {self.read} | {' | '.join(cells)} | {answers} | {work} |"
 
 
-@contextmanager
-def _noted() -> Iterator[set[str]]:
-    """The names of fields that are read meanwhile."""
-    seen: set[str] = set()
-
-    def get(policy: Policy, name: str) -> Any:
-        seen.add(name)
-        return object.__getattribute__(policy, name)
-
-    Policy.__getattribute__ = get  # type: ignore[method-assign]
-    try:
-        yield seen
-    finally:
-        del Policy.__getattribute__
-        seen &= {field.name for field in fields(Policy)}
+def _work(before: Sequence[dict[str, Any]], after: Sequence[dict[str, Any]]) -> str:
+    """How many times the work is done in cases asked again."""
+    plain = {line["case"]: line.get("work") or 0.0 for line in before}
+    was = sum(plain[line["case"]] for line in after)
+    return f"{sum(line.get('work') or 0.0 for line in after) / was:.2f}" if was else ""
 
 
 def _change(line: dict[str, Any]) -> Change:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from math import isfinite, pi, remainder, sqrt
+from math import inf, pi, remainder, sqrt
 from typing import NamedTuple
 
 from workbench.core import EffectKey
@@ -163,7 +163,7 @@ def removed(before: float | None, after: float | None, floor: float | None) -> f
 
 def covered(name: str, truth: float, value: float, std: float) -> bool | None:
     """Whether a 95 % interval holds the truth; angles modulo a turn; None where there is no interval."""
-    if not (isfinite(std) and std > 0.0):
+    if not 0.0 < std < inf:
         return None
     apart = remainder(value - truth, 2 * pi) if name == "phase" else value - truth
     return abs(apart) <= 1.96 * std

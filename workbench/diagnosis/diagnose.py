@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import prod
 
 import numpy as np
 
@@ -127,7 +128,7 @@ def _rest(verdict: Verdict, found: Rounds) -> float:
     """Share of the squared error above the noise that stays after all that was named."""
     if verdict == "consistent":
         return 0.0
-    return float(np.prod([1.0 - f.explained for f in found])) if verdict in NAMED else 1.0
+    return float(prod(1.0 - f.explained for f in found)) if verdict in NAMED else 1.0
 
 
 def _softness(found: SearchResult) -> tuple[str, ...]:

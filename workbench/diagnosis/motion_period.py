@@ -26,7 +26,8 @@ def motion_period(recording: Recording) -> int | None:
     left = np.flatnonzero(apart > POLICY.period_left)
     if not len(left):
         return None
-    near = np.flatnonzero(apart[left[0] :] < POLICY.period_back) + left[0]
+    near = np.flatnonzero(apart < POLICY.period_back)
+    near = near[near > left[0]]
     if not len(near):
         return None
     gaps = np.flatnonzero(np.diff(near) > 1)

@@ -92,9 +92,8 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
             slopes[:, i] = (values(unknowns + step * (np.arange(len(unknowns)) == i)) - middle) / step
         deviation = np.sqrt(np.maximum(np.diag(slopes @ own @ slopes.T), 0.0))
         # a delay acts inside a step through means; dry friction sets in some way that no log shows whole
-        late = np.array(
-            [POLICY.delay_deviation * data.recordings[0].period * (p.unit == "s") for p in effect.parameters]
-        )
+        timed = np.array([p.unit == "s" for p in effect.parameters])
+        late = POLICY.delay_deviation * data.recordings[0].period * timed
         many = len(effect.parameters) > 1
         soft = POLICY.onset_deviation_of_many if many else POLICY.onset_deviation
         onset = soft * kinds.is_dry(effect) * np.abs(middle)
