@@ -25,7 +25,8 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
     """Whether a node takes the place of the best one so far, and why, or why not.
 
     It says more than that; or as much, with at most half of its excess; or with no more than the noise, or
-    as well by the rule of the move that made it from another, and no more parameters.
+    as well by the rule of the move that made it from another, and no more parameters. Runs that diverge leave
+    a rest whatever the model: what adds effects to them is no better.
     """
     new, old = standing(child, problem), standing(best, problem)
     if new < old or (new == old == UNEXPLAINED and child.bold):
@@ -34,6 +35,8 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
         return True, "it explains the recordings" if new == EXPLAINED else "its effects are certain"
     if not best.steps:
         return bool(child.steps), "the best so far" if child.steps else "no effect helps by itself"
+    if best.diverges and child.keys > best.keys:
+        return False, "it adds effects to the best so far, of whose diverging runs the rest says nothing"
     if not best.done and halves_excess(rescored(child.current, best.data), best.current, best.data):
         return True, "it leaves less than half of the excess error of the best so far"
     # of two with as many parameters the one that was fitted in its loop
