@@ -109,3 +109,18 @@ def test_the_first_effects_are_taken_where_nothing_was_and_a_bold_guess_is_not()
     root = Node(problem.start, problem.data)
     assert accepts(leaving(0.6), root, problem)
     assert not accepts(leaving(0.6, bold=True), root, problem)
+
+
+def test_what_adds_effects_to_one_whose_runs_diverge_is_no_better() -> None:
+    problem, gap = lacking()[0], EffectKey("backlash", "hip")
+    spring = applied(LEG, EffectKey("parallel_spring", "knee"), stiffness=5.0, rest=0.0)
+
+    def with_effects(node: Node, *more: AppliedEffect) -> Node:
+        hypothesis = node.current.hypothesis
+        wide = replace(hypothesis, free=(*hypothesis.free, *more))
+        return replace(node, current=replace(node.current, hypothesis=wide))
+
+    loose = applied(LEG, gap, gap=0.02, stiffness=2000.0)
+    best, more = with_effects(leaving(0.04), loose), with_effects(leaving(0.01), loose, spring)
+    assert best.diverges and not accepts(more, best, problem)
+    assert accepts(with_effects(leaving(0.01), spring), best, problem), "another cause may be better"
