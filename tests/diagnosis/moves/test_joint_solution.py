@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 
 from tests.diagnosis.moves.test_shared_effects import gantry, played
-from workbench.core import Controller, Diagnosis, Recording
+from tests.diagnosis.rig import applied, asked
+from workbench.core import Controller, Diagnosis, EffectKey, Recording
 from workbench.diagnosis import diagnose, improve
+from workbench.diagnosis.hypothesis import Hypothesis
+from workbench.diagnosis.moves.joint_solution import confirmed
 
 _LOOP_UNKNOWN = Controller()
 
@@ -63,3 +66,16 @@ def test_friction_and_damping_are_solved_together_and_a_second_run_adds_nothing(
     assert len(values) == 8
     again, _ = improve(better, runs[:2], runs[2:])
     assert again.steps == ()
+
+
+def test_what_moves_the_machine_otherwise_than_it_moved_is_left_out() -> None:
+    model, runs = gantry(2), recorded((1.5, 0.8), (0.0, 0.0), np.zeros(2))
+    problem = asked(model, runs[:2], runs[2:])
+    friction = [
+        applied(model, EffectKey("coulomb_friction", axis), torque=size)
+        for axis, size in (("x", 1.4), ("y", 0.85))
+    ]
+    spring = applied(model, EffectKey("parallel_spring", "y"), stiffness=400.0, rest=0.0)
+    both = Hypothesis(model, tuple(friction))
+    assert confirmed(both, problem) is both
+    assert confirmed(replace(both, free=(friction[0], spring, friction[1])), problem).free == both.free
