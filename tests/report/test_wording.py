@@ -169,3 +169,9 @@ def test_it_is_said_why_no_motion_was_compared():
     said = "How the loop of chirp_hip was closed is not known"
     assert loop_sentence(unknown).startswith(said)
     assert said in Page(render_page(unknown, command="workbench compare")).text
+
+
+def test_harmonics_of_a_ripple_are_one_cause_with_their_number() -> None:
+    kin = [EffectKey("cogging", "hip", copy=k) for k in (1, 2, 3)]
+    assert effect_phrases([*kin, EffectKey("cogging", "knee")]) == ["cogging on the hip and knee drives"]
+    assert effect_phrases(kin) == ["cogging on the hip drive (3 harmonics)"]

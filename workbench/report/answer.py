@@ -12,6 +12,7 @@ from .wording import (
     capital,
     effect_phrase,
     effect_phrases,
+    harmonics,
     one_of_a_kind,
     outlier_phrase,
     place,
@@ -115,14 +116,17 @@ def _missing(findings: Sequence[Finding], beside: bool) -> str:
         one = findings[0]
         return f"Something is missing{too}: {effect_phrase(one.key)}{single_value(one.parameters)}{_or(one)}."
     doubted = any(map(_or, findings))
-    each = [f"{effect_phrase(f.key)}{_or(f)}" for f in findings]
-    names = any_of(each if doubted else _phrases([f.key for f in findings]), "and")
+    keys = [f.key for f in findings]
+    first = [f for f in findings if f.key in one_of_a_kind(keys)]
+    each = [f"{effect_phrase(f.key)}{harmonics(f.key, keys)}{_or(f)}" for f in first]
+    names = any_of(each if doubted else _phrases(keys), "and")
     return f"{capital(_count(len(findings)))} effects are missing{too}: {names}."
 
 
 def _phrases(keys: Sequence[EffectKey]) -> list[str]:
     """One phrase each; of many, one an effect with all its places."""
-    return [effect_phrase(k) for k in one_of_a_kind(keys)] if len(keys) <= _FEW else effect_phrases(keys)
+    one_by_one = [f"{effect_phrase(k)}{harmonics(k, keys)}" for k in one_of_a_kind(keys)]
+    return one_by_one if len(keys) <= _FEW else effect_phrases(keys)
 
 
 def _be(findings: Sequence[Finding]) -> str:

@@ -60,9 +60,15 @@ def one_of_a_kind(keys: Iterable[EffectKey]) -> list[EffectKey]:
     """The keys, of several of a kind in one place the first."""
     out: list[EffectKey] = []
     for key in keys:
-        if not any(key.same_place(k) for k in out):
+        if key.copy == 1 or not any(key.same_place(k) for k in out):
             out.append(key)
     return out
+
+
+def harmonics(key: EffectKey, keys: Iterable[EffectKey]) -> str:
+    """``" (3 harmonics)"`` where there are several of a kind in the place of a key; else nothing."""
+    kin = [k for k in keys if k.same_place(key)]
+    return f" ({len(kin)} harmonics)" if any(k.copy > 1 for k in kin) else ""
 
 
 def effect_phrases(keys: Iterable[EffectKey], names: Mapping[str, str] | None = None) -> list[str]:
@@ -71,12 +77,14 @@ def effect_phrases(keys: Iterable[EffectKey], names: Mapping[str, str] | None = 
     `names` stand in for those of the effects.
     """
     groups: dict[tuple[str, str, bool], list[EffectKey]] = {}
+    keys = list(keys)
     for key in one_of_a_kind(keys):
         groups.setdefault((key.effect, key.location, key.axis is None), []).append(key)
     phrases = []
     for (effect, location, _), same in groups.items():
         if len(same) == 1:
-            phrases.append(f"{(names or {}).get(effect) or effect_name(effect)} {place(same[0])}")
+            several = harmonics(same[0], keys)
+            phrases.append(f"{(names or {}).get(effect) or effect_name(effect)} {place(same[0])}{several}")
             continue
         axes = any_of([plain(k.axis or "") for k in same], "and")
         where = f"on the {axes} drives" if location == "actuator" else f"at the {axes} joints"
