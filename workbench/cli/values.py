@@ -31,8 +31,8 @@ def with_values(found: list[Any], values: dict[str, list[float]]) -> list[Any]:
     for name, numbers in values.items():
         if len(numbers) != len(found):
             raise InputError(
-                f"{name} has {len(numbers)} values where {len(found)} are wanted",
-                remedy="one value, or with commas as many for each parameter, as of the harmonics of cogging",
+                f"{name}: values given {len(numbers)}, wanted {len(found)}",
+                remedy="give each parameter as many, with commas between them: torque=0.8,0.2 order=7,28",
             )
     return [
         AppliedEffect(a.key, {**a.parameters, **{n: Estimate(v[k], 0.0, "") for n, v in values.items()}})

@@ -16,7 +16,7 @@ from .evaluate import evaluate
 from .floating import with_base
 from .replay import Replay
 from .replay_of import replay_of
-from .score import Scale, normalised, pooled, squares
+from .score import score_runs
 from .standing import check_ground, on_ground
 from .touching import refuse_overlaps
 from .unlogged import Reading, noted, readings
@@ -72,8 +72,7 @@ def _likely(model: Model, ways: Sequence[Reading]) -> tuple[tuple[Recording, ...
     if len(ways) == 1:
         return (noted(ways[0]),)
     replays = [replay_of(model, way.recordings) for way in ways]
-    scale = Scale.of(ways[0].recordings)
-    errors = np.array([_error(replay, model, scale) for replay in replays])
+    errors = np.array([_error(replay, model) for replay in replays])
     order = np.argsort(errors, kind="stable")
     best = int(order[0])
     if np.isfinite(errors[best]):
@@ -95,9 +94,8 @@ def _likely(model: Model, ways: Sequence[Reading]) -> tuple[tuple[Recording, ...
     return tuple(noted(ways[k]) for k in order)
 
 
-def _error(replay: Replay, model: Model, scale: Scale) -> float:
+def _error(replay: Replay, model: Model) -> float:
     """The score of a model's run without noise; infinite where it cannot be run."""
     (runs,) = replay.run([model])
-    sums = [squares(r, run) for r, run in zip(replay.recordings, runs, strict=True)]
-    error = normalised(pooled(sums, [int(r.valid.sum()) for r in replay.recordings]), scale)
+    error, _ = score_runs(replay.recordings, runs)
     return error if np.isfinite(error) else np.inf

@@ -46,6 +46,8 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
     seats = effect.locations or ("actuator",)
     if key.location not in seats:
         raise refuse(f"{effect.name} cannot sit at the {key.location}", f"it sits at the {seats[0]}")
+    if key.copy > 1 and effect.search.repeats is None:
+        raise refuse(f"{effect.name} has one value of each parameter", "give one number, not a list")
     if not effect.applies(model, key):
         raise refuse(
             f"{effect.name} does not apply to model '{model.name}'", f"it needs {effect.words.needs}"
