@@ -22,6 +22,7 @@ _LEAST = 0.75  # periods within the motion: less is a bend, which any spring may
 _SEVERAL = 3.0  # periods within the motion, from which a sine beside others is told from a smooth curve
 _TRIED = 6  # orders that go on to the linearised loop
 _HARMONICS = 5  # of these, that are looked for one after the other
+_SHOWN = 1e-3  # of what is lacking, that one more of these has to explain
 _FINEST = 400  # of these, multiples of a quarter of a ripple over the whole arc
 
 
@@ -52,22 +53,21 @@ def _orders(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray
     step = 0.5 * np.pi / (float(np.ptp(position)) + 1e-9)
     orders = step * np.arange(round(4 * _LEAST), _FINEST)
     orders = orders[orders >= 1.0] if motions[0].axis_units[place.index] == "rad" else orders
-    gain = np.array([shown.explained([order]) for order in orders])
+    gain = shown.explained_by_each(orders)
     peaks = np.flatnonzero((gain >= np.roll(gain, 1)) & (gain >= np.roll(gain, -1)))
     best = orders[peaks[np.argsort(-gain[peaks])[:_TRIED]]]
-    finer = _one_after_the_other(orders, step, shown)
+    finer = _one_after_the_other(orders, gain, step, shown)
     return np.array([*finer, *(o for o in best if min(abs(o - f) for f in finer) > step)])
 
 
-def _one_after_the_other(orders: np.ndarray, step: float, shown: _Binned) -> list[float]:
-    """Orders, to a part of a `step`, that explain most of what those before them leave.
+def _one_after_the_other(orders: np.ndarray, gain: np.ndarray, step: float, shown: _Binned) -> list[float]:
+    """Orders, to a part of a `step`, that explain most of what those before them leave; `gain`: of all.
 
     A strong one hides weak ones beside it, above all where it is a little off: so each is refined beside all.
     """
     found: list[float] = []
-    for _ in range(_HARMONICS):
-        rest = shown.without(found)
-        found.append(float(orders[np.argmax([rest.explained([order]) for order in orders])]))
+    while not found or (len(found) < _HARMONICS and gain.max() > _SHOWN * shown.square):
+        found.append(float(orders[gain.argmax()]))
         for k in reversed(range(len(found))):
             others = [*found[:k], *found[k + 1 :]]
             found[k] = float(
@@ -78,6 +78,8 @@ def _one_after_the_other(orders: np.ndarray, step: float, shown: _Binned) -> lis
                     options={"xatol": 1e-3 * step},
                 ).x
             )
+        if len(found) < _HARMONICS:
+            gain = shown.without(found).explained_by_each(orders)
     return found
 
 
@@ -106,6 +108,15 @@ class _Binned:
         basis = np.stack([np.ones_like(self.middle), *waves])
         right = basis @ self.total
         return basis, right, np.linalg.lstsq((basis * self.count) @ basis.T, right, rcond=1e-9)[0]
+
+    @property
+    def square(self) -> float:
+        """Squared sum of the means of the bins."""
+        return float(np.sum(self.total**2 / self.count))
+
+    def explained_by_each(self, orders: np.ndarray) -> np.ndarray:
+        """Squared sum that each order explains by itself, as many."""
+        return np.array([self.explained([order]) for order in orders])
 
     def explained(self, orders: Sequence[float]) -> float:
         """Squared sum that orders explain together."""
