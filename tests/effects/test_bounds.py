@@ -40,7 +40,7 @@ def test_a_value_that_no_body_can_have_is_refused(effect, parameter) -> None:
     beyond = [math.nan, math.inf, -math.inf]
     if math.isfinite(parameter.upper):
         beyond.append(parameter.upper + 1.0)
-    own = model_value(effect, LEG, Placement.of(LEG, key))
+    own = model_value(effect, LEG, Placement.of(LEG, key), {})
     lower = parameter.lower if own is None else -own
     if math.isfinite(lower):
         beyond.append(lower - 1.0)

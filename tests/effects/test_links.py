@@ -11,7 +11,7 @@ import pytest
 from tests.bench_arm import AXES, FAST, NUMBERS, bench_arm, logged
 from workbench.comparison import compare, replay_of
 from workbench.core import EffectKey, Estimate
-from workbench.effects import build, compile_plant, effect_named, load_model, places
+from workbench.effects import Motion, build, compile_plant, effect_named, load_model, places
 from workbench.models import AppliedEffect, Model, Placement
 
 
@@ -31,12 +31,63 @@ def test_columns_are_the_change_of_the_torque_that_is_needed(tmp_path: Path, eff
     motion = replay.motion(compile_plant(model), 0, replay.run([model])[0][0])
     key = EffectKey(effect, axis)
     columns = effect_named(effect).response(motion, model, Placement.of(model, key), {}).columns
-    for column, name in zip(columns, [p.name for p in effect_named(effect).parameters], strict=True):
-        zeros = {p.name: 0.0 for p in effect_named(effect).parameters}
+    names = [p.name for p in effect_named(effect).parameters if not p.optional]
+    for column, name in zip(columns, names, strict=True):
+        zeros = dict.fromkeys(names, 0.0)
         more, less = (having(model, effect, axis, **{**zeros, name: h}) for h in (1e-4, -1e-4))
         slope = (motion.required(more) - motion.required(less)) / 2e-4
         size = np.abs(slope).max()
         np.testing.assert_allclose(-column[20:-20], slope[20:-20], atol=2e-3 * size + 1e-9)
+
+
+def shape_of_mass(motion: Motion, model: Model, axis: str) -> dict[str, float]:
+    effect, place = effect_named("first_moment_error"), Placement.of(model, EffectKey("", axis))
+    (_, shape) = effect.parameters.shapes([motion], model, place)
+    return dict(shape)
+
+
+@pytest.mark.parametrize("axis", AXES[1:])
+@pytest.mark.parametrize("off", [0.0, 0.05])
+def test_the_column_of_a_mass_is_the_change_of_the_torque_that_is_needed(
+    tmp_path: Path, axis: str, off: float
+) -> None:
+    model, log = (
+        load_model(bench_arm(tmp_path, fore_across=0.03)),
+        logged(bench_arm(tmp_path), FAST, seconds=3.0),
+    )
+    replay = replay_of(model, [log])
+    motion = replay.motion(compile_plant(model), 0, replay.run([model])[0][0])
+    effect, place = effect_named("first_moment_error"), Placement.of(model, EffectKey("", axis))
+    shape = shape_of_mass(motion, model, axis)
+    shape["lever"] += off
+    (column,) = effect.response(motion, model, place, shape).columns
+    values = [effect.parameters.to_values(np.array([h]), shape) for h in (1e-4, -1e-4)]
+    more, less = (motion.required(having(model, effect.name, axis, **v)) for v in values)
+    slope = (more - less) / 2e-4
+    np.testing.assert_allclose(-column[20:-20], slope[20:-20], atol=2e-3 * np.abs(slope).max() + 1e-9)
+
+
+def test_only_a_link_that_other_axes_move_may_be_heavier(tmp_path: Path) -> None:
+    """Of the first one nothing but moment and inertia can be seen."""
+    model, log = load_model(bench_arm(tmp_path)), logged(bench_arm(tmp_path), FAST, seconds=1.0)
+    replay = replay_of(model, [log])
+    motion = replay.motion(compile_plant(model), 0, replay.run([model])[0][0])
+    effect, place = effect_named("first_moment_error"), Placement.of(model, EffectKey("", AXES[0]))
+    assert list(effect.parameters.shapes([motion], model, place)) == [{}]
+    assert shape_of_mass(motion, model, "bend") == pytest.approx({"lever": 0.14, "aside": 0.0})
+
+
+def test_a_heavier_link_is_the_file_with_it(tmp_path: Path) -> None:
+    """Half as much again: the centre stays, and the inertia is half as much again."""
+    model = load_model(bench_arm(tmp_path))
+    heavier = having(model, "first_moment_error", "bend", along=0.65 * 0.14, across=0.0, mass=0.65)
+    before, after = (compile_plant(m).mujoco.body("fore") for m in (model, heavier))
+    assert after.mass == pytest.approx(1.5 * before.mass)
+    np.testing.assert_allclose(after.ipos, before.ipos, atol=1e-12)
+    np.testing.assert_allclose(after.inertia, 1.5 * before.inertia)
+    # one more of it, of which nothing is said but that the centre moves
+    again = having(heavier, "first_moment_error", "bend", along=0.0195, across=0.0)
+    assert compile_plant(again).mujoco.body("fore").ipos[0] == pytest.approx(0.14 + 0.0195 / 1.95)
 
 
 def test_a_shifted_centre_is_the_file_with_it(tmp_path: Path) -> None:

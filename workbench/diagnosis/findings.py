@@ -71,12 +71,12 @@ def near_findings(found: SearchResult) -> tuple[Finding, ...]:
 def _corrected(model: Model, applied: AppliedEffect) -> dict[str, Any]:
     """The number of the model that an effect corrects: before, and now."""
     effect = effect_named(applied.key.effect)
-    number = effect.corrects.called if effect.corrects else ""
-    own = model_value(effect, model, Placement.of(model, applied.key))
-    if own is None:
-        return {"number": number}
-    (more,) = applied.parameters.values()
-    return {"number": number, "model_value": own, "total": replace(more, value=own + more.value)}
+    own = model_value(effect, model, Placement.of(model, applied.key), applied.values)
+    number = effect.corrects and effect.corrects.told_by(applied.values)
+    if number is None or own is None:
+        return {"number": number.called if number else ""}
+    more = applied.parameters[number.parameter]
+    return {"number": number.called, "model_value": own, "total": replace(more, value=own + more.value)}
 
 
 def _held_out_fall(found: SearchResult, index: int, floor: float | None) -> HeldOutFall | None:

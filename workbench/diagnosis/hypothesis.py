@@ -37,7 +37,7 @@ class Hypothesis:
     @property
     def size(self) -> int:
         """Number of free parameters."""
-        return sum(len(a.parameters) for a in self.free)
+        return sum(block.stop - block.start for _, block in blocks(self))
 
     @property
     def model(self) -> Model:
@@ -94,7 +94,7 @@ def step_bounds(hypothesis: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.parameters.to_coefficients(applied.values)
         place = Placement.of(hypothesis.base, applied.key)
-        lower, upper = effect.parameters.bounds(hypothesis.base, place)
+        lower, upper = effect.parameters.bounds(hypothesis.base, place, shape)
         own, limits = effect.parameters.reach(shape), effect.parameters.shape_bounds(hypothesis.base, place)
         reach = np.array([own[name] for name in effect.parameters.nonlinear])
         now = np.array([shape[name] for name in effect.parameters.nonlinear])
@@ -112,10 +112,11 @@ def moved(hypothesis: Hypothesis, change: np.ndarray) -> Hypothesis:
         effect = effect_named(applied.key.effect)
         coefficients, shape = effect.parameters.to_coefficients(applied.values)
         own = change[block]
-        shape = {
+        changed = {
             name: shape[name] + own[len(coefficients) + k]
             for k, name in enumerate(effect.parameters.nonlinear)
         }
+        shape = {**shape, **changed}
         values = effect.parameters.to_values(coefficients + own[: len(coefficients)], shape)
         free.append(applied_effect(hypothesis.base, applied, values))
     return replace(hypothesis, free=tuple(free))

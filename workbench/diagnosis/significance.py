@@ -31,8 +31,8 @@ def identifiable(linearisation: Linearisation, found: Fit) -> bool:
 def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:
     """Whether an effect is at its physical bound: then it approximates another cause."""
     effect = effect_named(applied.key.effect)
-    coefficients, _ = effect.parameters.to_coefficients(applied.values)
-    lower, upper = effect.parameters.bounds(model, Placement.of(model, applied.key))
+    coefficients, shape = effect.parameters.to_coefficients(applied.values)
+    lower, upper = effect.parameters.bounds(model, Placement.of(model, applied.key), shape)
     # what grows without limit ends at nothing, which a machine may well have
     limits = np.where(np.isfinite(upper) & (np.array([lower, upper]) != 0.0), [lower, upper], np.nan)
     return bool(np.isclose(coefficients, limits, rtol=1e-6, atol=0.0).any())
@@ -56,9 +56,10 @@ def significance(applied: AppliedEffect) -> float:
 def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
     """The parameters that say how large an effect is, not where or in which shape; all where none does."""
     effect = effect_named(applied.key.effect)
-    turns = [p.name for p in effect.parameters if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
-    sizes = [p for p in effect.parameters if p.name not in (*effect.parameters.nonlinear, *turns)]
-    return sizes or effect.parameters
+    there = [p for p in effect.parameters if p.name in applied.parameters]
+    turns = [p.name for p in there if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
+    sizes = [p for p in there if p.name not in (*effect.parameters.nonlinear, *turns)]
+    return sizes or there
 
 
 def cancel_each_other(linearisation: Linearisation, found: Fit) -> bool:

@@ -18,7 +18,7 @@ from .into_file import Change, InFile, into_file, open_text
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
 from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
-from .parameter import Parameter, Parameters
+from .parameter import Parameter, Parameters, Values
 from .passage import Passage
 from .presliding_hysteresis import wound
 from .response import Response, smooth_sign
@@ -62,6 +62,7 @@ __all__ = [
     "Structural",
     "TorqueChain",
     "TorqueTerm",
+    "Values",
     "axis_units",
     "build",
     "call_law",

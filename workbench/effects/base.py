@@ -142,9 +142,9 @@ class Effect(ABC):
         """Put the effect into the MuJoCo spec and torque chain of `build`."""
 
 
-def model_value(effect: Effect, model: Model, place: Place) -> float | None:
-    """What a model has of the one number that an effect corrects; None where it corrects none."""
-    own = effect.corrects and effect.corrects.own
+def model_value(effect: Effect, model: Model, place: Place, values: Values) -> float | None:
+    """What a model has of the one number that an effect of these values corrects; None: it corrects none."""
+    own = effect.corrects and effect.corrects.told_by(values).own
     return own(model, place) if own and place else None
 
 

@@ -78,10 +78,9 @@ def _added_up(effects: Sequence[AppliedEffect]) -> list[AppliedEffect]:
         if first is None or not is_additive(effect_named(applied.key.effect)):
             out.append(applied)
             continue
-        total = {
-            name: replace(e, value=e.value + applied.parameters[name].value)
-            for name, e in out[first].parameters.items()
-        }
+        total = dict(applied.parameters)  # of what may be left out one may have it, and the other not
+        for name, e in out[first].parameters.items():
+            total[name] = replace(e, value=e.value + (total[name].value if name in total else 0.0))
         out[first] = replace(out[first], parameters=total)
     return out
 

@@ -57,11 +57,13 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
         if name not in known:
             raise refuse(f"{effect.name} has no parameter '{name}'", f"it has {', '.join(known) or 'none'}")
     place, checked = Placement.of(model, key), {}
-    own = model_value(effect, model, place)  # what may be taken off: then it may be negative
+    own = model_value(effect, model, place, {})  # what may be taken off: then it may be negative
     low, high = effect.parameters.bounds(model, place)
     for name, parameter in known.items():
         unit = parameter.unit if key.axis is None else parameter.unit_on(axis_unit(model, key.axis))
         in_unit = "" if unit == "1" else f" {unit}"
+        if name not in applied.parameters and parameter.optional:
+            continue
         if name not in applied.parameters:
             given_in = f" in{in_unit}" if in_unit else ""
             raise refuse(f"{effect.name} needs the parameter '{name}'", f"give {name}=VALUE{given_in}")
@@ -75,8 +77,8 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
                 "give a value that a body can have",
             )
         checked[name] = Estimate(estimate.value, estimate.std, unit)
-    coefficients, _ = effect.parameters.to_coefficients({name: e.value for name, e in checked.items()})
-    low, high = effect.parameters.bounds(model, place)
+    coefficients, shape = effect.parameters.to_coefficients({name: e.value for name, e in checked.items()})
+    low, high = effect.parameters.bounds(model, place, shape)
     slack = 1e-9 * np.maximum(1.0, np.abs(coefficients))
     if np.any(coefficients < low - slack) or np.any(coefficients > high + slack):
         given = ", ".join(f"{name} = {e.value:g}" for name, e in checked.items())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from workbench.models import AppliedEffect, BodyNumbers, JointNumber, Model, Placement, turned_joint
 
@@ -30,6 +30,11 @@ class AtJoint:
     rest: str = ""
     called: str = ""
 
+    def told_by(self, values: Mapping[str, float]) -> AtJoint:
+        """Itself, whatever the values."""
+        del values
+        return self
+
     def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> JointNumber | None:
         """Which number of the model's MJCF or URDF holds this; None where none does."""
         turned = turned_joint(model, place)
@@ -44,10 +49,19 @@ class AtJoint:
 
 @dataclass(frozen=True)
 class OfBody:
-    """The mass, centre or inertia of a link's body; `own` and `called` as in `AtJoint`."""
+    """The mass, centre or inertia of a link's body; `own`, `parameter` and `called` as in `AtJoint`.
+
+    `special`: another number that is wrong where a parameter that may be left out is there, by its name.
+    """
 
     own: Own | None = None
+    parameter: str = ""
     called: str = ""
+    special: Mapping[str, OfBody] = field(default_factory=dict)
+
+    def told_by(self, values: Mapping[str, float]) -> OfBody:
+        """The number that is wrong where an effect has these values."""
+        return next((number for name, number in self.special.items() if name in values), self)
 
     def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> BodyNumbers | None:
         """Which numbers of the model's MJCF or URDF hold this."""

@@ -2,72 +2,141 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.models import Model
+from workbench.models import Inertial, Model
 
 from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .corrected import OfBody, there
-from .links import Link, link_at, link_of, reshape, shifting, with_moment
+from .links import Link, link_at, link_of, reshape, shifting, weighing, with_mass, with_moment
 from .motion import Motion
-from .parameter import INF, Parameter, Parameters, Place, Values
+from .parameter import INF, Chart, Parameter, Parameters, Place, Unknown, Values
 from .response import Response
 from .structure import is_parallelogram
 
+_LEAST = 0.05  # of the model's mass, that any link keeps
 
-def _now(model: Model, place: Place) -> tuple[Link, np.ndarray]:
-    """The link, and its centre with what the model has of this effect."""
+
+def _changed(inertial: Inertial, link: Link, values: Values) -> Inertial:
+    """What a link is with this effect: the mass first, then the moment that it does not bring."""
+    mass = values.get("mass", 0.0)
+    moment = values["along"] * link.along + values["across"] * link.across
+    return with_moment(with_mass(inertial, mass), moment - mass * _lever(inertial, link))
+
+
+def _lever(inertial: Inertial, link: Link) -> np.ndarray:
+    """From the hinge to the centre, square to the axis, (3,)."""
+    arm = inertial.centre - link.anchor
+    return arm @ link.along * link.along + arm @ link.across * link.across
+
+
+def _now(model: Model, place: Place) -> Link:
+    """The link with what the model has of this effect."""
     link = link_at(model, place)
-    own = there("first_moment_error", model, place)
-    moment = sum((v["along"] * link.along + v["across"] * link.across for v in own), np.zeros(3))
-    return link, link.inertial.centre + moment / link.inertial.mass
+    for values in there("first_moment_error", model, place):
+        link = replace(link, inertial=_changed(link.inertial, link, values))
+    return link
 
 
 def _within(which: int, model: Model, place: Place) -> tuple[float, float]:
     """The centre stays within the reach of its link, whichever way."""
-    link, centre = _now(model, place)
-    own = link.inertial.mass * np.array([link.along, link.across]) @ (centre - link.anchor)
+    link = _now(model, place)
+    way = (link.along, link.across)[which]
+    own = link.inertial.mass * float(way @ _lever(link.inertial, link))
     reach = link.inertial.mass * link.size
-    return min(-reach - own[which], 0.0), max(reach - own[which], 0.0)
+    return min(-reach - own, 0.0), max(reach - own, 0.0)
+
+
+def _mass(model: Model, place: Place) -> float:
+    return _now(model, place).inertial.mass
+
+
+_ALONG = Parameter(
+    "along",
+    "kg*m",
+    lower=-INF,
+    within=partial(_within, 0),
+    about="added to what the model has",
+    example=0.03,
+)
+_ACROSS = Parameter(
+    "across",
+    "kg*m",
+    lower=-INF,
+    within=partial(_within, 1),
+    about="a quarter turn about the axis from it",
+    example=0.0,
+)
+_MASS = Parameter(
+    "mass",
+    "kg",
+    lower=-INF,
+    about="added to the link's, spread as that is; may be left out: the mass stays, the centre moves",
+    optional=True,
+)
+
+
+def _values(coefficients: np.ndarray, shape: Values) -> dict[str, float]:
+    """Both moments; of more mass at a centre, all three."""
+    if "lever" not in shape:
+        along, across = map(float, coefficients)
+        return {"along": along, "across": across}
+    (mass,) = map(float, coefficients)
+    return {"along": mass * shape["lever"], "across": mass * shape["aside"], "mass": mass}
+
+
+def _solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
+    mass = values.get("mass", 0.0)
+    if not mass:
+        return np.array([values["along"], values["across"]]), {}
+    return np.array([mass]), {"lever": values["along"] / mass, "aside": values["across"] / mass}
+
+
+def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Values]:
+    """A centre elsewhere; and more mass where it is, if other axes move the link: they feel it too."""
+    del motions
+    link = _now(model, place)
+    if not link.carried:
+        return ({},)
+    lever = _lever(link.inertial, link)
+    return {}, {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
 
 
 class FirstMomentError(Effect):
     """Mass times lever of an axis' link is more by `along` (towards the next joint) and `across` that.
 
-    The link keeps its mass and the inertia about its centre; the centre moves by the moment over the mass.
+    Where nothing is said of its mass, the link keeps that and the inertia about its centre: the centre moves
+    by the moment over the mass. A search asks for one of two causes: the centre, or the mass with the moment
+    that it has at the centre.
     """
 
     name = "first_moment_error"
     parameters = Parameters(
-        Parameter(
-            "along",
-            "kg*m",
-            lower=-INF,
-            within=partial(_within, 0),
-            about="added to what the model has",
-            example=0.03,
+        _ALONG,
+        _ACROSS,
+        _MASS,
+        chart=Chart(
+            (_ALONG, _ACROSS),
+            _values,
+            _solved,
+            special={"lever": (Unknown("mass", within=lambda m, p: (-(1.0 - _LEAST) * _mass(m, p), INF)),)},
         ),
-        Parameter(
-            "across",
-            "kg*m",
-            lower=-INF,
-            within=partial(_within, 1),
-            about="a quarter turn about the axis from it",
-            example=0.0,
-        ),
+        starts=_forms,
     )
     stage = SignalStage.MECHANISM
-    corrects = OfBody(called="first moment")
+    corrects = OfBody(called="first moment", special={"mass": OfBody(_mass, "mass", called="mass")})
     words = Words(
         source="base parameters of a link; Khalil and Dombre, Modeling, Identification and Control "
         "of Robots, Ch. 9",
         shows="torque residual a sine of the link's angle to gravity, on its axis and those before it",
         reveal="a slow sweep of this axis over its whole range, the others held; then a fast one",
-        mujoco="native: the body's centre of mass",
+        mujoco="native: the body's centre of mass, and its mass",
         needs="a hinge whose link has a mass; of a parallelogram the linkage's increments say it",
     )
     search = Search(frf_signature=FrfSignature.EVEN)
@@ -77,14 +146,17 @@ class FirstMomentError(Effect):
         return link_of(model, key.axis) is not None and not is_parallelogram(model)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
-        """Two columns: minus what the shifted mass needs, per kg m."""
-        link, centre = _now(model, place)
-        return Response(
-            -np.stack([shifting(motion, place.index, w, centre) for w in (link.along, link.across)])
-        )
+        """Two columns: minus what the shifted mass needs, per kg m; or one, per kg of mass at a lever."""
+        link, index = _now(model, place), place.index
+        shifts = [shifting(motion, index, w, link.inertial.centre) for w in (link.along, link.across)]
+        if "lever" not in shape:
+            return Response(-np.stack(shifts))
+        own = _lever(link.inertial, link)
+        off = shape["lever"] - own @ link.along, shape["aside"] - own @ link.across
+        need = weighing(motion, index, link.inertial) + off[0] * shifts[0] + off[1] * shifts[1]
+        return Response(-need[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
-        """The body's centre of mass."""
+        """The body's mass and centre of mass."""
         link = link_at(model, place)
-        moment = values["along"] * link.along + values["across"] * link.across
-        reshape(build, link, lambda now: with_moment(now, moment))
+        reshape(build, link, lambda now: _changed(now, link, values))

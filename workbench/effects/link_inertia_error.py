@@ -48,7 +48,7 @@ class LinkInertiaError(Effect):
         )
     )
     stage = SignalStage.MECHANISM
-    corrects = OfBody(_own, called="inertia")
+    corrects = OfBody(_own, "inertia", called="inertia")
     words = Words(
         source="Newton-Euler; Khalil and Dombre, Modeling, Identification and Control of Robots, Ch. 9",
         shows="torque residual with the acceleration of the whole link, axes before it included, and "

@@ -81,6 +81,12 @@ def with_moment(inertial: Inertial, moment: np.ndarray) -> Inertial:
     return replace(inertial, centre=inertial.centre + moment / inertial.mass)
 
 
+def with_mass(inertial: Inertial, more: float) -> Inertial:
+    """With more mass [kg], spread as it is: the centre stays, the inertia is in proportion."""
+    times = 1.0 + more / inertial.mass
+    return replace(inertial, mass=times * inertial.mass, tensor=times * inertial.tensor)
+
+
 def _possible(principal: np.ndarray, axes: np.ndarray, about: np.ndarray) -> np.ndarray:
     """Principal moments that a body can have: none is more than the others together.
 
@@ -107,6 +113,17 @@ def turning(motion: Motion, axis: int, tensor: np.ndarray) -> np.ndarray:
     momentum = np.einsum("kij,kj->ki", world, w)
     needed = np.einsum("kij,kj->ki", world, link.spin_up) + np.cross(w, momentum)
     return np.einsum("kij,ki->kj", link.turn, needed)
+
+
+def weighing(motion: Motion, axis: int, inertial: Inertial) -> np.ndarray:
+    """Torque (N, n) that a link would need for 1 kg more, spread as its mass is."""
+    link = motion.link(axis)
+    w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
+    out = link.rotation @ inertial.centre
+    pushed = link.rise - motion.gravity + np.cross(link.spin_up, out) + np.cross(w, np.cross(w, out))
+    need = np.einsum("kij,ki->kj", link.move, pushed)
+    need += np.einsum("kij,ki->kj", link.turn, np.cross(out, pushed))
+    return need + turning(motion, axis, inertial.tensor / inertial.mass)
 
 
 def shifting(motion: Motion, axis: int, way: np.ndarray, centre: np.ndarray) -> np.ndarray:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, field
 from itertools import product
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,7 @@ class Parameter(Unknown):
             limit cuts the peaks of noise off but leaves its troughs, and a hysteresis remembers the noise, so
             that runs with noise are on average not the run without, which is what a fit simulates.
         told: whether motions go far enough to tell it, with these values, from any other smooth curve.
+        optional: whether it may be left out, and is neutral then.
     """
 
     unit: str
@@ -72,6 +74,7 @@ class Parameter(Unknown):
     about: str = ""
     blur: Callable[[Values, float, float], float] | None = None
     told: Callable[[Sequence[Motion], Place, Values], bool] | None = None
+    optional: bool = False
 
     def unit_on(self, axis_unit: str) -> str:
         """The unit on a rotary (``rad``) or linear (``m``) axis."""
@@ -95,12 +98,14 @@ _LINEAR_UNITS = {
 class Chart:
     """Unknowns in place of the parameters: those in which the torque is linear, or that are seen apart.
 
-    `values`: parameters from linear coefficients (k,) and the rest; `solved`: the inverse.
+    `values`: parameters from linear coefficients (k,) and the rest; `solved`: the inverse. `special`: linear
+    unknowns of a special case, by the name that a shape of that case has.
     """
 
     unknowns: tuple[Unknown, ...]
     values: Callable[[np.ndarray, Values], dict[str, float]]
     solved: Callable[[Values], tuple[np.ndarray, dict[str, float]]]
+    special: Mapping[str, tuple[Unknown, ...]] = field(default_factory=dict)
 
 
 class Parameters(tuple[Parameter, ...]):
@@ -131,7 +136,17 @@ class Parameters(tuple[Parameter, ...]):
     @property
     def linear(self) -> tuple[Unknown, ...]:
         """Unknowns in which the response is linear."""
-        return tuple(u for u in self._unknowns if u.linear)
+        return self.linear_of({})
+
+    def linear_of(self, shape: Values) -> tuple[Unknown, ...]:
+        """The same of one shape, which may be a special case."""
+        special = self.chart.special if self.chart else {}
+        own = next((unknowns for name, unknowns in special.items() if name in shape), self._unknowns)
+        return tuple(u for u in own if u.linear)
+
+    def is_special(self, shape: Values) -> bool:
+        """Whether a shape is that of a special case, with unknowns of its own."""
+        return self.chart is not None and any(name in shape for name in self.chart.special)
 
     @property
     def nonlinear(self) -> tuple[str, ...]:
@@ -143,9 +158,11 @@ class Parameters(tuple[Parameter, ...]):
         """A value of each to draw and to test it by."""
         return {p.name: p.example for p in self}
 
-    def bounds(self, model: Model, place: Place) -> tuple[np.ndarray, np.ndarray]:
+    def bounds(
+        self, model: Model, place: Place, shape: Values = MappingProxyType({})
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Physical bounds of the linear coefficients, two arrays (k,)."""
-        pairs = [u.bounds(model, place) for u in self.linear]
+        pairs = [u.bounds(model, place) for u in self.linear_of(shape)]
         neutral = [p.neutral for p in self if p.linear] if self.chart is None else [0.0] * len(pairs)
         low, high = ([pair[side] for pair in pairs] for side in (0, 1))
         return np.array(low) - np.array(neutral), np.array(high) - np.array(neutral)
@@ -167,7 +184,7 @@ class Parameters(tuple[Parameter, ...]):
 
     def least(self, shape: Values) -> np.ndarray:
         """Smallest changes of the unknowns, linear ones first, that simulations show."""
-        unknowns = (*self.linear, *self._shaped)
+        unknowns = (*self.linear_of(shape), *self._shaped)
         return np.array([u.least(shape) if callable(u.least) else u.least for u in unknowns])
 
     def to_values(self, coefficients: np.ndarray, shape: Values) -> dict[str, float]:

@@ -45,9 +45,8 @@ def with_candidate(linearisation: Linearisation, candidate: Candidate, current: 
         x = np.stack([np.concatenate([t.ravel() for t in c.torque]) for c in linear], axis=1)
         y = np.concatenate([t.ravel() for t in target.torque])
         coefficients = np.linalg.lstsq(x, y, rcond=None)[0]
-        lower, _ = effect.parameters.bounds(
-            linearisation.model, Placement.of(linearisation.model, candidate.key)
-        )
+        place = Placement.of(linearisation.model, candidate.key)
+        lower, _ = effect.parameters.bounds(linearisation.model, place, shape)
         coefficients = np.maximum(coefficients, lower)
     values, base = effect.parameters.to_values(coefficients, shape), effect.parameters.stated(base, shape)
     added = applied_effect(linearisation.model, AppliedEffect(candidate.key), values)

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from workbench.core import Estimate
-from workbench.effects import Effect, effect_named, kinds, model_value
+from workbench.effects import Effect, Parameter, Values, effect_named, kinds, model_value
 from workbench.models import AppliedEffect, Placement
 
 from ..data import Data
@@ -84,7 +84,8 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
         unknowns = np.array([*coefficients, *(shape[name] for name in effect.parameters.nonlinear)])
         own = covariance[block, block]
 
-        values = partial(_values, effect, len(coefficients))
+        there = [p for p in effect.parameters if p.name in applied.parameters]
+        values = partial(_values, effect, shape, there, len(coefficients))
         middle = values(unknowns)
         slopes = np.empty((len(middle), len(unknowns)))
         for i in range(len(unknowns)):
@@ -92,32 +93,37 @@ def with_deviations(hypothesis: Hypothesis, covariance: np.ndarray, data: Data) 
             slopes[:, i] = (values(unknowns + step * (np.arange(len(unknowns)) == i)) - middle) / step
         deviation = np.sqrt(np.maximum(np.diag(slopes @ own @ slopes.T), 0.0))
         # a delay acts inside a step through means; dry friction sets in some way that no log shows whole
-        timed = np.array([p.unit == "s" for p in effect.parameters])
+        timed = np.array([p.unit == "s" for p in there])
         late = POLICY.delay_deviation * data.recordings[0].period * timed
-        many = len(effect.parameters) > 1
+        many = len(there) > 1
         soft = POLICY.onset_deviation_of_many if many else POLICY.onset_deviation
         onset = soft * kinds.is_dry(effect) * np.abs(middle)
-        neutral = np.array([p.neutral for p in effect.parameters])
+        place = Placement.of(hypothesis.base, applied.key)
+        neutral = np.array([p.neutral for p in there])
         share = POLICY.model_deviation if data.replay.smooth else POLICY.start_deviation
         # of a number that the model has, what right simulations differ by is a share of the whole number
-        place = Placement.of(hypothesis.base, applied.key)
-        whole = np.abs(middle - neutral) + abs(model_value(effect, hypothesis.base, place) or 0.0)
+        whole = np.abs(middle - neutral)
+        if (own := model_value(effect, hypothesis.base, place, applied.values)) and effect.corrects:
+            more = abs(applied.values[effect.corrects.told_by(applied.values).parameter])
+            whole += abs(own) * whole / max(more, 1e-300)  # what goes with it, in proportion
         fine = np.sqrt(late**2 + onset**2 + (share * whole) ** 2)
         axis = applied.key.axis
         noise = floor.max(axis=1) if axis is None else floor[:, hypothesis.base.axes.index(axis)]
         blur = effect.parameters.blur(applied.values, *(float(x) for x in np.sqrt(noise)))
-        fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in effect.parameters]))
+        fine = np.hypot(fine, np.array([blur.get(p.name, 0.0) for p in there]))
         deviation = np.hypot(deviation, fine)
         parameters = {
             p.name: Estimate(float(middle[i]), float(deviation[i]), applied.parameters[p.name].unit)
-            for i, p in enumerate(effect.parameters)
+            for i, p in enumerate(there)
         }
         free.append(AppliedEffect(applied.key, parameters))
     return replace(hypothesis, free=tuple(free))
 
 
-def _values(effect: Effect, count: int, unknowns: np.ndarray) -> np.ndarray:
+def _values(
+    effect: Effect, shape: Values, there: Sequence[Parameter], count: int, unknowns: np.ndarray
+) -> np.ndarray:
     """Parameters of an effect from its `count` linear coefficients and its nonlinear parameters."""
-    shape = dict(zip(effect.parameters.nonlinear, unknowns[count:], strict=True))
-    named = effect.parameters.to_values(unknowns[:count], shape)
-    return np.array([named[p.name] for p in effect.parameters])
+    changed = dict(zip(effect.parameters.nonlinear, unknowns[count:], strict=True))
+    named = effect.parameters.to_values(unknowns[:count], {**shape, **changed})
+    return np.array([named[p.name] for p in there])

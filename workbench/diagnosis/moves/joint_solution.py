@@ -23,7 +23,8 @@ from ..policy import POLICY
 from ..problem import Problem, evaluated
 from ..removed_share import removed_share
 from ..screening.rivals import rivals_of
-from ..screening.stepwise_regression import Selection, selected
+from ..screening.selection import Selection
+from ..screening.stepwise_regression import selected
 from ..screening.torque_regression import Regression
 from ..search_result import AcceptedStep
 from ..significance import INTERVAL, is_significant, significance

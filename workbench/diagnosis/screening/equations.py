@@ -33,9 +33,8 @@ class Entry:
 
 def limits_of(linearisation: Linearisation, entry: Entry) -> tuple[np.ndarray, np.ndarray]:
     """Physical bounds of an entry's coefficients."""
-    bounds = effect_named(entry.key.effect).parameters.bounds(
-        linearisation.model, Placement.of(linearisation.model, entry.key)
-    )
+    place = Placement.of(linearisation.model, entry.key)
+    bounds = effect_named(entry.key.effect).parameters.bounds(linearisation.model, place, entry.shape)
     return bounds[0][: len(entry.linear)], bounds[1][: len(entry.linear)]
 
 

@@ -75,16 +75,16 @@ def _expected(linear: Linear, entry: Entry, linearisation: Linearisation) -> Map
     values = effect.parameters.to_values(coefficients, entry.shape)
     applied = applied_effect(model, AppliedEffect(entry.key), values)
     (known,) = with_deviations(Hypothesis(model, (applied,)), covariance, linearisation.data).free
-    return {name: known.parameters[name] for name in asked}
+    return {name: known.parameters[name] for name in asked if name in known.parameters}
 
 
 def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]:
     """Effects that stand for one of the size that it was found with, and it for them."""
-    entries = {e.key: e for e in linear.entries}
-    if applied.key not in entries:
-        return ()
-    own = entries[applied.key]
     coefficients = effect_named(applied.key.effect).parameters.to_coefficients(applied.values)[0]
+    alike = [e for e in linear.entries if e.key == applied.key and len(e.linear) == len(coefficients)]
+    if not alike:
+        return ()
+    own = alike[-1]
     times = (
         float(np.max(np.abs(coefficients), initial=0.0)) / linear.small(own) if own.strength > 0.0 else 0.0
     )

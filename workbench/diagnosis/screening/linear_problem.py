@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import places
+from workbench.effects import effect_named, places
 
 from ..fitting.normal_equations import Normal, total
 from ..fitting.uncertainty import scatter
@@ -44,7 +44,8 @@ class Linear:
         self._gram, self._noise, self._white = total(self.own).gram, scattered, white
         shapes: dict[EffectKey, list[Entry]] = {}
         for entry in entries:
-            shapes.setdefault(entry.key, []).append(entry)
+            if not effect_named(entry.key.effect).parameters.is_special(entry.shape):
+                shapes.setdefault(entry.key, []).append(entry)
         self.entries = tuple(sorted(own, key=self.shown)[len(own) // 2] for own in shapes.values())
 
     @property

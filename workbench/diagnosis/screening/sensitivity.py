@@ -191,7 +191,7 @@ class Linearisation:
         """Finite differences of each unknown of an effect, by `_PROBE_STEP` of it, within its bounds."""
         effect, place = effect_named(applied.key.effect), Placement.of(self.model, applied.key)
         coefficients, shape = effect.parameters.to_coefficients(applied.values)
-        lower, upper = effect.parameters.bounds(self.model, place)
+        lower, upper = effect.parameters.bounds(self.model, place, shape)
         limits = effect.parameters.shape_bounds(self.model, place)
         names = effect.parameters.nonlinear
         low = np.array([*lower, *(limits[name][0] for name in names)])
@@ -204,7 +204,7 @@ class Linearisation:
             change = change if value + change <= high[i] or value - change < low[i] else -change
             moved = now + change * (np.arange(len(now)) == i)
             count = len(coefficients)
-            own = dict(zip(names, map(float, moved[count:]), strict=True))
+            own = {**shape, **dict(zip(names, map(float, moved[count:]), strict=True))}
             changed = applied_effect(self.model, applied, effect.parameters.to_values(moved[:count], own))
             effects = tuple(changed if e is applied else e for e in self.model.effects)
             out.append(FiniteDifference(replace(self.model, effects=effects), change))
@@ -213,7 +213,7 @@ class Linearisation:
 
 def _alike(effect: Effect, values: np.ndarray) -> np.ndarray:
     """Size of each unknown (k,); of coefficients in one unit the largest: nothing has no size of its own."""
-    units = [p.unit for p in effect.parameters if p.name not in effect.parameters.nonlinear]
+    units = [p.unit for p in effect.parameters if p.name not in effect.parameters.nonlinear][: len(values)]
     sizes = np.abs(values)
     for unit in set(units):
         same = np.flatnonzero([u == unit for u in units])

@@ -3,35 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations, groupby
 
 import numpy as np
 
-from workbench.effects import contains, effect_named, kinds
+from workbench.effects import contains, effect_named
 
 from ..moves.pairs import may_stand_together
 from ..policy import POLICY
-from .candidate import Candidate
 from .equations import Entry
+from .forms import in_best_form, reformed
+from .selection import Selection, cost_of, gain_of, selection_of, with_new
 from .torque_regression import Chosen, Regression, Solution
-
-
-@dataclass(frozen=True)
-class Selection:
-    """What is chosen, in its order, with the fit of all of it."""
-
-    chosen: Chosen
-    solution: Solution
-
-    def candidates(self) -> list[Candidate]:
-        """Each effect with its coefficients."""
-        out, first = [], 0
-        for entry in self.chosen:
-            own = self.solution.coefficients[first : first + len(entry.linear)]
-            out.append(Candidate(entry.key, own, entry.shape, float(self.solution.test_loss.sum())))
-            first += len(entry.linear)
-        return out
 
 
 def selected(regression: Regression) -> Selection:
@@ -41,11 +24,11 @@ def selected(regression: Regression) -> Selection:
     the damping that is missing beside it. Of what explains nearly as much as the best, the fewest parameters
     come first.
     """
-    now, visited = Selection((), regression.solved(())), set[frozenset[Entry]]()
+    now, visited = selection_of((), regression), set[frozenset[Entry]]()
     while frozenset(now.chosen) not in visited:
         visited.add(frozenset(now.chosen))
         grown = _grown(now, regression)
-        now = _without_needless(grown, regression)
+        now = _without_needless(reformed(grown, regression), regression)
         if len(now.chosen) == len(grown.chosen):
             break
     return now
@@ -59,8 +42,8 @@ def _grown(now: Selection, regression: Regression) -> Selection:
         proposals += [p for p in _more_of_a_kind(now.chosen, regression) if p not in proposals]
         for new in proposals:
             if new not in gains and fits_in(new, now.chosen):
-                found = regression.solved(_with(now.chosen, new))
-                gain = _gain(found, now.solution, regression)
+                found = regression.solved(with_new(now.chosen, new))
+                gain = gain_of(found, now.solution, regression)
                 gains[new] = np.zeros_like(gain) if _is_small(new, found) else gain
         helpful = {p: g for p, g in gains.items() if (g > _least(p, regression)).any() and g.sum() > 0.0}
         new = _next(helpful)
@@ -70,8 +53,8 @@ def _grown(now: Selection, regression: Regression) -> Selection:
             new = _next(helpful)
         if new is None:
             return now
-        chosen = _with(now.chosen, new)
-        now = Selection(chosen, regression.solved(chosen))
+        chosen = with_new(now.chosen, in_best_form(new, now.chosen, regression))
+        now = selection_of(chosen, regression)
         # what acts on none of its axes gains as before
         acts = frozenset().union(*map(regression.axes_of, new))
         gains = {
@@ -111,7 +94,7 @@ def _next(helpful: Mapping[Chosen, np.ndarray]) -> Chosen | None:
     pool = basic or list(helpful)
     most = max(helpful[p][axis] for p in pool)
     near = [p for p in pool if helpful[p][axis] >= POLICY.explained * most]
-    return min(near, key=lambda p: (_cost(p), -helpful[p][axis]))
+    return min(near, key=lambda p: (cost_of(p), -helpful[p][axis]))
 
 
 def _only_refines(new: Chosen, now: Selection, regression: Regression) -> bool:
@@ -124,10 +107,10 @@ def _only_refines(new: Chosen, now: Selection, regression: Regression) -> bool:
     own = [k for k in regression.own if any(contains(n.key, k) for n in new)]
     if not parts and not own:
         return False
-    chosen = _with(now.chosen, new)
+    chosen = with_new(now.chosen, new)
     bare = regression.solved(tuple(e for e in now.chosen if e not in parts), without=own)
     found = regression.solved(chosen)
-    whole, special = (_gain(s, bare, regression) for s in (found, now.solution))
+    whole, special = (gain_of(s, bare, regression) for s in (found, now.solution))
     axis = int(whole.argmax())
     at_noise = found.test_loss[axis] < POLICY.at_noise * regression.test_floor[axis]
     return bool(special[axis] > POLICY.basic_share * whole[axis] and not at_noise)
@@ -135,11 +118,6 @@ def _only_refines(new: Chosen, now: Selection, regression: Regression) -> bool:
 
 def _basic(new: Chosen) -> bool:
     return all(effect_named(e.key.effect).search.basic for e in new)
-
-
-def _with(chosen: Chosen, new: Chosen) -> Chosen:
-    """With further effects, in place of those that these have as special cases."""
-    return (*(e for e in chosen if not any(contains(n.key, e.key) for n in new)), *new)
 
 
 def fits_in(new: Chosen, chosen: Chosen) -> bool:
@@ -163,25 +141,6 @@ def _sets_of_basics(entries: Sequence[Entry]) -> list[Chosen]:
     return [s for own in places for size in (2, 3) for s in combinations(own, size)]
 
 
-def _gain(found: Solution, before: Solution, regression: Regression) -> np.ndarray:
-    """Share of the excess of each axis that is removed, the smaller of training and test, (n,).
-
-    Axes where noise is all there is gain nothing.
-    """
-    pairs = (
-        (before.validated, found.validated, regression.floor),
-        (before.test_loss, found.test_loss, regression.test_floor),
-    )
-    # an axis that does not count has no floor
-    least = 1e-300
-    gains = [
-        (old - new) / np.maximum(old - floor, np.maximum(1e-3 * floor, least)) for old, new, floor in pairs
-    ]
-    gain = np.min(gains, axis=0)
-    at_noise_floor = [old < POLICY.at_noise * floor for old, _, floor in pairs]
-    return np.where(np.all(at_noise_floor, axis=0), np.minimum(gain, 0.0), gain)
-
-
 def _least(new: Chosen, regression: Regression) -> float:
     """The least gain on an axis for which effects are added: little for basic ones, and for more of what is
     in the model, as a further harmonic of its ripple is."""
@@ -191,19 +150,13 @@ def _least(new: Chosen, regression: Regression) -> float:
     return POLICY.effect_gain if known else POLICY.later_gain
 
 
-def _cost(new: Chosen) -> tuple[int, int]:
-    """Free parameters, refinements."""
-    effects = [effect_named(e.key.effect) for e in new]
-    return sum(len(e.parameters) for e in effects), sum(map(kinds.tier_of, effects))
-
-
 def _without_needless(now: Selection, regression: Regression) -> Selection:
     """Without effects that the others together have made needless, the most needless first."""
     while now.chosen:
         rest = [tuple(e for e in now.chosen if e is not out) for out in now.chosen]
-        fewer = [Selection(r, regression.solved(r)) for r in rest]
+        fewer = [selection_of(r, regression) for r in rest]
         lost = [
-            float((_gain(now.solution, f.solution, regression) / _least((out,), regression)).max())
+            float((gain_of(now.solution, f.solution, regression) / _least((out,), regression)).max())
             for out, f in zip(now.chosen, fewer, strict=True)
         ]
         k = int(np.argmin(lost))

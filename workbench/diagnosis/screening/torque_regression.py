@@ -78,6 +78,12 @@ class Regression:
         """The axes on which an effect acts."""
         return self._acts[entry]
 
+    def forms(self, entry: Entry) -> list[Entry]:
+        """An effect itself, and its special cases or what it is one of, in the same place."""
+        special = effect_named(entry.key.effect).parameters.is_special
+        alike = [e for e in self.entries if e.key == entry.key and special(e.shape) != special(entry.shape)]
+        return [entry, *alike]
+
     def copies(self, kin: Sequence[Entry]) -> list[Entry]:
         """What may stand beside some effects of a kind in one place: shapes that can be told from theirs."""
         entry = kin[-1]

@@ -1,0 +1,46 @@
+"""Effects that have several forms: a link whose centre is elsewhere, or that is heavier where it is."""
+
+from __future__ import annotations
+
+from ..policy import POLICY
+from .selection import Selection, cost_of, gain_of, selection_of, with_new
+from .torque_regression import Chosen, Regression
+
+
+def in_best_form(new: Chosen, beside: Chosen, regression: Regression) -> Chosen:
+    """New effects, each in that of its forms that leaves least on data that were not fitted.
+
+    A heavier link and one whose centre is elsewhere explain nearly the same on their own axis.
+    """
+    for entry in new:
+        ways = [tuple(form if e is entry else e for e in new) for form in regression.forms(entry)]
+        new = min(ways, key=lambda way: float(regression.solved(with_new(beside, way)).test_loss.sum()))
+    return new
+
+
+def reformed(now: Selection, regression: Regression) -> Selection:
+    """With each effect in its best form beside all others, and in one form rather than two effects.
+
+    A payload and a lighter link are together a link whose centre is elsewhere.
+    """
+    for entry in now.chosen:
+        others = tuple(e for e in now.chosen if e is not entry)
+        (best,) = in_best_form((entry,), others, regression)
+        if best is not entry:
+            return reformed(selection_of((*others, best), regression), regression)
+        for form in regression.forms(entry)[1:]:
+            for out in others:
+                fewer = selection_of((*(e for e in others if e is not out), form), regression)
+                if cost_of(fewer.chosen) <= cost_of(now.chosen) and _explains_as_much(
+                    fewer, now, without=(entry, out), regression=regression
+                ):
+                    return reformed(fewer, regression)
+    return now
+
+
+def _explains_as_much(fewer: Selection, now: Selection, without: Chosen, regression: Regression) -> bool:
+    """Whether a selection explains nearly all that some effects of another do."""
+    bare = regression.solved(tuple(e for e in now.chosen if e not in without))
+    special, whole = (gain_of(s.solution, bare, regression) for s in (fewer, now))
+    axis = int(whole.argmax())
+    return bool(special[axis] > POLICY.explained * whole[axis])

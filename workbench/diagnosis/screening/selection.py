@@ -1,0 +1,66 @@
+"""Effects chosen together on the torque along measured motions: what they gain, and what they cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.effects import contains, effect_named, kinds
+
+from ..policy import POLICY
+from .candidate import Candidate
+from .torque_regression import Chosen, Regression, Solution
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What is chosen, in its order, with the fit of all of it."""
+
+    chosen: Chosen
+    solution: Solution
+
+    def candidates(self) -> list[Candidate]:
+        """Each effect with its coefficients."""
+        out, first = [], 0
+        for entry in self.chosen:
+            own = self.solution.coefficients[first : first + len(entry.linear)]
+            out.append(Candidate(entry.key, own, entry.shape, float(self.solution.test_loss.sum())))
+            first += len(entry.linear)
+        return out
+
+
+def selection_of(chosen: Chosen, regression: Regression) -> Selection:
+    """A choice with its fit."""
+    return Selection(chosen, regression.solved(chosen))
+
+
+def with_new(chosen: Chosen, new: Chosen) -> Chosen:
+    """With further effects, in place of those that these have as special cases."""
+    return (*(e for e in chosen if not any(contains(n.key, e.key) for n in new)), *new)
+
+
+def gain_of(found: Solution, before: Solution, regression: Regression) -> np.ndarray:
+    """Share of the excess of each axis that is removed, the smaller of training and test, (n,).
+
+    Axes where noise is all there is gain nothing.
+    """
+    pairs = (
+        (before.validated, found.validated, regression.floor),
+        (before.test_loss, found.test_loss, regression.test_floor),
+    )
+    # an axis that does not count has no floor
+    least = 1e-300
+    gains = [
+        (old - new) / np.maximum(old - floor, np.maximum(1e-3 * floor, least)) for old, new, floor in pairs
+    ]
+    gain = np.min(gains, axis=0)
+    at_noise_floor = [old < POLICY.at_noise * floor for old, _, floor in pairs]
+    return np.where(np.all(at_noise_floor, axis=0), np.minimum(gain, 0.0), gain)
+
+
+def cost_of(new: Chosen) -> tuple[int, int]:
+    """Free parameters, refinements."""
+    effects = [effect_named(e.key.effect) for e in new]
+    free = sum(len(e.linear) + len(f.parameters.nonlinear) for e, f in zip(new, effects, strict=True))
+    return free, sum(map(kinds.tier_of, effects))
