@@ -161,7 +161,7 @@ def test_an_exam_is_the_same_for_the_same_seed_and_its_beginning_is_mixed(family
         c.seed for c in other
     }
     if family != "quadruped":
-        assert set(Counter(c.kind for c in cases[:9])) == set(KINDS)
+        assert set(Counter(c.kind for c in cases[:12])) == set(KINDS)
         assert len({h.effect for c in cases if c.kind == "wrong_number" for h in c.hidden}) >= 3
 
 
@@ -171,6 +171,8 @@ def test_a_file_states_the_machine_without_what_is_hidden(case) -> None:
     file = stated(machine, case.hidden)
     for h in case.hidden:
         lacks = next(iter(h.parameters.values()))
+        mass = [m.links[m.index(h.axis)].mass for m in (machine, file)]
+        assert mass[0] - mass[1] == pytest.approx(h.parameters.get("mass", 0.0))
         assert has(file, h.effect, h.axis) + lacks == pytest.approx(has(machine, h.effect, h.axis))
     mujoco.MjModel.from_xml_string(mjcf(file))  # which bodies there can be, it says
 

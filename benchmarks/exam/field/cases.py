@@ -10,10 +10,18 @@ from ..cases import Case, interleaved
 from ..second.hidden import Hidden
 from .chain import Machine
 from .machines import MACHINES, draw_machine
-from .plant import JOINT, Field, Way, along, has
+from .plant import JOINT, Field, Way, along, has, heavier
 
 FAMILIES = tuple(MACHINES)
-KINDS = ("clean", "wrong_number", "positions_alone", "beside_stranger", "friction_everywhere", "two_units")
+KINDS = (
+    "clean",
+    "wrong_number",
+    "positions_alone",
+    "beside_stranger",
+    "friction_everywhere",
+    "two_units",
+    "two_numbers",
+)
 STRANGERS = ("rough_patch", "follower", "tone")
 _NUMBERS = (*JOINT, "first_moment_error", "link_inertia_error")
 _COUNTS = {
@@ -23,6 +31,7 @@ _COUNTS = {
     "beside_stranger": 6,
     "friction_everywhere": 2,
     "two_units": 3,
+    "two_numbers": 6,
 }
 #: What a torque may be in without anybody saying so, over N m: ft lbf, in lbf, kgf cm, kgf m; or amperes.
 _UNITS = (0.7376, 8.8507, 10.197, 0.10197, 1.6)
@@ -106,6 +115,32 @@ def _two_units(family: str, seed: int, number: int, draw: np.random.Generator) -
     return Field(family, seed, way=Way(odd=odd, unit=float(draw.choice(_UNITS))))
 
 
+def _two_numbers(family: str, seed: int, number: int, draw: np.random.Generator) -> Field:
+    """A link's mass by itself or beside a drive's number, or two of these."""
+    machine = draw_machine(family, seed)
+    turning = [
+        link.name
+        for link in machine.links[1:]
+        if link.driven and not link.slides and along(machine, link.name) is not None
+    ]
+    drives = [
+        Hidden(effect, link.name, "actuator", {JOINT[effect][1]: _lacking(draw) * getattr(link, key)})
+        for link in machine.links
+        if link.driven
+        for effect, (key, _) in JOINT.items()
+    ]
+    first, second = (drives[i] for i in draw.choice(len(drives), 2, replace=False))
+    if number % 3 == 2 or not turning:
+        return Field(family, seed, (first, second))
+    mass = heavier(machine, str(draw.choice(turning)), _lacking(draw))
+    return Field(family, seed, (mass,) if number % 3 == 0 else (mass, first))
+
+
+def _lacking(draw: np.random.Generator) -> float:
+    """Share of a number that its file, which has 0.35 to 0.7 or 1.4 to 2.2 times it, lacks."""
+    return 1.0 - float(draw.uniform(0.35, 0.7) if draw.integers(2) else draw.uniform(1.4, 2.2))
+
+
 _MAKERS: dict[str, _Maker] = {
     "clean": _clean,
     "wrong_number": _wrong,
@@ -113,6 +148,7 @@ _MAKERS: dict[str, _Maker] = {
     "beside_stranger": _beside,
     "friction_everywhere": _everywhere,
     "two_units": _two_units,
+    "two_numbers": _two_numbers,
 }
 
 

@@ -56,10 +56,13 @@ def _within(case: Field, line: Mapping[str, Any]) -> dict[str, bool]:
     for finding in line["findings"]:
         if finding["is"] != "right":
             continue
-        lacks = [abs(p["truth"]) for p in finding["parameters"].values()]
-        size = max(*lacks, abs(has(machine, finding["effect"], finding["axis"])))
+        truth = {name: p["truth"] or 0.0 for name, p in finding["parameters"].items()}
+        lacks = {name: abs(value) for name, value in truth.items()}
+        mass = max(lacks.pop("mass", 0.0), machine.links[machine.index(finding["axis"])].mass)
+        others = max(*lacks.values(), abs(has(machine, finding["effect"], finding["axis"])))
         for name, p in finding["parameters"].items():
-            found[f"{finding['key']} {name}"] = bool(abs(p["value"] - p["truth"]) <= WITHIN * size)
+            size = mass if name == "mass" else others
+            found[f"{finding['key']} {name}"] = bool(abs(p["value"] - truth[name]) <= WITHIN * size)
     return found
 
 

@@ -94,6 +94,18 @@ def along(machine: Machine, axis: str) -> np.ndarray | None:
     return target / length if length > 1e-6 else None
 
 
+def heavier(machine: Machine, axis: str, share: float) -> Hidden:
+    """What the file lacks of a link that is heavier than in it, by a share of what it is, spread alike."""
+    link = machine.links[machine.index(axis)]
+    way, mass = along(machine, axis), share * link.mass
+    arm = np.array(link.centre)
+    if way is None:
+        raise KeyError(axis)
+    across = np.cross(link.axis, way)
+    values = {"along": mass * float(arm @ way), "across": mass * float(arm @ across), "mass": mass}
+    return Hidden("first_moment_error", axis, "actuator", values)
+
+
 def stated(machine: Machine, hidden: Sequence[Hidden]) -> Machine:
     """The machine as its file has it: without what is hidden.
 
@@ -115,6 +127,9 @@ def _without(link: Link, each: Hidden, machine: Machine) -> dict[str, object]:
     if each.effect == "link_inertia_error":
         return {"inertia": tuple(np.array(link.inertia) - p["inertia"] * np.abs(link.axis))}
     way = along(machine, link.name)
+    if "mass" in p:
+        share = 1.0 - p["mass"] / link.mass
+        return {"mass": share * link.mass, "inertia": tuple(share * np.array(link.inertia))}
     if each.effect == "first_moment_error" and way is not None:
         return {"centre": tuple(np.array(link.centre) - way * p["along"] / link.mass)}
     raise KeyError(each.effect)
