@@ -76,3 +76,14 @@ def test_what_is_alike_in_all_recordings_or_of_one_axis_is_no_disagreement(
 ) -> None:
     others = in_unit("tuesday", torque if torque == pytest.approx(8.8507) else 1.0)
     assert differing_units([in_unit("monday", torque), others]) == ()
+
+
+def test_an_axis_that_nothing_drives_has_no_say() -> None:
+    """As the rod on a cart: its torque is none in any unit."""
+
+    def on_one_axis(name: str, torque: float) -> Recording:
+        r = in_unit(name, torque)
+        return r.with_signals(**{k: r.signals[k] * [1.0, 0.0] for k in ("torque_command", "torque_measured")})
+
+    (found,) = differing_units([on_one_axis("monday", 0.7376), on_one_axis("tuesday", 1.0)])
+    np.testing.assert_allclose(found.values, [0.7376, 1.0], rtol=0.05)

@@ -47,12 +47,16 @@ def differing_units(recordings: Sequence[Recording]) -> tuple[Disagreement, ...]
 
 
 def _over_command(recording: Recording) -> np.ndarray:
-    """Measured torque over its command, (n,): NaN where it does not follow, empty if one is missing."""
-    if recording.get("torque_command") is None or recording.get("torque_measured") is None:
+    """Measured torque over its command, of axes that a drive moves: NaN where it does not follow.
+
+    Empty if either was not recorded.
+    """
+    command, measured = recording.get("torque_command"), recording.get("torque_measured")
+    if command is None or measured is None:
         return np.zeros(0)
-    times = dict.fromkeys(recording.axes, 1.0)
+    times = {axis: 1.0 for axis, x in zip(recording.axes, command.T, strict=True) if np.ptp(x) > 0.0}
     for remark in remark_on_torque(driven(recording), noise_levels(recording)):
-        if remark.topic in ("unit", "sign", "saturation") and remark.axis is not None:
+        if remark.topic in ("unit", "sign", "saturation") and remark.axis in times:
             times[remark.axis] = abs(remark.value.get("factor", np.nan))
     return np.array(list(times.values()))
 
