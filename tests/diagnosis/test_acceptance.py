@@ -42,6 +42,29 @@ def test_nothing_is_named_at_the_limit_of_what_can_be(
 
 
 @pytest.mark.parametrize(
+    ("order", "spring", "possible"),
+    [
+        (3.0, False, True),  # one period of a ripple by itself
+        (3.0, True, False),  # with a spring it follows any spring that is no straight line
+        (24.0, True, True),
+    ],
+)
+def test_a_wave_beside_a_spring_needs_a_way_on_which_no_smooth_curve_has_its_shape(
+    order: float, spring: bool, possible: bool
+) -> None:
+    model = load_model("leg")
+    wave = {"torque": Estimate(0.2, 0.0, ""), "order": Estimate(order, 0.0, ""), "phase": Estimate(0.0, 0.0, "")}
+    straight = {"stiffness": Estimate(0.7, 0.0, ""), "rest": Estimate(0.1, 0.0, "")}
+    effects = [AppliedEffect(EffectKey("cogging", "hip"), wave)]
+    effects += [AppliedEffect(EffectKey("parallel_spring", "hip"), straight)] if spring else []
+    effects += [AppliedEffect(EffectKey("parallel_spring", "knee"), straight)]  # of another axis
+    found = SimpleNamespace(hypothesis=SimpleNamespace(model=model, free=tuple(effects)))
+    arc = np.linspace(-1.1, 1.1, 50)
+    motions = (SimpleNamespace(along=lambda place: (arc, arc, arc)),)
+    assert identifiable(SimpleNamespace(motions=motions), found) is possible  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
     ("effect", "parameters", "clear"),
     [
         ("coulomb_friction", {"torque": (0.2, 0.01)}, True),

@@ -17,6 +17,8 @@ from .score import Scale, normalised, pooled, scored_signals, squares
 from .simulated import Simulated
 
 _FEW = 4
+_SOFT_MJCF = "as the file states it, MuJoCo's friction constraint is soft (solreffriction, solimpfriction)"
+_SOFT_URDF = "a URDF cannot say how rigid it is, and MuJoCo's friction constraint is soft"
 _TRAIN = "train in what workbench normalize writes"
 _STATE = (
     "the recordings have it: state as_in_mjcf = true in [friction] of a model file, as workbench add MODEL "
@@ -56,12 +58,12 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     rigid, own = (normalised(ms, scale) for ms in runs)
     theirs = own < rigid and consistent(runs[1], noise, scale, allowed)
     urdf = is_urdf(model.serial)
-    kind, stated = ("URDF", "which can state no other") if urdf else ("MJCF", "as the file states it")
+    kind = "URDF" if urdf else "MJCF"
+    soft_there = _SOFT_URDF if urdf else _SOFT_MJCF
     advice = _TRAIN if urdf else _stiffen(float(own_file.opt.timestep))
     return (
-        f"the {kind}'s dry friction ({_named(list(leads))}) is taken as rigid here; {stated}, "
-        "MuJoCo's friction constraint is soft (solreffriction, solimpfriction): friction turns up to "
-        f"{1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would be "
+        f"the {kind}'s dry friction ({_named(list(leads))}) is taken as rigid here; {soft_there}: "
+        f"friction turns up to {1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would be "
         f"{_against(own, rigid)}; {_STATE if theirs else advice}"
     )
 

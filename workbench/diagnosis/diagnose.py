@@ -13,7 +13,7 @@ from workbench.core import Diagnosis, EffectKey, Finding, Recording, Verdict
 from workbench.effects import SETTINGS
 from workbench.models import Model
 
-from .checks.units import doubted
+from .checks.units import doubted, state_units
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
@@ -82,7 +82,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         findings=findings,
         unexplained_fraction=rest,
         where=after.where,
-        next_experiment=next((a for a in advice if a), None),
+        next_experiment=state_units(first.disagreeing) or next((a for a in advice if a), None),
         not_excited=_not_excited(first, findings),
         ranking=ranking_of(first),
         evidence=(

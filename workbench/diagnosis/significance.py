@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from workbench.effects import Parameter, effect_named
+from workbench.effects import Parameter, effect_named, kinds
 from workbench.models import AppliedEffect, Model, Placement
 
 from .hypothesis import Fit
@@ -18,14 +18,31 @@ INTERVAL = 1.96  #: deviations of the 95 % interval that is reported
 
 def identifiable(linearisation: Linearisation, found: Fit) -> bool:
     """Whether the motions identify each free effect, and none is at its physical bound."""
-    model = found.hypothesis.model
     return all(
-        effect_named(a.key.effect).parameters.told(
-            linearisation.motions, Placement.of(model, a.key), a.values
-        )
-        and not _at_its_limit(model, a)
+        told_by_motion(linearisation, a, found) and not _at_its_limit(found.hypothesis.model, a)
         for a in found.hypothesis.free
     )
+
+
+def told_by_motion(linearisation: Linearisation, applied: AppliedEffect, found: Fit) -> bool:
+    """Whether the motions go far enough to tell one of the free effects, also from what others there follow.
+
+    A spring and a wave over a short arc are two terms of a series: they follow any spring, and neither is there.
+    """
+    key, effect = applied.key, effect_named(applied.key.effect)
+    place, motions = Placement.of(found.hypothesis.model, key), linearisation.motions
+    if not effect.parameters.told(motions, place, applied.values):
+        return False
+    if effect.search.told_beside is None:
+        return True
+    alike = [
+        a.key
+        for a in found.hypothesis.free
+        if (a.key.axis, a.key.location) == (key.axis, key.location)
+        and not a.key.same_place(key)
+        and kinds.depends_on(effect_named(a.key.effect)) == kinds.depends_on(effect)
+    ]
+    return effect.search.told_beside(motions, place, applied.values, len(alike))
 
 
 def _at_its_limit(model: Model, applied: AppliedEffect) -> bool:

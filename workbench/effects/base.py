@@ -82,6 +82,8 @@ class Search:
         repeats: whether, along motions in a place and with some values, it can be told from others of its
             kind there with values of their own, as harmonics of a ripple can over many periods; None: there
             is but one in a place.
+        told_beside: whether, along motions in a place and with some values, it can be told beside a number of
+            other effects there that depend on the same quantities; None: however many there are.
         hidden_state: whether it has a state that no sensor shows, or shifts the log in time, so that no run
             can begin with it in the middle of a recording.
     """
@@ -92,6 +94,7 @@ class Search:
     depends_on: tuple[str, ...] = ()
     frf_signature: FrfSignature | None = None
     repeats: Callable[[Sequence[Motion], Place, Values, Sequence[Values]], bool] | None = None
+    told_beside: Callable[[Sequence[Motion], Place, Values, int], bool] | None = None
     basic: bool = False
     tier: int | None = None
     shared_by_design: bool = False

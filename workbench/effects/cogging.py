@@ -26,9 +26,9 @@ _SHOWN = 1e-3  # of what is lacking, that one more of these has to explain
 _FINEST = 400  # of these, multiples of a quarter of a ripple over the whole arc
 
 
-def _told(motions: Sequence[Motion], place: Place, values: Values) -> bool:
-    """Over most of a period."""
-    return _periods(motions, place, values) >= _LEAST
+def _told(motions: Sequence[Motion], place: Place, values: Values, beside: int = 0) -> bool:
+    """Over most of a period, and as much again for each other law of the position: each follows a bend more."""
+    return _periods(motions, place, values) >= _LEAST * (1 + beside)
 
 
 def _periods(motions: Sequence[Motion], place: Place, values: Values) -> float:
@@ -159,7 +159,7 @@ class Cogging(Effect):
         reveal="a slow steady sweep over the whole range, in both directions",
         mujoco="torque function of the position",
     )
-    search = Search(depends_on=("position",), repeats=_repeats)
+    search = Search(depends_on=("position",), repeats=_repeats, told_beside=_told)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns, sine and cosine; their coefficients are a cos p and a sin p."""

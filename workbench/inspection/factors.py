@@ -25,7 +25,8 @@ TORQUE: tuple[tuple[float, str], ...] = (
     (9.80665, "kgf and N (kgf m and N m)"),
     (10.19716, "kgf cm and N m"),
     (141.6119, "ozf in and N m"),
-    *NAMED,
+    (100.0, "N cm and N m"),
+    *(each for each in NAMED if each[0] != 100.0),
 )
 
 Named = Sequence[tuple[float, str]]

@@ -10,7 +10,7 @@ import pytest
 
 from tests.planar_leg import moved, write_leg
 from workbench.core import EffectKey, Estimate, Finding, InputError, Recording
-from workbench.diagnosis.checks.units import differing_units, doubted, refuse_unit
+from workbench.diagnosis.checks.units import differing_units, doubted, refuse_unit, state_units
 from workbench.effects import load_model
 
 
@@ -68,6 +68,14 @@ def test_recordings_whose_torque_is_in_another_unit_disagree() -> None:
         "in lbf and N m",
     )
     np.testing.assert_allclose(found.values, [8.8507, 1.0], rtol=0.05)
+    advice = state_units([found])
+    assert advice is not None and "of monday under [units]" in advice  # and not of tuesday, which is right
+    assert state_units([replace(found, meaning="")]) is None  # a load or a day is no unit
+
+
+def test_a_torque_a_hundred_times_too_large_is_in_newton_centimetres() -> None:
+    (found,) = differing_units([in_unit("monday", 100.0), in_unit("tuesday", 1.0)])
+    assert found.meaning == "N cm and N m"
 
 
 @pytest.mark.parametrize("torque", [8.8507, np.array([1.6, 1.0]), 1.1])

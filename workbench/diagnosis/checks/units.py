@@ -46,6 +46,22 @@ def differing_units(recordings: Sequence[Recording]) -> tuple[Disagreement, ...]
     return (Disagreement(tuple(name for name, _ in known), EffectKey(_GAIN, None), values, meaning),)
 
 
+def state_units(disagreeing: Sequence[Disagreement]) -> str | None:
+    """What to do before anything is measured: the unit to look at, and in which recordings; None without any."""
+    for found in (d for d in disagreeing if d.meaning):
+        odd = [
+            name
+            for name, times in zip(found.recordings, found.values, strict=True)
+            if abs(np.log(abs(times))) > np.log(1.0 + POLICY.disagreement)
+        ]
+        where = ", ".join(odd or found.recordings)
+        return (
+            f"Nothing yet: state the unit of the measured torque of {where} under [units] (the numbers are as "
+            f"between {found.meaning}), and diagnose again."
+        )
+    return None
+
+
 def _over_command(recording: Recording) -> np.ndarray:
     """Measured torque over its command, of axes that a drive moves: NaN where it does not follow.
 

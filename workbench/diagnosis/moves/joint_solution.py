@@ -27,7 +27,7 @@ from ..screening.selection import Selection
 from ..screening.stepwise_regression import selected
 from ..screening.torque_regression import Regression
 from ..search_result import AcceptedStep
-from ..significance import INTERVAL, is_significant, significance
+from ..significance import INTERVAL, is_significant, significance, told_by_motion
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
@@ -104,15 +104,19 @@ def solve_jointly(problem: Problem) -> Node | None:
 
 
 def _fitted(regression: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
-    """All that was selected and is clearly another than nothing.
+    """All that was selected, is clearly another than nothing and is told by the motions.
 
-    Of two that trade with each other neither is, until one is out: of each axis the least clear goes first.
+    What a fit drew out of what these can tell goes first. Of two that trade with each other neither is, until one is out: of each axis the least clear goes first.
     """
     if not chosen.chosen:
         return None
     candidates = chosen.candidates()
     found = fit([with_candidates(regression.linearisation, candidates, current)], data)[0]
     while found is not None:
+        told = tuple(a for a in found.hypothesis.free if told_by_motion(regression.linearisation, a, found))
+        if len(told) < len(found.hypothesis.free):
+            found = fit([replace(found.hypothesis, free=told)], data)[0] if told else None
+            continue
         doubted: dict[str | None, AppliedEffect] = {}
         for applied in (a for a in found.hypothesis.free if not is_significant(a)):
             weakest = doubted.setdefault(applied.key.axis, applied)
