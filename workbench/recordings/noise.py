@@ -46,14 +46,11 @@ def noise_levels(recording: Recording) -> NoiseLevels:
     """
     n = len(recording.axes)
     valid = np.ones(len(recording), bool) if recording.valid is None else recording.valid
-    resolution = np.full(n, np.nan)
     velocity, torque = np.full(n, np.nan), np.full(n, np.nan)
     measured_velocity = None if "velocity" in recording.derived else recording.get("velocity")
     measured_torque = recording.get("torque_measured")
     command = recording.get("torque_command")
     for i in range(n):
-        if np.ptp(recording.position[valid, i]) > 0:
-            resolution[i] = _resolution(recording, "position", i)
         if measured_velocity is not None:
             v = measured_velocity[:, i]
             white = _velocity_noise(v, valid, command, i, recording.period)
@@ -69,8 +66,18 @@ def noise_levels(recording: Recording) -> NoiseLevels:
             )
             rounding = _resolution(recording, "torque_measured", i) / np.sqrt(12)
             torque[i] = white if white >= rounding else rounding or white
-    position = position_noise(recording.position, valid, resolution)
+    resolution, position = position_levels(recording)
     return NoiseLevels(resolution, position, velocity, torque)
+
+
+def position_levels(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Step of the encoder and deviation of position noise alone, (n,) each, as in `NoiseLevels`."""
+    n = len(recording.axes)
+    valid = np.ones(len(recording), bool) if recording.valid is None else recording.valid
+    moves = np.ptp(recording.position[valid], axis=0) > 0
+    steps = [_resolution(recording, "position", i) if moves[i] else np.nan for i in range(n)]
+    resolution = np.array(steps)
+    return resolution, position_noise(recording.position, valid, resolution)
 
 
 def _resolution(recording: Recording, signal: str, axis: int) -> float:

@@ -13,6 +13,7 @@ from workbench.models import Model, joint_kinds
 from workbench.recordings.resample import looks_held
 
 from .feedforward import feedforward_of_drives
+from .initial_state import initial_state
 
 #: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
 LONGEST_STEP = 0.001
@@ -143,7 +144,7 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         else recording.signals["velocity_reference"],
         feedforward=zero if feedforward is None else feedforward,
         replayed=replayed,
-        start=_start(recording, controller, reference, to_actuator, j),
+        start=initial_state(recording, controller, reference, to_actuator, j),
         to_actuator=to_actuator,
         transmission=j,
         behind=behind,
@@ -202,53 +203,3 @@ def _check_units(recording: Recording, model: Model) -> None:
                 file=recording.source, column="units.position",
                 remedy=f"give a unit an axis, {example} for this one",
             )  # fmt: skip
-
-
-def _start(
-    recording: Recording,
-    controller: Controller,
-    reference: np.ndarray | None,
-    to_actuator: np.ndarray,
-    j: np.ndarray,
-) -> np.ndarray:
-    """Initial (q_s, rate): at rest at the first reference, unless the first rows say otherwise."""
-    back = np.linalg.inv(j)
-    position, rate, doubt = _first_rows(recording)
-    measured = np.stack([back @ to_actuator @ position, back @ to_actuator @ rate])
-    if reference is None or controller.kind in ("none", "unknown") or not recording.timing.initial_at_rest:
-        return measured
-    first = reference[0] if controller.coordinates == "joint" else back @ reference[0]
-    rest = np.linalg.inv(to_actuator) @ j @ first
-    away = np.abs(np.stack([position - rest, rate])) > 6.0 * doubt
-    if not away.any():
-        return np.stack([first, np.zeros_like(first)])
-    if away[0].any() and _stands_still(recording):
-        # somewhere else than it should be, as with an encoder that errs: the loop is about to jerk
-        return np.stack([back @ to_actuator @ recording.position[:2].mean(axis=0), np.zeros_like(first)])
-    return measured
-
-
-def _stands_still(recording: Recording) -> bool:
-    """Whether a recording's first row is at rest, as far as the noise of its velocity lets see."""
-    velocity = recording.get("velocity")
-    if velocity is None:
-        return False
-    noise = np.median(np.abs(np.diff(velocity, axis=0)), axis=0)
-    return bool((np.abs(velocity[0]) <= 4.0 * noise).all())
-
-
-def _first_rows(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position and rate at the first row by a parabola, and how far off they may be, (2, n)."""
-    rows = int(np.clip(0.02 / recording.period, 8, len(recording) // 2))
-    t = recording.time[:rows]
-    basis = np.stack([np.ones(rows), t, t**2], axis=1)
-    solution, *_ = np.linalg.lstsq(basis, recording.position[:rows], rcond=None)
-    # how far the motion is from a parabola shows in what half of the rows say
-    half, *_ = np.linalg.lstsq(basis[: rows // 2], recording.position[: rows // 2], rcond=None)
-    bent = np.abs(solution - half)[:2]
-    steps = np.abs(np.diff(recording.position, axis=0))
-    smallest = [float(np.min(s[s > 0], initial=1e-9)) for s in steps.T]
-    scatter = np.maximum((recording.position[:rows] - basis @ solution).std(axis=0), smallest)
-    spread = np.sqrt(np.diag(np.linalg.inv(basis.T @ basis)))[:2]
-    doubt = spread[:, None] * scatter[None, :] + scatter[None, :] * np.array([[1.0], [0.0]])
-    return solution[0], solution[1], doubt + bent
