@@ -70,6 +70,7 @@ def interval(estimate: Estimate) -> str:
     size = math.floor(math.log10(max(abs(value), half)))
     if -5 < size < 6 and places < 9:
         digits = max(0, places)
+        value, half = round(value, places), round(half, places)  # also before the point
         return f"{value:.{digits}f} ± {half:.{digits}f}".replace("-", "−") + tail
     digits = max(0, places + size)
     body = f"{value / 10.0**size:.{digits}f} ± {half / 10.0**size:.{digits}f}".replace("-", "−")
