@@ -23,6 +23,8 @@ from .numbers import interval, number, percent, plain, short
 _NAMES = {"coulomb": "Coulomb", "stribeck": "Stribeck", "lugre": "LuGre", "dahl": "Dahl", "lpf": "low-pass"}
 #: Effects of a link, which turns with its joint, and not of the drive.
 _OF_LINKS = ("first_moment_error", "link_inertia_error", "link_length_error")
+#: Effects of the whole machine that are no property of its axes.
+_WHERE = {"payload_mass": "where the machine ends", "base_compliance": "under the machine"}
 _SIGNALS = {"position": "position", "torque": "torque", "torque_measured": "torque"}
 
 
@@ -41,6 +43,8 @@ def place(key: EffectKey) -> str:
     if key.effect in _OF_LINKS:
         return f"of the {plain(key.axis or '')} link"
     if key.axis is None:
+        if key.effect in _WHERE:
+            return _WHERE[key.effect]
         return "on all axes" if key.location == "actuator" else "at all joints"
     axis = plain(key.axis)
     return f"on the {axis} drive" if key.location == "actuator" else f"at the {axis} joint"
