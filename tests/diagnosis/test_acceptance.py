@@ -53,7 +53,11 @@ def test_a_wave_beside_a_spring_needs_a_way_on_which_no_smooth_curve_has_its_sha
     order: float, spring: bool, possible: bool
 ) -> None:
     model = load_model("leg")
-    wave = {"torque": Estimate(0.2, 0.0, ""), "order": Estimate(order, 0.0, ""), "phase": Estimate(0.0, 0.0, "")}
+    wave = {
+        "torque": Estimate(0.2, 0.0, ""),
+        "order": Estimate(order, 0.0, ""),
+        "phase": Estimate(0.0, 0.0, ""),
+    }
     straight = {"stiffness": Estimate(0.7, 0.0, ""), "rest": Estimate(0.1, 0.0, "")}
     effects = [AppliedEffect(EffectKey("cogging", "hip"), wave)]
     effects += [AppliedEffect(EffectKey("parallel_spring", "hip"), straight)] if spring else []

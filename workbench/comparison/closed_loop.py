@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from workbench.core import Recording
-from workbench.effects import Motion, Plant
-from workbench.models import Model
+from workbench.effects import Motion, Plant, effect_named, kinds
+from workbench.models import Model, own_friction
 from workbench.simulation import (
     Disturbance,
     Loop,
@@ -30,6 +30,7 @@ from .replay import Replay
 from .simulated import Simulated
 
 _SHIFT, _LONGEST = 0.05, 0.002  # of a period; s
+_CREEP = 4.0  # times the sliding speed: where tanh(w / 1 mrad/s), a usual law, holds nearly all of its torque
 
 
 def with_loops(model: Model, recordings: Sequence[Recording]) -> tuple[Recording, ...]:
@@ -45,6 +46,17 @@ def _shifted(model: Model, recording: Recording) -> Model:
     period = min(recording.controller.period_s or recording.period, recording.period, _LONGEST)
     later = model.actuators.delay_s + _SHIFT * period
     return replace(model, actuators=replace(model.actuators, delay_s=later))
+
+
+def _creeping(model: Model) -> Model:
+    """The same machine whose dry friction gives way a little sooner: nor do simulators agree at rest."""
+    return replace(model, sliding_speed=_CREEP * model.sliding_speed)
+
+
+def _is_dry(model: Model) -> bool:
+    """Whether any friction of it sticks, as its file states it or as an effect."""
+    added = any(kinds.is_dry(effect_named(a.key.effect)) for a in model.effects)
+    return added or bool(own_friction(model))
 
 
 @dataclass(frozen=True)
@@ -80,8 +92,12 @@ class ClosedLoop(Replay):
             runs += [Run(model, r, self.noise.draw(s)) for r, s in zip(self.recordings, seeds, strict=True)]
         made, count = simulate(runs), len(self.recordings)
         noisy = tuple(tuple(made[count * (d + 1) : count * (d + 2)]) for d in range(draws))
-        late = simulate([Run(_shifted(model, r), r) for r in self.recordings], strict=False)
-        return Simulated(self.recordings, tuple(made[:count]), noisy, self.noise, tuple(late))
+        late = [Run(_shifted(model, r), r) for r in self.recordings]
+        creeping = [Run(_creeping(model), r) for r in self.recordings] if _is_dry(model) else []
+        alike = tuple(simulate([*late, *creeping], strict=False))
+        return Simulated(
+            self.recordings, tuple(made[:count]), noisy, self.noise, alike[:count], alike[count:]
+        )
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
         """The run, corrected by what the sensors say of it."""

@@ -132,7 +132,7 @@ class _Part:
         made = self.replay.like(model, [piece.recording]).with_noise(model, seed, draws)
         counted = _after(made.recordings[0], piece.lead)
         noisy = tuple((replace(draw[0], valid=counted.valid),) for draw in made.noisy)
-        made = Simulated((counted,), made.clean, noisy, made.noise, made.shifted)
+        made = Simulated((counted,), made.clean, noisy, made.noise, made.shifted, made.creeping)
         count = int(np.sum(counted.valid))
         self.share = (piece.start + counted.duration) / max(self.source.duration, 1e-9)
         if not count:

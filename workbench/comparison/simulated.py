@@ -18,8 +18,8 @@ _MOST = 1e-3  # of a signal's deviation
 class Simulated:
     """A model's runs of recordings, without noise and with it.
 
-    `clean`: one a recording. `noisy`: one list a draw. `noise`: the sensors. `shifted`: one a recording, from
-    a machine that no one would call another (see `ClosedLoop`); none where that is not known.
+    `clean`: one a recording. `noisy`: one list a draw. `noise`: the sensors. `shifted`, `creeping`: one a
+    recording, from machines that no one would call another (see `ClosedLoop`); none where that is not known.
     """
 
     recordings: tuple[Recording, ...]
@@ -27,15 +27,20 @@ class Simulated:
     noisy: tuple[tuple[Recording, ...], ...]
     noise: NoiseModel
     shifted: tuple[Recording, ...] = ()
+    creeping: tuple[Recording, ...] = ()
 
     def immaterial(self, index: int) -> np.ndarray:
         """Sums of squares (2, n) by which two right simulations of a recording may differ.
 
-        Never much: where a loop magnifies the shift without end, that is no licence for any error.
+        Never much: where a loop magnifies the difference without end, that is no licence for any error. What
+        creeps at rest is held by its loop: torque may differ by as much as that motion makes of it.
         """
         clean, names = self.clean[index], scored_signals(self.recordings[index])
-        if not self.shifted:
-            return np.zeros((2, len(clean.axes)))
         still = clean.with_signals(**{n: clean.signals[n] * 0 + clean.signals[n].mean(axis=0) for n in names})
-        apart, size = (squares(other, clean, names) for other in (self.shifted[index], still))
-        return np.nan_to_num(np.minimum(apart, _MOST**2 * size))
+        most, out = _MOST**2 * squares(still, clean, names), np.zeros((2, len(clean.axes)))
+        if self.shifted:
+            out += np.nan_to_num(np.minimum(squares(self.shifted[index], clean, names), most))
+        if self.creeping:
+            apart = np.nan_to_num(squares(self.creeping[index], clean, names))
+            out += apart * np.minimum(1.0, most[0] / np.maximum(apart[0], 1e-300))
+        return np.nan_to_num(out)

@@ -63,8 +63,8 @@ def softness_note(model: Model, replay: Replay, simulated: Simulated) -> str | N
     advice = _TRAIN if urdf else _stiffen(float(own_file.opt.timestep))
     return (
         f"the {kind}'s dry friction ({_named(list(leads))}) is taken as rigid here; {soft_there}: "
-        f"friction turns up to {1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would be "
-        f"{_against(own, rigid)}; {_STATE if theirs else advice}"
+        f"friction turns up to {1e3 * max(leads.values()):.2g} ms before a reversal. With it the error would "
+        f"be {_against(own, rigid)}; {_STATE if theirs else advice}"
     )
 
 

@@ -25,9 +25,9 @@ def identifiable(linearisation: Linearisation, found: Fit) -> bool:
 
 
 def told_by_motion(linearisation: Linearisation, applied: AppliedEffect, found: Fit) -> bool:
-    """Whether the motions go far enough to tell one of the free effects, also from what others there follow.
+    """Whether the motions tell one of the free effects, also from what others there follow.
 
-    A spring and a wave over a short arc are two terms of a series: they follow any spring, and neither is there.
+    A spring and a wave over a short arc are two terms of a series: they follow any spring.
     """
     key, effect = applied.key, effect_named(applied.key.effect)
     place, motions = Placement.of(found.hypothesis.model, key), linearisation.motions

@@ -27,7 +27,7 @@ _FINEST = 400  # of these, multiples of a quarter of a ripple over the whole arc
 
 
 def _told(motions: Sequence[Motion], place: Place, values: Values, beside: int = 0) -> bool:
-    """Over most of a period, and as much again for each other law of the position: each follows a bend more."""
+    """Over most of a period, and as much again for each other law of position: each follows a bend more."""
     return _periods(motions, place, values) >= _LEAST * (1 + beside)
 
 

@@ -20,8 +20,8 @@ def near_sentence(near: Sequence[Finding]) -> str:
         told.append(f"{effect_phrase(f.key)} ({values})")
     verb = "lowers the error and is" if len(near) == 1 else "lower the error and are"
     return (
-        f"{capital(any_of(told, 'and'))} {verb} not certain: a free function, of the same quantity or of another, "
-        "explains as much or more in its place."
+        f"{capital(any_of(told, 'and'))} {verb} not certain: a free function, of the same quantity or "
+        "of another, explains as much or more in its place."
     )
 
 

@@ -47,7 +47,7 @@ def differing_units(recordings: Sequence[Recording]) -> tuple[Disagreement, ...]
 
 
 def state_units(disagreeing: Sequence[Disagreement]) -> str | None:
-    """What to do before anything is measured: the unit to look at, and in which recordings; None without any."""
+    """What to do before anything is measured: which unit to state, and of which recordings; or None."""
     for found in (d for d in disagreeing if d.meaning):
         odd = [
             name
@@ -56,8 +56,8 @@ def state_units(disagreeing: Sequence[Disagreement]) -> str | None:
         ]
         where = ", ".join(odd or found.recordings)
         return (
-            f"Nothing yet: state the unit of the measured torque of {where} under [units] (the numbers are as "
-            f"between {found.meaning}), and diagnose again."
+            f"Nothing yet: state the unit of the measured torque of {where} under [units] (the numbers are "
+            f"as between {found.meaning}), and diagnose again."
         )
     return None
 

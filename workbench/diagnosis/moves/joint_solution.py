@@ -106,7 +106,8 @@ def solve_jointly(problem: Problem) -> Node | None:
 def _fitted(regression: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
     """All that was selected, is clearly another than nothing and is told by the motions.
 
-    What a fit drew out of what these can tell goes first. Of two that trade with each other neither is, until one is out: of each axis the least clear goes first.
+    What a fit drew out of the reach of these goes first. Of two that trade with each other neither is clear,
+    until one is out: of each axis the least clear goes first.
     """
     if not chosen.chosen:
         return None
