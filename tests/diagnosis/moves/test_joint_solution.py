@@ -77,5 +77,20 @@ def test_what_moves_the_machine_otherwise_than_it_moved_is_left_out() -> None:
     ]
     spring = applied(model, EffectKey("parallel_spring", "y"), stiffness=400.0, rest=0.0)
     both = Hypothesis(model, tuple(friction))
-    assert confirmed(both, problem) is both
-    assert confirmed(replace(both, free=(friction[0], spring, friction[1])), problem).free == both.free
+    assert confirmed(both, problem, certain=True) is both
+    with_spring = replace(both, free=(friction[0], spring, friction[1]))
+    assert confirmed(with_spring, problem, certain=True).free == both.free
+
+
+def test_of_what_explains_the_torque_to_the_noise_only_what_lowers_the_error_in_the_loop_stays() -> None:
+    """What is certain by itself stays as long as all of it together lowers the error."""
+    model, runs = gantry(2), recorded((1.5, 0.8), (0.0, 0.0), np.zeros(2))
+    problem = asked(model, runs[:2], runs[2:])
+    friction = tuple(
+        applied(model, EffectKey("coulomb_friction", axis), torque=size)
+        for axis, size in (("x", 1.5), ("y", 0.8))
+    )
+    weak = applied(model, EffectKey("parallel_spring", "y"), stiffness=3.0, rest=0.0)
+    all_three = Hypothesis(model, (friction[0], weak, friction[1]))
+    assert confirmed(all_three, problem, certain=True) is all_three
+    assert confirmed(all_three, problem, certain=False).free == friction

@@ -11,7 +11,7 @@ from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
 from workbench.models import AppliedEffect
 
-from ..acceptance import lowers_error
+from ..acceptance import at_noise_floor, lowers_error
 from ..adequacy.adequacy import Adequacy, adequacies
 from ..data import Data
 from ..fitting.fit import fit
@@ -93,7 +93,7 @@ def solve_jointly(problem: Problem) -> Node | None:
         named = _only(whole, known, data)
     if named is None or not lowers_error(named, start, data):
         return None
-    sure_in_loop = confirmed(named.hypothesis, problem)
+    sure_in_loop = confirmed(named.hypothesis, problem, certain=bool(known))
     if sure_in_loop is not named.hypothesis:
         named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
     sure = effect_keys(named)
@@ -153,22 +153,27 @@ def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | N
     return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
 
 
-def confirmed(found: Hypothesis, problem: Problem) -> Hypothesis:
-    """The effects, where these do not lower the error in the loop those that do.
+def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:
+    """The effects, but for those that raise the error in the loop.
 
-    What explains a torque by chance seldom moves the machine as it moved.
+    What explains a torque by chance seldom moves the machine as it moved. Of effects that are `certain` by
+    themselves none goes as long as all together lower the error.
     """
     data, tried = problem.data, [found]
+    best: Fit | None = None
     while data.replay.simulates and tried:
         runs = data.run([h.model for h in tried])
         fits = [evaluated(h, made, data) for h, made in zip(tried, runs, strict=True)]
         ran = sorted((f for f in fits if np.isfinite(f.mean_squares).all()), key=lambda f: f.test_loss)
-        if ran and lowers_error(ran[0], problem.start, data):
-            return ran[0].hypothesis
-        best = ran[0].hypothesis if ran else tried[0]
-        fewer = [tuple(a for a in best.free if a is not out) for out in best.free]
-        tried = [replace(best, free=free) for free in fewer if free]
-    return found
+        if best is not None and (not ran or ran[0].test_loss >= best.test_loss):
+            break
+        best = ran[0] if ran else None
+        if best and (certain or at_noise_floor(best, data)) and lowers_error(best, problem.start, data):
+            break
+        whole = best.hypothesis if best else tried[0]
+        fewer = [tuple(a for a in whole.free if a is not out) for out in whole.free]
+        tried = [replace(whole, free=free) for free in fewer if free]
+    return best.hypothesis if best and lowers_error(best, problem.start, data) else found
 
 
 def _steps(
