@@ -66,8 +66,11 @@ def rounds(
 
 
 def _error(found: SearchResult) -> float:
-    """The score in the end, on recordings that were not fitted where there are some."""
-    return found.start_data.score(found.final.mean_squares, held_out=found.start_data.held_out)
+    """The score in the end, on recordings that were not fitted where there are some; noise is no difference."""
+    data = found.start_data
+    return max(
+        data.score(squares, held_out=data.held_out) for squares in (found.final.mean_squares, data.floor)
+    )
 
 
 def _names(found: SearchResult) -> bool:
@@ -139,4 +142,6 @@ def comparisons(model: Model, runs: Simulated, found: SearchResult) -> list[Comp
 def part_of(runs: Simulated, of: slice) -> Simulated:
     """The runs of some of the recordings."""
     noisy = tuple(draw[of] for draw in runs.noisy)
-    return Simulated(runs.recordings[of], runs.clean[of], noisy, runs.noise, runs.shifted[of])
+    return Simulated(
+        runs.recordings[of], runs.clean[of], noisy, runs.noise, runs.shifted[of], runs.creeping[of]
+    )
