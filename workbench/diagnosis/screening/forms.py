@@ -29,7 +29,7 @@ def reformed(now: Selection, regression: Regression) -> Selection:
         if best is not entry:
             return reformed(selection_of((*others, best), regression), regression)
         for form in regression.forms(entry)[1:]:
-            for out in others:
+            for out in (e for e in others if regression.axes_of(e) & regression.axes_of(entry)):
                 fewer = selection_of((*(e for e in others if e is not out), form), regression)
                 if cost_of(fewer.chosen) <= cost_of(now.chosen) and _explains_as_much(
                     fewer, now, without=(entry, out), regression=regression
@@ -39,8 +39,7 @@ def reformed(now: Selection, regression: Regression) -> Selection:
 
 
 def _explains_as_much(fewer: Selection, now: Selection, without: Chosen, regression: Regression) -> bool:
-    """Whether a selection explains nearly all that some effects of another do."""
+    """Whether a selection explains nearly all that some effects of another do, on every axis."""
     bare = regression.solved(tuple(e for e in now.chosen if e not in without))
     special, whole = (gain_of(s.solution, bare, regression) for s in (fewer, now))
-    axis = int(whole.argmax())
-    return bool(special[axis] > POLICY.explained * whole[axis])
+    return bool((whole - special < POLICY.effect_gain).all())
