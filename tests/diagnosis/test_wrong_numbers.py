@@ -24,6 +24,11 @@ def told(folder: Path, positions_alone: bool = False, resisting=None, **wrong: f
     return diagnose(model, logs)
 
 
+def patch(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """Friction that no effect is: at one angle of the yaw."""
+    return np.array([-3.0 * np.exp(-(((position[0] - 0.3) / 0.08) ** 2)) * np.sign(speed[0]), 0.0, 0.0])
+
+
 def test_a_rotor_from_positions_alone(tmp_path: Path) -> None:
     """How the loop got its reference and its speed is not taken for damping or inertia of the others."""
     (finding,) = told(tmp_path, positions_alone=True, lift_armature=0.15).findings
@@ -48,13 +53,30 @@ def test_a_centre_of_mass(tmp_path: Path) -> None:
 
 def test_a_centre_of_mass_beside_something_unknown(tmp_path: Path) -> None:
     """A rough patch at one angle of the yaw takes nothing from what is certain of the fore-arm."""
-
-    def patch(position: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        return np.array([-3.0 * np.exp(-(((position[0] - 0.3) / 0.08) ** 2)) * np.sign(speed[0]), 0.0, 0.0])
-
     found = told(tmp_path, resisting=patch, fore_centre=0.07)
     assert found.verdict == "partly_explained"
     named = {(f.key.effect, f.key.axis): f for f in found.findings}
     moment = named["first_moment_error", "bend"].parameters["along"]
     assert moment.value == pytest.approx(1.3 * 0.07, rel=0.05)
     assert not any(f.key.axis == "yaw" and f.probability > 0.5 for f in found.findings)
+
+
+def test_a_payload_beside_something_unknown(tmp_path: Path) -> None:
+    """0.2 kg at the tip are one number; errors of all the links' masses would explain no more."""
+    bare = {"fore_mass": 1.1, "fore_centre": (1.3 * 0.14 - 0.2 * 0.3) / 1.1}
+    bare["fore_inertia"] = 0.032 - 1.1 * (bare["fore_centre"] - 0.14) ** 2 - 0.2 * (0.3 - 0.14) ** 2
+    found = told(tmp_path, resisting=patch, **bare)
+    assert found.verdict == "partly_explained"
+    (payload,) = (f for f in found.findings if f.key.effect == "payload_mass")
+    assert payload.parameters["mass"].value == pytest.approx(0.2, rel=0.05)
+    assert not any(f.key.axis == "yaw" for f in found.findings)
+
+
+def test_the_mass_of_a_link_in_the_middle_is_one_number(tmp_path: Path) -> None:
+    """Its weight rests on the upper arm too, whose own numbers are right."""
+    found = told(tmp_path, fore_mass=2.0)
+    (finding,) = found.findings
+    assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "bend")
+    assert finding.parameters["along"].value == pytest.approx(-0.7 * 0.14, rel=0.02)
+    assert any("the bend link has 1.3" in line for line in finding.evidence)
+    assert found.settled["heavier_links"] == 4.0
