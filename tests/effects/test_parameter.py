@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from workbench.effects import Parameter, Parameters, load_model
-from workbench.effects.parameter import wave
+from workbench.effects.wave import wave
 from workbench.effects.setting import FULL_BRAKING
 
 LEG = load_model("leg")

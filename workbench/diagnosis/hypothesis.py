@@ -37,7 +37,7 @@ class Hypothesis:
     @property
     def size(self) -> int:
         """Number of free parameters."""
-        return sum(block.stop - block.start for _, block in blocks(self))
+        return sum(effect_named(a.key.effect).parameters.count(a.values) for a in self.free)
 
     @property
     def model(self) -> Model:

@@ -66,7 +66,7 @@ def rounds(
 
 
 def _error(found: SearchResult) -> float:
-    """The score in the end, on recordings that were not fitted where there are some; noise is no difference."""
+    """The score in the end, on recordings that were not fitted if there are some; noise is no difference."""
     data = found.start_data
     return max(
         data.score(squares, held_out=data.held_out) for squares in (found.final.mean_squares, data.floor)

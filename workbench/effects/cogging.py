@@ -15,8 +15,9 @@ from .base import Effect, Search, SignalStage, Words
 from .chain import Build, TorqueTerm
 from .law import law
 from .motion import Motion
-from .parameter import INF, Parameter, Parameters, Place, Unknown, Values, wave
+from .parameter import INF, Parameter, Parameters, Place, Unknown, Values
 from .response import Response, single
+from .wave import wave
 
 _LEAST = 0.75  # periods within the motion: less is a bend, which any spring may have
 _SEVERAL = 3.0  # periods within the motion, from which a sine beside others is told from a smooth curve

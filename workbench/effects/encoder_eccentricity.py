@@ -10,8 +10,9 @@ from workbench.models import Model
 from .base import Effect, Search, SignalStage, Words, is_rotary
 from .chain import Build
 from .motion import Motion
-from .parameter import Parameter, Parameters, Place, Values, wave
+from .parameter import Parameter, Parameters, Place, Values
 from .response import Response, read_on
+from .wave import wave
 
 _MOST = 0.5  # rad
 #: Any phase; both at their bound still make an amplitude within its own.

@@ -14,7 +14,7 @@ from workbench.models import Inertial, Model
 from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
 from .corrected import OfBody, there
-from .links import Link, link_at, link_of, reshape, shifting, weighing, with_mass, with_moment
+from .links import Link, carrying, link_at, link_of, reshape, shifting, with_mass, with_moment
 from .motion import Motion
 from .parameter import INF, Chart, Parameter, Parameters, Place, Unknown, Values
 from .response import Response
@@ -77,7 +77,7 @@ _MASS = Parameter(
     "mass",
     "kg",
     lower=-INF,
-    about="added to the link's, spread as that is; may be left out: the mass stays, the centre moves",
+    about="added to the link's; may be left out: the mass stays, the centre moves",
     optional=True,
 )
 
@@ -113,7 +113,7 @@ class FirstMomentError(Effect):
 
     Where nothing is said of its mass, the link keeps that and the inertia about its centre: the centre moves
     by the moment over the mass. A search asks for one of two causes: the centre, or the mass with the moment
-    that it has at the centre.
+    that it has there.
     """
 
     name = "first_moment_error"
@@ -153,7 +153,7 @@ class FirstMomentError(Effect):
             return Response(-np.stack(shifts))
         own = _lever(link.inertial, link)
         off = shape["lever"] - own @ link.along, shape["aside"] - own @ link.across
-        need = weighing(motion, index, link.inertial) + off[0] * shifts[0] + off[1] * shifts[1]
+        need = carrying(motion, index, link.inertial.centre) + off[0] * shifts[0] + off[1] * shifts[1]
         return Response(-need[None])
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:

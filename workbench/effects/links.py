@@ -82,9 +82,8 @@ def with_moment(inertial: Inertial, moment: np.ndarray) -> Inertial:
 
 
 def with_mass(inertial: Inertial, more: float) -> Inertial:
-    """With more mass [kg], spread as it is: the centre stays, the inertia is in proportion."""
-    times = 1.0 + more / inertial.mass
-    return replace(inertial, mass=times * inertial.mass, tensor=times * inertial.tensor)
+    """With more mass [kg] and nothing else: its centre and the inertia about that stay."""
+    return replace(inertial, mass=inertial.mass + more)
 
 
 def _possible(principal: np.ndarray, axes: np.ndarray, about: np.ndarray) -> np.ndarray:
@@ -115,15 +114,15 @@ def turning(motion: Motion, axis: int, tensor: np.ndarray) -> np.ndarray:
     return np.einsum("kij,ki->kj", link.turn, needed)
 
 
-def weighing(motion: Motion, axis: int, inertial: Inertial) -> np.ndarray:
-    """Torque (N, n) that a link would need for 1 kg more, spread as its mass is."""
+def carrying(motion: Motion, axis: int, centre: np.ndarray) -> np.ndarray:
+    """Torque (N, n) that a link would need for 1 kg more at a point (3,), in its frame."""
     link = motion.link(axis)
     w = np.einsum("kij,kj->ki", link.turn, motion.velocity)
-    out = link.rotation @ inertial.centre
+    out = link.rotation @ centre
     pushed = link.rise - motion.gravity + np.cross(link.spin_up, out) + np.cross(w, np.cross(w, out))
-    need = np.einsum("kij,ki->kj", link.move, pushed)
-    need += np.einsum("kij,ki->kj", link.turn, np.cross(out, pushed))
-    return need + turning(motion, axis, inertial.tensor / inertial.mass)
+    return np.einsum("kij,ki->kj", link.move, pushed) + np.einsum(
+        "kij,ki->kj", link.turn, np.cross(out, pushed)
+    )
 
 
 def shifting(motion: Motion, axis: int, way: np.ndarray, centre: np.ndarray) -> np.ndarray:

@@ -144,6 +144,13 @@ class Parameters(tuple[Parameter, ...]):
         own = next((unknowns for name, unknowns in special.items() if name in shape), self._unknowns)
         return tuple(u for u in own if u.linear)
 
+    def count(self, values: Values) -> int:
+        """How many unknowns have some values: fewer than these where a special case ties them."""
+        if any(p.optional and p.name in values for p in self):
+            coefficients, _ = self.to_coefficients(values)
+            return len(coefficients) + len(self.nonlinear)
+        return len(values)
+
     def is_special(self, shape: Values) -> bool:
         """Whether a shape is that of a special case, with unknowns of its own."""
         return self.chart is not None and any(name in shape for name in self.chart.special)
@@ -235,19 +242,3 @@ def rows(fewest: float, most: float, count: int) -> Callable[[Sequence[Motion], 
         return np.geomspace(fewest * step, max(most * step, 1e-3 * most), count)
 
     return starts
-
-
-def wave(amplitude: str, phase: str, top: float = INF, *others: Unknown) -> Chart:
-    """Sine and cosine in place of amplitude and phase, each up to `top` either way; beside `others`."""
-
-    def values(coefficients: np.ndarray, shape: Values) -> dict[str, float]:
-        sine, cosine = map(float, coefficients)
-        found = {amplitude: float(np.hypot(sine, cosine)), phase: float(np.arctan2(cosine, sine))}
-        return {**found, **shape}
-
-    def solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
-        parts = np.array([np.cos(values[phase]), np.sin(values[phase])])
-        return values[amplitude] * parts, {u.name: values[u.name] for u in others}
-
-    pair = (Unknown("sine", lower=-top, upper=top), Unknown("cosine", lower=-top, upper=top))
-    return Chart((*pair, *others), values, solved)

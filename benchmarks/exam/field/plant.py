@@ -95,7 +95,7 @@ def along(machine: Machine, axis: str) -> np.ndarray | None:
 
 
 def heavier(machine: Machine, axis: str, share: float) -> Hidden:
-    """What the file lacks of a link that is heavier than in it, by a share of what it is, spread alike."""
+    """What the file lacks of a link that is heavier than in it, by a share of what it is."""
     link = machine.links[machine.index(axis)]
     way, mass = along(machine, axis), share * link.mass
     arm = np.array(link.centre)
@@ -128,8 +128,7 @@ def _without(link: Link, each: Hidden, machine: Machine) -> dict[str, object]:
         return {"inertia": tuple(np.array(link.inertia) - p["inertia"] * np.abs(link.axis))}
     way = along(machine, link.name)
     if "mass" in p:
-        share = 1.0 - p["mass"] / link.mass
-        return {"mass": share * link.mass, "inertia": tuple(share * np.array(link.inertia))}
+        return {"mass": link.mass - p["mass"]}
     if each.effect == "first_moment_error" and way is not None:
         return {"centre": tuple(np.array(link.centre) - way * p["along"] / link.mass)}
     raise KeyError(each.effect)

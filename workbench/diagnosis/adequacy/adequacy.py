@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import EffectKey, Estimate
-from workbench.effects import effect_named, kinds
+from workbench.effects import effect_named, kinds, places
 from workbench.models import AppliedEffect, Placement, alike_axes
 
 from ..data import Data
@@ -25,7 +25,7 @@ from ..hypothesis import Fit
 from ..policy import POLICY
 from ..screening.needed_torque import kept_rows, needing
 from ..screening.propagation import propagate_sensitivities
-from ..screening.sensitivity import Linearisation
+from ..screening.sensitivity import Linearisation, SensitivityColumn
 from ..significance import INTERVAL
 from .free_functions import Adequacy, against_free_functions
 from .masses import adequacy_of_mass, multi_axis_law
@@ -71,12 +71,26 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
     for group in alike_axes(linearisation.model):
         out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], applied, out)
     for k, a in enumerate(applied):
-        # a body that was added is certain only where nothing else is wrong: masses of links do the same
-        if a.key.axis and not kinds.depends_on(effect_named(a.key.effect)):
-            out[a.key] = adequacy_of_mass(
-                multi_axis_law(linearisation, found, data, [part[:, 1] for part in acts], k)
-            )
+        if not kinds.depends_on(effect_named(a.key.effect)):
+            parts = [part[:, 1] for part in acts]
+            if a.key.axis is None:  # all that links err by do nearly the same as a body that was added
+                links = propagate_sensitivities([linearisation], [_of_links(linearisation)], data)[0]
+                parts = [np.concatenate([p, own[:, 1]], axis=-1) for p, own in zip(parts, links, strict=True)]
+            law = multi_axis_law(linearisation, found, data, parts, k, len(applied))
+            out[a.key] = adequacy_of_mass(law)
     return out
+
+
+def _of_links(linearisation: Linearisation) -> list[SensitivityColumn]:
+    """What errors of all links' own masses would add to the torque."""
+    model, motions = linearisation.model, needing(linearisation)
+    keys = [k for k in places(model) if k.axis and kinds.is_additive(effect_named(k.effect))]
+    return [
+        column
+        for key in keys
+        for shape in effect_named(key.effect).parameters.shapes(motions, model, Placement.of(model, key))
+        for column in linearisation.columns(key, shape, motions)[0]
+    ]
 
 
 def _axis(

@@ -18,9 +18,13 @@ from .free_functions import Adequacy, Free, against_free_functions
 
 @dataclass(frozen=True, eq=False)
 class MultiAxisLaw:
-    """The coordinates on which a law acts, row by row: laws (M, A, E), it first, rest and motion (M, A)."""
+    """The coordinates on which a law acts, row by row: laws (M, A, E), it first, rest and motion (M, A).
+
+    `links`: (M, A, L), what errors of the links' own masses do there, where these are another explanation.
+    """
 
     laws: np.ndarray
+    links: np.ndarray
     rest: np.ndarray
     position: np.ndarray
     speed: np.ndarray
@@ -29,14 +33,19 @@ class MultiAxisLaw:
 
 
 def multi_axis_law(
-    linearisation: Linearisation, found: Fit, data: Data, acts: Sequence[np.ndarray], which: int
+    linearisation: Linearisation,
+    found: Fit,
+    data: Data,
+    acts: Sequence[np.ndarray],
+    which: int,
+    count: int,
 ) -> MultiAxisLaw:
-    """What a mass asks of all drives that move it."""
+    """What a mass asks of all drives that move it: of the first `count` of `acts` one; others are links."""
     rows = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
     columns = np.concatenate([part[own] for part, own in zip(acts, rows, strict=True)])
     power = np.sum(columns[:, :, which] ** 2, axis=0)
     axes = np.flatnonzero(power > POLICY.mass_acts * power.sum())
-    order = [which, *(k for k in range(columns.shape[2]) if k != which and columns[:, axes, k].any())]
+    order = [which, *(k for k in range(count) if k != which and columns[:, axes, k].any())]
     rest = [
         (data.residual(i, run)[own, 1] * data.weight[1])[:, axes]
         for i, (run, own) in enumerate(zip(found.simulated, rows, strict=True))
@@ -44,6 +53,7 @@ def multi_axis_law(
     motions = list(zip(linearisation.motions, rows, strict=True))
     return MultiAxisLaw(
         columns[:, axes][:, :, order],
+        columns[:, axes][:, :, count:],
         np.concatenate(rest),
         np.concatenate([m.position[own][:, axes] for m, own in motions]),
         np.concatenate([m.velocity[own][:, axes] for m, own in motions]),
@@ -70,6 +80,10 @@ def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
     law, rest = s.laws[:, :, 0].ravel(), s.rest.ravel()
     varying = [apart(x) for x in (s.speed, time)]
     free = [(apart(s.position), law), *(((law[:, None] * basis, p), law) for basis, p in varying)]
+    if s.links.any():
+        basis = s.links[:, :, s.links.any(axis=(0, 1))].reshape(count * axes, -1)
+        basis = basis / np.sqrt(np.mean(basis**2, axis=0))
+        free.append(((basis, np.zeros((basis.shape[1],) * 2)), law))
     beside = [apart(x) for x in (s.speed, s.acceleration, time)]
     return against_free_functions(
         s.laws.reshape(count * axes, -1), rest, free, beside, np.repeat(s.recording, axes)
