@@ -70,10 +70,12 @@ def interval(estimate: Estimate) -> str:
     size = math.floor(math.log10(max(abs(value), half)))
     if -5 < size < 6 and places < 9:
         digits = max(0, places)
-        value, half = round(value, places), round(half, places)  # also before the point
+        value, half = round(value, places) + 0.0, round(half, places)  # also before the point; no minus zero
         return f"{value:.{digits}f} ± {half:.{digits}f}".replace("-", "−") + tail
     digits = max(0, places + size)
-    body = f"{value / 10.0**size:.{digits}f} ± {half / 10.0**size:.{digits}f}".replace("-", "−")
+    body = f"{round(value / 10.0**size, digits) + 0.0:.{digits}f} ± {half / 10.0**size:.{digits}f}".replace(
+        "-", "−"
+    )
     return f"({body}) × 10{_superscript(size)}{tail}"
 
 
