@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
@@ -62,7 +64,10 @@ def test_help_of_every_command_has_an_example_and_fits_a_terminal() -> None:
 
 
 def test_the_program_says_its_version() -> None:
-    assert run("--version").stdout == f"workbench {metadata.version('workbench')}\n"
+    version = f"workbench {metadata.version('workbench')}\n"
+    assert run("--version").stdout == version
+    module = [sys.executable, "-m", "workbench", "--version"]
+    assert subprocess.run(module, capture_output=True, text=True, check=True).stdout == version
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from workbench.effects import Parameter, Parameters, load_model
-from workbench.effects.wave import wave
 from workbench.effects.setting import FULL_BRAKING
+from workbench.effects.wave import wave
 
 LEG = load_model("leg")
 
