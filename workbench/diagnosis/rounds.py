@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from workbench.simulation import scored_torque
 from .checks.loops import refuse_coordinates
 from .checks.sign_check import refuse_wrong_sign_of_torque
 from .checks.units import refuse_unit
+from .fitting.uncertainty import moved_apart
+from .hypothesis import Fit
 from .policy import POLICY
 from .problem import Progress
 from .search import UnstableLoop, search
@@ -22,6 +25,7 @@ from .verdict import NAMED, verdict_of
 
 _UNSTABLE = "The model is unstable in the loop"
 
+_LEAST = 1e-12  # a score that is none
 Rounds = tuple[SearchResult, ...]
 
 
@@ -48,9 +52,14 @@ def rounds(
         if k:
             progress(f"asking again with another way in which the loop may work, {k + 1} of {len(ways)}")
         tried.append((_searched(model, training, held_out, seed, limit, progress), training, held_out))
-    most = (1.0 + POLICY.tie) * min(_error(t[0]) for t in tried)
+    noise = min(_noise(t[0]) for t in tried)  # below it no way explains more than another
+    most = (1.0 + POLICY.tie) * max(noise, min(_error(t[0]) for t in tried))
     ties = [t for t in tried if _error(t[0]) <= most]
-    found, training, held_out = min(ties, key=lambda t: (t[0].final.hypothesis.size, _error(t[0])))
+    # a loop that reads noise otherwise leaves another level of it
+    found, training, held_out = min(
+        ties, key=lambda t: (t[0].final.hypothesis.size, abs(np.log(_error(t[0]) / _noise(t[0]))))
+    )
+    found = _covering(found, [t[0].final for t in ties if t[0] is not found])
     out, rounds_at_most = [found], limit or POLICY.most_effects
     while found.jointly and not found.consistent_after and len(out) < rounds_at_most and _names(found):
         progress("asking again, with what was found in the model")
@@ -65,12 +74,29 @@ def rounds(
     return tuple(out)
 
 
+def _covering(found: SearchResult, others: Sequence[Fit]) -> SearchResult:
+    """The result with intervals that cover the same effects by other ways in which the loop may work."""
+    own, alike = found.final, []
+    for other in others:
+        there = {(a.key, tuple(a.parameters)): a for a in other.hypothesis.free}
+        asked = [(a.key, tuple(a.parameters)) for a in own.hypothesis.free]
+        if there.keys() == set(asked):
+            free = tuple(there[key] for key in asked)
+            alike.append(replace(other, hypothesis=replace(other.hypothesis, free=free)))
+    if not (alike and found.steps):
+        return found
+    last = replace(found.steps[-1], fit=moved_apart(own, own, alike))
+    return replace(found, steps=(*found.steps[:-1], last))
+
+
 def _error(found: SearchResult) -> float:
-    """The score in the end, on recordings that were not fitted if there are some; noise is no difference."""
-    data = found.start_data
-    return max(
-        data.score(squares, held_out=data.held_out) for squares in (found.final.mean_squares, data.floor)
-    )
+    """The score in the end, on recordings that were not fitted where there are some."""
+    return _LEAST + found.start_data.score(found.final.mean_squares, held_out=found.start_data.held_out)
+
+
+def _noise(found: SearchResult) -> float:
+    """The same of noise alone."""
+    return _LEAST + found.final_data.score(found.final_data.floor, held_out=found.start_data.held_out)
 
 
 def _names(found: SearchResult) -> bool:
