@@ -25,7 +25,7 @@ from .verdict import NAMED, verdict_of
 
 _UNSTABLE = "The model is unstable in the loop"
 
-_LEAST = 1e-12  # a score that is none
+_RIDGE = 1e-12  # beside scores, which may be none
 Rounds = tuple[SearchResult, ...]
 
 
@@ -91,12 +91,12 @@ def _covering(found: SearchResult, others: Sequence[Fit]) -> SearchResult:
 
 def _error(found: SearchResult) -> float:
     """The score in the end, on recordings that were not fitted where there are some."""
-    return _LEAST + found.start_data.score(found.final.mean_squares, held_out=found.start_data.held_out)
+    return _RIDGE + found.start_data.score(found.final.mean_squares, held_out=found.start_data.held_out)
 
 
 def _noise(found: SearchResult) -> float:
     """The same of noise alone."""
-    return _LEAST + found.final_data.score(found.final_data.floor, held_out=found.start_data.held_out)
+    return _RIDGE + found.final_data.score(found.final_data.floor, held_out=found.start_data.held_out)
 
 
 def _names(found: SearchResult) -> bool:
