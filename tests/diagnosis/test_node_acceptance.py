@@ -124,18 +124,3 @@ def test_what_adds_effects_to_one_whose_runs_diverge_is_no_better() -> None:
     best, more = with_effects(leaving(0.04), loose), with_effects(leaving(0.01), loose, spring)
     assert best.diverges and not accepts(more, best, problem)
     assert accepts(with_effects(leaving(0.01), spring), best, problem), "another cause may be better"
-
-
-@pytest.mark.parametrize(
-    ("share", "parameters", "taken"),
-    [
-        (0.3, 1, True),  # as an encoder's offset does what wrong masses of two links do
-        (0.3, 4, False),
-        (0.4, 1, False),  # it explains less
-    ],
-)
-def test_nothing_is_certain_that_less_explains_as_well(share: float, parameters: int, taken: bool) -> None:
-    problem, _ = lacking()
-    certain, other = leaving(0.3, 4, jointly=True), leaving(share, parameters)
-    assert accepts(other, certain, problem) is taken
-    assert accepts(certain, other, problem) is not taken

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
 from .loss import explained, rescored
 from .node import Node, explained_share, explains_data
@@ -31,10 +29,6 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
     a rest whatever the model: what adds effects to them is no better.
     """
     new, old = standing(child, problem), standing(best, problem)
-    if (new, old) == (UNEXPLAINED, CERTAIN) and _does_as_well_with_less(child, best, problem):
-        return True, "it explains as much with fewer parameters: what seemed certain is not"
-    if (new, old) == (CERTAIN, UNEXPLAINED) and _does_as_well_with_less(best, child, problem):
-        return False, "the best so far explains as much with fewer parameters: what seems certain is not"
     if new < old or (new == old == UNEXPLAINED and child.bold):
         return False, _too_little(child, problem)
     if new > old:
@@ -52,25 +46,6 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
     if size < others and (child.done or at_noise_floor(child.current, child.data)):
         return True, "noise explains the rest, with fewer parameters"
     return False, "it leaves more than half of the excess error of the best so far, and is no simpler"
-
-
-def _does_as_well_with_less(one: Node, other: Node, problem: Problem) -> bool:
-    """Whether a node explains as much of every signal as one of certain effects, with fewer parameters.
-
-    What is certain was held against free torques. What is no torque, as an encoder's offset is that weight
-    turns into one on several axes, was not. Of a signal's excess it may leave what would be no effect.
-    """
-    if not one.steps or one.size >= other.size:
-        return False
-    data, start = other.data, problem.start.mean_squares
-    for part in {False, data.tests_on_holdout}:
-        given, new, old = (
-            data.pool(x, part) for x in (start, one.current.mean_squares, other.current.mean_squares)
-        )
-        excess = np.maximum(given - data.pool(data.floor, part), 0.0)
-        if np.any(new - old > np.maximum(POLICY.tie * old, POLICY.effect_gain * excess)):
-            return False
-    return True
 
 
 def _explains_nearly_all(node: Node, problem: Problem) -> bool:

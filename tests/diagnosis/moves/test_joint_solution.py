@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from tests.bench_arm import FAST, SLOW, bench_arm, logged
 from tests.diagnosis.moves.test_shared_effects import gantry, played
 from tests.diagnosis.rig import applied, asked
 from workbench.core import Controller, Diagnosis, EffectKey, Recording
 from workbench.diagnosis import diagnose, improve
 from workbench.diagnosis.hypothesis import Hypothesis
-from workbench.diagnosis.moves.joint_solution import confirmed
+from workbench.diagnosis.moves.joint_solution import confirmed, like_others
+from workbench.diagnosis.screening.selection import selection_of
+from workbench.effects import load_model
 
 _LOOP_UNKNOWN = Controller()
 
@@ -94,3 +98,15 @@ def test_of_what_explains_the_torque_to_the_noise_only_what_lowers_the_error_in_
     all_three = Hypothesis(model, (friction[0], weak, friction[1]))
     assert confirmed(all_three, problem, certain=True) is all_three
     assert confirmed(all_three, problem, certain=False).free == friction
+
+
+def test_a_body_at_the_centre_of_a_link_is_not_told_from_its_mass(tmp_path: Path) -> None:
+    """So it is not certain beside something unknown."""
+    file = bench_arm(tmp_path, fore_centre=0.3)  # where the payload sits
+    model = load_model(bench_arm(tmp_path, "model", fore_centre=0.3, fore_mass=1.0))
+    logs = [logged(file, tones, seconds=4.0, seed=k) for k, tones in enumerate((SLOW, FAST))]
+    inverse_dynamics = asked(model, logs, ()).inverse_dynamics
+    assert inverse_dynamics is not None
+    (*_, regression) = inverse_dynamics
+    (entry,) = [e for e in regression.entries if e.key.effect == "payload_mass"]
+    assert like_others(regression, selection_of((entry,), regression)) == {entry.key}

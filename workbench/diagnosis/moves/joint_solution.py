@@ -90,6 +90,7 @@ def solve_jointly(problem: Problem) -> Node | None:
     named: Fit | None = whole
     if not is_consistent(data, whole.mean_squares):
         known = {k: a for k, a in adequacies(whole, start, data).items() if a.is_adequate}
+        known = {k: a for k, a in known.items() if k not in like_others(regression, chosen)}
         named = _only(whole, known, data)
     if named is None or not lowers_error(named, start, data):
         return None
@@ -128,6 +129,15 @@ def _fitted(regression: Regression, chosen: Selection, current: Fit, data: Data)
         clear = tuple(a for a in found.hypothesis.free if doubted.get(a.key.axis) is not a)
         found = fit([replace(found.hypothesis, free=clear)], data)[0] if clear else None
     return found
+
+
+def like_others(regression: Regression, chosen: Selection) -> set[EffectKey]:
+    """Effects of the whole machine that others explain as well, as masses of links do a body."""
+    return {
+        entry.key
+        for entry in chosen.chosen
+        if entry.key.axis is None and rivals_of(regression, chosen.chosen, entry)[1]
+    }
 
 
 def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | None:
