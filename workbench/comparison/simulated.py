@@ -36,6 +36,8 @@ class Simulated:
         creeps at rest is held by its loop: torque may differ by as much as that motion makes of it.
         """
         clean, names = self.clean[index], scored_signals(self.recordings[index])
+        if not (self.shifted or self.creeping):
+            return np.zeros((2, len(clean.axes)))
         still = clean.with_signals(**{n: clean.signals[n] * 0 + clean.signals[n].mean(axis=0) for n in names})
         most, out = _MOST**2 * squares(still, clean, names), np.zeros((2, len(clean.axes)))
         if self.shifted:
@@ -43,4 +45,4 @@ class Simulated:
         if self.creeping:
             apart = np.nan_to_num(squares(self.creeping[index], clean, names))
             out += apart * np.minimum(1.0, most[0] / np.maximum(apart[0], 1e-300))
-        return np.nan_to_num(out)
+        return out

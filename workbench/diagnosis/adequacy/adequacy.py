@@ -70,12 +70,15 @@ def adequacies(found: Fit, start: Fit, data: Data) -> dict[EffectKey, Adequacy]:
             out |= _of_axis(*axes[name, location])
     for group in alike_axes(linearisation.model):
         out |= _together([axes[a, "actuator"] for a in group if (a, "actuator") in axes], applied, out)
+    torques = [part[:, 1] for part in acts]
     for k, a in enumerate(applied):
         if not kinds.depends_on(effect_named(a.key.effect)):
-            parts = [part[:, 1] for part in acts]
+            parts = torques
             if a.key.axis is None:  # all that links err by do nearly the same as a body that was added
                 links = propagate_sensitivities([linearisation], [_of_links(linearisation)], data)[0]
-                parts = [np.concatenate([p, own[:, 1]], axis=-1) for p, own in zip(parts, links, strict=True)]
+                parts = [
+                    np.concatenate([p, own[:, 1]], axis=-1) for p, own in zip(torques, links, strict=True)
+                ]
             law = multi_axis_law(linearisation, found, data, parts, k, len(applied))
             out[a.key] = adequacy_of_mass(law)
     return out

@@ -89,8 +89,9 @@ def solve_jointly(problem: Problem) -> Node | None:
     known: dict[EffectKey, Adequacy] = {}
     named: Fit | None = whole
     if not is_consistent(data, whole.mean_squares):
-        known = {k: a for k, a in adequacies(whole, start, data).items() if a.is_adequate}
-        known = {k: a for k, a in known.items() if k not in like_others(regression, chosen)}
+        others = like_others(regression, chosen)
+        found = adequacies(whole, start, data)
+        known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
         named = _only(whole, known, data)
     if named is None or not lowers_error(named, start, data):
         return None
