@@ -57,12 +57,22 @@ def _mass(model: Model, place: Place) -> float:
     return _now(model, place).inertial.mass
 
 
-def _moment(name: str, which: int, about: str, example: float) -> Parameter:
-    return Parameter(name, "kg*m", lower=-INF, within=partial(_within, which), about=about, example=example)
-
-
-_ALONG = _moment("along", 0, "added to what the model has", 0.03)
-_ACROSS = _moment("across", 1, "a quarter turn about the axis from it", 0.0)
+_ALONG = Parameter(
+    "along",
+    "kg*m",
+    lower=-INF,
+    within=partial(_within, 0),
+    about="added to what the model has",
+    example=0.03,
+)
+_ACROSS = Parameter(
+    "across",
+    "kg*m",
+    lower=-INF,
+    within=partial(_within, 1),
+    about="a quarter turn about the axis from it",
+    example=0.0,
+)
 _MASS = Parameter(
     "mass",
     "kg",
