@@ -10,7 +10,7 @@ import pytest
 
 from tests.bench_arm import AXES, FAST, NUMBERS, bench_arm, logged
 from workbench.comparison import compare, replay_of
-from workbench.core import EffectKey, Estimate
+from workbench.core import EffectKey, Estimate, Recording
 from workbench.effects import Motion, build, compile_plant, effect_named, load_model, places
 from workbench.models import AppliedEffect, Model, Placement
 
@@ -114,13 +114,64 @@ def test_inertia_stays_one_that_a_body_can_have(tmp_path: Path, more: float) -> 
     assert 2 * body.inertia.max() <= body.inertia.sum() + 1e-12
 
 
-def test_what_slides_or_is_a_parallelogram_has_neither(tmp_path: Path) -> None:
+def test_a_parallelogram_has_neither() -> None:
     names = {"first_moment_error", "link_inertia_error"}
     assert not names & {key.effect for key in places(load_model("leg"))}
-    file = tmp_path / "slide.xml"
-    file.write_text(bench_arm(tmp_path).read_text().replace('name="bend"', 'name="bend" type="slide"', 1))
-    on = {key.axis for key in places(load_model(file)) if key.effect in names}
-    assert on == {"yaw", "lift"}
+
+
+_GANTRY = """<mujoco model="gantry">
+<option gravity="0 0 {pull}"/>
+<worldbody><body name="bridge"><joint name="x" type="slide" axis="1 0 0" armature="6"/>
+  <inertial pos="0 0.3 0" mass="14" diaginertia="0.9 0.1 0.9"/>
+  <body name="turret"><joint name="turn" axis="0 0 1" armature="0.5"/>
+    <inertial pos="0 0 0" mass="3" diaginertia="0.1 0.1 0.1"/>
+    <body name="carriage" pos="0.1 0 0"><joint name="{name}" type="slide" axis="{axis}" armature="3"/>
+      <inertial pos="0.2 0 0.05" mass="9" diaginertia="0.05 0.05 0.05"/>
+    </body></body></body></worldbody></mujoco>"""
+
+
+def gantry(folder: Path, axis: str = "1 0 0", pull: float = -9.81) -> Model:
+    """A carriage that slides on a turret on a bridge that slides."""
+    (file := folder / "gantry.xml").write_text(_GANTRY.format(name="out", axis=axis, pull=pull))
+    return load_model(file)
+
+
+def test_of_what_slides_the_mass_is_asked_for_alone(tmp_path: Path) -> None:
+    model = gantry(tmp_path)
+    effect, place = effect_named("first_moment_error"), Placement.of(model, EffectKey("", "out"))
+    (shape,) = effect.parameters.shapes([], model, place)
+    assert "lever" in shape
+    on = [
+        (key.effect, key.axis) for key in places(model) if key.effect.endswith(("moment_error", "tia_error"))
+    ]
+    # a bridge that nothing lifts is no more than its rotor, and what slides turns with its turret
+    assert sorted(on) == [
+        *(("first_moment_error", axis) for axis in ("out", "turn")),
+        ("link_inertia_error", "turn"),
+    ]
+
+
+def test_a_slide_that_is_lifted_has_a_mass_of_its_own(tmp_path: Path) -> None:
+    text = _GANTRY.format(name="out", axis="1 0 0", pull=-9.81).replace('axis="1 0 0"', 'axis="0 0 1"', 1)
+    (file := tmp_path / "lift.xml").write_text(text)
+    assert EffectKey("first_moment_error", "x") in places(load_model(file))
+
+
+def test_the_column_of_a_sliding_mass_is_the_change_of_the_torque_that_is_needed(tmp_path: Path) -> None:
+    model = gantry(tmp_path, axis="0.6 0 0.8")
+    time = np.arange(0.0, 2.0, 0.002)
+    position = np.stack([0.1 * np.sin(k * time + k) for k in (3.0, 5.0, 4.0)], axis=1)
+    signals = {"position": position, "torque_measured": 10.0 * position}
+    log = Recording("log", model.axes, "joint", time, signals, ("m", "rad", "m"))
+    motion = replay_of(model, [log]).motion(compile_plant(model), 0, log)
+    effect, place = effect_named("first_moment_error"), Placement.of(model, EffectKey("", "out"))
+    (shape,) = effect.parameters.shapes([motion], model, place)
+    (column,) = effect.response(motion, model, place, shape).columns
+    values = [effect.parameters.to_values(np.array([h]), shape) for h in (1e-3, -1e-3)]
+    more, less = (motion.required(having(model, effect.name, "out", **v)) for v in values)
+    slope = (more - less) / 2e-3
+    np.testing.assert_allclose(-column[20:-20], slope[20:-20], atol=2e-3 * np.abs(slope).max())
+    assert np.abs(slope).max(axis=0).min() > 0.1  # all three drives feel it
 
 
 def test_the_wrong_centre_explains_the_log(tmp_path: Path) -> None:

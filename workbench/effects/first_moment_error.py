@@ -99,13 +99,14 @@ def _solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
 
 
 def _forms(motions: Sequence[Motion], model: Model, place: Place) -> Sequence[Values]:
-    """A centre elsewhere; and more mass where it is, if other axes move the link: they feel it too."""
+    """A centre elsewhere; and more mass where it is, if that shows. Of what slides the mass alone."""
     del motions
     link = _now(model, place)
-    if not link.carried:
+    if not link.mass_alone:
         return ({},)
     lever = _lever(link.inertial, link)
-    return {}, {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
+    centre = () if link.slides else ({},)
+    return *centre, {"lever": float(lever @ link.along), "aside": float(lever @ link.across)}
 
 
 class FirstMomentError(Effect):
@@ -134,16 +135,19 @@ class FirstMomentError(Effect):
     words = Words(
         source="base parameters of a link; Khalil and Dombre, Modeling, Identification and Control "
         "of Robots, Ch. 9",
-        shows="torque residual a sine of the link's angle to gravity, on its axis and those before it",
+        shows="torque residual as of the link's weight and acceleration, on its axis and those before it",
         reveal="a slow sweep of this axis over its whole range, the others held; then a fast one",
         mujoco="native: the body's centre of mass, and its mass",
-        needs="a hinge whose link has a mass; of a parallelogram the linkage's increments say it",
+        needs="a link that has a mass, and on a slide one that another axis moves or that the slide lifts; "
+        "of a parallelogram the linkage's increments say it",
     )
     search = Search(frf_signature=FrfSignature.EVEN)
 
     def applies(self, model: Model, key: EffectKey) -> bool:
-        """To a hinge whose body has a mass."""
-        return link_of(model, key.axis) is not None and not is_parallelogram(model)
+        """To a body that has a mass; of one that slides, where that is not the same as a rotor's."""
+        link = link_of(model, key.axis)
+        shows = link is not None and (link.mass_alone or not link.slides)
+        return shows and not is_parallelogram(model)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """Two columns: minus what the shifted mass needs, per kg m; or one, per kg of mass at a lever."""

@@ -63,7 +63,8 @@ class LinkInertiaError(Effect):
     def applies(self, model: Model, key: EffectKey) -> bool:
         """To a hinge whose body has a mass and is turned by another axis too: else it is the rotor's."""
         link = link_of(model, key.axis)
-        return link is not None and link.carried and not is_parallelogram(model)
+        turned = link is not None and link.carried and not link.slides
+        return turned and not is_parallelogram(model)
 
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: minus what the inertia needs, per kg m^2."""

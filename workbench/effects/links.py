@@ -20,7 +20,7 @@ _NO_WAY = 1e-9  # m: two points that coincide
 
 @dataclass(frozen=True)
 class Link:
-    """The body of a hinge.
+    """The body of an axis; `hinge` stands for a slide too.
 
     Attributes:
         body: its name.
@@ -30,6 +30,8 @@ class Link:
             axis; `across`: a quarter turn about the axis from it.
         size: how far its mass may reach from the hinge [m].
         carried: whether another axis moves it too.
+        slides: whether its axis slides; then where its centre is acts on the axes before it alone.
+        mass_alone: whether its mass does what no rotor does: another axis moves it, or its slide lifts it.
     """
 
     body: str
@@ -40,10 +42,12 @@ class Link:
     across: np.ndarray
     size: float
     carried: bool
+    slides: bool
+    mass_alone: bool
 
 
 def link_of(model: Model, axis: str | None) -> Link | None:
-    """The link of an axis; None where the axis slides, shares its body with a later one, or has no mass."""
+    """The link of an axis; None where it shares its body with a later axis, or has no mass."""
     if axis is None:
         return None
     links = _links(model.serial, model.joints, model.payload_site)
@@ -150,9 +154,7 @@ def _links(serial: Path, joints: tuple[str, ...], payload_site: str | None) -> t
     ends = _ends(serial, joints, payload_site)
     return tuple(
         _link(m, data, name, joints, end, payload_site)
-        if m.joint(name).type[0] == mujoco.mjtJoint.mjJNT_HINGE
-        and nearest[bodies[name]] == name
-        and m.body_mass[bodies[name]] > 0.0
+        if nearest[bodies[name]] == name and m.body_mass[bodies[name]] > 0.0
         else None
         for name, end in zip(joints, ends, strict=True)
     )
@@ -180,7 +182,12 @@ def _link(
     gyration = float(np.sqrt(np.trace(inertial.tensor) / inertial.mass))
     size = 2.0 * max(*(float(np.linalg.norm(way)) for way in square[:-1]), gyration)
     carried = _carrier(m, int(m.body_parentid[body]), {int(m.joint(name).bodyid[0]) for name in joints}) > 0
-    return Link(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size, carried)
+    slides = bool(j.type[0] == mujoco.mjtJoint.mjJNT_SLIDE)
+    lifted = slides and abs(m.opt.gravity @ rotation @ axis) > _NO_WAY
+    return Link(
+        *(m.body(body).name, inertial, anchor, axis, along, np.cross(axis, along), size, carried),
+        *(slides, carried or lifted),
+    )
 
 
 def _carrier(m: mujoco.MjModel, body: int, links: Container[int]) -> int:
