@@ -31,5 +31,33 @@ def test_positions_alone_in_few_rows_say_where_a_run_began(period: float) -> Non
     assert position == pytest.approx(0.3143, abs=2 * STEP)
 
 
+@pytest.mark.parametrize("period", [0.01, 0.005, 0.001])
+def test_a_jump_of_the_reference_finds_the_machine_at_rest(period: float) -> None:
+    """Rows of an axis that speeds up from rest say no speed; a parabola through them said one."""
+    rng = np.random.default_rng(1)
+    t = np.arange(round(4.0 / period)) * period
+    late = np.maximum(t - 0.003, 0.0)
+    moved = 0.4 * (1.0 - np.cos(3.0 * late)) * np.exp(-late)
+    position = -0.364 + moved + 3e-5 * rng.standard_normal(len(t))
+    reference = -0.4 + 0.3 * np.sin(4.0 * t)
+    signals = {"position": position[:, None], "position_reference": reference[:, None]}
+    recording = Recording("log", ("tilt",), "joint", t, signals, ("rad",), controller=LOOP)
+    first = initial_state(recording, LOOP, reference[:, None], np.eye(1), np.eye(1))[:, 0]
+    assert first == pytest.approx([-0.364, 0.0], abs=2e-4)
+
+
+@pytest.mark.parametrize("period", [0.01, 0.001])
+def test_a_recording_that_begins_in_motion_begins_in_motion(period: float) -> None:
+    rng = np.random.default_rng(2)
+    t = np.arange(round(4.0 / period)) * period
+    position = 0.2 + 0.3 * np.sin(3.0 * t + 0.4) + 3e-5 * rng.standard_normal(len(t))
+    reference = 0.2 + 0.3 * np.sin(3.0 * (t + 0.02) + 0.4)
+    signals = {"position": position[:, None], "position_reference": reference[:, None]}
+    recording = Recording("log", ("tilt",), "joint", t, signals, ("rad",), controller=LOOP)
+    first = initial_state(recording, LOOP, reference[:, None], np.eye(1), np.eye(1))[:, 0]
+    assert first[0] == pytest.approx(0.2 + 0.3 * np.sin(0.4), abs=2e-4)
+    assert first[1] == pytest.approx(0.9 * np.cos(0.4), abs=0.02)
+
+
 def test_what_rounding_makes_is_no_other_start() -> None:
     assert started(0.4 * STEP, 0.02) == pytest.approx([0.3, 0.0], abs=1e-12)

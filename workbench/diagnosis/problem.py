@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from .screening.sensitivity import Linearisation
 from .screening.stiction import candidates
 from .screening.torque_columns import regression_of
 from .screening.torque_regression import Regression
+
+if TYPE_CHECKING:
+    from .node import Node
 
 #: Told what is being done.
 Progress = Callable[[str], None]
@@ -41,6 +45,7 @@ class Problem:
         progress: told what is being done.
         linearisations: of the last nodes, newest first.
         visited: what was begun already, so that nothing is searched twice.
+        solved: the joint solution, once it was asked for.
     """
 
     start: Fit
@@ -52,6 +57,7 @@ class Problem:
         default_factory=lambda: deque(maxlen=_KEPT_LINEARISATIONS), repr=False
     )
     visited: set[tuple[object, ...]] = field(default_factory=set, repr=False)
+    solved: list[Node | None] = field(default_factory=list, repr=False)
 
     def is_new(self, *begun: object) -> bool:
         """Whether something is begun for the first time; it is then no longer new."""

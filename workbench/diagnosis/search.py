@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from workbench.comparison import cannot_run, noise_rules
+from workbench.comparison import Simulated, cannot_run, noise_rules
 from workbench.core import Disagreement, Identifiability, Recording, SimulationError
 from workbench.models import Model
 
@@ -25,19 +26,24 @@ class UnstableLoop(SimulationError):
     """The model as given cannot run in the loops of its recordings."""
 
 
-def search(
+@dataclass(frozen=True)
+class Asked:
+    """A model as it is and recordings: the problem, its runs of them, and those to fit as they were given."""
+
+    problem: Problem
+    runs: Simulated
+    training: Sequence[Recording]
+
+
+def ask(
     model: Model,
     training: Sequence[Recording],
     held_out: Sequence[Recording] = (),
     seed: int = 0,
     limit: int | None = None,
     progress: Progress = lambda text: None,
-    *,
-    only_jointly: bool = False,
-) -> SearchResult:
-    """The result of a search for missing effects: it ends at the noise floor or where nothing helps.
-
-    Moves are tried in the order of `moves.order`; `accepts` says which of the nodes they lead to is better.
+) -> Asked:
+    """What is to be searched: the model as it is and its recordings, with their noise.
 
     Args:
         model: where to start.
@@ -46,7 +52,6 @@ def search(
         seed: of the noise simulations.
         limit: most effects to add one by one; None: as many as the policy has.
         progress: told what is being done.
-        only_jointly: ask nothing but the joint solution.
 
     Raises:
         UnstableLoop: the model cannot run the recordings.
@@ -60,14 +65,27 @@ def search(
         raise UnstableLoop(cannot_run(model.name, data.score(data.floor)))
     most = POLICY.most_effects if limit is None else limit
     problem = Problem(starting_fit(model, data, simulated.clean), data, most, seed, progress)
-    start, first = problem.start, problem.data
+    return Asked(problem, simulated, training)
+
+
+def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
+    """The result of a search for missing effects: it ends at the noise floor or where nothing helps.
+
+    Moves are tried in the order of `moves.order`; `accepts` says which of the nodes they lead to is better.
+
+    Args:
+        asked: what is searched.
+        only_jointly: ask nothing but the joint solution.
+    """
+    problem = asked.problem
+    start, first, model = problem.start, problem.data, problem.start.hypothesis.model
     known, disagreeing = (None, ()) if only_jointly else _distinguishable(problem)
     before = is_consistent(first, start.mean_squares)
     node, trace = Node(start, first, done=before), ()
     if not before:
-        if data.replay.machine_alone:
+        if first.replay.machine_alone:
             refuse_wrong_sign_in_loop(
-                model, training, first.score(start.mean_squares), first.score(first.floor)
+                model, asked.training, first.score(start.mean_squares), first.score(first.floor)
             )
         node, trace = (solve_jointly(problem) or node, ()) if only_jointly else explore(node, problem)
     current, data = node.current, node.data
@@ -77,7 +95,7 @@ def search(
         model,
         start,
         first,
-        simulated,
+        asked.runs,
         node.steps,
         () if before or only_jointly or (node.jointly and problem.is_expensive) else problem.screened,
         before,

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from workbench.core import Controller, Recording
 from workbench.recordings.noise import position_levels
 
+_NONE = 1e-12  # rad or m: less noise than any
 _CLEARLY = 6.0  # times its noise: what is elsewhere
+_CHANCE = 3.0  # deviations of a rate that are none
+_FEWEST, _MOST = 2, 4  # degrees of polynomials through a few rows
+_AS_NOISE = 1.5  # times the noise, that few rows scatter by
 
 
 def initial_state(
@@ -27,53 +34,76 @@ def initial_state(
         j: (n, n), q_p = J q_s.
     """
     back = np.linalg.inv(j)
-    position, rate, doubt = _first_rows(recording)
-    measured = np.stack([back @ to_actuator @ position, back @ to_actuator @ rate])
-    if reference is None or controller.kind in ("none", "unknown") or not recording.timing.initial_at_rest:
-        return measured
-    first = reference[0] if controller.coordinates == "joint" else back @ reference[0]
-    rest = np.linalg.inv(to_actuator) @ j @ first
-    away = np.abs(np.stack([position - rest, rate])) > _CLEARLY * doubt
-    if not away.any():
-        # first rows so far apart that motion is no parabola tell no rate, but they tell where it began
-        elsewhere = _first_row_is_off(recording, rest)
-        first = back @ to_actuator @ recording.position[0] if elsewhere else first
-        return np.stack([first, np.zeros_like(first)])
-    if away[0].any() and _stands_still(recording):
-        # somewhere else than it should be, as with an encoder that errs: the loop is about to jerk
-        return np.stack([back @ to_actuator @ recording.position[:2].mean(axis=0), np.zeros_like(first)])
-    return measured
-
-
-def _first_row_is_off(recording: Recording, rest: np.ndarray) -> bool:
-    """Whether the first row by itself is clearly elsewhere than at rest at the first reference, (n,)."""
-    away = np.abs(recording.position[0] - rest)
-    if not away.any():
-        return False
-    return bool((away > _CLEARLY * position_levels(recording)[1]).any())
-
-
-def _stands_still(recording: Recording) -> bool:
-    """Whether a recording's first row is at rest, as far as the noise of its velocity lets see."""
-    velocity = recording.get("velocity")
-    if velocity is None:
-        return False
-    noise = np.median(np.abs(np.diff(velocity, axis=0)), axis=0)
-    return bool((np.abs(velocity[0]) <= 4.0 * noise).all())
-
-
-def _first_rows(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position and rate at the first row by a parabola, and how far off they may be, (2, n)."""
     rows = int(np.clip(0.02 / recording.period, 8, len(recording) // 2))
-    t = recording.time[:rows]
-    basis = np.stack([np.ones(rows), t, t**2], axis=1)
-    solution, *_ = np.linalg.lstsq(basis, recording.position[:rows], rcond=None)
-    # how far the motion is from a parabola shows in what half of the rows say
-    half, *_ = np.linalg.lstsq(basis[: rows // 2], recording.position[: rows // 2], rcond=None)
-    bent = np.abs(solution - half)[:2]
-    steps = np.abs(np.diff(recording.position, axis=0))
-    smallest = [float(np.min(s[s > 0], initial=1e-9)) for s in steps.T]
-    scatter = np.maximum((recording.position[:rows] - basis @ solution).std(axis=0), smallest)
-    spread = np.sqrt(np.diag(np.linalg.inv(basis.T @ basis)))[:2]
-    doubt = spread[:, None] * scatter[None, :] + scatter[None, :] * np.array([[1.0], [0.0]])
-    return solution[0], solution[1], doubt + bent
+    t, q = recording.time[:rows] - recording.time[0], recording.position[:rows]
+    noise = np.maximum(position_levels(recording)[1], _NONE)
+    moving, *others = _polynomials(t, q, noise)
+    held = reference is not None and controller.kind not in ("none", "unknown")
+    if reference is None or not (held and recording.timing.initial_at_rest):
+        return moving.start @ (back @ to_actuator).T
+    first, doubt = _where_it_may_rest(q, noise, moving, others)
+    stated = reference[0] if controller.coordinates == "joint" else back @ reference[0]
+    rest = np.stack([np.linalg.inv(to_actuator) @ j @ stated, np.zeros_like(stated)])
+    if (np.abs(first - rest) > _CLEARLY * doubt).any():
+        return first @ (back @ to_actuator).T
+    return np.stack([stated, np.zeros_like(stated)])
+
+
+def _where_it_may_rest(
+    q: np.ndarray, noise: np.ndarray, moving: _Polynomial, others: Sequence[_Polynomial]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Position and rate at the first row and how far off they may be, (2, n) each.
+
+    The rate is none wherever that does as well: one of its own is known to its noise only. Where motion is no
+    polynomial, rows are too far apart to tell a rate.
+    """
+    if not others:
+        return np.stack([q[0], np.zeros_like(noise)]), np.stack([noise, noise])
+    resting, further = others
+    level = np.maximum(moving.scatter, noise)
+    # how far the motion is from this polynomial shows in what the next one says
+    bent = np.abs(further.start - moving.start)
+    doubt = moving.spread[:, None] * level + [level, np.zeros_like(level)] + bent
+    if (resting.squares - moving.squares > (_CHANCE * level) ** 2).any():
+        return moving.start, doubt
+    return np.stack([resting.start[0], np.zeros_like(noise)]), doubt
+
+
+@dataclass(frozen=True)
+class _Polynomial:
+    """Through some rows: value and rate at the first (2, n), by how much more these scatter than a row (2,),
+    squares that are left and the level of these (n,).
+    """
+
+    start: np.ndarray
+    spread: np.ndarray
+    squares: np.ndarray
+    scatter: np.ndarray
+
+
+def _polynomials(t: np.ndarray, q: np.ndarray, noise: np.ndarray) -> Iterator[_Polynomial]:
+    """The shortest that leaves no more than noise, the same without a rate, and the next one.
+
+    Where none does, nothing but the longest.
+    """
+    degrees = range(_FEWEST, max(min(_MOST, len(t) - 3), _FEWEST) + 1)
+    tried = [_polynomial(t, q, range(degree + 1)) for degree in degrees]
+    fits = [bool((each.scatter <= _AS_NOISE * noise).all()) for each in tried]
+    if not any(fits):
+        yield tried[-1]
+        return
+    which = fits.index(True)
+    degree = degrees[which]
+    yield tried[which]
+    yield _polynomial(t, q, [k for k in range(degree + 1) if k != 1])
+    yield _polynomial(t, q, range(degree + 2))
+
+
+def _polynomial(t: np.ndarray, position: np.ndarray, powers: Sequence[int]) -> _Polynomial:
+    basis = np.stack([(t / t[-1]) ** k for k in powers], axis=1)
+    solution, *_ = np.linalg.lstsq(basis, position, rcond=None)
+    squares = np.sum((position - basis @ solution) ** 2, axis=0)
+    scatter = np.sqrt(squares / (len(t) - len(powers)))
+    scale = np.array([1.0, 1.0 / t[-1]])
+    spread = np.sqrt(np.diag(np.linalg.inv(basis.T @ basis)))[:2] * scale
+    return _Polynomial(solution[:2] * scale[:, None], spread, squares, scatter)

@@ -78,6 +78,12 @@ def solve_jointly(problem: Problem) -> Node | None:
 
     The node has the effects that are certain; all effects where these are at the noise floor.
     """
+    if not problem.solved:
+        problem.solved.append(_solved(problem))
+    return problem.solved[0]
+
+
+def _solved(problem: Problem) -> Node | None:
     problem.progress("solving for all axes and effects at once, along the measured motion")
     if problem.inverse_dynamics is None:
         return None

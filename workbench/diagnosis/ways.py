@@ -1,0 +1,181 @@
+"""Of several ways in which a loop may have worked, the one that needs least."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from workbench.comparison import followed, matched_ways
+from workbench.core import InputError, Recording
+from workbench.models import Model
+from workbench.simulation import scored_torque
+
+from .checks.loops import refuse_coordinates
+from .checks.sign_check import refuse_wrong_sign_of_torque
+from .checks.units import refuse_unit
+from .fitting.uncertainty import moved_apart
+from .hypothesis import Fit
+from .policy import POLICY
+from .problem import Progress
+from .search import Asked, UnstableLoop, ask, search
+from .search_result import SearchResult
+
+_UNSTABLE = "The model is unstable in the loop"
+_RIDGE = 1e-12  # beside scores, which may be none
+
+
+@dataclass(frozen=True)
+class Way:
+    """Recordings to fit and to test by one way in which their loops may have worked.
+
+    Attributes:
+        training, held_out: the recordings.
+        asked: the model with them.
+        unstable: why it is asked along the measured motion; None where the model runs in the loops.
+    """
+
+    training: tuple[Recording, ...]
+    held_out: tuple[Recording, ...]
+    asked: Asked
+    unstable: UnstableLoop | None = None
+
+    @staticmethod
+    def of(
+        model: Model,
+        training: tuple[Recording, ...],
+        held_out: tuple[Recording, ...],
+        seed: int,
+        limit: int | None,
+        progress: Progress,
+    ) -> Way:
+        """A way in which the loops worked; along the measured motion where the model is unstable in them.
+
+        Missing friction and rotor inertia may be what keeps the machine's loop stable.
+
+        Raises:
+            UnstableLoop: there, and no torque was recorded.
+        """
+        try:
+            return Way(training, held_out, ask(model, training, held_out, seed, limit, progress))
+        except UnstableLoop as error:
+            if any(scored_torque(r) is None for r in (*training, *held_out)):
+                raise
+            along, tests = followed(training, _UNSTABLE), followed(held_out, _UNSTABLE)
+            return Way(training, held_out, ask(model, along, tests, seed, limit, progress), error)
+
+    def searched(self, *, only_jointly: bool = False) -> SearchResult:
+        """The result of a search.
+
+        Raises:
+            UnstableLoop: the model is unstable in the loops, and the torque does not show why.
+        """
+        found = search(self.asked, only_jointly=only_jointly)
+        shown = found.consistent_before or max(found.explained, found.median_explained) >= POLICY.near_named
+        if self.unstable and not shown:
+            raise self.unstable
+        return found
+
+
+def best_way(
+    model: Model,
+    training: Sequence[Recording],
+    held_out: Sequence[Recording],
+    seed: int,
+    limit: int | None,
+    progress: Progress,
+) -> tuple[SearchResult, Way]:
+    """The result by the way of the loops that needs least, and that way.
+
+    Args:
+        model, training, held_out, seed, limit, progress: as of `search.ask`.
+
+    Raises:
+        InputError: recordings that do not fit the model, or that show neither loop nor torque.
+        SimulationError: the model is unstable in a recording's loop.
+    """
+    ways = [Way.of(model, *way, seed, limit, progress) for way in _matched(model, training, held_out)]
+    ways = _explaining(ways, progress)
+    tried = []
+    for k, way in enumerate(ways):
+        if k:
+            progress(f"asking again with another way in which the loop may work, {k + 1} of {len(ways)}")
+        tried.append(way.searched())
+    ties = _ties(tried)
+    # a loop that reads noise otherwise leaves another level of it
+    which = min(
+        ties,
+        key=lambda k: (tried[k].final.hypothesis.size, abs(np.log(_error(tried[k]) / _noise(tried[k])))),
+    )
+    others = [tried[k].final for k in ties if k != which]
+    return _covering(tried[which], others), ways[which]
+
+
+def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
+    """The ways in which the joint solution leaves no more than noise; all, where it does in none.
+
+    What it costs is little beside a search in a loop that is not the machine's, in which nothing helps.
+    """
+    if len(ways) == 1:
+        return ways
+    progress(f"asking in which of {len(ways)} ways the loop may work")
+    found = [search(way.asked, only_jointly=True) for way in ways]
+    ties = [k for k in _ties(found) if found[k].consistent_after]
+    return [ways[k] for k in ties] or ways
+
+
+def _ties(found: Sequence[SearchResult]) -> list[int]:
+    """Which results leave as little as the best; below the noise none explains more than another."""
+    noise = min(map(_noise, found))
+    most = (1.0 + POLICY.tie) * max(noise, min(map(_error, found)))
+    return [k for k, each in enumerate(found) if _error(each) <= most]
+
+
+def _covering(found: SearchResult, others: Sequence[Fit]) -> SearchResult:
+    """The result with intervals that cover the same effects by other ways in which the loop may work."""
+    own, alike = found.final, []
+    for other in others:
+        there = {(a.key, tuple(a.parameters)): a for a in other.hypothesis.free}
+        asked = [(a.key, tuple(a.parameters)) for a in own.hypothesis.free]
+        if there.keys() == set(asked):
+            free = tuple(there[key] for key in asked)
+            alike.append(replace(other, hypothesis=replace(other.hypothesis, free=free)))
+    if not (alike and found.steps):
+        return found
+    last = replace(found.steps[-1], fit=moved_apart(own, own, alike))
+    return replace(found, steps=(*found.steps[:-1], last))
+
+
+def _error(found: SearchResult) -> float:
+    """The score in the end, on recordings that were not fitted where there are some."""
+    return _RIDGE + found.start_data.score(found.final.mean_squares, held_out=found.start_data.held_out)
+
+
+def _noise(found: SearchResult) -> float:
+    """The same of noise alone."""
+    return _RIDGE + found.final_data.score(found.final_data.floor, held_out=found.start_data.held_out)
+
+
+def _matched(
+    model: Model, training: Sequence[Recording], held_out: Sequence[Recording]
+) -> list[tuple[tuple[Recording, ...], tuple[Recording, ...]]]:
+    """Recordings to fit and to test, by all answers that may be right to what their logs leave open."""
+    ways = matched_ways(model, (*training, *held_out))
+    count = len(training)
+    fitted, tests = ways[0][:count], ways[0][count:]
+    rows = sum(int(r.valid.sum()) for r in fitted)
+    if rows < POLICY.fewest_rows:
+        raise InputError(
+            f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
+            remedy=f"record for longer, {POLICY.fewest_rows} rows at least and seconds of motion",
+        )  # fmt: skip
+    if all(np.ptp(r.position[r.valid], axis=0).max() == 0.0 for r in fitted):
+        raise InputError(
+            "no axis moves in these recordings", file=fitted[0].source,
+            remedy="record some motion: what stands still shows no effect",
+        )  # fmt: skip
+    refuse_coordinates(model, (*fitted, *tests))
+    refuse_unit(model, fitted)
+    refuse_wrong_sign_of_torque(model, fitted)
+    return [(way[:count], way[count:]) for way in ways]
