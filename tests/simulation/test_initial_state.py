@@ -36,7 +36,7 @@ def test_a_jump_of_the_reference_finds_the_machine_at_rest(period: float) -> Non
     """Rows of an axis that speeds up from rest say no speed; a parabola through them said one."""
     rng = np.random.default_rng(1)
     t = np.arange(round(4.0 / period)) * period
-    late = np.maximum(t - 0.003, 0.0)
+    late = np.maximum(t - 0.001, 0.0)
     moved = 0.4 * (1.0 - np.cos(3.0 * late)) * np.exp(-late)
     position = -0.364 + moved + 3e-5 * rng.standard_normal(len(t))
     reference = -0.4 + 0.3 * np.sin(4.0 * t)

@@ -41,7 +41,7 @@ def initial_state(
     held = reference is not None and controller.kind not in ("none", "unknown")
     if reference is None or not (held and recording.timing.initial_at_rest):
         return moving.start @ (back @ to_actuator).T
-    first, doubt = _where_it_may_rest(q, noise, moving, others)
+    first, doubt = _where_it_may_rest(q, noise, moving, others, controller.period_s or 0.0)
     stated = reference[0] if controller.coordinates == "joint" else back @ reference[0]
     rest = np.stack([np.linalg.inv(to_actuator) @ j @ stated, np.zeros_like(stated)])
     if (np.abs(first - rest) > _CLEARLY * doubt).any():
@@ -50,11 +50,12 @@ def initial_state(
 
 
 def _where_it_may_rest(
-    q: np.ndarray, noise: np.ndarray, moving: _Polynomial, others: Sequence[_Polynomial]
+    q: np.ndarray, noise: np.ndarray, moving: _Polynomial, others: Sequence[_Polynomial], tick: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Position and rate at the first row and how far off they may be, (2, n) each.
 
-    The rate is none wherever that does as well: one of its own is known to its noise only. Where motion is no
+    The rate is none wherever that does as well: one of its own is known to its noise only. So it is where it
+    is no more than what a loop that begins a `tick` [s] late would make it seem. Where motion is no
     polynomial, rows are too far apart to tell a rate.
     """
     if not others:
@@ -64,7 +65,8 @@ def _where_it_may_rest(
     # how far the motion is from this polynomial shows in what the next one says
     bent = np.abs(further.start - moving.start)
     doubt = moving.spread[:, None] * level + [level, np.zeros_like(level)] + bent
-    if (resting.squares - moving.squares > (_CHANCE * level) ** 2).any():
+    clear = resting.squares - moving.squares > (_CHANCE * level) ** 2
+    if (clear & (np.abs(moving.start[1]) > tick * np.abs(moving.bend))).any():
         return moving.start, doubt
     return np.stack([resting.start[0], np.zeros_like(noise)]), doubt
 
@@ -72,11 +74,12 @@ def _where_it_may_rest(
 @dataclass(frozen=True)
 class _Polynomial:
     """Through some rows: value and rate at the first (2, n), by how much more these scatter than a row (2,),
-    squares that are left and the level of these (n,).
+    acceleration there, squares that are left and the level of these (n,).
     """
 
     start: np.ndarray
     spread: np.ndarray
+    bend: np.ndarray
     squares: np.ndarray
     scatter: np.ndarray
 
@@ -106,4 +109,5 @@ def _polynomial(t: np.ndarray, position: np.ndarray, powers: Sequence[int]) -> _
     scatter = np.sqrt(squares / (len(t) - len(powers)))
     scale = np.array([1.0, 1.0 / t[-1]])
     spread = np.sqrt(np.diag(np.linalg.inv(basis.T @ basis)))[:2] * scale
-    return _Polynomial(solution[:2] * scale[:, None], spread, squares, scatter)
+    bend = 2.0 * solution[list(powers).index(2)] / t[-1] ** 2
+    return _Polynomial(solution[:2] * scale[:, None], spread, bend, squares, scatter)
