@@ -12,11 +12,13 @@ from workbench.core import InputError, Recording
 from workbench.models import Model
 from workbench.simulation import scored_torque
 
+from .acceptance import at_noise_floor
 from .checks.loops import refuse_coordinates
 from .checks.sign_check import refuse_wrong_sign_of_torque
 from .checks.units import refuse_unit
 from .fitting.uncertainty import moved_apart
 from .hypothesis import Fit
+from .loss import rescored
 from .policy import POLICY
 from .problem import Progress
 from .search import Asked, UnstableLoop, ask, search
@@ -121,8 +123,13 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
         return ways
     progress(f"asking in which of {len(ways)} ways the loop may work")
     found = [search(way.asked, only_jointly=True) for way in ways]
-    ties = [k for k in _ties(found) if found[k].consistent_after]
+    ties = [k for k in _ties(found) if _is_at_noise(found[k])]
     return [ways[k] for k in ties] or ways
+
+
+def _is_at_noise(found: SearchResult) -> bool:
+    final, data = found.final, found.final_data
+    return found.consistent_after or at_noise_floor(rescored(final, data), data)
 
 
 def _ties(found: Sequence[SearchResult]) -> list[int]:

@@ -65,7 +65,8 @@ def _has_several_certain(node: Node) -> bool:
 def _corrections_suffice(node: Node) -> bool:
     """Whether corrections of drive and link parameters alone reach the noise floor."""
     keys = [step.added for step in node.steps]
-    return node.done and len(keys) > 1 and all(k.axis and _corrects_a_number(k.effect) for k in keys)
+    at_noise = node.done or at_noise_floor(node.current, node.data)
+    return at_noise and len(keys) > 1 and all(k.axis and _corrects_a_number(k.effect) for k in keys)
 
 
 def _corrects_a_number(effect: str) -> bool:
