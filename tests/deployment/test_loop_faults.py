@@ -139,7 +139,7 @@ def test_a_loop_that_was_held_up_damps_looks_and_goes_on(robot: Robot) -> None:
 def test_what_waits_is_read_before_the_loop_judges(robot: Robot) -> None:
     host, network = robot.host, robot.network
     network.sleep_until(network.now() + 0.0025)
-    host._send(host._frames)
+    host.drives.send(host._frames)
     network.sleep_until(network.now() + 0.0075)  # held up, with answers in the socket
     assert host.feedback.age(network.now()).min() > 0.009
     host.tick(network.now())

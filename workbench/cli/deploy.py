@@ -44,6 +44,7 @@ def deploy(
     from workbench.bundle import read_bundle
     from workbench.can import load_config
     from workbench.deployment.deploy import deploy as run
+    from workbench.deployment.stopping import exit_code
     from workbench.models import read_model
 
     check_outputs(json, force=force)
@@ -68,6 +69,6 @@ def deploy(
         )
         echo(f"Ended by a fault: {result['fault']}." if result["fault"] else "No fault.")
     if result["stopped"]:
-        raise typer.Exit(130)
+        raise typer.Exit(exit_code(result["stopped_by"] or ""))
     if result["fault"]:
         raise typer.Exit(1)

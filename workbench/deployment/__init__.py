@@ -2,10 +2,11 @@
 
 from .controller import Controller, Target
 from .feedback import Feedback
-from .host import Host, Operator
+from .host import Host
 from .joints import Joints, joints_of
 from .limits import Limits, limits_of
 from .network import Arrival, Network
+from .operator import Operator
 from .safety import SafetyState, Seen, Setpoints, Wanted, initial, step
 from .simulated import SimulatedNetwork
 from .statistics import Punctuality

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -22,9 +21,9 @@ from .network import Network
 from .policies import PolicyController, Tracker, check_bundle, reach_between
 from .ports import PortNetwork
 from .simulated import SimulatedNetwork
+from .stopping import brought_down, on_hardware
 
 CIRCLE = (0.8, 0.0, 0.8)  # m/s, m/s, rad/s: paper, Table V
-_CALM = 0.5  # s of damping before drives are switched off
 
 
 def controller_of(
@@ -77,11 +76,12 @@ def deploy(
         say: gets a status line now and then.
 
     Returns:
-        What happened: ``fault`` (None for none), ``stopped`` (by the operator), punctuality.
+        What happened: ``fault`` (None for none), ``stopped`` (by the operator), ``stopped_by`` (what), punctuality.
 
     Raises:
         InputError: a bus that can get too full, or a bundle that does not fit.
         VerifyError: a drive is not what the configuration says.
+        RunError: something that nobody foresaw; the drives were damped and disabled.
     """
     for load in bus_load(config):
         if not load.fits:
@@ -99,16 +99,15 @@ def deploy(
         with realtime(cpu) as refused:
             for what in refused:
                 say(f"not permitted: {what}")
-            return _run(Host(config, network, controller, joints), network, seconds, say)
+            host = Host(config, network, controller, joints)
+            with nullcontext() if dry else on_hardware(host, config):
+                return _run(host, network, seconds, say)
     finally:
         if isinstance(network, PortNetwork):
             network.close()
 
 
 def _run(host: Host, network: Network, seconds: float, say: Callable[[str], None]) -> dict[str, Any]:
-    for told in host.verify():
-        values = ", ".join(f"{name} {value:g}" for name, value in told.told.items())
-        say(f"{told.axis}: {values or 'answers'}{f' ({told.trusted})' if told.trusted else ''}")
     said = network.now()
 
     def each(host: Host, tick: int) -> bool:
@@ -116,19 +115,24 @@ def _run(host: Host, network: Network, seconds: float, say: Callable[[str], None
         if network.now() >= said + 1.0:
             said = network.now()
             say(status(host))
-        return host.state.phase == "damp"
+        return host.state.phase == "damp" or host.operator.stop
 
-    with _emergency_stop(host):
+    with brought_down(host):
+        for told in host.verify():
+            values = ", ".join(f"{name} {value:g}" for name, value in told.told.items())
+            say(f"{told.axis}: {values or 'answers'}{f' ({told.trusted})' if told.trusted else ''}")
         host.operator.arm = True
         host.run(seconds, each)
-        fault = host.state.fault
-        armed = host.state.phase != "off"
-        host.operator.arm = False
-        host.run(_CALM)
-    host.close()
-    if not armed and fault is None:
+        fault, armed = host.state.fault, host.state.phase != "off"
+    operator = host.operator
+    if operator.stop:
+        fault = "emergency stop"
+    elif not armed and fault is None:
         fault = "it was never armed"
-    return {"fault": fault, "stopped": host.operator.stop, **host.punctuality.summary()}
+    return {
+        "fault": fault, "stopped": operator.stop, "stopped_by": operator.pressed_by or None,
+        **host.punctuality.summary(),
+    }  # fmt: skip
 
 
 def status(host: Host) -> str:
@@ -139,24 +143,6 @@ def status(host: Host) -> str:
         f"{host.state.phase}{fault}  ticks {p.ticks}  missed {100 * p.missed:.2f} %  "
         f"round trip {1e3 * p.percentile(50):.2f}/{1e3 * p.percentile(99):.2f} ms  hottest {hottest:.0f} degC"
     )
-
-
-@contextmanager
-def _emergency_stop(host: Host) -> Iterator[None]:
-    """An interrupt is the emergency stop: it damps, and stays pressed."""
-
-    def press(number: int, frame: object) -> None:
-        host.operator.stop = True
-
-    try:
-        before = signal.signal(signal.SIGINT, press)
-    except ValueError:  # not the main thread: no signals
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _finite(joints: Joints, config: CanConfig) -> tuple[np.ndarray, np.ndarray]:

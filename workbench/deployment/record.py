@@ -22,19 +22,14 @@ from .player import Player
 from .ports import PortNetwork
 from .processes import end, start
 from .simulated import SimulatedNetwork
+from .stopping import RunError, brought_down, on_hardware
 
 _BEGUN = ".begun"
 _GRACE = 5.0  # s for arming, soft start and settling
 
 
-class RunError(WorkbenchError):
-    """An experiment that ended before its time: says why."""
-
-    exit_code = 1
-
-
 def play(host: Host, player: Player, begun: Callable[[float], None] = lambda time: None) -> None:
-    """Arms, plays to the end, and disables.
+    """Arms, plays to the end, damps and disables.
 
     Args:
         host: the loop, with the player as its controller.
@@ -44,9 +39,6 @@ def play(host: Host, player: Player, begun: Callable[[float], None] = lambda tim
     Raises:
         RunError: everything damped before the end.
     """
-    host.verify()
-    host.operator.arm = True
-
     said = False
 
     def each(host: Host, tick: int) -> bool:
@@ -54,12 +46,15 @@ def play(host: Host, player: Player, begun: Callable[[float], None] = lambda tim
         if player.begun is not None and not said:
             said = True
             begun(player.begun)
-        return host.state.phase == "damp" or player.done(host.time)
+        return host.state.phase == "damp" or host.operator.stop or player.done(host.time)
 
-    host.run(player.seconds + _GRACE, each)
-    fault, done = host.state.fault, player.done(host.time)
-    host.close()
+    with brought_down(host):
+        host.verify()
+        host.operator.arm = True
+        host.run(player.seconds + _GRACE, each)
+        fault, done = host.state.fault, player.done(host.time)
     if not done:
+        fault = f"stopped by {host.operator.pressed_by}" if host.operator.pressed_by else fault
         raise RunError(f"the experiment ended early: {fault or 'it never began'}")
 
 
@@ -110,7 +105,8 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
         try:
             with realtime():
                 host = Host(config, network, player, joints_of(config))
-                play(host, player, lambda at: _note(log, at + _shift(log)))
+                with on_hardware(host, config):
+                    play(host, player, lambda at: _note(log, at + _shift(log)))
         finally:
             network.close()
     finally:

@@ -13,59 +13,10 @@ from typing import Literal
 import numpy as np
 
 from .limits import Limits
+from .seen import Seen, Setpoints, Wanted
 
 Phase = Literal["off", "arm", "soft_start", "run", "damp"]
 _HUGE = 10.0  # times the limit: no controller that works asks for this
-
-
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """What is known at one tick; arrays (n,), axis coordinates.
-
-    Attributes:
-        now: monotonic time [s].
-        position, velocity: [rad, rad/s]. temperature: [deg C], NaN where a drive tells none.
-        age: of the feedback, by its receive stamp [s]; infinite before the first.
-        faulty: drives that report a fault, or that they do not drive.
-        bus_ok: no bus is off, no transmit queue full.
-        stop: the emergency stop is pressed.
-        arm: the operator asks for motion.
-        verified: every drive was asked who it is, and said what it had to.
-        base_age: of what is known of the base [s]; 0 where there is no base to know of.
-        failed: what the controller failed with; None where it did not.
-    """
-
-    now: float
-    position: np.ndarray
-    velocity: np.ndarray
-    temperature: np.ndarray
-    age: np.ndarray
-    faulty: np.ndarray
-    bus_ok: bool = True
-    stop: bool = False
-    arm: bool = True
-    verified: bool = True
-    base_age: float = 0.0
-    failed: str | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Setpoints:
-    """torque + kp (position - q) + kd (velocity - w), arrays (n,), axis coordinates."""
-
-    position: np.ndarray
-    velocity: np.ndarray
-    kp: np.ndarray
-    kd: np.ndarray
-    torque: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Wanted:
-    """What a controller asks for, and how old the action behind it is [s]."""
-
-    setpoints: Setpoints
-    age: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +71,7 @@ def step(
         elapsed = min(max(seen.now - state.time, 0.0), limits.stale_s)
         out = _limited(limits, wanted.setpoints, position, state.torque, elapsed, min(max(fade, 0.0), 1.0))
     else:
-        out = _damping(limits, position, off=moved.phase == "off")
+        out = damping(limits, position, off=moved.phase == "off")
     torque = out.torque + out.kp * (out.position - position)
     return replace(moved, time=seen.now, position=position, torque=torque, asked=seen.arm), out
 
@@ -211,7 +162,8 @@ def _limited(
     return Setpoints(position, velocity, np.where(stiff, kp * weak, 0.0), kd, torque)
 
 
-def _damping(limits: Limits, q: np.ndarray, off: bool) -> Setpoints:
+def damping(limits: Limits, q: np.ndarray, off: bool = False) -> Setpoints:
+    """No torque, no stiffness; damping at positions q (n,) [rad], or nothing at all where it is `off`."""
     zero = np.zeros_like(q)
     kd = zero if off else np.minimum(limits.damping, limits.kd)
     return Setpoints(np.clip(q, limits.low, limits.high), zero, zero, kd, zero)

@@ -1,0 +1,57 @@
+"""What safety is handed each tick: what is seen of the drives, and what is wanted of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What is known at one tick; arrays (n,), axis coordinates.
+
+    Attributes:
+        now: monotonic time [s].
+        position, velocity: [rad, rad/s]. temperature: [deg C], NaN where a drive tells none.
+        age: of the feedback, by its receive stamp [s]; infinite before the first.
+        faulty: drives that report a fault, or that they do not drive.
+        bus_ok: no bus is off, no transmit queue full.
+        stop: the emergency stop is pressed.
+        arm: the operator asks for motion.
+        verified: every drive was asked who it is, and said what it had to.
+        base_age: of what is known of the base [s]; 0 where there is no base to know of.
+        failed: what the controller failed with; None where it did not.
+    """
+
+    now: float
+    position: np.ndarray
+    velocity: np.ndarray
+    temperature: np.ndarray
+    age: np.ndarray
+    faulty: np.ndarray
+    bus_ok: bool = True
+    stop: bool = False
+    arm: bool = True
+    verified: bool = True
+    base_age: float = 0.0
+    failed: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Setpoints:
+    """torque + kp (position - q) + kd (velocity - w), arrays (n,), axis coordinates."""
+
+    position: np.ndarray
+    velocity: np.ndarray
+    kp: np.ndarray
+    kd: np.ndarray
+    torque: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """What a controller asks for, and how old the action behind it is [s]."""
+
+    setpoints: Setpoints
+    age: float = 0.0
