@@ -36,7 +36,7 @@ class Heard:
         hear(frame)
 
     def ends_well(self, since: float, within: float = 2 * TICK) -> None:
-        """Every drive damps within some time, for as long as it takes, and hears as its last that it is off."""
+        """Every drive damps within some time, long enough, and hears as its last that it is off."""
         for motor, told in zip(self.robot.motors, self.told, strict=True):
             after = [(t, s) for t, s in told if t > since]
             first = next(k for k, (_, s) in enumerate(after) if damps(s))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import date
 
 from .damiao import REGISTERS_ID
 from .frame import FrameError
@@ -56,6 +57,9 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
     if motor.protocol == "mit" and not motor.watchdog_source:
         remedy = "set it with the vendor's tool and say where from: watchdog_source"
         yield f"{key}.watchdog_source", "an mit drive's watchdog cannot be read back", remedy
+    if motor.watchdog_tested and motor.watchdog_tested > date.today():
+        problem = f"{motor.watchdog_tested} has not come yet"
+        yield f"{key}.watchdog_tested", problem, "write the day on which it was seen to stop"
     if motor.watchdog_s < 3 * c.loop.period_s:
         problem = f"{1e3 * motor.watchdog_s:g} ms is less than three periods of {1e3 * c.loop.period_s:g} ms"
         yield f"{key}.watchdog_s", problem, "a lost frame would stop the drive: 10 to 25 ms"

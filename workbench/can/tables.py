@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import date
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -76,6 +77,7 @@ class MotorTable(Table):
         ranges, limits: see there.
         watchdog_s: after which silence the drive stops itself [s]; read back where the protocol allows.
         watchdog_source: who says so, where it cannot be read.
+        watchdog_tested: the day on which a person saw the drive stop without its host, where it cannot be read.
         sign, offset: of the axis over the drive.
         temperature_offset, length: of MIT answers.
     """
@@ -89,6 +91,7 @@ class MotorTable(Table):
     limits: LimitsTable
     watchdog_s: Annotated[float, Field(ge=0.010, le=0.025)] = 0.020
     watchdog_source: str = ""
+    watchdog_tested: date | None = None
     sign: Literal[-1, 1] = 1
     offset: FiniteFloat = 0.0
     temperature_offset: FiniteFloat = -40.0
@@ -152,12 +155,14 @@ class ImuTable(Table):
         protocol: a name in `workbench.can.imu.IMUS`.
         id: of its first frame.
         period_s: from one sample to the next [s].
+        tilt: of the base against gravity, beyond which everything damps [rad]; else the policy's.
     """
 
     bus: str
     protocol: str = "workbench"
     id: int
     period_s: Annotated[float, Field(ge=0.0005, le=0.02)] = 0.003
+    tilt: Annotated[float, Field(gt=0.0, le=3.2)] | None = None
 
 
 class BenchTable(Table):

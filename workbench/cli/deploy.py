@@ -30,8 +30,14 @@ def deploy(
     cpu: Annotated[int | None, typer.Option(min=0, help="Processor to stay on.")] = None,
     velocity: Annotated[
         tuple[float, float, float],
-        typer.Option(metavar="X Y TURN", help="What a walking policy is asked for [m/s, m/s, rad/s]."),
-    ] = (0.8, 0.0, 0.8),
+        typer.Option(metavar="X Y TURN", help="What a walking policy is to reach [m/s, m/s, rad/s]."),
+    ] = (0.0, 0.0, 0.0),
+    unapproved: Annotated[
+        bool, typer.Option("--unapproved", help="Drive hardware with a policy that is not approved.")
+    ] = False,
+    watchdogs_tested: Annotated[
+        bool, typer.Option("--watchdogs-tested", help="I saw each drive stop without its host: full torque.")
+    ] = False,
     seed: SeedOption = 0,
     json: JsonOption = None,
     force: ForceOption = False,
@@ -55,8 +61,11 @@ def deploy(
             typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True, err=True)
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):
-        raise InputError("a velocity is no number", remedy="give three: --velocity 0.8 0 0.8")
-    result = run(robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, cpu=cpu, say=say)
+        raise InputError("a velocity is no number", remedy="give three: --velocity 0.4 0 0")
+    result = run(
+        robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, unapproved=unapproved,
+        watchdogs_tested=watchdogs_tested, cpu=cpu, say=say,
+    )  # fmt: skip
     if json:
         read = [Path(config), *([Path(bundle)] if policy else [])]
         read += [file for leg in robot.mechanism for file in read_model(leg.model).files]

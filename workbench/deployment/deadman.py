@@ -1,9 +1,9 @@
 """A policy that never answers: a thread damps the drives in its place, and ends the program if it must.
 
-While the loop waits for its controller nobody commands the drives; their watchdogs would let go of them, limp.
-The thread needs the interpreter: it runs beside a policy that waits or computes outside of it (ONNX Runtime) or
-in Python, and not beside compiled code that keeps the interpreter to itself, nor in a process that is stopped
-(SIGSTOP). Those, and `kill -9`, are left to the drives' watchdogs.
+While the loop waits for its controller nobody commands the drives; their watchdogs would let go of them,
+limp. The thread needs the interpreter: it runs beside a policy that waits or computes outside of it (ONNX
+Runtime) or in Python, and not beside compiled code that keeps the interpreter to itself, nor in a process
+that is stopped (SIGSTOP). Those, and `kill -9`, are left to the drives' watchdogs.
 """
 
 from __future__ import annotations

@@ -14,21 +14,22 @@ from workbench.can.realtime import realtime
 from workbench.core import InputError
 from workbench.rigs import MotorBank
 
+from .command import Command
 from .controller import Controller
 from .host import Host
 from .joints import Joints, joints_of
 from .network import Network
+from .permitted import permitted
 from .policies import PolicyController, Tracker, check_bundle, reach_between
 from .ports import PortNetwork
 from .simulated import SimulatedNetwork
 from .stopping import brought_down, on_hardware
-
-CIRCLE = (0.8, 0.0, 0.8)  # m/s, m/s, rad/s: paper, Table V
+from .trained import trained_of
 
 
 def controller_of(
     bundle: PolicyBundle | None, config: CanConfig, joints: Joints, seed: int,
-    twist: Sequence[float] = CIRCLE,
+    command: Command | None = None,
 ) -> Controller:  # fmt: skip
     """The bundle's policy, or a tracker where there is no bundle.
 
@@ -45,9 +46,7 @@ def controller_of(
     policy = Policy(bundle)
     policy(np.zeros(policy.size))  # the first call is the slowest: not in the loop
     goal = reach_between(low, high, own.posture, seed)
-    return PolicyController(
-        bundle, policy, goal, loop.policy_every, loop.period_s, loop.hold_s, np.array(twist, float)
-    )
+    return PolicyController(bundle, policy, goal, loop.policy_every, loop.period_s, loop.hold_s, command)
 
 
 def deploy(
@@ -57,7 +56,9 @@ def deploy(
     *,
     dry: bool = False,
     seed: int = 0,
-    twist: Sequence[float] = CIRCLE,
+    twist: Sequence[float] = (0.0, 0.0, 0.0),
+    unapproved: bool = False,
+    watchdogs_tested: bool = False,
     network: Network | None = None,
     cpu: int | None = None,
     say: Callable[[str], None] = lambda line: None,
@@ -70,16 +71,19 @@ def deploy(
         seconds: how long it runs once it is armed.
         dry: on virtual motors in simulated time; no bus is touched.
         seed: of the trajectory, and of virtual sensors.
-        twist: forward, sideward and turning speed that a policy is to keep [m/s, m/s, rad/s].
+        twist: forward, sideward and turning speed that a policy is to reach and keep [m/s, m/s, rad/s].
+        unapproved: a person takes it upon themselves that the policy was not approved.
+        watchdogs_tested: a person has seen every drive stop by itself.
         network: with motors of one's own, for a dry run.
         cpu: processor to stay on.
         say: gets a status line now and then.
 
     Returns:
-        What happened: ``fault`` (None for none), ``stopped`` (by the operator), ``stopped_by`` (what), punctuality.
+        What happened: ``fault`` (None for none), ``stopped`` and ``stopped_by`` (by what), punctuality,
+        ``notes`` (what the run was held to).
 
     Raises:
-        InputError: a bus that can get too full, or a bundle that does not fit.
+        InputError: a bus that can get too full, or a bundle that does not fit or is not approved.
         VerifyError: a drive is not what the configuration says.
         RunError: something that nobody foresaw; the drives were damped and disabled.
     """
@@ -90,7 +94,14 @@ def deploy(
                 remedy="use more buses or a longer period",
             )  # fmt: skip
     joints = joints_of(config)
-    controller = controller_of(bundle, config, joints, seed, twist)
+    command = Command(np.array(twist, float))
+    controller = controller_of(bundle, config, joints, seed, command)
+    limits, notes = permitted(config, bundle, dry=dry, unapproved=unapproved, tested=watchdogs_tested)
+    if bundle is not None:
+        command.asked, clipped = trained_of(bundle).clipped(command.asked)
+        notes += [clipped] if clipped else []
+    for note in notes:
+        say(note)
     if not dry:
         network = PortNetwork(config)
     elif network is None:
@@ -99,9 +110,9 @@ def deploy(
         with realtime(cpu) as refused:
             for what in refused:
                 say(f"not permitted: {what}")
-            host = Host(config, network, controller, joints)
+            host = Host(config, network, controller, joints, limits)
             with nullcontext() if dry else on_hardware(host, config):
-                return _run(host, network, seconds, say)
+                return {**_run(host, network, seconds, say), "notes": notes}
     finally:
         if isinstance(network, PortNetwork):
             network.close()

@@ -190,7 +190,7 @@ class Host:
         seen = Seen(
             now, f.position, f.velocity, f.temperature, f.age(now), f.faulty, drives.took,
             self.operator.stop, self.operator.arm and self._enabling == 0, self._verified, f.base.age(now),
-            failed,
+            failed, f.base.motion.gravity,
         )  # fmt: skip
         drives.took = True
         self.state, out = step(self._limits, self.state, seen, wanted)

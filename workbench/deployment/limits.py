@@ -23,6 +23,7 @@ class Limits:
         stale_s: age of feedback at which everything damps [s].
         late_s: age of an action at which everything damps [s].
         soft_start_s: over which torque fades in [s].
+        tilt: of the base against gravity, beyond which it has fallen [rad].
         overrun: by which a position may pass its limit before everything damps [rad].
     """
 
@@ -39,6 +40,7 @@ class Limits:
     late_s: float
     soft_start_s: float
     overrun: float = 0.05
+    tilt: float = float("inf")
 
 
 def limits_of(config: CanConfig) -> Limits:
@@ -62,4 +64,5 @@ def limits_of(config: CanConfig) -> Limits:
         stale_s=3 * period - _EARLY,
         late_s=2 * config.loop.policy_every * period,
         soft_start_s=config.loop.soft_start_s,
+        tilt=(config.imu.tilt if config.imu else None) or np.inf,
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 from workbench.can import CanConfig, Wire
 from workbench.can.candump import archive, line, read_candump
 from workbench.can.realtime import realtime
-from workbench.core import InputError, Recording, WorkbenchError
+from workbench.core import InputError, Recording
 from workbench.core.files import check_free, write_whole
 from workbench.frf import Design
 from workbench.recordings import save_recording
@@ -18,6 +18,7 @@ from workbench.recordings import save_recording
 from .from_log import Played, recording
 from .host import Host
 from .joints import joints_of
+from .permitted import refuse_untested
 from .player import Player
 from .ports import PortNetwork
 from .processes import end, start
@@ -98,6 +99,7 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
         RunError: everything damped before the end; the log is there.
         VerifyError: a drive is not what the configuration says.
     """
+    refuse_untested(config)
     logger = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
     player = Player(design, experiment, config.loop.period_s)
     try:

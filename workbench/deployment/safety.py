@@ -112,6 +112,8 @@ def _sight(limits: Limits, seen: Seen) -> str | None:
         return f"no feedback for {1e3 * limits.stale_s:.3g} ms"
     if not seen.base_age < limits.stale_s:
         return f"no word of the base for {1e3 * limits.stale_s:.3g} ms"
+    if (tilt := _tilt(seen.gravity)) > limits.tilt:
+        return f"tilted by {np.degrees(tilt):.0f} degrees, beyond {np.degrees(limits.tilt):.0f}"
     if seen.faulty.any():
         return "a drive reports a fault"
     over = limits.overrun
@@ -122,6 +124,12 @@ def _sight(limits: Limits, seen: Seen) -> str | None:
     if (seen.temperature > limits.temperature).any():
         return "temperature limit"
     return None
+
+
+def _tilt(gravity: np.ndarray) -> float:
+    """Angle between the base's downward axis and gravity (3,) [rad]; NaN where it is not known."""
+    length = float(np.linalg.norm(gravity))
+    return float(np.arccos(np.clip(-gravity[2] / length, -1.0, 1.0))) if length > 0.0 else np.nan
 
 
 def _wish(limits: Limits, wanted: Wanted | None) -> str | None:

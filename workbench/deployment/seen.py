@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -21,6 +21,7 @@ class Seen:
         arm: the operator asks for motion.
         verified: every drive was asked who it is, and said what it had to.
         base_age: of what is known of the base [s]; 0 where there is no base to know of.
+        gravity: its direction in the base's frame (3,); NaN where there is no base to know of.
         failed: what the controller failed with; None where it did not.
     """
 
@@ -36,6 +37,7 @@ class Seen:
     verified: bool = True
     base_age: float = 0.0
     failed: str | None = None
+    gravity: np.ndarray = field(default_factory=lambda: np.full(3, np.nan))
 
 
 @dataclass(frozen=True, eq=False)

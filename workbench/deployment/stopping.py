@@ -62,7 +62,7 @@ def brought_down(host: Host) -> Iterator[None]:
 
 @contextmanager
 def on_hardware(host: Host, config: CanConfig) -> Iterator[None]:
-    """What only the machine's own clock and processes need: a thread beside the policy, an eye on the parent."""
+    """What only the machine's own clock needs: a thread beside the policy, and an eye on the parent."""
     host.operator.watches.append(orphaned())
     loop = config.loop
     host.deadman = Deadman(host.drives, loop.period_s, 3 * loop.period_s, config.clock.machine)
