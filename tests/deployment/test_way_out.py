@@ -52,6 +52,10 @@ def damps(s: object) -> bool:
     return isinstance(s, Setpoint) and s.kp == 0.0 and abs(s.kd - 1.0) < 2e-3 and abs(s.torque) < 0.01
 
 
+def stopped(by: str | None) -> dict:
+    return {"stopped": True, "stopped_by": by, "fault": "emergency stop"}
+
+
 class Odd(BaseException):
     """Nobody foresaw it."""
 
@@ -95,7 +99,7 @@ def test_a_signal_damps_and_a_second_one_skips_nothing(tmp_path: Path, number: s
     robot.network.every_row = twice
     at = run(robot, 0.6, lambda: os.kill(os.getpid(), number))
     heard.ends_well(at)
-    assert robot.host.operator.pressed_by == number.name and exit_code(number.name) == 128 + number
+    assert robot.host.operator.pressed_by == number.name and exit_code(stopped(number.name)) == 128 + number
     assert signal.getsignal(number) is before
 
 
@@ -188,4 +192,4 @@ def test_a_parent_that_dies_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     watch = orphaned()
     assert watch() is None
     monkeypatch.setattr(os, "getppid", lambda: 1)
-    assert watch() == "the death of its parent" and exit_code(str(watch())) == 130
+    assert watch() == "the death of its parent" and exit_code(stopped(watch())) == 130

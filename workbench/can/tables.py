@@ -77,7 +77,7 @@ class MotorTable(Table):
         ranges, limits: see there.
         watchdog_s: after which silence the drive stops itself [s]; read back where the protocol allows.
         watchdog_source: who says so, where it cannot be read.
-        watchdog_tested: the day on which a person saw the drive stop without its host, where it cannot be read.
+        watchdog_tested: the day on which a person saw it stop without its host, where it cannot be read.
         sign, offset: of the axis over the drive.
         temperature_offset, length: of MIT answers.
     """

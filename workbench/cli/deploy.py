@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -76,8 +76,15 @@ def deploy(
             f"{result['ticks']} ticks, {100 * result['missed_share']:.2g} % missed; round trip "
             f"{trip['p50']:.3g} ms (half of them), {trip['p99']:.3g} ms (99 %)."
         )
-        echo(f"Ended by a fault: {result['fault']}." if result["fault"] else "No fault.")
-    if result["stopped"]:
-        raise typer.Exit(exit_code(result["stopped_by"] or ""))
-    if result["fault"]:
-        raise typer.Exit(1)
+        echo(_ending(result))
+    if code := exit_code(result):
+        raise typer.Exit(code)
+
+
+def _ending(result: dict[str, Any]) -> str:
+    """How a run ended, in a line."""
+    if not result["fault"]:
+        return "No fault."
+    of = f" ({', '.join(result['fault_axes'])})" if result["fault_axes"] else ""
+    by = f", by {result['stopped_by']}" if result["stopped_by"] else ""
+    return f"Ended by a fault: {result['fault']}{of}{by}."

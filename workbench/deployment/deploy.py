@@ -79,8 +79,8 @@ def deploy(
         say: gets a status line now and then.
 
     Returns:
-        What happened: ``fault`` (None for none), ``stopped`` and ``stopped_by`` (by what), punctuality,
-        ``notes`` (what the run was held to).
+        What happened: ``fault`` (None for none), ``fault_axes`` (whose), ``stopped`` and ``stopped_by``,
+        punctuality, ``notes`` (what the run was held to).
 
     Raises:
         InputError: a bus that can get too full, or a bundle that does not fit or is not approved.
@@ -112,13 +112,16 @@ def deploy(
                 say(f"not permitted: {what}")
             host = Host(config, network, controller, joints, limits)
             with nullcontext() if dry else on_hardware(host, config):
-                return {**_run(host, network, seconds, say), "notes": notes}
+                return {**run_host(host, network, seconds, say), "notes": notes}
     finally:
         if isinstance(network, PortNetwork):
             network.close()
 
 
-def _run(host: Host, network: Network, seconds: float, say: Callable[[str], None]) -> dict[str, Any]:
+def run_host(
+    host: Host, network: Network, seconds: float, say: Callable[[str], None] = lambda line: None
+) -> dict[str, Any]:
+    """Verifies, arms, runs, and brings down one loop; see `deploy`."""
     said = network.now()
 
     def each(host: Host, tick: int) -> bool:
@@ -134,15 +137,15 @@ def _run(host: Host, network: Network, seconds: float, say: Callable[[str], None
             say(f"{told.axis}: {values or 'answers'}{f' ({told.trusted})' if told.trusted else ''}")
         host.operator.arm = True
         host.run(seconds, each)
-        fault, armed = host.state.fault, host.state.phase != "off"
+        fault, axes, armed = host.state.fault, host.state.axes, host.state.phase != "off"
     operator = host.operator
     if operator.stop:
-        fault = "emergency stop"
+        fault, axes = "emergency stop", ()
     elif not armed and fault is None:
         fault = "it was never armed"
     return {
-        "fault": fault, "stopped": operator.stop, "stopped_by": operator.pressed_by or None,
-        **host.punctuality.summary(),
+        "fault": fault, "fault_axes": [host.axes[k] for k in axes],
+        "stopped": operator.stop, "stopped_by": operator.pressed_by or None, **host.punctuality.summary(),
     }  # fmt: skip
 
 

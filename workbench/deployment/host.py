@@ -45,6 +45,7 @@ class Host:
         drives: the wire to them.
         punctuality: of the loop.
         operator: what a person asks for.
+        axes: their names.
         deadman: watches over the controller where the clock is the machine's; None in simulated time.
         time: nominal time of the last tick [s].
     """
@@ -58,7 +59,7 @@ class Host:
         limits: Limits | None = None,
     ) -> None:
         n = len(config.motor)
-        self._config, self._network = config, network
+        self._config, self._network, self.axes = config, network, config.axes
         self._limits = limits or limits_of(config)
         self._period, self._polls = config.loop.period_s, config.loop.polls
         self.feedback = Feedback(config)
@@ -156,10 +157,16 @@ class Host:
     def _damp(self) -> list[Frame]:
         """From now on everything damps; returns the frames that say so."""
         phase, zero = self.state.phase, np.zeros_like(self.state.torque)
-        since = self.state.since if phase == "damp" else self.state.time
+        since = self.state.since if phase == "damp" else self._time()
         self.state = replace(self.state, phase="damp", since=since, torque=zero)
         self._frames = self._next = self.drives.encode(damping(self._limits, self.state.position))
         return self._frames
+
+    def _time(self) -> float:
+        try:
+            return self._network.now()
+        except Exception:  # on the way out a clock is not needed
+            return self.state.time
 
     def _exchange(self, gap: float, patient: bool = False) -> None:
         """Sends one frame a drive and takes what comes."""
@@ -190,9 +197,9 @@ class Host:
         seen = Seen(
             now, f.position, f.velocity, f.temperature, f.age(now), f.faulty, drives.took,
             self.operator.stop, self.operator.arm and self._enabling == 0, self._verified, f.base.age(now),
-            failed, f.base.motion.gravity,
+            failed, drives.gap, f.base.same(now), f.torque, f.base.motion.gravity,
         )  # fmt: skip
-        drives.took = True
+        drives.took, drives.gap = True, 0.0
         self.state, out = step(self._limits, self.state, seen, wanted)
         try:
             self._next = drives.encode(out)

@@ -22,6 +22,9 @@ class Seen:
         verified: every drive was asked who it is, and said what it had to.
         base_age: of what is known of the base [s]; 0 where there is no base to know of.
         gravity: its direction in the base's frame (3,); NaN where there is no base to know of.
+        gap: longest time between two commands since the last tick [s].
+        base_same: since how long what is known of the base has not changed [s].
+        torque: that drives report (n,) [N m].
         failed: what the controller failed with; None where it did not.
     """
 
@@ -37,6 +40,9 @@ class Seen:
     verified: bool = True
     base_age: float = 0.0
     failed: str | None = None
+    gap: float = 0.0
+    base_same: float = 0.0
+    torque: np.ndarray = field(default_factory=lambda: np.array(np.nan))
     gravity: np.ndarray = field(default_factory=lambda: np.full(3, np.nan))
 
 

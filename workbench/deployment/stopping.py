@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -76,7 +76,10 @@ def orphaned() -> Callable[[], str | None]:
     return lambda: "the death of its parent" if os.getppid() != parent else None
 
 
-def exit_code(stopped_by: str) -> int:
-    """Of a run that was stopped: as a shell has it for a signal, 130 as for Ctrl-C otherwise."""
+def exit_code(result: Mapping[str, Any]) -> int:
+    """Of a run: 0 without a fault, 1 with one; where it was stopped, 128 and the signal's number, or 130."""
+    if not result["stopped"]:
+        return 1 if result["fault"] else 0
+    stopped_by = result["stopped_by"] or ""
     number = getattr(signal, stopped_by, None) if stopped_by.startswith("SIG") else None
     return 128 + int(number) if number is not None else 130
