@@ -92,7 +92,8 @@ class Bench:
 
     def torque_after(self) -> float:
         """Largest torque or stiffness that a drive was told after that."""
-        return max((x for at, k, x in self._told if (self.stopped[k] or np.inf) < at), default=0.0)
+        gone = self.gone()
+        return max((x for at, _, x in self._told if at > (np.inf if gone is None else gone)), default=0.0)
 
     def _hear(self, k: int, motor: VirtualMotor, hear: Callable[[Frame], None], frame: Frame) -> None:
         asked = motor.drive.asked(frame)
