@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from workbench.can.realtime import realtime
 from workbench.core import InputError
 from workbench.rigs import MotorBank
 
+from .budget import budget
 from .command import Command
 from .controller import Controller
 from .host import Host
@@ -44,9 +45,10 @@ def controller_of(
     own = bundle.control
     low, high = own.joint_limits.T
     policy = Policy(bundle)
-    policy(np.zeros(policy.size))  # the first call is the slowest: not in the loop
     goal = reach_between(low, high, own.posture, seed)
-    return PolicyController(bundle, policy, goal, loop.policy_every, loop.period_s, loop.hold_s, command)
+    made = PolicyController(bundle, policy, goal, loop.policy_every, loop.period_s, loop.hold_s, command)
+    made.rehearse()  # the first call is the slowest: not in the loop
+    return made
 
 
 def deploy(
@@ -80,7 +82,7 @@ def deploy(
 
     Returns:
         What happened: ``fault`` (None for none), ``fault_axes`` (whose), ``stopped`` and ``stopped_by``,
-        punctuality, ``notes`` (what the run was held to).
+        punctuality, ``notes`` (what the run was held to), ``lacks`` (which budgets of time).
 
     Raises:
         InputError: a bus that can get too full, or a bundle that does not fit or is not approved.
@@ -111,17 +113,32 @@ def deploy(
             for what in refused:
                 say(f"not permitted: {what}")
             host = Host(config, network, controller, joints, limits)
-            with nullcontext() if dry else on_hardware(host, config):
-                return {**run_host(host, network, seconds, say), "notes": notes}
+            lacks: list[str] = []
+            if dry:
+                result = run_host(host, network, seconds, say)
+            else:
+                with on_hardware(host, config):
+                    ready = partial(_rehearse, lacks, config, controller, say)
+                    result = run_host(host, network, seconds, say, ready)
+            return {**result, "notes": notes, "lacks": lacks}
     finally:
         if isinstance(network, PortNetwork):
             network.close()
 
 
 def run_host(
-    host: Host, network: Network, seconds: float, say: Callable[[str], None] = lambda line: None
-) -> dict[str, Any]:
-    """Verifies, arms, runs, and brings down one loop; see `deploy`."""
+    host: Host, network: Network, seconds: float, say: Callable[[str], None] = lambda line: None,
+    before: Callable[[Host], object] = lambda host: None,
+) -> dict[str, Any]:  # fmt: skip
+    """Verifies, arms, runs, and brings down one loop; see `deploy`.
+
+    Args:
+        host: the loop.
+        network: its own.
+        seconds: how long it runs once it is armed.
+        say: gets lines.
+        before: is called when every drive was verified, and none is enabled.
+    """
     said = network.now()
 
     def each(host: Host, tick: int) -> bool:
@@ -135,6 +152,7 @@ def run_host(
         for told in host.verify():
             values = ", ".join(f"{name} {value:g}" for name, value in told.told.items())
             say(f"{told.axis}: {values or 'answers'}{f' ({told.trusted})' if told.trusted else ''}")
+        before(host)
         host.operator.arm = True
         host.run(seconds, each)
         fault, axes, armed = host.state.fault, host.state.axes, host.state.phase != "off"
@@ -147,6 +165,12 @@ def run_host(
         "fault": fault, "fault_axes": [host.axes[k] for k in axes],
         "stopped": operator.stop, "stopped_by": operator.pressed_by or None, **host.punctuality.summary(),
     }  # fmt: skip
+
+
+def _rehearse(
+    lacks: list[str], config: CanConfig, controller: Controller, say: Callable[[str], None], host: Host
+) -> None:
+    lacks += budget(host, config, controller, say)
 
 
 def status(host: Host) -> str:

@@ -5,6 +5,7 @@ That is exactly one period from a measurement to its torque: T_d is made here, a
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil
@@ -23,6 +24,7 @@ from .network import Network
 from .operator import Operator
 from .safety import SafetyState, damping, initial, step
 from .seen import Seen, Wanted
+from .statistics import Punctuality
 from .verify import Verified, verify
 from .wishes import Wishes
 
@@ -43,7 +45,6 @@ class Host:
         state: of safety.
         feedback: what is known of the drives.
         drives: the wire to them.
-        punctuality: of the loop.
         operator: what a person asks for.
         axes: their names.
         deadman: watches over the controller where the clock is the machine's; None in simulated time.
@@ -68,7 +69,6 @@ class Host:
         self.state: SafetyState = initial(n)
         self.operator = Operator()
         self.deadman: Deadman | None = None
-        self.punctuality = self.drives.punctuality
         self._verified, self._asked, self._enabling = False, False, 0
         self.time = 0.0
         self._frames: list[Frame] = []
@@ -140,6 +140,17 @@ class Host:
         finally:
             self.drives.disable()
             self.state = initial(len(self._config.motor))
+
+    @property
+    def punctuality(self) -> Punctuality:
+        """How punctual the loop is."""
+        return self.drives.punctuality
+
+    def count_anew(self) -> Punctuality:
+        """Counts from now on; returns what was counted before."""
+        before, self.feedback.counts = self.drives.punctuality, Counter()
+        self.drives.punctuality = Punctuality(counts=self.feedback.counts)
+        return before
 
     @property
     def _moving(self) -> bool:

@@ -64,6 +64,10 @@ class PolicyController:
         self._begun, self._due, self._made = np.inf, 0, 0.0
         self._action = self._zero
 
+    def rehearse(self) -> np.ndarray:
+        """One call of the network (n,), of which nothing comes."""
+        return self._act(np.zeros(sum(entry.size for entry in self._bundle.observations)))
+
     def target(
         self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
     ) -> Target:
