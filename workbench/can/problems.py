@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from datetime import date
 
+import numpy as np
+
 from .damiao import REGISTERS_ID
 from .frame import FrameError
 from .imu import IMUS
-from .tables import CanConfig, MotorTable, make_drive
+from .tables import CanConfig, MechanismTable, MotorTable, make_drive
 
 
 def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
@@ -38,10 +40,21 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
                 what = "is in two mechanisms" if axis in taken else "has no motor"
                 yield "mechanism.axes", f"axis '{axis}' {what}", f"axes: {', '.join(c.axes)}"
             taken.append(axis)
+        yield from _transmission_problems(mechanism)
         for key, values in (("joints", mechanism.joints), ("limits", mechanism.limits)):
             if values and len(values) != len(mechanism.axes):
                 problem = f"has {len(values)} entries for {len(mechanism.axes)} axes"
                 yield f"mechanism.{key}", problem, "give one an axis"
+
+
+def _transmission_problems(mechanism: MechanismTable) -> Iterator[tuple[str, str, str]]:
+    rows, n = mechanism.transmission, len(mechanism.axes)
+    if not rows and not mechanism.model:
+        yield "mechanism.model", "is missing", "name a model, or write the transmission's rows"
+    elif rows and (len(rows) != n or any(len(row) != n for row in rows)):
+        yield "mechanism.transmission", f"is no table of {n} rows of {n}", "give one row an axis, q_p = J q_s"
+    elif rows and abs(np.linalg.det(np.array(rows))) < 1e-6:
+        yield "mechanism.transmission", "has no inverse", "correct its rows: q_p = J q_s"
 
 
 def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str, str]]:

@@ -114,10 +114,11 @@ class BusTable(Table):
 
 
 class MechanismTable(Table):
-    """``[[mechanism]]``: axes that a model's transmission couples, and its joints' limits [rad]."""
+    """``[[mechanism]]``: axes that a transmission couples (its rows, or a model's); joints' limits [rad]."""
 
-    model: str
+    model: str = ""
     axes: list[str]
+    transmission: list[list[FiniteFloat]] = []
     joints: list[str] = []
     limits: list[tuple[FiniteFloat, FiniteFloat]] = []
 

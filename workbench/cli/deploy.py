@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +14,9 @@ from workbench.core import InputError
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
 from .heartbeat import waiting
+
+if TYPE_CHECKING:
+    from workbench.can import CanConfig
 
 
 @app.command()
@@ -51,7 +54,6 @@ def deploy(
     from workbench.can import load_config
     from workbench.deployment.deploy import deploy as run
     from workbench.deployment.stopping import exit_code
-    from workbench.models import read_model
 
     check_outputs(json, force=force)
     robot = load_config(config)
@@ -68,7 +70,7 @@ def deploy(
     )  # fmt: skip
     if json:
         read = [Path(config), *([Path(bundle)] if policy else [])]
-        read += [file for leg in robot.mechanism for file in read_model(leg.model).files]
+        read += _model_files(robot)
         write_result({"format": 1, **result}, json, files=read, seeds={"run": seed}, force=force)
     if not quiet and json != "-":
         trip = result["round_trip_ms"]
@@ -79,6 +81,16 @@ def deploy(
         echo(_ending(result))
     if code := exit_code(result):
         raise typer.Exit(code)
+
+
+def _model_files(robot: CanConfig) -> list[Path]:
+    """Files of the models that give transmissions."""
+    models = [each.model for each in robot.mechanism if not each.transmission]
+    if not models:  # a robot's own computer has nothing that reads models
+        return []
+    from workbench.models import read_model
+
+    return [file for model in models for file in read_model(model).files]
 
 
 def _ending(result: dict[str, Any]) -> str:

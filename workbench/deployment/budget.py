@@ -64,8 +64,8 @@ def lacking(seen: Punctuality, period: float, stale: float, policy: float = 0.0)
         )
     if late + period > stale - period:
         found.append(
-            f"the machine was late by {1e3 * late:.2g} ms, and {1e3 * (stale - 2 * period):.2g} ms are to spare "
-            "before feedback is too old: free a processor (--cpu), permit realtime scheduling"
+            f"the machine was late by {1e3 * late:.2g} ms, and {1e3 * (stale - 2 * period):.2g} ms are to "
+            "spare before feedback is too old: free a processor (--cpu), permit realtime scheduling"
         )
     if seen.missed > _MISSED:
         found.append(

@@ -12,7 +12,6 @@ from workbench.bundle import Policy, PolicyBundle
 from workbench.can import CanConfig, bus_load
 from workbench.can.realtime import realtime
 from workbench.core import InputError
-from workbench.rigs import MotorBank
 
 from .budget import budget
 from .command import Command
@@ -23,7 +22,6 @@ from .network import Network
 from .permitted import permitted
 from .policies import PolicyController, Tracker, check_bundle, reach_between
 from .ports import PortNetwork
-from .simulated import SimulatedNetwork
 from .stopping import brought_down, on_hardware
 from .trained import trained_of
 
@@ -107,7 +105,7 @@ def deploy(
     if not dry:
         network = PortNetwork(config)
     elif network is None:
-        network = SimulatedNetwork(config, MotorBank(config, seed=seed))
+        network = _virtual(config, seed)
     try:
         with realtime(cpu) as refused:
             for what in refused:
@@ -165,6 +163,24 @@ def run_host(
         "fault": fault, "fault_axes": [host.axes[k] for k in axes],
         "stopped": operator.stop, "stopped_by": operator.pressed_by or None, **host.punctuality.summary(),
     }  # fmt: skip
+
+
+def _virtual(config: CanConfig, seed: int) -> Network:
+    """Virtual motors in simulated time.
+
+    Raises:
+        InputError: the simulator is not installed, as on a robot's own computer.
+    """
+    try:
+        from workbench.rigs import MotorBank
+
+        from .simulated import SimulatedNetwork
+    except ImportError as error:
+        raise InputError(
+            f"a dry run needs the whole workbench: {error.name} is missing",
+            remedy="make it on another computer",
+        ) from error
+    return SimulatedNetwork(config, MotorBank(config, seed=seed))
 
 
 def _rehearse(
