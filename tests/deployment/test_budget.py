@@ -29,7 +29,7 @@ def test_a_loop_that_keeps_its_times_lacks_nothing() -> None:
         (punctual(round_trips=[]), 0.0, "an exchange takes nan ms"),
         (punctual(late=[5e-5] * 199 + [0.0035]), 0.0, "late by 3.5 ms, and 3 ms are to spare"),
         (punctual(skipped=5), 0.0, "2.4 % of the ticks"),
-        (punctual(incomplete=10), 0.0, "5 % of the exchanges lacked an answer"),
+        (punctual(incomplete=10), 0.0, "10 of 200 exchanges lacked an answer"),
     ],
 )
 def test_what_is_lacking_is_named(seen: Punctuality, policy: float, said: str) -> None:
@@ -43,7 +43,7 @@ def test_a_rehearsal_moves_nothing_and_does_not_count(tmp_path: Path) -> None:
     def before(host) -> None:
         begin = robot.network.now()
         assert budget(host, robot.config, robot.controller, said.append) == [] == said
-        assert robot.network.now() - begin == pytest.approx(REHEARSAL_S, abs=2 * TICK)
+        assert robot.network.now() - begin == pytest.approx(REHEARSAL_S, abs=6 * TICK)
         assert not any(motor.longest for motor in robot.motors), "no drive was on"
         assert host.punctuality.ticks == 0 and not host.punctuality.counts
 
@@ -57,6 +57,10 @@ def test_drives_that_answer_late_are_told_of(tmp_path: Path) -> None:
     robot.network.tamper = lambda a: [(a.stamp + 0.0028, a)]
     lacks = budget(robot.host, robot.config, robot.controller, said.append)
     assert len(lacks) == 2 and said[0].startswith("lacks time: an exchange takes")
+    robot.network.tamper = None
+    assert budget(robot.host, robot.config, robot.controller, said.append, ["realtime"])[0].endswith(
+        "realtime"
+    )
 
 
 def test_a_policy_is_timed() -> None:

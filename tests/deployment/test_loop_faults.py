@@ -15,6 +15,7 @@ from tests.deployment.robot import TICK, Robot
 from workbench.can import Frame, Setpoint
 from workbench.core import SimulationError
 from workbench.deployment import Feedback, Target
+from workbench.deployment.deploy import run_host
 from workbench.rigs import VirtualMotor
 
 
@@ -172,3 +173,16 @@ def test_limits_hold_for_the_drives_own_loop_too(tmp_path: Path) -> None:
 def test_feedback_starts_unknown(tmp_path: Path) -> None:
     feedback = Feedback(Robot(tmp_path).config)
     assert np.isnan(feedback.position).all() and np.isinf(feedback.age(0.0)).all() and feedback.faulty.all()
+
+
+def test_a_drive_that_reports_a_fault_is_named_with_its_words(tmp_path: Path) -> None:
+    robot = Robot(tmp_path)
+
+    def fail(now: float) -> None:
+        if now > 0.5 and robot.host.state.phase == "run":
+            robot.motors[2].enabled, robot.motors[2].fault = False, 9
+
+    robot.network.every_row = fail
+    said = run_host(robot.host, robot.network, 1.0)
+    assert said["fault"] == "a drive reports a fault"
+    assert said["fault_axes"] == ["right_hip"] and said["fault_words"] == ["under-voltage"]

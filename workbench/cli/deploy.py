@@ -97,6 +97,10 @@ def _ending(result: dict[str, Any]) -> str:
     """How a run ended, in a line."""
     if not result["fault"]:
         return "No fault."
-    of = f" ({', '.join(result['fault_axes'])})" if result["fault_axes"] else ""
+    words = result["fault_words"] or [""] * len(result["fault_axes"])
+    who = [
+        f"{axis}: {said}" if said else axis for axis, said in zip(result["fault_axes"], words, strict=True)
+    ]
+    of = f" ({', '.join(who)})" if who else ""
     by = f", by {result['stopped_by']}" if result["stopped_by"] else ""
     return f"Ended by a fault: {result['fault']}{of}{by}."

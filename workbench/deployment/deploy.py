@@ -108,15 +108,13 @@ def deploy(
         network = _virtual(config, seed)
     try:
         with realtime(cpu) as refused:
-            for what in refused:
-                say(f"not permitted: {what}")
             host = Host(config, network, controller, joints, limits)
             lacks: list[str] = []
             if dry:
                 result = run_host(host, network, seconds, say)
             else:
                 with on_hardware(host, config):
-                    ready = partial(_rehearse, lacks, config, controller, say)
+                    ready = partial(_rehearse, lacks, config, controller, say, refused)
                     result = run_host(host, network, seconds, say, ready)
             return {**result, "notes": notes, "lacks": lacks}
     finally:
@@ -153,6 +151,7 @@ def run_host(
         before(host)
         host.operator.arm = True
         host.run(seconds, each)
+        words = [host.feedback.fault[k] for k in host.state.axes]
         fault, axes, armed = host.state.fault, host.state.axes, host.state.phase != "off"
     operator = host.operator
     if operator.stop:
@@ -161,6 +160,7 @@ def run_host(
         fault = "it was never armed"
     return {
         "fault": fault, "fault_axes": [host.axes[k] for k in axes],
+        "fault_words": words if fault == "a drive reports a fault" else [],
         "stopped": operator.stop, "stopped_by": operator.pressed_by or None, **host.punctuality.summary(),
     }  # fmt: skip
 
@@ -184,9 +184,10 @@ def _virtual(config: CanConfig, seed: int) -> Network:
 
 
 def _rehearse(
-    lacks: list[str], config: CanConfig, controller: Controller, say: Callable[[str], None], host: Host
-) -> None:
-    lacks += budget(host, config, controller, say)
+    lacks: list[str], config: CanConfig, controller: Controller, say: Callable[[str], None],
+    refused: Sequence[str], host: Host,
+) -> None:  # fmt: skip
+    lacks += budget(host, config, controller, say, refused)
 
 
 def status(host: Host) -> str:

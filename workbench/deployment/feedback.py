@@ -22,6 +22,7 @@ class Feedback:
         position, velocity, torque: [rad, rad/s, N m]; NaN before the first feedback.
         temperature: [deg C], NaN where none is told.
         stamp: when the feedback was complete on the wire [s]; -inf before the first.
+        fault: what each drive reports, in words; empty for nothing.
         faulty: drives that report a fault or that they do not drive.
         base: what is known of the base.
         counts: frames by what they were: feedback, base, parameter, echo, unknown, garbage, old.
@@ -36,7 +37,7 @@ class Feedback:
         }
         self.position, self.velocity, self.torque = np.full((3, n), np.nan)
         self.temperature, self.stamp = np.full(n, np.nan), np.full(n, -np.inf)
-        self.faulty = np.ones(n, bool)
+        self.faulty, self.fault = np.ones(n, bool), [""] * n
         self.counts: Counter[str] = Counter()
         self._stale = 3 * config.loop.period_s
         self.base = BaseFeedback(config, self._stale)
@@ -83,7 +84,7 @@ class Feedback:
             return
         if isinstance(said, Fault):
             self.counts["feedback"] += 1
-            self.faulty[index] = True
+            self.faulty[index], self.fault[index] = True, f"fault word {said.number:#x}"
             return
         # reordered, repeated, or too long on its way
         if stamp <= self.stamp[index] or now - stamp >= self._stale or stamp > now + 1e-3:
@@ -101,3 +102,6 @@ class Feedback:
         self.velocity[index], self.torque[index] = motor.sign * said.velocity, motor.sign * said.torque
         self.temperature[index] = np.nan if said.temperature is None else said.temperature
         self.faulty[index] = bool(said.fault) or said.enabled is False
+        self.fault[index] = self.drives[index].explain(said.fault) if said.fault else ""
+        if said.enabled is False and not said.fault:
+            self.fault[index] = "is off"
