@@ -13,6 +13,7 @@ from workbench.can import CanConfig, bus_load
 from workbench.can.realtime import realtime
 from workbench.core import InputError
 
+from .alone import opened
 from .budget import budget
 from .command import Command
 from .controller import Controller
@@ -21,7 +22,6 @@ from .joints import Joints, joints_of
 from .network import Network
 from .permitted import permitted
 from .policies import PolicyController, Tracker, check_bundle, reach_between
-from .ports import PortNetwork
 from .stopping import brought_down, on_hardware
 from .trained import trained_of
 
@@ -102,24 +102,17 @@ def deploy(
         notes += [clipped] if clipped else []
     for note in notes:
         say(note)
-    if not dry:
-        network = PortNetwork(config)
-    elif network is None:
-        network = _virtual(config, seed)
-    try:
-        with realtime(cpu) as refused:
-            host = Host(config, network, controller, joints, limits)
-            lacks: list[str] = []
-            if dry:
-                result = run_host(host, network, seconds, say)
-            else:
-                with on_hardware(host, config):
-                    ready = partial(_rehearse, lacks, config, controller, say, refused)
-                    result = run_host(host, network, seconds, say, ready)
-            return {**result, "notes": notes, "lacks": lacks}
-    finally:
-        if isinstance(network, PortNetwork):
-            network.close()
+    lacks: list[str] = []
+    if dry:
+        network = network or _virtual(config, seed)
+        result = run_host(Host(config, network, controller, joints, limits), network, seconds, say)
+    else:
+        with opened(config) as ports, realtime(cpu) as refused:
+            host = Host(config, ports, controller, joints, limits)
+            with on_hardware(host, config):
+                ready = partial(_rehearse, lacks, config, controller, say, refused)
+                result = run_host(host, ports, seconds, say, ready)
+    return {**result, "notes": notes, "lacks": lacks}
 
 
 def run_host(

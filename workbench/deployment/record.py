@@ -15,12 +15,12 @@ from workbench.core.files import check_free, write_whole
 from workbench.frf import Design
 from workbench.recordings import save_recording
 
+from .alone import opened
 from .from_log import Played, recording
 from .host import Host
 from .joints import joints_of
 from .permitted import refuse_untested
 from .player import Player
-from .ports import PortNetwork
 from .processes import end, start
 from .simulated import SimulatedNetwork
 from .stopping import RunError, brought_down, on_hardware
@@ -103,14 +103,10 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
     logger = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
     player = Player(design, experiment, config.loop.period_s)
     try:
-        network = PortNetwork(config)
-        try:
-            with realtime():
-                host = Host(config, network, player, joints_of(config))
-                with on_hardware(host, config):
-                    play(host, player, lambda at: _note(log, at + _shift(log)))
-        finally:
-            network.close()
+        with opened(config) as network, realtime():
+            host = Host(config, network, player, joints_of(config))
+            with on_hardware(host, config):
+                play(host, player, lambda at: _note(log, at + _shift(log)))
     finally:
         end(logger)
     return from_log(config, design, experiment, log)
