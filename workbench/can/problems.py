@@ -25,6 +25,7 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for bus in names:
         yield from _id_problems(c.on(bus))
     yield from _imu_problems(c)
+    yield from _stop_problems(c)
     n = len(c.motor)
     for key, values in (("loop.kp", c.loop.kp), ("loop.kd", c.loop.kd)):
         if len(values) not in (1, n):
@@ -150,3 +151,16 @@ def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for id in ids:
         if id in taken:
             yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose two that are free"
+
+
+def _stop_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
+    if c.stop is None:
+        return
+    names = [bus.name for bus in c.bus]
+    if c.stop.bus not in names:
+        yield "stop.bus", f"no bus is called '{c.stop.bus}'", f"buses: {', '.join(names)}"
+    taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in (motor.id, motor.reply_id)}
+    if c.imu and c.imu.bus == c.stop.bus and c.imu.protocol in IMUS:
+        taken |= {c.imu.id, c.imu.id + 1}
+    if c.stop.id in taken:
+        yield "stop.id", f"id {c.stop.id:#x} is used by another", "choose one that is free"

@@ -41,6 +41,9 @@ def deploy(
     watchdogs_tested: Annotated[
         bool, typer.Option("--watchdogs-tested", help="I saw each drive stop without its host: full torque.")
     ] = False,
+    teleop: Annotated[
+        str, typer.Option(metavar="HOW", help="Ask for other speeds: keys (w s q e a d x), or udp:PORT.")
+    ] = "",
     seed: SeedOption = 0,
     json: JsonOption = None,
     force: ForceOption = False,
@@ -66,7 +69,7 @@ def deploy(
         raise InputError("a velocity is no number", remedy="give three: --velocity 0.4 0 0")
     result = run(
         robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, unapproved=unapproved,
-        watchdogs_tested=watchdogs_tested, cpu=cpu, say=say,
+        watchdogs_tested=watchdogs_tested, teleop=teleop, cpu=cpu, say=say,
     )  # fmt: skip
     if json:
         read = [Path(config), *([Path(bundle)] if policy else [])]

@@ -23,6 +23,7 @@ from .network import Network
 from .permitted import permitted
 from .policies import PolicyController, Tracker, check_bundle, reach_between
 from .stopping import brought_down, on_hardware
+from .teleop import teleoperated
 from .trained import trained_of
 
 
@@ -59,6 +60,7 @@ def deploy(
     twist: Sequence[float] = (0.0, 0.0, 0.0),
     unapproved: bool = False,
     watchdogs_tested: bool = False,
+    teleop: str = "",
     network: Network | None = None,
     cpu: int | None = None,
     say: Callable[[str], None] = lambda line: None,
@@ -74,6 +76,7 @@ def deploy(
         twist: forward, sideward and turning speed that a policy is to reach and keep [m/s, m/s, rad/s].
         unapproved: a person takes it upon themselves that the policy was not approved.
         watchdogs_tested: a person has seen every drive stop by itself.
+        teleop: how to ask for other speeds while it runs: ``keys``, ``udp:PORT`` or nothing.
         network: with motors of one's own, for a dry run.
         cpu: processor to stay on.
         say: gets a status line now and then.
@@ -100,6 +103,11 @@ def deploy(
     if bundle is not None:
         command.asked, clipped = trained_of(bundle).clipped(command.asked)
         notes += [clipped] if clipped else []
+    bounds = None if bundle is None else trained_of(bundle)
+
+    def clip(asked: np.ndarray) -> np.ndarray:
+        return np.zeros(3) if bounds is None else bounds.clipped(asked)[0]
+
     for note in notes:
         say(note)
     lacks: list[str] = []
@@ -109,7 +117,8 @@ def deploy(
     else:
         with opened(config) as ports, realtime(cpu) as refused:
             host = Host(config, ports, controller, joints, limits)
-            with on_hardware(host, config):
+            with on_hardware(host, config), teleoperated(teleop, command, clip, ports.now) as watches:
+                host.operator.watches += watches
                 ready = partial(_rehearse, lacks, config, controller, say, refused)
                 result = run_host(host, ports, seconds, say, ready)
     return {**result, "notes": notes, "lacks": lacks}

@@ -10,6 +10,7 @@ from workbench.can import CanConfig, Drive, Fault, FrameError, Parameter, make_d
 from workbench.can import Feedback as Said
 
 from .base import BaseFeedback
+from .estop import StopInput
 from .network import Arrival
 
 _SLACK = 0.05  # by which a position may step beyond what full speed allows [rad]
@@ -25,6 +26,7 @@ class Feedback:
         fault: what each drive reports, in words; empty for nothing.
         faulty: drives that report a fault or that they do not drive.
         base: what is known of the base.
+        stop: what an emergency stop on a bus says.
         counts: frames by what they were: feedback, base, parameter, echo, unknown, garbage, old.
     """
 
@@ -41,6 +43,7 @@ class Feedback:
         self.counts: Counter[str] = Counter()
         self._stale = 3 * config.loop.period_s
         self.base = BaseFeedback(config, self._stale)
+        self.stop = StopInput(config)
         self._parameters: list[dict[str, float]] = [{} for _ in range(n)]
 
     def take(self, arrival: Arrival, now: float) -> None:
@@ -57,6 +60,9 @@ class Feedback:
             if said is not None:
                 self._heard(index, said, arrival.stamp, now)
                 return
+        if arrival.bus == self.stop.bus and self.stop.take(arrival.frame, arrival.stamp):
+            self.counts["stop"] += 1
+            return
         base = self.base.take(arrival.frame, arrival.stamp, now) if arrival.bus == self.base.bus else None
         self.counts[base or "unknown"] += 1
 

@@ -67,7 +67,7 @@ class Host:
         self.drives = Drives(config, network, self.feedback, self._limits.stale_s)
         self._wishes = Wishes(config, network, controller, joints, self._limits.soft_start_s)
         self.state: SafetyState = initial(n)
-        self.operator = Operator()
+        self.operator = Operator(watches=[lambda: self.feedback.stop.said(network.now())])
         self.deadman: Deadman | None = None
         self._verified, self._asked, self._enabling = False, False, 0
         self.time = 0.0
