@@ -14,7 +14,7 @@ import pytest
 from tests.deployment.robot import TICK, Robot
 from workbench.can import Frame, Setpoint
 from workbench.core import SimulationError
-from workbench.deployment import Feedback, Target
+from workbench.deployment import Feedback, Host, Target
 from workbench.deployment.deploy import run_host
 from workbench.rigs import VirtualMotor
 
@@ -173,6 +173,17 @@ def test_limits_hold_for_the_drives_own_loop_too(tmp_path: Path) -> None:
 def test_feedback_starts_unknown(tmp_path: Path) -> None:
     feedback = Feedback(Robot(tmp_path).config)
     assert np.isnan(feedback.position).all() and np.isinf(feedback.age(0.0)).all() and feedback.faulty.all()
+
+
+def test_a_robot_that_cannot_be_armed_is_not_waited_for(tmp_path: Path) -> None:
+    robot = Robot(tmp_path)
+
+    def die(host: Host) -> None:
+        robot.motors[1].dead = True
+
+    said = run_host(robot.host, robot.network, 60.0, before=die)
+    assert said["fault"] == "no feedback for 9 ms" and said["fault_axes"] == ["left_knee"]
+    assert robot.network.now() < 1.0 and not any(motor.enabled for motor in robot.motors)
 
 
 def test_a_drive_that_reports_a_fault_is_named_with_its_words(tmp_path: Path) -> None:

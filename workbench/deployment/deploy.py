@@ -144,7 +144,7 @@ def run_host(
         if network.now() >= said + 1.0:
             said = network.now()
             say(status(host))
-        return host.state.phase == "damp" or host.operator.stop
+        return host.over
 
     with brought_down(host):
         for told in host.verify():

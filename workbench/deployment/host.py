@@ -146,6 +146,14 @@ class Host:
         """How punctual the loop is."""
         return self.drives.punctuality
 
+    @property
+    def over(self) -> bool:
+        """Whether nothing will move before somebody asks anew: damped, stopped, or could not be armed."""
+        state = self.state
+        return (
+            self.operator.stop or state.phase == "damp" or (state.phase == "off" and state.fault is not None)
+        )
+
     def count_anew(self) -> Punctuality:
         """Counts from now on; returns what was counted before."""
         before, self.feedback.counts = self.drives.punctuality, Counter()

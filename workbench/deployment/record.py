@@ -47,7 +47,7 @@ def play(host: Host, player: Player, begun: Callable[[float], None] = lambda tim
         if player.begun is not None and not said:
             said = True
             begun(player.begun)
-        return host.state.phase == "damp" or host.operator.stop or player.done(host.time)
+        return host.over or player.done(host.time)
 
     with brought_down(host):
         host.verify()

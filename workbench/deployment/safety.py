@@ -126,8 +126,8 @@ def _sight(limits: Limits, state: SafetyState, seen: Seen) -> Problem | None:
     over, lost = limits.overrun, f"{1e3 * limits.stale_s:.3g} ms"
     tilt = _tilt(seen.gravity)
     checks: tuple[tuple[np.ndarray | bool, str], ...] = (
-        (~np.isfinite(seen.position) | ~np.isfinite(seen.velocity), "feedback is no number"),
         (~(seen.age < limits.stale_s), f"no feedback for {lost}"),
+        (~np.isfinite(seen.position) | ~np.isfinite(seen.velocity), "feedback is no number"),
         (not seen.base_age < limits.stale_s, f"no word of the base for {lost}"),
         (seen.faulty, "a drive reports a fault"),
         (not seen.gap <= limits.watchdog_s, "commands came further apart than a drive's watchdog waits"),
