@@ -226,3 +226,12 @@ def test_cantools_reads_the_same_feedback(database, parts, axis) -> None:
     assert isinstance(got, Feedback)
     names = [n if axis == "toe" else f"{n}_{axis}" for n in ("position", "velocity", "torque")]
     assert [read[name] for name in names] == pytest.approx(got[:3], rel=1e-12, abs=1e-12)
+
+
+def test_faults_have_names() -> None:
+    mit, damiao, robstride = (
+        kind(1, 0x11, Ranges(12.5, 30.0, 10.0, 500.0, 5.0, "")) for kind in (Mit, Damiao, Robstride)
+    )
+    assert [drive.explain(k) for drive, k in ((mit, 4), (damiao, 9), (robstride, 1))] == ["under-voltage"] * 3
+    assert robstride.explain(0b100010) == "over-current, not calibrated"
+    assert damiao.explain(13) == "no command within its watchdog" and mit.explain(99) == "number 99"

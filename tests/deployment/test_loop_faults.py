@@ -14,7 +14,8 @@ import pytest
 from tests.deployment.robot import TICK, Robot
 from workbench.can import Frame, Setpoint
 from workbench.core import SimulationError
-from workbench.deployment import Feedback, Target
+from workbench.deployment import Feedback, Host, Target
+from workbench.deployment.deploy import run_host
 from workbench.rigs import VirtualMotor
 
 
@@ -139,7 +140,7 @@ def test_a_loop_that_was_held_up_damps_looks_and_goes_on(robot: Robot) -> None:
 def test_what_waits_is_read_before_the_loop_judges(robot: Robot) -> None:
     host, network = robot.host, robot.network
     network.sleep_until(network.now() + 0.0025)
-    host._send(host._frames)
+    host.drives.send(host._frames)
     network.sleep_until(network.now() + 0.0075)  # held up, with answers in the socket
     assert host.feedback.age(network.now()).min() > 0.009
     host.tick(network.now())
@@ -172,3 +173,27 @@ def test_limits_hold_for_the_drives_own_loop_too(tmp_path: Path) -> None:
 def test_feedback_starts_unknown(tmp_path: Path) -> None:
     feedback = Feedback(Robot(tmp_path).config)
     assert np.isnan(feedback.position).all() and np.isinf(feedback.age(0.0)).all() and feedback.faulty.all()
+
+
+def test_a_robot_that_cannot_be_armed_is_not_waited_for(tmp_path: Path) -> None:
+    robot = Robot(tmp_path)
+
+    def die(host: Host) -> None:
+        robot.motors[1].dead = True
+
+    said = run_host(robot.host, robot.network, 60.0, before=die)
+    assert said["fault"] == "no feedback for 9 ms" and said["fault_axes"] == ["left_knee"]
+    assert robot.network.now() < 1.0 and not any(motor.enabled for motor in robot.motors)
+
+
+def test_a_drive_that_reports_a_fault_is_named_with_its_words(tmp_path: Path) -> None:
+    robot = Robot(tmp_path)
+
+    def fail(now: float) -> None:
+        if now > 0.5 and robot.host.state.phase == "run":
+            robot.motors[2].enabled, robot.motors[2].fault = False, 9
+
+    robot.network.every_row = fail
+    said = run_host(robot.host, robot.network, 1.0)
+    assert said["fault"] == "a drive reports a fault"
+    assert said["fault_axes"] == ["right_hip"] and said["fault_words"] == ["under-voltage"]

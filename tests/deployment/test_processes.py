@@ -16,7 +16,7 @@ import pytest
 
 from tests.can.make import motor, table, written
 from tests.deployment.robot import LIMITS, RANGES, Swing
-from workbench.can import load_config
+from workbench.can import load_config, make_drive
 from workbench.can.candump import archive, read_candump
 from workbench.deployment import Host, joints_of
 from workbench.deployment.ports import PortNetwork
@@ -64,14 +64,14 @@ def test_a_leg_runs_across_processes(robot: Path) -> None:
         assert running() and host.punctuality.counts["feedback"] > 200
         assert host.punctuality.counts["garbage"] == 0
         assert np.ptp(np.array(moved[20:]), axis=0).min() > 0.05
-        host.close()
+        host.close(0.02)
         network.close()
 
 
 HOST = """
 import sys
 from tests.deployment.robot import Swing
-from workbench.can import load_config
+from workbench.can import load_config, make_drive
 from workbench.can.candump import archive, read_candump
 from workbench.deployment import Host, joints_of
 from workbench.deployment.ports import PortNetwork
@@ -169,8 +169,32 @@ def test_motors_that_were_held_up_catch_up_and_go_on(robot: Path) -> None:
                 host.run(0.05)
 
         assert running_at_last(host, hold_up), host.state
-        host.close()
+        host.close(0.02)
         network.close()
     finally:
         end(motors)
         end(bus)
+
+
+def test_a_program_that_is_told_to_end_damps_and_disables_first(robot: Path) -> None:
+    config, log = load_config(robot), robot.parent / "run.log"
+    with virtual_hardware(robot):
+        logger = start("can", "log", str(robot), "-o", str(log))
+        words = ["deploy", "tracker", str(robot), "--yes", "--seconds", "60"]
+        run = subprocess.Popen(
+            [sys.executable, "-m", "workbench.cli", *words],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        assert run.stderr and any(line.startswith("run") for line in run.stderr)
+        run.send_signal(signal.SIGTERM)
+        time.sleep(0.3)
+        run.send_signal(signal.SIGTERM)
+        run.communicate(timeout=60)
+        end(logger)
+    assert run.returncode in (128 + signal.SIGTERM, 1), "1: the machine held something up just then"
+    drives = [make_drive(motor) for motor in config.motor]
+    for drive in drives:
+        told = [asked for each in read_candump(log) if (asked := drive.asked(each.frame)) is not None]
+        assert told[-3:] == ["disable"] * 3
+        calm = told[-103:-3]
+        assert all(s.kp == 0 and s.kd > 0.9 and abs(s.torque) < 0.01 for s in calm)  # pyright: ignore

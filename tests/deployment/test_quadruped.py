@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +11,14 @@ import pytest
 from virtual_robot import four_legs
 
 from workbench.bundle import PolicyBundle, read_bundle
-from workbench.can import CanConfig, bus_load, load_config
+from workbench.can import CanConfig, Setpoint, bus_load, load_config
 from workbench.core import InputError
 from workbench.deployment import Host, SimulatedNetwork, joints_of
 from workbench.deployment.deploy import controller_of, deploy
 from workbench.rigs import MotorBank
+from workbench.training.environment import STEEPEST
 from workbench.training.evaluate import evaluate
-from workbench.training.tasks import CIRCLE, PITCH_HZ
+from workbench.training.tasks import CIRCLE, PITCH_HZ, TASKS
 
 POLICIES = Path(__file__).resolve().parents[2] / "policies"
 RUN_S = 3.0  # of the policy; the first second is not judged
@@ -34,7 +36,7 @@ def moved(config: CanConfig, bundle: PolicyBundle, seed: int) -> tuple[np.ndarra
     rows: list[tuple[np.ndarray, ...]] = []
     network.every_row = lambda now: rows.append(trunk.motion) if not trunk.held else None
     before = config.loop.soft_start_s + config.loop.hold_s + 0.02
-    result = deploy(config, bundle, before + RUN_S, dry=True, seed=seed, network=network)
+    result = deploy(config, bundle, before + RUN_S, dry=True, seed=seed, network=network, twist=CIRCLE)
     assert result["fault"] is None and result["missed_share"] == 0.0
     assert result["frames"]["base"] > 2 * (before + RUN_S) / config.imu.period_s - 20  # type: ignore[union-attr]
     wanted = round((RUN_S - 1.0) / network.bank.row)
@@ -86,10 +88,11 @@ def test_a_robot_that_does_not_fit_is_refused(tmp_path: Path) -> None:
 
 
 def test_tasks_and_deployment_mean_the_same() -> None:
-    from workbench.deployment import deploy as module
     from workbench.deployment.observe import PITCH_HZ as OURS
+    from workbench.deployment.trained import COMMANDS, TILT
 
-    assert OURS == PITCH_HZ and module.CIRCLE == CIRCLE
+    assert OURS == PITCH_HZ and math.cos(TILT) == pytest.approx(STEEPEST)
+    assert {name: task.commands for name, task in TASKS.items() if task.commands} == COMMANDS
 
 
 def test_the_unit_counts_in_the_load_of_its_bus(tmp_path: Path) -> None:
@@ -97,3 +100,47 @@ def test_the_unit_counts_in_the_load_of_its_bus(tmp_path: Path) -> None:
     first, second, *_ = bus_load(robot(tmp_path, bundle))
     assert first.frames - second.frames == pytest.approx(2 / 0.003)
     assert 0.06 < first.share - second.share < 0.09
+
+
+def overturned(network: SimulatedNetwork, at: float, degrees: float) -> None:
+    """From some time on the trunk lies as if it had been turned over by so much, whatever the drives do."""
+    trunk = network.bank.robot
+    assert trunk is not None
+    feel, roll = trunk.feel, math.radians(degrees)
+    down = np.array([0.0, -math.sin(roll), -math.cos(roll)])
+    trunk.feel = lambda: (feel()[0], down) if network.now() > at else feel()
+
+
+@pytest.mark.parametrize("degrees", [55.0, 90.0, 180.0])
+def test_a_robot_that_fell_damps_and_says_so(tmp_path: Path, degrees: float) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    network = SimulatedNetwork(config, MotorBank(config))
+    overturned(network, 1.4, degrees)
+    result = deploy(config, bundle, 3.0, dry=True, network=network)
+    assert result["fault"] == f"tilted by {degrees:.0f} degrees, beyond 53"
+    assert result["ticks"] * 0.003 < 1.4 + 0.6 and not any(m.enabled for m in network.bank.motors.values())
+
+
+def test_a_robot_that_lies_on_its_back_is_never_armed(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    network = SimulatedNetwork(config, MotorBank(config))
+    overturned(network, -1.0, 170.0)
+    told: list[Setpoint] = []
+    motor = next(iter(network.bank.motors.values()))
+    hear = motor.hear
+    motor.hear = lambda frame: (told.append(motor.drive.asked(frame)), hear(frame))[1]  # type: ignore[arg-type]
+    result = deploy(config, bundle, 1.0, dry=True, network=network)
+    assert result["fault"] == "tilted by 170 degrees, beyond 53"
+    assert all(abs(s.torque) < 0.01 and not s.kp for s in told if isinstance(s, Setpoint))
+
+
+def test_by_itself_it_is_asked_to_stand(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    network = SimulatedNetwork(config, MotorBank(config))
+    result = deploy(config, bundle, 3.0, dry=True, network=network)
+    trunk = network.bank.robot
+    assert trunk is not None and result["fault"] is None
+    assert np.hypot(*trunk.pose[4:6]) < 0.4, "at 0.8 m/s it would have run for two metres"

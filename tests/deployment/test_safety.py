@@ -17,7 +17,7 @@ LIMITS = Limits(
     low=np.array([-1.0, 0.2]), high=np.array([1.0, 2.0]), velocity=np.array([20.0, 20.0]),
     torque=np.array([10.0, 5.0]), torque_rate=np.array([2000.0, 1000.0]), temperature=np.array([80.0, 80.0]),
     kp=np.array([500.0, 500.0]), kd=np.array([5.0, 5.0]), damping=np.array([1.0, 1.0]),
-    stale_s=0.009, late_s=0.036, soft_start_s=0.1,
+    stale_s=0.009, late_s=0.036, soft_start_s=0.1, tilt=1.0,
 )  # fmt: skip
 
 
@@ -159,6 +159,7 @@ FAULTS = {
     "position": {"position": np.array([0.0, 2.06])},
     "velocity": {"velocity": np.array([0.0, -20.1])},
     "temperature": {"temperature": np.array([80.5, 20.0])},
+    "tilt": {"gravity": np.array([0.0, 0.9, 0.3])},
 }
 
 

@@ -1,6 +1,15 @@
 """Policy bundles: one file with all that is needed to run a policy, on hardware or virtual hardware."""
 
+from .approval import objections
 from .bundle import Control, ObservationEntry, PolicyBundle, read_bundle, write_bundle
 from .policy import Policy
 
-__all__ = ["Control", "ObservationEntry", "Policy", "PolicyBundle", "read_bundle", "write_bundle"]
+__all__ = [
+    "Control",
+    "ObservationEntry",
+    "Policy",
+    "PolicyBundle",
+    "objections",
+    "read_bundle",
+    "write_bundle",
+]

@@ -52,6 +52,10 @@ class Control:
         kp, kd: gains in joint coordinates [N m/rad, N m s/rad].
         torque_limit: of the drives [N m].
         joint_limits: (n, 2) [rad].
+        velocity_limit: of the drives [rad/s]; None where none is stated.
+        tilt_limit: of the base against gravity, at which an episode ended [rad]; None as above.
+        command_range: lowest and highest forward, sideward and turning speed that it was asked for (3, 2)
+            [m/s, m/s, rad/s]; None as above.
     """
 
     joints: tuple[str, ...]
@@ -65,6 +69,9 @@ class Control:
     control_period_s: float
     policy_period_s: float
     delay_steps: int
+    velocity_limit: float | None = None
+    tilt_limit: float | None = None
+    command_range: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -180,6 +187,9 @@ def _bundle(
         control_period_s=c.control_period_s,
         policy_period_s=c.policy_period_s,
         delay_steps=c.delay_steps,
+        velocity_limit=c.velocity_limit,
+        tilt_limit=c.tilt_limit,
+        command_range=None if c.command_range is None else np.array(c.command_range),
         **{name: np.array(getattr(c, name), float) for name in arrays},
     )
     return PolicyBundle(

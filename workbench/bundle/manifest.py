@@ -40,6 +40,9 @@ class ControlTable(_Table):
     control_period_s: _Positive
     policy_period_s: _Positive
     delay_steps: Annotated[int, Field(ge=0, le=1000)]
+    velocity_limit: Annotated[float, Field(gt=0.0)] | None = None
+    tilt_limit: Annotated[float, Field(gt=0.0)] | None = None
+    command_range: Annotated[list[list[FiniteFloat]], Field(min_length=3, max_length=3)] | None = None
 
     @model_validator(mode="after")
     def _one_an_axis(self) -> ControlTable:
@@ -49,6 +52,8 @@ class ControlTable(_Table):
                 raise ValueError(f"{name} has {len(getattr(self, name))} entries for {n} joints")
         if any(len(row) != n for row in self.transmission):
             raise ValueError("the transmission is not square")
+        if any(len(row) != 2 or row[0] > row[1] for row in self.command_range or []):
+            raise ValueError("a command_range is lowest and highest")
         return self
 
 

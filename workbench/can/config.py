@@ -12,18 +12,18 @@ from pydantic import ValidationError
 from workbench.core import InputError
 from workbench.core.formats import check_format
 
+from .inputs import ImuTable, StopTable
 from .problems import problems
+from .table import Table
 from .tables import (
     BenchTable,
     BusTable,
     CanConfig,
-    ImuTable,
     LimitsTable,
     LoopTable,
     MechanismTable,
     MotorTable,
     RangesTable,
-    Table,
 )
 
 
@@ -64,6 +64,7 @@ def _explain(error: ValidationError, path: Path, table: dict[str, Any]) -> Input
         tables: dict[Any, type[Table]] = {
             "bus": BusTable, "motor": MotorTable, "mechanism": MechanismTable, "loop": LoopTable,
             "ranges": RangesTable, "limits": LimitsTable, "bench": BenchTable, "imu": ImuTable,
+            "stop": StopTable,
         }  # fmt: skip
         inside = [part for part in loc[:-1] if part in tables]
         known = tuple((tables[inside[-1]] if inside else CanConfig).model_fields)

@@ -22,8 +22,10 @@ _REGISTERS: dict[ParameterName, int] = {
 _NAMES: dict[int, ParameterName] = {number: name for name, number in _REGISTERS.items()}
 _WATCHDOG_UNIT = 50e-6  # s
 _DISABLED, _ENABLED = 0, 1
-#: Over-voltage, under-voltage, over-current, hot MOSFET, hot rotor, lost communication, overload.
-_FAULTS = range(8, 15)
+_FAULTS = {
+    8: "over-voltage", 9: "under-voltage", 10: "over-current", 11: "hot MOSFET", 12: "hot rotor",
+    13: "no command within its watchdog", 14: "overload",
+}  # fmt: skip
 
 
 class Damiao(Mit):
@@ -37,6 +39,10 @@ class Damiao(Mit):
         if not 0 <= id <= 0xF or REGISTERS_ID in (id, reply_id):
             raise FrameError(f"id {id:#x}: a Damiao drive's is 0 to 0xF, and its answers' is not 0x7FF")
         self.fields = fields(ranges, _BITS, kept=1)
+
+    def explain(self, fault: int) -> str:
+        """A fault's name, by the number in the feedback."""
+        return _FAULTS.get(fault, f"number {fault}")
 
     def read(self, name: ParameterName) -> Frame:
         """Asks for a parameter."""

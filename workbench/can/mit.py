@@ -16,6 +16,13 @@ _SPECIAL: dict[Action, int] = {"enable": 0xFC, "disable": 0xFD, "zero": 0xFE, "c
 _HEAD = b"\xff" * 7
 
 
+#: Byte 7 of an answer, as CubeMars numbers it (AK series manual, servo and MIT mode).
+_FAULT_NAMES = {
+    1: "hot motor", 2: "over-current", 3: "over-voltage", 4: "under-voltage", 5: "encoder", 6: "hot MOSFET",
+    7: "stalled motor",
+}  # fmt: skip
+
+
 class Mit:
     """One drive.
 
@@ -41,6 +48,10 @@ class Mit:
         self.fields = fields(ranges, _BITS, kept=1)
 
     # What a host needs.
+
+    def explain(self, fault: int) -> str:
+        """A fault's name, by the number in the feedback."""
+        return _FAULT_NAMES.get(fault, f"number {fault}")
 
     def command(self, setpoint: Setpoint) -> Frame:
         """The frame of a setpoint.

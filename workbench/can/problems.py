@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from datetime import date
+
+import numpy as np
 
 from .damiao import REGISTERS_ID
 from .frame import FrameError
 from .imu import IMUS
-from .tables import CanConfig, MotorTable, make_drive
+from .tables import CanConfig, MechanismTable, MotorTable, make_drive
 
 
 def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
@@ -22,6 +25,7 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for bus in names:
         yield from _id_problems(c.on(bus))
     yield from _imu_problems(c)
+    yield from _stop_problems(c)
     n = len(c.motor)
     for key, values in (("loop.kp", c.loop.kp), ("loop.kd", c.loop.kd)):
         if len(values) not in (1, n):
@@ -37,10 +41,21 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
                 what = "is in two mechanisms" if axis in taken else "has no motor"
                 yield "mechanism.axes", f"axis '{axis}' {what}", f"axes: {', '.join(c.axes)}"
             taken.append(axis)
+        yield from _transmission_problems(mechanism)
         for key, values in (("joints", mechanism.joints), ("limits", mechanism.limits)):
             if values and len(values) != len(mechanism.axes):
                 problem = f"has {len(values)} entries for {len(mechanism.axes)} axes"
                 yield f"mechanism.{key}", problem, "give one an axis"
+
+
+def _transmission_problems(mechanism: MechanismTable) -> Iterator[tuple[str, str, str]]:
+    rows, n = mechanism.transmission, len(mechanism.axes)
+    if not rows and not mechanism.model:
+        yield "mechanism.model", "is missing", "name a model, or write the transmission's rows"
+    elif rows and (len(rows) != n or any(len(row) != n for row in rows)):
+        yield "mechanism.transmission", f"is no table of {n} rows of {n}", "give one row an axis, q_p = J q_s"
+    elif rows and abs(np.linalg.det(np.array(rows))) < 1e-6:
+        yield "mechanism.transmission", "has no inverse", "correct its rows: q_p = J q_s"
 
 
 def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str, str]]:
@@ -56,6 +71,9 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
     if motor.protocol == "mit" and not motor.watchdog_source:
         remedy = "set it with the vendor's tool and say where from: watchdog_source"
         yield f"{key}.watchdog_source", "an mit drive's watchdog cannot be read back", remedy
+    if motor.watchdog_tested and motor.watchdog_tested > date.today():
+        problem = f"{motor.watchdog_tested} has not come yet"
+        yield f"{key}.watchdog_tested", problem, "write the day on which it was seen to stop"
     if motor.watchdog_s < 3 * c.loop.period_s:
         problem = f"{1e3 * motor.watchdog_s:g} ms is less than three periods of {1e3 * c.loop.period_s:g} ms"
         yield f"{key}.watchdog_s", problem, "a lost frame would stop the drive: 10 to 25 ms"
@@ -133,3 +151,16 @@ def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for id in ids:
         if id in taken:
             yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose two that are free"
+
+
+def _stop_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
+    if c.stop is None:
+        return
+    names = [bus.name for bus in c.bus]
+    if c.stop.bus not in names:
+        yield "stop.bus", f"no bus is called '{c.stop.bus}'", f"buses: {', '.join(names)}"
+    taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in (motor.id, motor.reply_id)}
+    if c.imu and c.imu.bus == c.stop.bus and c.imu.protocol in IMUS:
+        taken |= {c.imu.id, c.imu.id + 1}
+    if c.stop.id in taken:
+        yield "stop.id", f"id {c.stop.id:#x} is used by another", "choose one that is free"

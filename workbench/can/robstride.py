@@ -18,6 +18,15 @@ _INDICES: dict[ParameterName, int] = {"mode": 0x7005, "watchdog": 0x7028}
 _NAMES: dict[int, ParameterName] = {index: name for name, index in _INDICES.items()}
 _WATCHDOG_UNIT = 1.0 / 20000  # s; 0 is off, and off is the factory setting
 _RUNNING = 2
+#: Bits 16 to 21 of a feedback's identifier, lowest first.
+_FAULT_NAMES = (
+    "under-voltage",
+    "over-current",
+    "hot motor",
+    "magnetic encoder",
+    "Hall encoder",
+    "not calibrated",
+)
 
 
 class Robstride:
@@ -41,6 +50,12 @@ class Robstride:
         self.fields = fields(ranges, (16, 16, 16, 16, 16))
 
     # What a host needs.
+
+    def explain(self, fault: int) -> str:
+        """Names of the faults whose bits are set in the feedback."""
+        return (
+            ", ".join(name for bit, name in enumerate(_FAULT_NAMES) if fault >> bit & 1) or f"number {fault}"
+        )
 
     def command(self, setpoint: Setpoint) -> Frame:
         """The frame of a setpoint.

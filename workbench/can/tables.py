@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from datetime import date
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, field_validator
+from pydantic import BeforeValidator, Field, FiniteFloat
 
 from .clock import Clock
 from .damiao import Damiao
+from .inputs import ImuTable, StopTable
 from .messages import Ranges
 from .mit import Mit
 from .robstride import Robstride
+from .table import NotNegative, Positive, Table
 
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Drive = Mit | Damiao | Robstride
 
 
@@ -23,20 +24,6 @@ def _listed(value: Any) -> Any:
 
 
 Gains = Annotated[list[NotNegative], BeforeValidator(_listed)]
-
-
-class Table(BaseModel):
-    """A table with known keys only."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    @field_validator("*", mode="before")
-    @classmethod
-    def _no_truth(cls, value: Any) -> Any:
-        """Nothing here is true or false, and a number that is would become 1 or 0."""
-        if any(isinstance(each, bool) for each in (value if isinstance(value, list) else [value])):
-            raise ValueError("true and false are no values here")
-        return value
 
 
 class RangesTable(Table):
@@ -76,6 +63,7 @@ class MotorTable(Table):
         ranges, limits: see there.
         watchdog_s: after which silence the drive stops itself [s]; read back where the protocol allows.
         watchdog_source: who says so, where it cannot be read.
+        watchdog_tested: the day on which a person saw it stop without its host, where it cannot be read.
         sign, offset: of the axis over the drive.
         temperature_offset, length: of MIT answers.
     """
@@ -89,6 +77,7 @@ class MotorTable(Table):
     limits: LimitsTable
     watchdog_s: Annotated[float, Field(ge=0.010, le=0.025)] = 0.020
     watchdog_source: str = ""
+    watchdog_tested: date | None = None
     sign: Literal[-1, 1] = 1
     offset: FiniteFloat = 0.0
     temperature_offset: FiniteFloat = -40.0
@@ -111,12 +100,13 @@ class BusTable(Table):
 
 
 class MechanismTable(Table):
-    """``[[mechanism]]``: axes that a model's transmission couples, and its joints' limits [rad]."""
+    """``[[mechanism]]``: axes that a transmission couples (its rows, or a model's); joints' limits [rad]."""
 
-    model: str
+    model: str = ""
     axes: list[str]
-    joints: list[str] = []
-    limits: list[tuple[FiniteFloat, FiniteFloat]] = []
+    transmission: list[list[FiniteFloat]] = Field(default_factory=list)
+    joints: list[str] = Field(default_factory=list)
+    limits: list[tuple[FiniteFloat, FiniteFloat]] = Field(default_factory=list)
 
 
 class LoopTable(Table):
@@ -137,27 +127,11 @@ class LoopTable(Table):
     polls: Annotated[int, Field(ge=1, le=10)] = 1
     policy_every: Annotated[int, Field(ge=1)] = 6
     pd: Literal["host", "drive"] = "host"
-    kp: Gains = [50.0]
-    kd: Gains = [1.5]
+    kp: Gains = Field(default=[50.0])
+    kd: Gains = Field(default=[1.5])
     damping: Positive = 1.0
     soft_start_s: NotNegative = 1.0
     hold_s: NotNegative = 0.5
-
-
-class ImuTable(Table):
-    """``[imu]``: the inertial unit of a base.
-
-    Attributes:
-        bus: name of its bus.
-        protocol: a name in `workbench.can.imu.IMUS`.
-        id: of its first frame.
-        period_s: from one sample to the next [s].
-    """
-
-    bus: str
-    protocol: str = "workbench"
-    id: int
-    period_s: Annotated[float, Field(ge=0.0005, le=0.02)] = 0.003
 
 
 class BenchTable(Table):
@@ -182,9 +156,10 @@ class CanConfig(Table):
     machine: str = ""
     bus: Annotated[list[BusTable], Field(min_length=1)]
     motor: Annotated[list[MotorTable], Field(min_length=1)]
-    mechanism: list[MechanismTable] = []
+    mechanism: list[MechanismTable] = Field(default_factory=list)
     loop: LoopTable = LoopTable()
     imu: ImuTable | None = None
+    stop: StopTable | None = None
     bench: BenchTable = BenchTable()
     source: Path | None = None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +14,9 @@ from workbench.core import InputError
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
 from .heartbeat import waiting
+
+if TYPE_CHECKING:
+    from workbench.can import CanConfig
 
 
 @app.command()
@@ -30,8 +33,17 @@ def deploy(
     cpu: Annotated[int | None, typer.Option(min=0, help="Processor to stay on.")] = None,
     velocity: Annotated[
         tuple[float, float, float],
-        typer.Option(metavar="X Y TURN", help="What a walking policy is asked for [m/s, m/s, rad/s]."),
-    ] = (0.8, 0.0, 0.8),
+        typer.Option(metavar="X Y TURN", help="What a walking policy is to reach [m/s, m/s, rad/s]."),
+    ] = (0.0, 0.0, 0.0),
+    unapproved: Annotated[
+        bool, typer.Option("--unapproved", help="Drive hardware with a policy that is not approved.")
+    ] = False,
+    watchdogs_tested: Annotated[
+        bool, typer.Option("--watchdogs-tested", help="I saw each drive stop without its host: full torque.")
+    ] = False,
+    teleop: Annotated[
+        str, typer.Option(metavar="HOW", help="Ask for other speeds: keys (w s q e a d x), or udp:PORT.")
+    ] = "",
     seed: SeedOption = 0,
     json: JsonOption = None,
     force: ForceOption = False,
@@ -44,7 +56,7 @@ def deploy(
     from workbench.bundle import read_bundle
     from workbench.can import load_config
     from workbench.deployment.deploy import deploy as run
-    from workbench.models import read_model
+    from workbench.deployment.stopping import exit_code
 
     check_outputs(json, force=force)
     robot = load_config(config)
@@ -54,11 +66,14 @@ def deploy(
             typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True, err=True)
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):
-        raise InputError("a velocity is no number", remedy="give three: --velocity 0.8 0 0.8")
-    result = run(robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, cpu=cpu, say=say)
+        raise InputError("a velocity is no number", remedy="give three: --velocity 0.4 0 0")
+    result = run(
+        robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, unapproved=unapproved,
+        watchdogs_tested=watchdogs_tested, teleop=teleop, cpu=cpu, say=say,
+    )  # fmt: skip
     if json:
         read = [Path(config), *([Path(bundle)] if policy else [])]
-        read += [file for leg in robot.mechanism for file in read_model(leg.model).files]
+        read += _model_files(robot)
         write_result({"format": 1, **result}, json, files=read, seeds={"run": seed}, force=force)
     if not quiet and json != "-":
         trip = result["round_trip_ms"]
@@ -66,8 +81,29 @@ def deploy(
             f"{result['ticks']} ticks, {100 * result['missed_share']:.2g} % missed; round trip "
             f"{trip['p50']:.3g} ms (half of them), {trip['p99']:.3g} ms (99 %)."
         )
-        echo(f"Ended by a fault: {result['fault']}." if result["fault"] else "No fault.")
-    if result["stopped"]:
-        raise typer.Exit(130)
-    if result["fault"]:
-        raise typer.Exit(1)
+        echo(_ending(result))
+    if code := exit_code(result):
+        raise typer.Exit(code)
+
+
+def _model_files(robot: CanConfig) -> list[Path]:
+    """Files of the models that give transmissions."""
+    models = [each.model for each in robot.mechanism if not each.transmission]
+    if not models:  # a robot's own computer has nothing that reads models
+        return []
+    from workbench.models import read_model
+
+    return [file for model in models for file in read_model(model).files]
+
+
+def _ending(result: dict[str, Any]) -> str:
+    """How a run ended, in a line."""
+    if not result["fault"]:
+        return "No fault."
+    words = result["fault_words"] or [""] * len(result["fault_axes"])
+    who = [
+        f"{axis}: {said}" if said else axis for axis, said in zip(result["fault_axes"], words, strict=True)
+    ]
+    of = f" ({', '.join(who)})" if who else ""
+    by = f", by {result['stopped_by']}" if result["stopped_by"] else ""
+    return f"Ended by a fault: {result['fault']}{of}{by}."

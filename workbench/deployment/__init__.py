@@ -1,15 +1,24 @@
-"""Experiments and policies on hardware over CAN: safety, the loop, recorder and runner."""
+"""Experiments and policies on hardware over CAN: safety, the loop, recorder and runner.
+
+What a robot's own computer needs imports no simulator; virtual motors in simulated time are loaded when used.
+"""
+
+from typing import TYPE_CHECKING, Any
 
 from .controller import Controller, Target
 from .feedback import Feedback
-from .host import Host, Operator
+from .host import Host
 from .joints import Joints, joints_of
 from .limits import Limits, limits_of
 from .network import Arrival, Network
-from .safety import SafetyState, Seen, Setpoints, Wanted, initial, step
-from .simulated import SimulatedNetwork
+from .operator import Operator
+from .safety import SafetyState, initial, step
+from .seen import Seen, Setpoints, Wanted
 from .statistics import Punctuality
 from .verify import Verified, VerifyError, verify
+
+if TYPE_CHECKING:
+    from .simulated import SimulatedNetwork
 
 __all__ = [
     "Arrival",
@@ -35,3 +44,11 @@ __all__ = [
     "step",
     "verify",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "SimulatedNetwork":
+        from .simulated import SimulatedNetwork
+
+        return SimulatedNetwork
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")

@@ -33,12 +33,16 @@ class BaseFeedback:
         self.bus = config.imu.bus if config.imu else ""
         self.motion = BaseMotion(np.full(3, np.nan), np.full(3, np.nan))
         self._unit = IMUS[config.imu.protocol](config.imu.id) if config.imu else None
-        self._stale = stale
+        self._stale, self._new = stale, -np.inf
         self._stamps: dict[Quantity, float] = {"angular": -np.inf, "gravity": -np.inf}
 
     def age(self, now: float) -> float:
         """Of the older of both quantities, by its receive stamp [s]; 0 without a unit."""
         return now - min(self._stamps.values()) if self._unit else 0.0
+
+    def same(self, now: float) -> float:
+        """Since how long it has said nothing new [s]; 0 without a unit."""
+        return now - self._new if self._unit else 0.0
 
     def take(self, frame: Frame, stamp: float, now: float) -> Literal["base", "garbage", "old"] | None:
         """One frame of its bus; returns what it was, None where it is not the unit's."""
@@ -54,5 +58,7 @@ class BaseFeedback:
         if stamp <= self._stamps[quantity] or now - stamp >= self._stale or stamp > now + 1e-3:
             return "old"
         self._stamps[quantity] = stamp
+        if not np.array_equal(getattr(self.motion, quantity), values):
+            self._new = stamp
         self.motion = self.motion._replace(**{quantity: np.array(values)})
         return "base"

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import signal
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,23 +12,24 @@ from workbench.bundle import Policy, PolicyBundle
 from workbench.can import CanConfig, bus_load
 from workbench.can.realtime import realtime
 from workbench.core import InputError
-from workbench.rigs import MotorBank
 
+from .alone import opened
+from .budget import budget
+from .command import Command
 from .controller import Controller
 from .host import Host
 from .joints import Joints, joints_of
 from .network import Network
+from .permitted import permitted
 from .policies import PolicyController, Tracker, check_bundle, reach_between
-from .ports import PortNetwork
-from .simulated import SimulatedNetwork
-
-CIRCLE = (0.8, 0.0, 0.8)  # m/s, m/s, rad/s: paper, Table V
-_CALM = 0.5  # s of damping before drives are switched off
+from .stopping import brought_down, on_hardware
+from .teleop import teleoperated
+from .trained import trained_of
 
 
 def controller_of(
     bundle: PolicyBundle | None, config: CanConfig, joints: Joints, seed: int,
-    twist: Sequence[float] = CIRCLE,
+    command: Command | None = None,
 ) -> Controller:  # fmt: skip
     """The bundle's policy, or a tracker where there is no bundle.
 
@@ -44,11 +44,10 @@ def controller_of(
     own = bundle.control
     low, high = own.joint_limits.T
     policy = Policy(bundle)
-    policy(np.zeros(policy.size))  # the first call is the slowest: not in the loop
     goal = reach_between(low, high, own.posture, seed)
-    return PolicyController(
-        bundle, policy, goal, loop.policy_every, loop.period_s, loop.hold_s, np.array(twist, float)
-    )
+    made = PolicyController(bundle, policy, goal, loop.policy_every, loop.period_s, loop.hold_s, command)
+    made.rehearse()  # the first call is the slowest: not in the loop
+    return made
 
 
 def deploy(
@@ -58,7 +57,10 @@ def deploy(
     *,
     dry: bool = False,
     seed: int = 0,
-    twist: Sequence[float] = CIRCLE,
+    twist: Sequence[float] = (0.0, 0.0, 0.0),
+    unapproved: bool = False,
+    watchdogs_tested: bool = False,
+    teleop: str = "",
     network: Network | None = None,
     cpu: int | None = None,
     say: Callable[[str], None] = lambda line: None,
@@ -71,17 +73,22 @@ def deploy(
         seconds: how long it runs once it is armed.
         dry: on virtual motors in simulated time; no bus is touched.
         seed: of the trajectory, and of virtual sensors.
-        twist: forward, sideward and turning speed that a policy is to keep [m/s, m/s, rad/s].
+        twist: forward, sideward and turning speed that a policy is to reach and keep [m/s, m/s, rad/s].
+        unapproved: a person takes it upon themselves that the policy was not approved.
+        watchdogs_tested: a person has seen every drive stop by itself.
+        teleop: how to ask for other speeds while it runs: ``keys``, ``udp:PORT`` or nothing.
         network: with motors of one's own, for a dry run.
         cpu: processor to stay on.
         say: gets a status line now and then.
 
     Returns:
-        What happened: ``fault`` (None for none), ``stopped`` (by the operator), punctuality.
+        What happened: ``fault`` (None for none), ``fault_axes`` (whose), ``stopped`` and ``stopped_by``,
+        punctuality, ``notes`` (what the run was held to), ``lacks`` (which budgets of time).
 
     Raises:
-        InputError: a bus that can get too full, or a bundle that does not fit.
+        InputError: a bus that can get too full, or a bundle that does not fit or is not approved.
         VerifyError: a drive is not what the configuration says.
+        RunError: something that nobody foresaw; the drives were damped and disabled.
     """
     for load in bus_load(config):
         if not load.fits:
@@ -90,25 +97,46 @@ def deploy(
                 remedy="use more buses or a longer period",
             )  # fmt: skip
     joints = joints_of(config)
-    controller = controller_of(bundle, config, joints, seed, twist)
-    if not dry:
-        network = PortNetwork(config)
-    elif network is None:
-        network = SimulatedNetwork(config, MotorBank(config, seed=seed))
-    try:
-        with realtime(cpu) as refused:
-            for what in refused:
-                say(f"not permitted: {what}")
-            return _run(Host(config, network, controller, joints), network, seconds, say)
-    finally:
-        if isinstance(network, PortNetwork):
-            network.close()
+    command = Command(np.array(twist, float))
+    controller = controller_of(bundle, config, joints, seed, command)
+    limits, notes = permitted(config, bundle, dry=dry, unapproved=unapproved, tested=watchdogs_tested)
+    if bundle is not None:
+        command.asked, clipped = trained_of(bundle).clipped(command.asked)
+        notes += [clipped] if clipped else []
+    bounds = None if bundle is None else trained_of(bundle)
+
+    def clip(asked: np.ndarray) -> np.ndarray:
+        return np.zeros(3) if bounds is None else bounds.clipped(asked)[0]
+
+    for note in notes:
+        say(note)
+    lacks: list[str] = []
+    if dry:
+        network = network or _virtual(config, seed)
+        result = run_host(Host(config, network, controller, joints, limits), network, seconds, say)
+    else:
+        with opened(config) as ports, realtime(cpu) as refused:
+            host = Host(config, ports, controller, joints, limits)
+            with on_hardware(host, config), teleoperated(teleop, command, clip, ports.now) as watches:
+                host.operator.watches += watches
+                ready = partial(_rehearse, lacks, config, controller, say, refused)
+                result = run_host(host, ports, seconds, say, ready)
+    return {**result, "notes": notes, "lacks": lacks}
 
 
-def _run(host: Host, network: Network, seconds: float, say: Callable[[str], None]) -> dict[str, Any]:
-    for told in host.verify():
-        values = ", ".join(f"{name} {value:g}" for name, value in told.told.items())
-        say(f"{told.axis}: {values or 'answers'}{f' ({told.trusted})' if told.trusted else ''}")
+def run_host(
+    host: Host, network: Network, seconds: float, say: Callable[[str], None] = lambda line: None,
+    before: Callable[[Host], object] = lambda host: None,
+) -> dict[str, Any]:  # fmt: skip
+    """Verifies, arms, runs, and brings down one loop; see `deploy`.
+
+    Args:
+        host: the loop.
+        network: its own.
+        seconds: how long it runs once it is armed.
+        say: gets lines.
+        before: is called when every drive was verified, and none is enabled.
+    """
     said = network.now()
 
     def each(host: Host, tick: int) -> bool:
@@ -116,19 +144,52 @@ def _run(host: Host, network: Network, seconds: float, say: Callable[[str], None
         if network.now() >= said + 1.0:
             said = network.now()
             say(status(host))
-        return host.state.phase == "damp"
+        return host.over
 
-    with _emergency_stop(host):
+    with brought_down(host):
+        for told in host.verify():
+            values = ", ".join(f"{name} {value:g}" for name, value in told.told.items())
+            say(f"{told.axis}: {values or 'answers'}{f' ({told.trusted})' if told.trusted else ''}")
+        before(host)
         host.operator.arm = True
         host.run(seconds, each)
-        fault = host.state.fault
-        armed = host.state.phase != "off"
-        host.operator.arm = False
-        host.run(_CALM)
-    host.close()
-    if not armed and fault is None:
+        words = [host.feedback.fault[k] for k in host.state.axes]
+        fault, axes, armed = host.state.fault, host.state.axes, host.state.phase != "off"
+    operator = host.operator
+    if operator.stop:
+        fault, axes = "emergency stop", ()
+    elif not armed and fault is None:
         fault = "it was never armed"
-    return {"fault": fault, "stopped": host.operator.stop, **host.punctuality.summary()}
+    return {
+        "fault": fault, "fault_axes": [host.axes[k] for k in axes],
+        "fault_words": words if fault == "a drive reports a fault" else [],
+        "stopped": operator.stop, "stopped_by": operator.pressed_by or None, **host.punctuality.summary(),
+    }  # fmt: skip
+
+
+def _virtual(config: CanConfig, seed: int) -> Network:
+    """Virtual motors in simulated time.
+
+    Raises:
+        InputError: the simulator is not installed, as on a robot's own computer.
+    """
+    try:
+        from workbench.rigs import MotorBank
+
+        from .simulated import SimulatedNetwork
+    except ImportError as error:
+        raise InputError(
+            f"a dry run needs the whole workbench: {error.name} is missing",
+            remedy="make it on another computer",
+        ) from error
+    return SimulatedNetwork(config, MotorBank(config, seed=seed))
+
+
+def _rehearse(
+    lacks: list[str], config: CanConfig, controller: Controller, say: Callable[[str], None],
+    refused: Sequence[str], host: Host,
+) -> None:  # fmt: skip
+    lacks += budget(host, config, controller, say, refused)
 
 
 def status(host: Host) -> str:
@@ -139,24 +200,6 @@ def status(host: Host) -> str:
         f"{host.state.phase}{fault}  ticks {p.ticks}  missed {100 * p.missed:.2f} %  "
         f"round trip {1e3 * p.percentile(50):.2f}/{1e3 * p.percentile(99):.2f} ms  hottest {hottest:.0f} degC"
     )
-
-
-@contextmanager
-def _emergency_stop(host: Host) -> Iterator[None]:
-    """An interrupt is the emergency stop: it damps, and stays pressed."""
-
-    def press(number: int, frame: object) -> None:
-        host.operator.stop = True
-
-    try:
-        before = signal.signal(signal.SIGINT, press)
-    except ValueError:  # not the main thread: no signals
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def _finite(joints: Joints, config: CanConfig) -> tuple[np.ndarray, np.ndarray]:

@@ -10,6 +10,7 @@ from workbench.can import CanConfig, Drive, Fault, FrameError, Parameter, make_d
 from workbench.can import Feedback as Said
 
 from .base import BaseFeedback
+from .estop import StopInput
 from .network import Arrival
 
 _SLACK = 0.05  # by which a position may step beyond what full speed allows [rad]
@@ -22,8 +23,10 @@ class Feedback:
         position, velocity, torque: [rad, rad/s, N m]; NaN before the first feedback.
         temperature: [deg C], NaN where none is told.
         stamp: when the feedback was complete on the wire [s]; -inf before the first.
+        fault: what each drive reports, in words; empty for nothing.
         faulty: drives that report a fault or that they do not drive.
         base: what is known of the base.
+        stop: what an emergency stop on a bus says.
         counts: frames by what they were: feedback, base, parameter, echo, unknown, garbage, old.
     """
 
@@ -36,10 +39,11 @@ class Feedback:
         }
         self.position, self.velocity, self.torque = np.full((3, n), np.nan)
         self.temperature, self.stamp = np.full(n, np.nan), np.full(n, -np.inf)
-        self.faulty = np.ones(n, bool)
+        self.faulty, self.fault = np.ones(n, bool), [""] * n
         self.counts: Counter[str] = Counter()
         self._stale = 3 * config.loop.period_s
         self.base = BaseFeedback(config, self._stale)
+        self.stop = StopInput(config)
         self._parameters: list[dict[str, float]] = [{} for _ in range(n)]
 
     def take(self, arrival: Arrival, now: float) -> None:
@@ -56,6 +60,9 @@ class Feedback:
             if said is not None:
                 self._heard(index, said, arrival.stamp, now)
                 return
+        if arrival.bus == self.stop.bus and self.stop.take(arrival.frame, arrival.stamp):
+            self.counts["stop"] += 1
+            return
         base = self.base.take(arrival.frame, arrival.stamp, now) if arrival.bus == self.base.bus else None
         self.counts[base or "unknown"] += 1
 
@@ -83,7 +90,7 @@ class Feedback:
             return
         if isinstance(said, Fault):
             self.counts["feedback"] += 1
-            self.faulty[index] = True
+            self.faulty[index], self.fault[index] = True, f"fault word {said.number:#x}"
             return
         # reordered, repeated, or too long on its way
         if stamp <= self.stamp[index] or now - stamp >= self._stale or stamp > now + 1e-3:
@@ -101,3 +108,6 @@ class Feedback:
         self.velocity[index], self.torque[index] = motor.sign * said.velocity, motor.sign * said.torque
         self.temperature[index] = np.nan if said.temperature is None else said.temperature
         self.faulty[index] = bool(said.fault) or said.enabled is False
+        self.fault[index] = self.drives[index].explain(said.fault) if said.fault else ""
+        if said.enabled is False and not said.fault:
+            self.fault[index] = "is off"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from workbench.can import CanConfig
+from workbench.can.tables import MechanismTable
 from workbench.core import InputError
-from workbench.models import read_model
 
 _HUGE, _FAR = 10.0, 100.0  # times the range; without limits [rad]
 
@@ -64,22 +65,37 @@ def joints_of(config: CanConfig) -> Joints:
     matrix, names = np.eye(n), list(config.axes)
     low, high = np.full(n, -np.inf), np.full(n, np.inf)
     for mechanism in config.mechanism:
-        model = read_model(mechanism.model)
-        where = {"file": config.source, "column": "mechanism.model"}
-        if model.size != len(mechanism.axes):
-            raise InputError(
-                f"'{mechanism.model}' has {model.size} axes, here are {len(mechanism.axes)}",
-                **where, remedy="name its axes in the model's order",
-            )  # fmt: skip
-        if model.posture_dependent:
-            remedy = "only constant transmissions are run over CAN so far"
-            raise InputError(f"the transmission of '{mechanism.model}' changes", **where, remedy=remedy)
         at = [config.axes.index(axis) for axis in mechanism.axes]
-        matrix[np.ix_(at, at)] = model.transmission
-        chain = model.closed_chain.limits if model.closed_chain else ()
+        stated, limits = mechanism.transmission, mechanism.limits
+        if not stated:
+            stated, chain = _of_model(mechanism, config)
+            limits = limits or chain
+        matrix[np.ix_(at, at)] = np.array(stated)
         for k, index in enumerate(at):
             names[index] = mechanism.joints[k] if mechanism.joints else names[index]
-            limits = mechanism.limits or chain
             if limits:
                 low[index], high[index] = limits[k]
     return Joints(tuple(names), matrix, low, high)
+
+
+def _of_model(
+    mechanism: MechanismTable, config: CanConfig
+) -> tuple[np.ndarray, Sequence[tuple[float, float]]]:
+    """Transmission and joints' limits of a mechanism, by its model."""
+    where = {"file": config.source, "column": "mechanism.model"}
+    try:
+        from workbench.models import read_model
+    except ImportError as error:
+        remedy = "write the mechanism's transmission and limits here, as rows of numbers"
+        problem = f"models need the whole workbench: {error.name} is missing"
+        raise InputError(problem, **where, remedy=remedy) from error
+    model = read_model(mechanism.model)
+    if model.size != len(mechanism.axes):
+        raise InputError(
+            f"'{mechanism.model}' has {model.size} axes, here are {len(mechanism.axes)}",
+            **where, remedy="name its axes in the model's order",
+        )  # fmt: skip
+    if model.posture_dependent:
+        remedy = "only constant transmissions are run over CAN so far"
+        raise InputError(f"the transmission of '{mechanism.model}' changes", **where, remedy=remedy)
+    return model.transmission, model.closed_chain.limits if model.closed_chain else ()

@@ -12,9 +12,11 @@ from workbench.can import CanConfig
 from workbench.core import InputError
 
 from .base import BaseMotion
+from .command import Command
 from .controller import Target
 from .joints import Joints
 from .observe import Reach, Sight, check_layout, observe
+from .trained import check_bounds
 
 #: Observation (k,) in, action (n,) out.
 Act = Callable[[np.ndarray], np.ndarray]
@@ -47,20 +49,24 @@ class PolicyController:
         every: ticks from one action to the next.
         period: of the loop [s].
         hold: how long the posture is held first [s].
-        twist: forward, sideward and turning speed that it is to keep (3,) [m/s, m/s, rad/s].
+        command: the velocity that it is asked for; None for none.
     """
 
     def __init__(
         self, bundle: PolicyBundle, act: Act, goal: Reach, every: int, period: float, hold: float = 0.0,
-        twist: np.ndarray | None = None,
+        command: Command | None = None,
     ) -> None:  # fmt: skip
         self._bundle, self._act, self._goal, self._hold = bundle, act, goal, hold
-        self._twist = np.zeros(3) if twist is None else twist
+        self._command = command or Command()
         self._step, self._period, self._every = every * period, period, every
         self._posture = bundle.control.posture
         self._zero = np.zeros(len(self._posture))
         self._begun, self._due, self._made = np.inf, 0, 0.0
         self._action = self._zero
+
+    def rehearse(self) -> np.ndarray:
+        """One call of the network (n,), of which nothing comes."""
+        return self._act(np.zeros(sum(entry.size for entry in self._bundle.observations)))
 
     def target(
         self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
@@ -68,6 +74,7 @@ class PolicyController:
         """The reference of this tick; the posture until the loop runs, and while it is held."""
         if phase != "run":
             self._begun, self._due, self._action = np.inf, 0, self._zero
+            self._command.stand()
             return Target(self._posture, self._zero, now)
         self._begun = min(self._begun, now + self._hold)
         if now < self._begun:
@@ -77,7 +84,7 @@ class PolicyController:
             time = tick * self._period
             sight = Sight(
                 position, velocity, self._posture, self._action, self._goal, time, self._step, base.angular,
-                base.gravity, self._twist,
+                base.gravity, self._command.advance(self._step),
             )  # fmt: skip
             self._action = self._act(observe(self._bundle.observations, sight))
             self._made, self._due = now, (tick // self._every + 1) * self._every
@@ -89,13 +96,19 @@ def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> Non
     """Refuses a bundle that is not for this robot and this loop.
 
     Raises:
-        InputError: layout, machine, transmission, gains, rates or delay differ; names the first that does.
+        InputError: layout, machine, transmission, gains, rates or delay differ, or the robot may do less than
+            the policy counts on; names the first that does.
     """
     own, loop, n = bundle.control, config.loop, len(config.motor)
     if len(own.joints) != n:
         problem = f"a policy of {len(own.joints)} joints for {n} motors"
         raise InputError(problem, file=bundle.source, remedy="deploy it on the robot it was trained for")
     check_layout(bundle.observations, n, config)
+    if sorted(own.joints) == sorted(joints.names) and own.joints != joints.names:
+        raise InputError(
+            f"the policy's joints are {', '.join(own.joints)}, in this order", file=config.source,
+            column="motor", remedy="name the motors in the order of the policy's joints",
+        )  # fmt: skip
     kp, kd = config.gains()
     wanted = (
         ("transmission", own.transmission, joints.matrix, "mechanism"),
@@ -125,6 +138,7 @@ def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> Non
             file=config.source, column="machine",
             remedy=f'if this robot is that machine, write machine = "{machine[:16]}"',
         )  # fmt: skip
+    check_bounds(bundle, config)
 
 
 def reach_between(low: np.ndarray, high: np.ndarray, start: np.ndarray, seed: int) -> Reach:

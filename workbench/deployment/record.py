@@ -10,31 +10,27 @@ from pathlib import Path
 from workbench.can import CanConfig, Wire
 from workbench.can.candump import archive, line, read_candump
 from workbench.can.realtime import realtime
-from workbench.core import InputError, Recording, WorkbenchError
+from workbench.core import InputError, Recording
 from workbench.core.files import check_free, write_whole
 from workbench.frf import Design
 from workbench.recordings import save_recording
 
+from .alone import opened
 from .from_log import Played, recording
 from .host import Host
 from .joints import joints_of
+from .permitted import refuse_untested
 from .player import Player
-from .ports import PortNetwork
 from .processes import end, start
 from .simulated import SimulatedNetwork
+from .stopping import RunError, brought_down, on_hardware
 
 _BEGUN = ".begun"
 _GRACE = 5.0  # s for arming, soft start and settling
 
 
-class RunError(WorkbenchError):
-    """An experiment that ended before its time: says why."""
-
-    exit_code = 1
-
-
 def play(host: Host, player: Player, begun: Callable[[float], None] = lambda time: None) -> None:
-    """Arms, plays to the end, and disables.
+    """Arms, plays to the end, damps and disables.
 
     Args:
         host: the loop, with the player as its controller.
@@ -44,9 +40,6 @@ def play(host: Host, player: Player, begun: Callable[[float], None] = lambda tim
     Raises:
         RunError: everything damped before the end.
     """
-    host.verify()
-    host.operator.arm = True
-
     said = False
 
     def each(host: Host, tick: int) -> bool:
@@ -54,12 +47,15 @@ def play(host: Host, player: Player, begun: Callable[[float], None] = lambda tim
         if player.begun is not None and not said:
             said = True
             begun(player.begun)
-        return host.state.phase == "damp" or player.done(host.time)
+        return host.over or player.done(host.time)
 
-    host.run(player.seconds + _GRACE, each)
-    fault, done = host.state.fault, player.done(host.time)
-    host.close()
+    with brought_down(host):
+        host.verify()
+        host.operator.arm = True
+        host.run(player.seconds + _GRACE, each)
+        fault, done = host.state.fault, player.done(host.time)
     if not done:
+        fault = f"stopped by {host.operator.pressed_by}" if host.operator.pressed_by else fault
         raise RunError(f"the experiment ended early: {fault or 'it never began'}")
 
 
@@ -103,16 +99,14 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
         RunError: everything damped before the end; the log is there.
         VerifyError: a drive is not what the configuration says.
     """
+    refuse_untested(config)
     logger = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
     player = Player(design, experiment, config.loop.period_s)
     try:
-        network = PortNetwork(config)
-        try:
-            with realtime():
-                host = Host(config, network, player, joints_of(config))
+        with opened(config) as network, realtime():
+            host = Host(config, network, player, joints_of(config))
+            with on_hardware(host, config):
                 play(host, player, lambda at: _note(log, at + _shift(log)))
-        finally:
-            network.close()
     finally:
         end(logger)
     return from_log(config, design, experiment, log)

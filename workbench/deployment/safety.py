@@ -12,60 +12,14 @@ from typing import Literal
 
 import numpy as np
 
+from .frozen import Watch, base_frozen, frozen, let_go, unwatched, watch
 from .limits import Limits
+from .seen import Seen, Setpoints, Wanted
 
+#: What is wrong, and with which axes by number; nothing where it is None.
+Problem = tuple[str | None, tuple[int, ...]]
 Phase = Literal["off", "arm", "soft_start", "run", "damp"]
 _HUGE = 10.0  # times the limit: no controller that works asks for this
-
-
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """What is known at one tick; arrays (n,), axis coordinates.
-
-    Attributes:
-        now: monotonic time [s].
-        position, velocity: [rad, rad/s]. temperature: [deg C], NaN where a drive tells none.
-        age: of the feedback, by its receive stamp [s]; infinite before the first.
-        faulty: drives that report a fault, or that they do not drive.
-        bus_ok: no bus is off, no transmit queue full.
-        stop: the emergency stop is pressed.
-        arm: the operator asks for motion.
-        verified: every drive was asked who it is, and said what it had to.
-        base_age: of what is known of the base [s]; 0 where there is no base to know of.
-        failed: what the controller failed with; None where it did not.
-    """
-
-    now: float
-    position: np.ndarray
-    velocity: np.ndarray
-    temperature: np.ndarray
-    age: np.ndarray
-    faulty: np.ndarray
-    bus_ok: bool = True
-    stop: bool = False
-    arm: bool = True
-    verified: bool = True
-    base_age: float = 0.0
-    failed: str | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Setpoints:
-    """torque + kp (position - q) + kd (velocity - w), arrays (n,), axis coordinates."""
-
-    position: np.ndarray
-    velocity: np.ndarray
-    kp: np.ndarray
-    kd: np.ndarray
-    torque: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Wanted:
-    """What a controller asks for, and how old the action behind it is [s]."""
-
-    setpoints: Setpoints
-    age: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +34,9 @@ class SafetyState:
         time: of the last tick [s].
         position: last position that was a number (n,) [rad].
         torque: last torque that went out, a drive's own stiffness included (n,) [N m].
+        told: the same, at least and at most, by what a drive's own damping may add to it (2, n) [N m].
+        watch: over words that do not change.
+        axes: whom the fault is of, by number; empty where it is of nobody.
     """
 
     phase: Phase
@@ -89,11 +46,14 @@ class SafetyState:
     time: float
     position: np.ndarray
     torque: np.ndarray
+    told: np.ndarray
+    watch: Watch
+    axes: tuple[int, ...] = ()
 
 
 def initial(n: int) -> SafetyState:
     """Off, and nothing known of n axes."""
-    return SafetyState("off", 0.0, None, False, 0.0, np.zeros(n), np.zeros(n))
+    return SafetyState("off", 0.0, None, False, 0.0, np.zeros(n), np.zeros(n), np.zeros((2, n)), unwatched(n))
 
 
 def step(
@@ -114,31 +74,36 @@ def step(
         The state after this tick, and what goes out.
     """
     position = np.where(np.isfinite(seen.position), seen.position, state.position)
+    moving = state.phase in ("soft_start", "run")
+    state = replace(state, watch=watch(limits, state.watch, seen, state.told, moving))
     moved = _phase(limits, state, seen, wanted)
     if moved.phase in ("soft_start", "run") and wanted is not None:
         fade = 1.0 if moved.phase == "run" else (seen.now - moved.since) / limits.soft_start_s
         elapsed = min(max(seen.now - state.time, 0.0), limits.stale_s)
         out = _limited(limits, wanted.setpoints, position, state.torque, elapsed, min(max(fade, 0.0), 1.0))
     else:
-        out = _damping(limits, position, off=moved.phase == "off")
+        out = damping(limits, position, off=moved.phase == "off")
     torque = out.torque + out.kp * (out.position - position)
-    return replace(moved, time=seen.now, position=position, torque=torque, asked=seen.arm), out
+    doubt = out.kd * np.abs(out.velocity - np.nan_to_num(seen.velocity))
+    told = np.array([torque - doubt, torque + doubt])
+    return replace(moved, time=seen.now, position=position, torque=torque, told=told, asked=seen.arm), out
 
 
 def _phase(limits: Limits, state: SafetyState, seen: Seen, wanted: Wanted | None) -> SafetyState:
     """The phase of this tick."""
 
-    def to(phase: Phase, fault: str | None = None) -> SafetyState:
-        return replace(state, phase=phase, since=seen.now, fault=fault)
+    def to(phase: Phase, problem: Problem = (None, ())) -> SafetyState:
+        return replace(state, phase=phase, since=seen.now, fault=problem[0], axes=problem[1])
 
-    problem = _sight(limits, seen)
+    problem = _sight(limits, state, seen)
     if state.phase in ("off", "damp"):
         anew = seen.arm and not state.asked
         if anew and problem is None and seen.verified:
             return to("arm")
-        return replace(state, fault=problem or state.fault) if anew else state
-    problem = problem or seen.failed or (_wish(limits, wanted) if wanted or state.phase != "arm" else None)
-    if problem is not None:
+        return replace(state, fault=problem[0], axes=problem[1]) if anew and problem else state
+    if problem is None and (seen.failed or wanted or state.phase != "arm"):
+        problem = (seen.failed or _wish(limits, wanted), ())
+    if problem is not None and problem[0] is not None:
         return to("damp", problem)
     if not seen.arm:
         return to("damp")
@@ -149,28 +114,44 @@ def _phase(limits: Limits, state: SafetyState, seen: Seen, wanted: Wanted | None
     return state
 
 
-def _sight(limits: Limits, seen: Seen) -> str | None:
-    """What is wrong with what is seen."""
-    if seen.stop:
-        return "emergency stop"
-    if not seen.bus_ok:
-        return "bus off or queue full"
-    if not np.isfinite([*seen.position, *seen.velocity]).all():
-        return "feedback is no number"
-    if not (seen.age < limits.stale_s).all():
-        return f"no feedback for {1e3 * limits.stale_s:.3g} ms"
-    if not seen.base_age < limits.stale_s:
-        return f"no word of the base for {1e3 * limits.stale_s:.3g} ms"
-    if seen.faulty.any():
-        return "a drive reports a fault"
-    over = limits.overrun
-    if (seen.position < limits.low - over).any() or (seen.position > limits.high + over).any():
-        return "position limit"
-    if (np.abs(seen.velocity) > limits.velocity).any():
-        return "velocity limit"
-    if (seen.temperature > limits.temperature).any():
-        return "temperature limit"
+def _sight(limits: Limits, state: SafetyState, seen: Seen) -> Problem | None:
+    """What is wrong with what is seen, and of which axes."""
+    for whole, said in (
+        (seen.stop, "emergency stop"),
+        (not seen.bus_ok, "bus off or queue full"),
+    ):
+        if whole:
+            return said, ()
+    moving = state.phase in ("soft_start", "run")
+    over, lost = limits.overrun, f"{1e3 * limits.stale_s:.3g} ms"
+    tilt = _tilt(seen.gravity)
+    checks: tuple[tuple[np.ndarray | bool, str], ...] = (
+        (~(seen.age < limits.stale_s), f"no feedback for {lost}"),
+        (~np.isfinite(seen.position) | ~np.isfinite(seen.velocity), "feedback is no number"),
+        (not seen.base_age < limits.stale_s, f"no word of the base for {lost}"),
+        (seen.faulty, "a drive reports a fault"),
+        (not seen.gap <= limits.watchdog_s, "commands came further apart than a drive's watchdog waits"),
+        (
+            tilt > limits.tilt,
+            f"tilted by {np.degrees(tilt):.0f} degrees, beyond {np.degrees(limits.tilt):.0f}",
+        ),
+        ((seen.position < limits.low - over) | (seen.position > limits.high + over), "position limit"),
+        (np.abs(seen.velocity) > limits.velocity, "velocity limit"),
+        (seen.temperature > limits.temperature, "temperature limit"),
+        (frozen(limits, state.watch, seen), "feedback is frozen"),
+        (moving & let_go(state.watch, seen), "a drive does not follow its torque"),
+        (base_frozen(seen), "the inertial unit is frozen"),
+    )
+    for wrong, said in checks:
+        if np.any(wrong):
+            return said, tuple(np.flatnonzero(wrong).tolist()) if np.ndim(wrong) else ()
     return None
+
+
+def _tilt(gravity: np.ndarray) -> float:
+    """Angle between the base's downward axis and gravity (3,) [rad]; NaN where it is not known."""
+    length = float(np.linalg.norm(gravity))
+    return float(np.arccos(np.clip(-gravity[2] / length, -1.0, 1.0))) if length > 0.0 else np.nan
 
 
 def _wish(limits: Limits, wanted: Wanted | None) -> str | None:
@@ -211,7 +192,8 @@ def _limited(
     return Setpoints(position, velocity, np.where(stiff, kp * weak, 0.0), kd, torque)
 
 
-def _damping(limits: Limits, q: np.ndarray, off: bool) -> Setpoints:
+def damping(limits: Limits, q: np.ndarray, off: bool = False) -> Setpoints:
+    """No torque, no stiffness; damping at positions q (n,) [rad], or nothing at all where it is `off`."""
     zero = np.zeros_like(q)
     kd = zero if off else np.minimum(limits.damping, limits.kd)
     return Setpoints(np.clip(q, limits.low, limits.high), zero, zero, kd, zero)

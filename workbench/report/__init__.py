@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any
 from .json import comparison_dict, diagnosis_dict, improvement_dict, verification_dict, write_json
 from .json_parts import effect_dict
 from .layout import print_table
-from .sections import sentence
-from .tables import compare_table, diagnosis_table, improvement_table, truth_table
 from .verification import verification_table
 
 if TYPE_CHECKING:
@@ -24,8 +22,10 @@ if TYPE_CHECKING:
     )
     from .page import render_page, write_page
     from .search_sheet import trace_sheet
+    from .sections import sentence
     from .shapes import shape_figure
     from .sheet import Sheet, render_sheet, write_sheet
+    from .tables import compare_table, diagnosis_table, improvement_table, truth_table
 
 __all__ = [
     "Sheet",
@@ -59,15 +59,20 @@ __all__ = [
 
 _HOME = {
     "Sheet": "sheet",
+    "compare_table": "tables",
+    "diagnosis_table": "tables",
     "house_style": "figures",
+    "improvement_table": "tables",
     "ladder_figure": "figures",
     "overlay_figure": "figures",
     "render_page": "page",
     "render_sheet": "sheet",
     "residual_figure": "figures",
     "save_figure": "figures",
+    "sentence": "sections",
     "shape_figure": "shapes",
     "trace_sheet": "search_sheet",
+    "truth_table": "tables",
     "spectrum_figure": "figures",
     "verification_sheet": "check_sheet",
     "write_page": "page",

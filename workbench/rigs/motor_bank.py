@@ -12,14 +12,14 @@ from workbench.core import InputError
 
 from .hidden import HiddenEffect
 from .live import ROW, LiveLeg, LiveShaft, Plant
+from .quadruped import GRAVITY_NOISE, GYRO_NOISE, LiveQuadruped
 from .quadruped import ROW as QUADRUPED_ROW
-from .quadruped import LiveQuadruped
 from .virtual_leg import Sensors
 from .virtual_motor import VirtualMotor
 
 IMU = ""  # who says what is no axis's
 _STEADY = 0.1  # s that drives hold at full torque before a stand lets go
-_STILL, _DOWN = np.zeros(3), np.array([0.0, 0.0, -1.0])
+_DOWN = np.array([0.0, 0.0, -1.0])
 
 #: Full scale of drives whose ranges are to be read from them.
 _OWN = (12.5, 45.0, 25.0)
@@ -58,9 +58,13 @@ class MotorBank:
             m.axis: VirtualMotor(m.axis, make_drive(m, _OWN if m.reads_ranges else None), m.sign, m.offset)
             for m in config.motor
         }
+        for m in config.motor:
+            if "watchdog" not in self.motors[m.axis].drive.parameters:  # set with the vendor's tool
+                self.motors[m.axis].parameters["watchdog"] = m.watchdog_s
         self._plants: list[tuple[Plant, list[VirtualMotor]]] = []
         self.robot: LiveQuadruped | None = None
         self._imu, self._sample, self._on = None, 0.0, 0
+        self._noise = np.random.default_rng([seed, 47])
         if config.imu:
             if config.imu.protocol != "workbench":
                 raise InputError(
@@ -145,8 +149,13 @@ class MotorBank:
         if self._imu is None or now < self._sample - 0.5 * self.row:
             return []
         self._sample = max(self._sample, now - self._period) + self._period
-        angular, gravity = robot.feel() if robot else (_STILL, _DOWN)
+        angular, gravity = robot.feel() if robot else self._rest()
         return [(IMU, frame) for frame in self._imu.encode(_triple(angular), _triple(gravity))]
+
+    def _rest(self) -> tuple[np.ndarray, np.ndarray]:
+        """What a unit on a stand shows: its noise."""
+        noise = self._noise.standard_normal((2, 3))
+        return GYRO_NOISE * noise[0], _DOWN + GRAVITY_NOISE * noise[1]
 
 
 def _triple(values: np.ndarray) -> Triple:

@@ -22,7 +22,7 @@ ROW = 0.5e-3  # s, one step of Drake
 _FOOT, _FRICTION = 0.02, 0.8  # m; dry, with the ground
 _STAND = (0.0, -0.75, 0.45)  # rad, of a leg's drives, in which it stands
 _DROP = 0.005  # m that it is let down from
-_GYRO, _GRAVITY = 0.02, 0.005  # rad/s and share of g: noise of a common inertial unit
+GYRO_NOISE, GRAVITY_NOISE = 0.02, 0.005  # rad/s and share of g: noise of a common inertial unit
 
 
 def quadruped_mechanism() -> Mechanism:
@@ -91,7 +91,7 @@ class LiveQuadruped:
         """What the inertial unit shows now (3,): angular velocity [rad/s], direction of gravity."""
         gravity, _, angular = self.motion
         noise = self._generator.standard_normal((2, 3))
-        return angular + _GYRO * noise[0], gravity + _GRAVITY * noise[1]
+        return angular + GYRO_NOISE * noise[0], gravity + GRAVITY_NOISE * noise[1]
 
     def command(self, torque: Sequence[float]) -> None:
         """The torques of the row that begins [N m]."""

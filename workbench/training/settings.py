@@ -5,10 +5,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from math import acos
 from typing import Any
 
 from workbench.core.provenance import versions
 
+from .environment import STEEPEST
 from .machine import POLICY_STEPS, STEP_S, Machine
 from .randomisation import LEG_RANDOMISATION, Randomisation
 from .situation import POLICY_S
@@ -121,6 +123,8 @@ def control_table(task: Task, machine: Machine) -> dict[str, Any]:
         "policy_period_s": POLICY_S,
         "control_steps_a_policy_step": POLICY_STEPS,
         "delay_steps": machine.delay_steps,
+        "tilt_limit": acos(STEEPEST) if machine.floating else None,
+        "command_range": [list(each) for each in task.commands] if task.commands else None,
     }
 
 

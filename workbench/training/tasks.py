@@ -14,6 +14,7 @@ from .terms import Observation, Reward
 
 PITCH_HZ, PITCH_RAD = 5.0, 0.1  # paper, Sec. V: sinusoidal base-pitch command
 CIRCLE = 0.8, 0.0, 0.8  # paper, Table V: 0.8 m/s, 0.8 rad/s
+VELOCITIES = (-0.6, 1.2), (-0.3, 0.3), (-1.0, 1.0)  # forward, sideward [m/s], turning [rad/s]
 REACH_AHEAD = 1, 2, 4  # policy steps that the reference is seen ahead
 
 
@@ -34,6 +35,7 @@ class Task:
         randomisation: of the leg's links, as in the paper's table (name in `LEG_RANDOMISATION`).
         hidden: widths of the policy's hidden layers.
         iterations: of PPO, as the paper had them.
+        commands: lowest and highest forward, sideward and turning speed [m/s, m/s, rad/s]; None without one.
     """
 
     name: str
@@ -48,6 +50,7 @@ class Task:
     randomisation: str
     hidden: tuple[int, ...]
     iterations: int
+    commands: tuple[tuple[float, float], ...] | None = None
 
     @property
     def episode_steps(self) -> int:
@@ -221,7 +224,8 @@ PITCH = Task(
 
 def circular_command(draws: Draws, worlds: int) -> Array:
     """Forward and sideward speed and yaw rate; one world in ten is to stand, two in ten to run the circle."""
-    drawn = draws.uniform((-0.6, -0.3, -1.0), (1.2, 0.3, 1.0), (worlds, 3))
+    low, high = zip(*VELOCITIES, strict=True)
+    drawn = draws.uniform(low, high, (worlds, 3))
     kind = draws.uniform((0.0,), (1.0,), (worlds, 1))
     circle = draws.constant(CIRCLE, (worlds, 3))
     xp = draws.xp
@@ -259,6 +263,7 @@ CIRCULAR = Task(
     randomisation="leg_rand",
     hidden=(256, 128, 64),
     iterations=4000,
+    commands=VELOCITIES,
 )
 
 TASKS: dict[str, Task] = {task.name: task for task in (REACH, PITCH, CIRCULAR)}

@@ -1,0 +1,68 @@
+"""Which budget of time a loop lacks is said before it starts."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.deployment.robot import TICK, Robot
+from workbench.deployment import Punctuality
+from workbench.deployment.budget import REHEARSAL_S, budget, lacking, takes
+from workbench.deployment.deploy import run_host
+
+
+def punctual(**more: object) -> Punctuality:
+    return Punctuality(**{"round_trips": [0.8e-3] * 200, "late": [5e-5] * 200, **more})
+
+
+def test_a_loop_that_keeps_its_times_lacks_nothing() -> None:
+    assert lacking(punctual(), TICK, 3 * TICK, 0.4e-3) == []
+
+
+@pytest.mark.parametrize(
+    ("seen", "policy", "said"),
+    [
+        (punctual(round_trips=[2.6e-3] * 200), 0.0, "an exchange takes 2.6 ms (99 %), of the 2.55 ms"),
+        (punctual(), 2e-3, "takes 0.8 ms and the policy 2 ms"),
+        (punctual(round_trips=[]), 0.0, "an exchange takes nan ms"),
+        (punctual(late=[5e-5] * 199 + [0.0035]), 0.0, "late by 3.5 ms, and 3 ms are to spare"),
+        (punctual(skipped=5), 0.0, "2.4 % of the ticks"),
+        (punctual(incomplete=10), 0.0, "10 of 200 exchanges lacked an answer"),
+    ],
+)
+def test_what_is_lacking_is_named(seen: Punctuality, policy: float, said: str) -> None:
+    [line] = lacking(seen, TICK, 3 * TICK, policy)
+    assert said in line
+
+
+def test_a_rehearsal_moves_nothing_and_does_not_count(tmp_path: Path) -> None:
+    robot, said = Robot(tmp_path), []
+
+    def before(host) -> None:
+        begin = robot.network.now()
+        assert budget(host, robot.config, robot.controller, said.append) == [] == said
+        assert robot.network.now() - begin == pytest.approx(REHEARSAL_S, abs=6 * TICK)
+        assert not any(motor.longest for motor in robot.motors), "no drive was on"
+        assert host.punctuality.ticks == 0 and not host.punctuality.counts
+
+    result = run_host(robot.host, robot.network, 0.3, before=before)
+    assert result["fault"] is None and result["ticks"] < 300
+
+
+def test_drives_that_answer_late_are_told_of(tmp_path: Path) -> None:
+    robot, said = Robot(tmp_path), []
+    robot.host.verify()
+    robot.network.tamper = lambda a: [(a.stamp + 0.0028, a)]
+    lacks = budget(robot.host, robot.config, robot.controller, said.append)
+    assert len(lacks) == 2 and said[0].startswith("lacks time: an exchange takes")
+    robot.network.tamper = None
+    assert budget(robot.host, robot.config, robot.controller, said.append, ["realtime"])[0].endswith(
+        "realtime"
+    )
+
+
+def test_a_policy_is_timed() -> None:
+    assert 2e-3 < takes(lambda: time.sleep(2e-3)) < 0.1
+    assert takes(lambda: time.sleep(2e-3), lambda seconds: 10.0 * seconds) < 1e-2

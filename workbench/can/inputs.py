@@ -1,0 +1,41 @@
+"""What else hangs on a bus and says something: an inertial unit, an emergency stop."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from .table import Table
+
+
+class ImuTable(Table):
+    """``[imu]``: the inertial unit of a base.
+
+    Attributes:
+        bus: name of its bus.
+        protocol: a name in `workbench.can.imu.IMUS`.
+        id: of its first frame.
+        period_s: from one sample to the next [s].
+        tilt: of the base against gravity, beyond which everything damps [rad]; else the policy's.
+    """
+
+    bus: str
+    protocol: str = "workbench"
+    id: int
+    period_s: Annotated[float, Field(ge=0.0005, le=0.02)] = 0.003
+    tilt: Annotated[float, Field(gt=0.0, le=3.2)] | None = None
+
+
+class StopTable(Table):
+    """``[stop]``: an emergency stop that says on a bus that motion is permitted: first byte 1, standard id.
+
+    Attributes:
+        bus: name of its bus.
+        id: of its frame.
+        silent_s: how long it may say nothing before that is a press [s].
+    """
+
+    bus: str
+    id: Annotated[int, Field(ge=0, le=0x7FF)]
+    silent_s: Annotated[float, Field(ge=0.01, le=1.0)] = 0.1

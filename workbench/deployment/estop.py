@@ -1,0 +1,47 @@
+"""An emergency stop on a bus: a button that says all the time that all is well, and stops by anything else.
+
+Its frame's first byte is 1 as long as motion is permitted. Every other first byte stops, and so does silence:
+a button whose cable is torn off, or whose battery is empty, is a pressed one.
+"""
+
+from __future__ import annotations
+
+from workbench.can import CanConfig, Frame
+
+_PERMITTED = 1
+
+
+class StopInput:
+    """What the button says; without one in the configuration nothing stops.
+
+    Args:
+        config: where it is.
+
+    Attributes:
+        bus: of the button; empty without one.
+    """
+
+    def __init__(self, config: CanConfig) -> None:
+        self._table = config.stop
+        self.bus = config.stop.bus if config.stop else ""
+        self._heard = float("-inf")  # when motion was last permitted [s]
+        self._refused = False
+
+    def take(self, frame: Frame, stamp: float) -> bool:
+        """One frame of its bus; returns whether it is the button's."""
+        if self._table is None or frame.extended or frame.id != self._table.id:
+            return False
+        if frame.data[:1] == bytes([_PERMITTED]):
+            self._heard = max(self._heard, stamp)
+        else:
+            self._refused = True
+        return True
+
+    def said(self, now: float) -> str | None:
+        """What stops, if something does; a press that is over counts as one until this was asked."""
+        if self._table is None:
+            return None
+        refused, self._refused = self._refused, False
+        if refused:
+            return "the button"
+        return "the silence of the button" if now - self._heard > self._table.silent_s else None

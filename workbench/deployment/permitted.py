@@ -1,0 +1,76 @@
+"""What a run may do before the first torque: approval, limits of the training, watchdogs that were tested."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.bundle import PolicyBundle, objections
+from workbench.can import CanConfig, make_drive
+from workbench.core import InputError
+
+from .limits import Limits, limits_of
+from .trained import trained_of, wider
+
+UNTESTED = 0.1  # of a torque limit, where nobody has seen the drive stop by itself
+
+
+def untested(config: CanConfig) -> list[str]:
+    """Axes whose drive cannot be asked for its watchdog, and that no person has seen stop by itself."""
+    return [
+        motor.axis
+        for motor in config.motor
+        if "watchdog" not in make_drive(motor).parameters and motor.watchdog_tested is None
+    ]
+
+
+def permitted(
+    config: CanConfig, bundle: PolicyBundle | None, *, dry: bool, unapproved: bool, tested: bool
+) -> tuple[Limits, list[str]]:
+    """The limits of a run, and lines that say what it is held to.
+
+    Args:
+        config: the robot.
+        bundle: its policy; None for a tracker.
+        dry: no hardware moves.
+        unapproved: a person takes it upon themselves that the policy was not approved.
+        tested: a person has seen every drive stop by itself.
+
+    Raises:
+        InputError: a policy that is not approved, for hardware.
+    """
+    limits, lines = limits_of(config), list[str]()
+    if bundle is not None:
+        limits = trained_of(bundle).limits(limits)
+        lines += [line] if (line := wider(bundle, config)) else []
+        if against := objections(bundle):
+            if not (dry or unapproved):
+                raise InputError(
+                    f"the policy is not approved: {against[0]}", file=bundle.source,
+                    remedy="run `workbench approve` on its model and train again, or deploy it --unapproved",
+                )  # fmt: skip
+            lines.append(f"not approved, hardware needs --unapproved: {'; '.join(against)}")
+    doubtful = [] if tested else untested(config)
+    if doubtful:
+        part = np.array([UNTESTED if axis in doubtful else 1.0 for axis in config.axes])
+        limits = replace(limits, torque=part * limits.torque)
+        lines.append(
+            f"a tenth of the torque for {', '.join(doubtful)}: no watchdog can be read from these. See "
+            "each stop without its host, and write watchdog_tested = DATE, or give --watchdogs-tested"
+        )
+    return limits, lines
+
+
+def refuse_untested(config: CanConfig) -> None:
+    """Refuses an experiment on drives that may not stop by themselves: at a tenth of the torque it is none.
+
+    Raises:
+        InputError: a drive whose watchdog nobody can read and nobody has tested.
+    """
+    for axis in untested(config):
+        raise InputError(
+            "its watchdog cannot be read, and nobody has tested it", file=config.source,
+            column=f"motor '{axis}'.watchdog_tested",
+            remedy="see the drive stop without its host, then write watchdog_tested = DATE",
+        )  # fmt: skip

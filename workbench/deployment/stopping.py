@@ -1,0 +1,85 @@
+"""Every way out of a run ends in damping: an end, a fault, a signal, an exception, a parent that dies."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from workbench.can import CanConfig
+from workbench.core import WorkbenchError
+
+from .deadman import Deadman
+from .host import Host
+
+#: What asks a program to end, or would keep it from commanding its drives: each presses the emergency stop.
+SIGNALS = tuple(getattr(signal, f"SIG{name}") for name in ("INT", "TERM", "HUP", "QUIT", "TSTP"))
+
+
+class RunError(WorkbenchError):
+    """A run that ended before its time: says why."""
+
+    exit_code = 1
+
+
+@contextmanager
+def brought_down(host: Host) -> Iterator[None]:
+    """However the block ends, every drive damps and is then disabled, before anything else happens.
+
+    Signals press the emergency stop, and go on doing so until the drives are disabled: a second one, sent out
+    of impatience, skips nothing. Outside the main thread no signal can be taken.
+
+    Args:
+        host: the loop that the block runs.
+
+    Raises:
+        RunError: the block broke off with an exception that nobody meant.
+    """
+    before: dict[int, Any] = {}
+
+    def press(number: int, frame: object) -> None:
+        host.operator.press(signal.Signals(number).name)
+
+    with suppress(ValueError):  # not the main thread
+        for number in SIGNALS:
+            before[number] = signal.signal(number, press)
+    try:
+        try:
+            yield
+        finally:
+            host.close()
+    except WorkbenchError:
+        raise
+    except Exception as error:
+        said = f"{type(error).__name__}: {error}"
+        raise RunError(f"the run broke off, and every drive was damped and disabled: {said}") from error
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
+def on_hardware(host: Host, config: CanConfig) -> Iterator[None]:
+    """What only the machine's own clock needs: a thread beside the policy, and an eye on the parent."""
+    host.operator.watches.append(orphaned())
+    loop = config.loop
+    host.deadman = Deadman(host.drives, loop.period_s, 3 * loop.period_s, config.clock.machine)
+    with host.deadman.watching():
+        yield
+
+
+def orphaned() -> Callable[[], str | None]:
+    """A watch for the emergency stop: whoever started this process is gone, as after a dropped connection."""
+    parent = os.getppid()
+    return lambda: "the death of its parent" if os.getppid() != parent else None
+
+
+def exit_code(result: Mapping[str, Any]) -> int:
+    """Of a run: 0 without a fault, 1 with one; where it was stopped, 128 and the signal's number, or 130."""
+    if not result["stopped"]:
+        return 1 if result["fault"] else 0
+    stopped_by = result["stopped_by"] or ""
+    number = getattr(signal, stopped_by, None) if stopped_by.startswith("SIG") else None
+    return 128 + int(number) if number is not None else 130
