@@ -112,6 +112,14 @@ def import_(
             "--start", metavar="JOINT=ANGLE", help="A joint's angle near a closed posture; picks the branch."
         ),
     ] = None,
+    hold: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--hold",
+            metavar="JOINT=ANGLE",
+            help="A joint that has no drive and stays there: a stiff spring, say.",
+        ),
+    ] = None,
     gear: Annotated[
         list[float] | None, typer.Option("--gear", help="Gear ratio, one for all drives or one each.")
     ] = None,
@@ -156,7 +164,7 @@ def import_(
         show_contents(path, json, force, quiet)
     else:
         asked = MechanismOptions(
-            path, drive, joint or [], loop or [], foot, limits or [], start or [], gear, rotor_inertia,
-            rotor_damping, torque_limit, delay,
+            path, drive, joint or [], loop or [], foot, limits or [], start or [], hold or [], gear,
+            rotor_inertia, rotor_damping, torque_limit, delay,
         )  # fmt: skip
         import_mechanism(asked, output, axis, json, force, quiet)

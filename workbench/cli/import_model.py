@@ -26,6 +26,7 @@ class MechanismOptions:
     foot: str | None
     limits: Sequence[str]
     start: Sequence[str]
+    hold: Sequence[str]
     gear: list[float] | None
     rotor_inertia: list[float] | None
     rotor_damping: list[float] | None
@@ -60,7 +61,7 @@ def show_contents(path: Path, json: str | None, force: bool, quiet: bool) -> Non
 
     found = contents_of(path)
     if json:
-        content = {"format": 1, **vars(found)}
+        content = {"format": 1, **vars(found), "couplings": [vars(each) for each in found.couplings]}
         write_result(content, json, files=[path], force=force)
     if not quiet and json != "-":
         echo(str(found))
@@ -75,7 +76,7 @@ def import_mechanism(
     Raises:
         InputError: an option that is not of its form, or a mechanism that cannot be made of the file.
     """
-    from workbench.core import Mechanism
+    from workbench.core import Coupling, Mechanism
     from workbench.importing import Drives, assemblies, contents_of, import_model
     from workbench.models import linkage_table
 
@@ -101,6 +102,9 @@ def import_mechanism(
         foot=asked.foot,
         start=tuple((k, _number(v)) for k, v in named_values(asked.start, "--start", "knee=1.2").items()),
         limits=tuple(stated[name] for name in serial) if known else (),
+        couplings=tuple(
+            Coupling(k, None, (_number(v),)) for k, v in named_values(asked.hold, "--hold", "shin=0").items()
+        ),
     )
     names, count = asked.drives, len(asked.drives)
     gear = _each(asked.gear, count, 1.0, "--gear")
@@ -138,6 +142,8 @@ def import_mechanism(
     kind = "changes with the posture" if made.posture_dependent else "is constant"
     beside = " and ".join(file.name for file in _beside(made, path, output))
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
+    for line in contents.bonds:
+        echo(f"{line[0].upper()}{line[1:]}.")
     lost = {name: value for name, value in contents.damping.items() if value and name not in names}
     if lost:
         said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())

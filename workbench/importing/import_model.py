@@ -89,7 +89,11 @@ def import_model(
     with opened(mechanism.file) as (source, converted):
         cut, kept, texts = replace(mechanism, file=source), mechanism.file, dict[Path, str]()
         if converted is not None:
-            cut = replace(cut, loops=(*converted.loops, *mechanism.loops))
+            cut = replace(
+                cut,
+                loops=(*converted.loops, *mechanism.loops),
+                couplings=(*converted.couplings, *mechanism.couplings),
+            )
             kept = target.with_suffix(".sdf")
             _check_written(kept, mechanism.file, force)
             texts[kept] = converted.sdf

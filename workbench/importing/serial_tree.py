@@ -33,6 +33,10 @@ def serial_mjcf(mechanism: Mechanism, name: str) -> str:
     holder = ElementTree.SubElement(root, "worldbody")
     context: Any = plant.CreateDefaultContext()
     plant.SetPositions(context, np.zeros(plant.num_positions()))
+    held = _held(mechanism)
+    for joint_name, position in held.items():
+        joint = plant.GetJointByName(joint_name, model)
+        plant.SetPositions(context, _placed(plant, context, joint, position))
     for link in _way_to_foot(plant, model, mechanism):
         holder = _add_body(holder, plant, context, link, mechanism)
     ElementTree.indent(root)
@@ -54,12 +58,13 @@ def _way_to_foot(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
         way.append(inboard[body.index()])
         body = way[-1].parent_body()
     way.reverse()
-    moving = [joint.name() for joint in way if joint.num_positions()]
+    held = _held(mechanism)
+    moving = [joint.name() for joint in way if joint.num_positions() and joint.name() not in held]
     if sorted(moving) != sorted(mechanism.joints):
         raise InputError(
             f"the way to {mechanism.foot or 'the last joint'} passes {', '.join(moving) or 'no joint'}",
             file=mechanism.file, column="closed_chain.joints",
-            remedy="name these as serial joints, or another foot",
+            remedy="name these as serial joints, hold those that stay, or name another foot",
         )  # fmt: skip
     strange = [joint for joint in way if joint.type_name() not in _KINDS]
     if strange:
@@ -78,7 +83,7 @@ def _add_body(
     out = ElementTree.SubElement(
         holder, "body", name=body.name(), pos=_numbers(at.translation()), quat=_quat(at.rotation().matrix())
     )
-    kind = _KINDS[joint.type_name()]
+    kind = "fixed" if joint.name() in _held(mechanism) else _KINDS[joint.type_name()]
     if kind != "fixed":
         own = joint.frame_on_child().GetFixedPoseInBodyFrame()
         axis = joint.revolute_axis() if kind == "hinge" else joint.translation_axis()
@@ -96,6 +101,18 @@ def _add_body(
     _add_inertia(out, body)
     _draw(out, plant, body, mechanism)
     return out
+
+
+def _held(mechanism: Mechanism) -> dict[str, float]:
+    """Joints that stay where they are, and where [rad or m]."""
+    return {c.joint: c.at(0.0)[0] for c in mechanism.all_couplings() if c.follows is None}
+
+
+def _placed(plant: Any, context: Any, joint: Any, position: float) -> np.ndarray:
+    """The plant's positions with one joint elsewhere."""
+    positions = np.array(plant.GetPositions(context))
+    positions[joint.position_start()] = position
+    return positions
 
 
 def _add_inertia(out: ElementTree.Element, body: Any) -> None:

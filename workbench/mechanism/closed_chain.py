@@ -113,7 +113,7 @@ class ClosedChain:
     def loop_residual(self, q: np.ndarray) -> float:
         """Largest gap [m] of a loop at drive positions `q` (n,) after closing."""
         self._driven.at(q)
-        return float(np.linalg.norm(self._tree.gap().reshape(-1, 3), axis=1).max(initial=0.0))
+        return float(self._tree.open_loops().max(initial=0.0))
 
     def projection(self, q: np.ndarray) -> np.ndarray:
         """L (N, n), d theta / d q at drive positions `q` (n,).

@@ -196,7 +196,7 @@ class PostureDependent:
 
         where = {"file": self.model.source, "column": "closed_chain.limits"}
         try:
-            found = tabulate(sample, self.box, tolerance)
+            found = tabulate(sample, self.box, tolerance, self._least(chain))
         except SimulationError as error:
             raise InputError(
                 f"{error}, which is within the limits", **where, remedy="narrow the limits to the workspace"
@@ -208,6 +208,13 @@ class PostureDependent:
                 f"{say(self.model, self.least_at)})", **where, remedy="narrow the limits",
             )  # fmt: skip
         return found
+
+    def _least(self, chain: PostureChain) -> np.ndarray:
+        """A thousandth of what mass and weight are in all: of what is far less only rounding may be left."""
+        at = chain.dynamics(self.box.mean(axis=1))
+        mass = float(np.abs(at.mass).max())
+        pull = max(float(np.abs(at.gravity).max()), float(np.abs(at.potential).max()))
+        return 1e-3 * np.array([*[mass] * len(self._upper[0]), pull or 1.0, *[1.0] * self.model.size])
 
     def _square(self, upper: np.ndarray) -> np.ndarray:
         """Symmetric matrices (..., n, n) from their upper triangles (..., n (n + 1) / 2)."""
