@@ -106,7 +106,8 @@ def test_one_robot_in_three_forms_is_one_s3n(
     monkeypatch.setitem(globals(), "_ENDS", ends)
     models = [_imported(make(tmp_path)) for make in (_mjcf, _urdf, _sdf)]
     generator = np.random.default_rng(1)
-    q = generator.uniform(*np.transpose(_LIMITS), (6, 2))
+    low, high = np.transpose(_LIMITS)
+    q = generator.uniform(low, high, (6, 2))
     v = generator.uniform(-4.0, 4.0, q.shape)
     written = []
     for model in models:
@@ -123,6 +124,29 @@ def test_one_robot_in_three_forms_is_one_s3n(
                 if value is not None:
                     size = float(np.abs(value).max())
                     np.testing.assert_allclose(getattr(other, key), value, atol=accuracy * size, err_msg=key)
+
+
+def test_a_whole_robot_with_two_legs_on_one_base_is_checked(tmp_path: Path) -> None:
+    """Each leg has a loop of its own; serial coordinates are those of both, and no end is the foot."""
+    text = _mjcf(tmp_path).read_text()
+    leg = text[text.index("<worldbody>") + len("<worldbody>") : text.index("</worldbody>")]
+    left, right = (leg.replace('name="', f'name="{side}_') for side in ("left", "right"))
+    right = right.replace("<body", '<body pos="0 -0.2 0"', 1).replace(' pos="0.0 0.0 0.0"', "", 1)
+    bound = "".join(f'<connect site1="{s}_rod_end" site2="{s}_heel"/>' for s in ("left", "right"))
+    file = tmp_path / "both.xml"
+    file.write_text(f"<mujoco><worldbody>{left}{right}</worldbody><equality>{bound}</equality></mujoco>")
+    names = [
+        tuple(f"{side}_{name}" for side in ("left", "right") for name in pair)
+        for pair in (("hip", "crank"), ("hip", "knee"))
+    ]
+    start = tuple(
+        (f"{side}_{k}", v) for side in ("left", "right") for k, v in (("knee", 1.1), ("crank", 1.3))
+    )
+    mechanism = Mechanism(file, names[0], names[1], (), None, start, _LIMITS * 2)
+    import_model(mechanism, Drives(*[(1.0,) * 4] * 4), tmp_path / "own.toml")
+    result = verify(read_model(tmp_path / "own.toml"), samples=4)
+    assert result.passed and {"posture_mass_matrix", "posture_drives"} <= {c.name for c in result.checks}
+    assert any("import each limb" in told for told in result.not_checked)
 
 
 _PAIR = """<mujoco><compiler angle="radian"/><worldbody>

@@ -62,6 +62,10 @@ class Terms:
         return self.jacobian.transpose(0, 2, 1) @ weighted
 
 
+#: Drives of a mechanism whose series are short enough to be had.
+MOST_DRIVES = 3
+
+
 class PostureDependent:
     """A model's closed chain as series over its limits; everything is vectorised over N postures.
 
@@ -76,7 +80,7 @@ class PostureDependent:
     """
 
     def __init__(self, model: Model, *, tree: SerialTree | None = None, tolerance: float = 1e-12) -> None:
-        if model.size > 3:
+        if model.size > MOST_DRIVES:
             raise InputError(
                 f"model '{model.name}' has {model.size} coordinates that depend on each other",
                 file=model.source, remedy="split it into mechanisms of three drives or fewer",
