@@ -131,7 +131,7 @@ def test_a_whole_robot_with_two_legs_on_one_base_is_checked(tmp_path: Path) -> N
     text = _mjcf(tmp_path).read_text()
     leg = text[text.index("<worldbody>") + len("<worldbody>") : text.index("</worldbody>")]
     left, right = (leg.replace('name="', f'name="{side}_') for side in ("left", "right"))
-    right = right.replace("<body", '<body pos="0 -0.2 0"', 1).replace(' pos="0.0 0.0 0.0"', "", 1)
+    right = right.replace('pos="0.0 0.0 0.0"><joint', 'pos="0 -0.2 0"><joint')
     bound = "".join(f'<connect site1="{s}_rod_end" site2="{s}_heel"/>' for s in ("left", "right"))
     file = tmp_path / "both.xml"
     file.write_text(f"<mujoco><worldbody>{left}{right}</worldbody><equality>{bound}</equality></mujoco>")
@@ -139,11 +139,10 @@ def test_a_whole_robot_with_two_legs_on_one_base_is_checked(tmp_path: Path) -> N
         tuple(f"{side}_{name}" for side in ("left", "right") for name in pair)
         for pair in (("hip", "crank"), ("hip", "knee"))
     ]
-    start = tuple(
-        (f"{side}_{k}", v) for side in ("left", "right") for k, v in (("knee", 1.1), ("crank", 1.3))
-    )
+    bent = (("knee", 1.1), ("crank", 1.3))
+    start = tuple((f"{side}_{k}", v) for side in ("left", "right") for k, v in bent)
     mechanism = Mechanism(file, names[0], names[1], (), None, start, _LIMITS * 2)
-    import_model(mechanism, Drives(*[(1.0,) * 4] * 4), tmp_path / "own.toml")
+    import_model(mechanism, Drives((1.0,) * 4, (1.0,) * 4, (1.0,) * 4, (1.0,) * 4), tmp_path / "own.toml")
     result = verify(read_model(tmp_path / "own.toml"), samples=4)
     assert result.passed and {"posture_mass_matrix", "posture_drives"} <= {c.name for c in result.checks}
     assert any("import each limb" in told for told in result.not_checked)

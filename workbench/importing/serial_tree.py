@@ -1,4 +1,4 @@
-"""The serial tree of a mechanism as MJCF: links on the ways to foot and serial joints, none of the linkage."""
+"""The serial tree of a mechanism as MJCF: links on the way to its ends, and nothing of the linkage."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _THIN = 0.008  # m, radius of the bars that are drawn
 
 
 def serial_mjcf(mechanism: Mechanism, name: str) -> str:
-    """MJCF of the links from the world to the foot and serial joints, with the file's own frames, masses and inertias.
+    """MJCF of the links from the world to foot and serial joints, with the file's frames, masses and inertias.
 
     Args:
         mechanism: its file, serial joints and foot.
