@@ -16,7 +16,7 @@ _THIN = 0.008  # m, radius of the bars that are drawn
 
 
 def serial_mjcf(mechanism: Mechanism, name: str) -> str:
-    """MJCF of the links from the world to foot and serial joints, with the file's frames, masses and inertias.
+    """MJCF of the links from the world to foot and serial joints, with the file's frames and inertias.
 
     Args:
         mechanism: its file, serial joints and foot.
