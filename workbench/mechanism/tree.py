@@ -66,6 +66,12 @@ class Tree:
             column=f"closed_chain.{key}", remedy=f"coordinates are {', '.join(self.names)}",
         )  # fmt: skip
 
+    def unit(self, coordinate: str) -> str:
+        """Unit of a coordinate, ``rad`` or ``m``."""
+        named = self._plant.HasJointNamed(coordinate, self._model)  # those of a universal joint are not
+        sliding = named and self._plant.GetJointByName(coordinate, self._model).type_name() == "prismatic"
+        return "m" if sliding else "rad"
+
     def massless_links(self) -> list[str]:
         """Names of links without mass."""
         bodies = [self._plant.get_body(i) for i in self._plant.GetBodyIndices(self._model)]

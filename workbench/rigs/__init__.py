@@ -12,6 +12,8 @@ from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
 from .live import LiveLeg, LiveShaft
 from .magnitudes import DEMO_EFFECTS, DRAWN_EFFECTS
 from .motor_bank import MotorBank
+from .own_machine import HIDEABLE, HiddenIn, OwnMachine
+from .own_rig import OwnExperiment, OwnRig
 from .plate_experiments import plate_experiments
 from .revealing import (
     dither,
@@ -32,6 +34,7 @@ __all__ = [
     "DEMO_EFFECTS",
     "DRAWN_EFFECTS",
     "EFFECTS",
+    "HIDEABLE",
     "OUTSIDERS",
     "PERFECT",
     "ClosedChain",
@@ -39,10 +42,14 @@ __all__ = [
     "DriveTrain",
     "Experiment",
     "HiddenEffect",
+    "HiddenIn",
     "LegStructure",
     "LiveLeg",
     "LiveShaft",
     "MotorBank",
+    "OwnExperiment",
+    "OwnMachine",
+    "OwnRig",
     "Plate",
     "Reduced",
     "Sensors",
