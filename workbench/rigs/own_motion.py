@@ -20,6 +20,8 @@ from .own_machine import OwnMachine
 
 _SWEEPS = 30
 _ENOUGH = 1e-12  # N m s, change of an impulse that is none
+_STILL = 1e-9  # rad/s or m/s
+_PARTS = 8
 
 
 @dataclass
@@ -84,13 +86,18 @@ class OwnMotion:
             force += row * passive.law(float(place), float(row @ middle))
         drag = np.zeros(self._wide)
         drag[self._row] = self._damping
-        implicit = mass + 0.5 * h * np.diag(drag)
-        new = v + h * np.linalg.solve(implicit, force - drag * v)
-        if self._machine.frictions:
-            new = self._rub(new, v, implicit, (motor, joints, slope), torque)
+        pins = _Pins(self._machine.frictions, self._rows_of_pins(slope), torque, motor, joints)
+        new, mean = _step(mass, drag, force, v, h, pins, 1)
+        if pins.turned(v, new):
+            # where a pin stops or turns round, when it does so matters: the same forces in shorter parts
+            new, mean = _step(mass, drag, force, v, h, pins, _PARTS)
         self._acceleration = (new - v) / h
-        mean = 0.5 * (v + new)
         return OwnState(state.q + h * mean[:n], new[:n], state.motor + h * mean[self._row], new[self._row])
+
+    def _rows_of_pins(self, slope: np.ndarray) -> np.ndarray:
+        """Slip of each dry friction as a row over the wide velocities (pins, wide)."""
+        rows = [self._direction(f.direction, f.at_pin, slope) for f in self._machine.frictions]
+        return np.array(rows).reshape(-1, self._wide)
 
     def _wide_links(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         mass, force = np.zeros((self._wide, self._wide)), np.zeros(self._wide)
@@ -121,22 +128,31 @@ class OwnMotion:
             row[self._row] = own
         return row
 
-    def _rub(
-        self, new: np.ndarray, old: np.ndarray, implicit: np.ndarray,
-        where: tuple[np.ndarray, np.ndarray, np.ndarray], torque: np.ndarray,
-    ) -> np.ndarray:  # fmt: skip
-        motor, joints, slope = where
-        frictions = self._machine.frictions
-        rows = np.array([self._direction(f.direction, f.at_pin, slope) for f in frictions])
-        give = np.linalg.solve(implicit, rows.T)  # velocities of a unit impulse at each pin (wide, pins)
-        along = rows @ give
-        slip, before = rows @ new, rows @ old
+
+@dataclass
+class _Pins:
+    """Dry frictions of one step: rows of their slips (pins, wide), and what their levels depend on."""
+
+    frictions: list[Friction]
+    rows: np.ndarray
+    torque: np.ndarray
+    motor: np.ndarray
+    joints: np.ndarray
+
+    def turned(self, before: np.ndarray, after: np.ndarray) -> bool:
+        """Whether a pin that slid stopped or turned round, or one that stuck began to slide."""
+        old, new = self.rows @ before, self.rows @ after
+        moved = (np.abs(old) > _STILL) | (np.abs(new) > _STILL)
+        return bool(np.any(moved & (np.sign(old) != np.sign(new))))
+
+    def rub(self, new: np.ndarray, old: np.ndarray, implicit: np.ndarray, h: float) -> np.ndarray:
+        """Velocities (wide,) with the impulses of all pins over `h` [s] in them."""
+        give = np.linalg.solve(implicit, self.rows.T)  # velocities of a unit impulse at each pin
+        along, slip, before = self.rows @ give, self.rows @ new, self.rows @ old
         # the level is that of the motion before, or of the way in which the pin would start
-        way = np.where(np.abs(before) > 1e-9, before, np.copysign(1e-12, slip))
-        most = self._h * np.array(
-            [self._level(f, w, motor, joints, torque) for f, w in zip(frictions, way, strict=True)]
-        )
-        impulse = np.zeros(len(frictions))
+        way = np.where(np.abs(before) > _STILL, before, np.copysign(1e-12, slip))
+        most = h * np.array([self._level(f, float(w)) for f, w in zip(self.frictions, way, strict=True)])
+        impulse = np.zeros(len(most))
         for _ in range(_SWEEPS):
             last = impulse.copy()
             for i in range(len(impulse)):
@@ -146,12 +162,26 @@ class OwnMotion:
                 break
         return new + give @ impulse
 
-    def _level(
-        self, friction: Friction, way: float, motor: np.ndarray, joints: np.ndarray, torque: np.ndarray
-    ) -> float:
-        place = float(np.array(friction.direction) @ (joints if friction.at_pin else motor))
-        load = 0.0 if friction.load_axis is None else abs(float(torque[friction.load_axis]))
-        return max(0.0, friction.level(float(way), place, load))
+    def _level(self, friction: Friction, way: float) -> float:
+        place = float(np.array(friction.direction) @ (self.joints if friction.at_pin else self.motor))
+        load = 0.0 if friction.load_axis is None else abs(float(self.torque[friction.load_axis]))
+        return max(0.0, friction.level(way, place, load))
+
+
+def _step(
+    mass: np.ndarray, drag: np.ndarray, force: np.ndarray, v: np.ndarray, h: float, pins: _Pins, parts: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities (wide,) after `h` [s], and their mean on the way, in so many parts."""
+    part = h / parts
+    implicit = mass + 0.5 * part * np.diag(drag)
+    mean = np.zeros_like(v)
+    for _ in range(parts):
+        new = v + part * np.linalg.solve(implicit, force - drag * v)
+        if pins.frictions:
+            new = pins.rub(new, v, implicit, part)
+        mean += 0.5 * (v + new) / parts
+        v = new
+    return v, mean
 
 
 def refuse_runaway(state: OwnState, time: float, name: str) -> None:
