@@ -50,13 +50,13 @@ def record_own(
     if not designs:
         raise InputError("nothing to play", remedy=f"give a design: workbench excite {name} -o design.toml")
     model, folder = read_model(name), Path(output)
-    chosen = [each for text in designs for each in _experiments(Path(text), model)]
+    chosen = [each for text in designs for each in experiments_of(Path(text), model)]
     files = [folder / f"{each.name}.toml" for each in chosen]
     for file in files:
         check_free(file, force=force)
     rig = own_rig(model, hidden_in(*hidden), seed)
     if not quiet:
-        echo(described(rig))
+        echo(described(model))
     recordings = [rig.run(experiment, number) for number, experiment in enumerate(chosen)]
     folder.mkdir(parents=True, exist_ok=True)
     for recording, file in zip(recordings, files, strict=True):
@@ -64,16 +64,13 @@ def record_own(
     return files
 
 
-def _experiments(file: Path, model: Model) -> list[OwnExperiment]:
+def experiments_of(file: Path, model: Model) -> list[OwnExperiment]:
     """A design's experiments.
 
     Raises:
         InputError: it plays other axes, or torque alone on a machine whose loop has to hold it.
     """
-    import numpy as np
-
     from workbench.frf import load_design
-    from workbench.rigs import OwnExperiment
 
     design: Design = load_design(file)
     if design.axes != model.axes:
@@ -81,6 +78,19 @@ def _experiments(file: Path, model: Model) -> list[OwnExperiment]:
             f"plays {', '.join(design.axes)}; the model has {', '.join(model.axes)}", file=file,
             remedy="design it for this model: workbench excite",
         )  # fmt: skip
+    return played(design, model)
+
+
+def played(design: Design, model: Model) -> list[OwnExperiment]:
+    """The experiments of a design for this model's axes.
+
+    Raises:
+        InputError: it holds a posture, and the model has no loop.
+    """
+    import numpy as np
+
+    from workbench.rigs import OwnExperiment
+
     out = []
     for k, trial in enumerate(design.trials):
         _, signals = design.play(k)

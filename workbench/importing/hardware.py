@@ -96,14 +96,14 @@ def _add_joints(model: Model, machine: OwnMachine) -> None:
             machine.passive.append(Passive(at, lambda q, w, k=stiffness, r=rest: -k * (q - r)))
 
 
-def described(rig: OwnRig) -> str:
-    """One line that says what this hardware is."""
-    m = rig.machine
-    loop = m.controller
+def described(model: Model) -> str:
+    """One line that says what the hardware of a model is; nothing of what it hides."""
+    loop = model.controller
     tick = f" every {1e3 * loop.period_s:g} ms" if loop.period_s else ""
-    held = f"{loop.kind} in {loop.coordinates} coordinates{tick}" if loop.kind != "none" else "no loop"
-    kind = "its own tree" if m.transmission is not None else f"the closed chain of {m.mechanism.file.name}"
+    held = f"{loop.kind} in {loop.coordinates} coordinates{tick}" if loop.kind == "pd" else "no loop"
+    chain = model.closed_chain
+    kind = f"the tree of {model.serial.name}" if chain is None else f"the closed chain of {chain.file.name}"
     return (
-        f"Virtual hardware of {m.name}: {kind} in Drake, {m.size} drives ({', '.join(m.axes)}), {held}, "
-        f"delay {1e3 * m.delay:g} ms."
+        f"Virtual hardware of {model.name}: {kind} in Drake, {model.size} drives ({', '.join(model.axes)}), "
+        f"{held}, delay {1e3 * model.actuators.delay_s:g} ms."
     )

@@ -12,6 +12,7 @@ from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
 from .live import LiveLeg, LiveShaft
 from .magnitudes import DEMO_EFFECTS, DRAWN_EFFECTS
 from .motor_bank import MotorBank
+from .own_draw import draw_own
 from .own_machine import HIDEABLE, HiddenIn, OwnMachine
 from .own_rig import OwnExperiment, OwnRig
 from .plate_experiments import plate_experiments
@@ -61,6 +62,7 @@ __all__ = [
     "demo_experiments",
     "dither",
     "draw_hidden",
+    "draw_own",
     "draw_several",
     "drive_side",
     "experiments_for",
