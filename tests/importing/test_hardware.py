@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from tests.importing.test_bonds import _mjcf
 from workbench.core import Controller, Excitation, InputError
 from workbench.effects import load_model
 from workbench.importing import own_rig
-from workbench.models import Model, read_model
+from workbench.models import Model, read_model, write_model
 from workbench.rigs import (
     PERFECT,
     Experiment,
@@ -128,11 +129,12 @@ def test_a_leg_of_ones_own_is_recorded_and_what_it_hides_is_what_its_model_lacks
         "--delay",
         0.002,
     ]
-    made = run("import", tmp_path / "leg.xml", *words, "--torque-limit", 20, "-o", tmp_path / "own.toml")
+    loop = ["--kp", 50, "--kd", 1.5, "--period", 0.002]
+    made = run(
+        "import", tmp_path / "leg.xml", *words, "--torque-limit", 20, *loop, "-o", tmp_path / "own.toml"
+    )
     assert made.returncode == 0, made.stderr
-    exact = (tmp_path / "own.toml").read_text().replace('"kin_only"', '"exact"')
-    loop = '[controller]\nkind = "pd"\ncoordinates = "joint"\nkp = 50.0\nkd = 1.5\nperiod_s = 0.002\n'
-    (tmp_path / "own.toml").write_text(f"{exact}\n{loop}")
+    (tmp_path / "own.toml").write_text((tmp_path / "own.toml").read_text().replace('"kin_only"', '"exact"'))
     excite = ["excite", "own.toml", "-o", "design.toml", "--period", 1, "--periods", 1, "--amplitude", 3]
     assert run(*excite, cwd=tmp_path).returncode == 0
     refused = run("record", "own.toml", "design.toml", "-o", "data", cwd=tmp_path)
@@ -148,3 +150,32 @@ def test_a_leg_of_ones_own_is_recorded_and_what_it_hides_is_what_its_model_lacks
     assert "explains the data to the noise" in explained.stdout
     # and hardware of the model that has it by itself has it too
     assert len(own_rig(load_model(tmp_path / "found.toml")).machine.frictions) == 1
+
+
+def test_demo_of_a_machine_of_ones_own(tmp_path: Path) -> None:
+    """A hinge of a tree: what is hidden is found, nothing of it is told before, and the truth comes last."""
+    (tmp_path / "fan.xml").write_text(
+        '<mujoco><compiler angle="radian"/><worldbody><body name="fan"><joint name="axle" range="-2 2" '
+        'axis="0 0 1" armature="0.01"/><inertial pos="0 0 0" mass="1" diaginertia="0.02 0.02 0.02"/></body>'
+        "</worldbody></mujoco>"
+    )
+    (tmp_path / "fan.toml").write_text(
+        'format = 1\nname = "fan"\nserial = "fan.xml"\n[actuators]\ntorque_limit = 20.0\ndelay_s = 0.002\n'
+        '[controller]\nkind = "pd"\ncoordinates = "joint"\nkp = 40.0\nkd = 1.5\nperiod_s = 0.002\n'
+    )
+    excite = ["excite", "fan.toml", "-o", "plan.toml", "--period", 2, "--periods", 1, "--amplitude", 3]
+    assert run(*excite, cwd=tmp_path).returncode == 0
+    hidden = ["--hide", "viscous_damping@axle", "--set", "damping=0.12"]
+    done = run("demo", "fan.toml", "plan.toml", "-o", "out", *hidden, "--json", "out.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    told = json.loads((tmp_path / "out.json").read_text())
+    assert told["truth"][0]["effect"] == "viscous_damping" and told["truth"][0]["axis"] == "axle"
+    assert "found" in done.stdout and "0.12" not in done.stdout.split("hidden in it")[0]
+    assert (tmp_path / "out" / "report.html").is_file() and (tmp_path / "out" / "improved.toml").is_file()
+    changing = run("demo", "four_bar.toml", "-o", "no", cwd=_four_bar(tmp_path))
+    assert changing.returncode == 2 and "changes with the posture" in changing.stderr
+
+
+def _four_bar(folder: Path) -> Path:
+    write_model(read_model("four_bar"), folder / "four_bar.toml")
+    return folder

@@ -63,14 +63,12 @@ def import_(
     ] = "",
     kp: Annotated[
         list[float] | None,
-        typer.Option("--kp", help="Table: the loop's gain [N m/rad; N/m of a slide], one or each."),
+        typer.Option("--kp", help="The loop's gain [N m/rad; N/m of a slide], one or each."),
     ] = None,
     kd: Annotated[
-        list[float] | None, typer.Option("--kd", help="Table: the loop's damping [N m s/rad; N s/m].")
+        list[float] | None, typer.Option("--kd", help="The loop's damping [N m s/rad; N s/m].")
     ] = None,
-    period: Annotated[
-        float | None, typer.Option("--period", metavar="S", help="Table: the loop's period.")
-    ] = None,
+    period: Annotated[float | None, typer.Option("--period", metavar="S", help="The loop's period.")] = None,
     episode: Annotated[
         int | None,
         typer.Option("--episode", min=0, metavar="K", help="LeRobot, or a log of several runs: which one."),
@@ -165,6 +163,6 @@ def import_(
     else:
         asked = MechanismOptions(
             path, drive, joint or [], loop or [], foot, limits or [], start or [], hold or [], gear,
-            rotor_inertia, rotor_damping, torque_limit, delay,
+            rotor_inertia, rotor_damping, torque_limit, delay, kp, kd, period, coordinates,
         )  # fmt: skip
         import_mechanism(asked, output, axis, json, force, quiet)

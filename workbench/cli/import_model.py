@@ -12,6 +12,7 @@ from workbench.core import InputError
 from .common import echo, named_values, write_result
 
 if TYPE_CHECKING:
+    from workbench.core import Controller
     from workbench.models import Model
 
 
@@ -32,6 +33,10 @@ class MechanismOptions:
     rotor_damping: list[float] | None
     torque_limit: list[float] | None
     delay: float
+    kp: list[float] | None = None
+    kd: list[float] | None = None
+    period: float | None = None
+    coordinates: str = ""
 
 
 def refuse_model(path: Path) -> None:
@@ -121,7 +126,7 @@ def import_mechanism(
         _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
     )
-    made = import_model(mechanism, drives, output, axes=axes, force=force)
+    made = import_model(mechanism, drives, output, axes=axes, controller=_loop(asked, count), force=force)
     assert made.closed_chain is not None
     ways = assemblies(made.closed_chain)
     if json:
@@ -160,6 +165,28 @@ def import_mechanism(
     if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
         echo(f"{ways}.")
     echo(f"Next: workbench check {output}")
+
+
+def _loop(asked: MechanismOptions, count: int) -> Controller:
+    """The PD loop of the drives, as far as the command line says.
+
+    Raises:
+        InputError: one gain without the other, coordinates or a period that are none.
+    """
+    from workbench.core import Controller
+
+    if asked.kp is None and asked.kd is None:
+        return Controller()
+    if asked.kp is None or asked.kd is None:
+        raise InputError("a loop has two gains", remedy="give --kp and --kd, one for all joints or one each")
+    where = asked.coordinates or "joint"
+    if where not in ("joint", "actuator"):
+        raise InputError(f"--coordinates '{where}'", remedy="give joint or actuator")
+    if asked.period is not None and not 0.0 < asked.period <= 1.0:
+        raise InputError(f"--period {asked.period:g} s", remedy="give seconds, e.g. --period 0.002")
+    coordinates = "joint" if where == "joint" else "actuator"
+    kp, kd = _each(asked.kp, count, 0.0, "--kp"), _each(asked.kd, count, 0.0, "--kd")
+    return Controller("pd", coordinates, kp=kp, kd=kd, period_s=asked.period)
 
 
 def _beside(made: Model, source: Path, output: str) -> list[Path]:
