@@ -9,21 +9,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.can.make import config, motor
 from tests.cli.here import run
+from tests.deployment.robot import LIMITS, RANGES
 from tests.importing.test_bonds import _mjcf
+from workbench.cli.record_can import virtual_motors
 from workbench.core import Controller, Excitation, InputError
 from workbench.effects import load_model
-from workbench.importing import own_rig
+from workbench.importing import own_plants, own_rig
 from workbench.models import Model, read_model, write_model
 from workbench.rigs import (
     PERFECT,
     Experiment,
     HiddenEffect,
     HiddenIn,
+    LiveLeg,
+    MotorBank,
     OwnExperiment,
     VirtualLeg,
     demo_experiments,
 )
+from workbench.rigs.live import ROW
 
 _STRIBECK = {"coulomb": 0.2, "static": 0.4, "speed": 0.1}
 _HIDDEN = {
@@ -179,3 +185,43 @@ def test_demo_of_a_machine_of_ones_own(tmp_path: Path) -> None:
 def _four_bar(folder: Path) -> Path:
     write_model(read_model("four_bar"), folder / "four_bar.toml")
     return folder
+
+
+def test_motors_over_can_turn_the_mechanism_that_the_configuration_names(tmp_path: Path) -> None:
+    """The same leg in its own simulator and as a model of its own: one motion, over the same buses."""
+    loaded = config(
+        tmp_path,
+        [motor(axis, k + 1, limits=LIMITS, ranges=RANGES) for k, axis in enumerate(("hip", "knee"))],
+        mechanism=[{"model": "leg", "axes": ["hip", "knee"]}],
+        loop={"soft_start_s": 0.1},
+    )
+    told: list[str] = []
+    assert isinstance(virtual_motors(loaded, (None, None), told.append)(0, None), MotorBank)
+    assert told == ["Virtual hardware: the reference leg on its stand."]
+    own = own_plants()("leg", 3, ROW)
+    first = [position for position, _, _ in own.look()]
+    (leg, _), *rest = MotorBank(loaded, make=lambda name, seed, row: own)._plants
+    assert leg is own and not rest
+    known = LiveLeg(start=(first[0], first[1] - first[0]), sensors=PERFECT)
+    shown = []
+    for plant in (own, known):
+        rows = []
+        for k in range(800):
+            plant.command((2.0 * np.sin(0.02 * k), 1.0 * np.cos(0.03 * k)))
+            plant.advance()
+            rows.append(plant.look())
+        shown.append(np.array(rows))
+    way = np.ptp(shown[1][:, :, 0], axis=0)
+    assert way.min() > 0.05
+    np.testing.assert_allclose(shown[0][:, :, 0], shown[1][:, :, 0], atol=1.5e-3)  # four steps of the encoder
+
+
+def test_hidden_delay_of_the_loop_is_all_that_stays_of_one_over_can() -> None:
+    late = own_plants([HiddenIn("command_delay", None, "actuator", {"time": 0.001})])("leg", 0, ROW)
+    late.command((5.0, 0.0))
+    late.advance()
+    assert abs(late.look()[0][2]) < 0.2  # the noise alone
+    for _ in range(4):
+        late.command((5.0, 0.0))
+        late.advance()
+    assert late.look()[0][2] == pytest.approx(5.0, abs=0.2)

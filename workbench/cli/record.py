@@ -92,7 +92,6 @@ def record(
         )
     if not output:
         raise InputError("no output folder", remedy="say where the recordings go: -o FOLDER")
-    hidden = hidden_effects(hide, set_)
     check_outputs(json, force=force)
     if over_can:
         from .record_can import record_logs, record_over_can
@@ -100,12 +99,16 @@ def record(
         if from_logs:
             files = record_logs(rig, experiments or [], Path(output), force)
         else:
-            files = record_over_can(rig, experiments or [], Path(output), hidden, seed, (virtual, yes, force))
+            say = (lambda text: None) if quiet or json == "-" else echo
+            files = record_over_can(
+                rig, experiments or [], Path(output), (hide, set_), seed, (virtual, yes, force), say
+            )
     elif rig == "actuator":
         if hide:
             raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
         files = _on_the_bench(experiments or [], Path(output), seed, force)
     else:
+        hidden = hidden_effects(hide, set_)
         files = _with_the_leg(rig == "leg_on_plate", experiments, Path(output), hidden, seed, force)
     _tell(rig, experiments, output, files, seed, json, force, quiet)
 

@@ -3,7 +3,7 @@
 from .assemblies import Assemblies, assemblies
 from .contents import Contents, contents_of
 from .from_mjcf import is_mjcf
-from .hardware import described, own_rig
+from .hardware import described, is_reference_leg, own_plants, own_rig
 from .import_model import Drives, import_model
 
 __all__ = [
@@ -15,5 +15,7 @@ __all__ = [
     "described",
     "import_model",
     "is_mjcf",
+    "is_reference_leg",
+    "own_plants",
     "own_rig",
 ]

@@ -6,13 +6,15 @@ the recordings, and drives, friction and sensors from `workbench.rigs`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from workbench.core import Controller, InputError, Mechanism
-from workbench.models import VARIANTS, Model, load_tree
+from workbench.core.paths import closed_chain_file
+from workbench.models import VARIANTS, Model, load_tree, read_model
 from workbench.models.own_friction import own_friction
+from workbench.rigs.live_own import LiveOwn
 from workbench.rigs.own_machine import HiddenIn, OwnMachine, hide
 from workbench.rigs.own_rig import OwnRig
 from workbench.rigs.place import Passive
@@ -54,6 +56,27 @@ def own_rig(
     with opened(model.serial) as (file, _):
         tree = Mechanism(file, model.joints, model.joints, (), model.payload_site)
         return _rig(model, tree, model.transmission, hidden, seed, sensors)
+
+
+def own_plants(hidden: Sequence[HiddenIn] = ()) -> Callable[[str, int, float], LiveOwn]:
+    """Makes the machines that mechanisms of a CAN configuration are, each of its own model, for `MotorBank`.
+
+    Args:
+        hidden: effects in each machine that has their axis.
+    """
+
+    def make(name: str, seed: int, row: float) -> LiveOwn:
+        model = read_model(name)
+        own = [effect for effect in hidden if effect.axis is None or effect.axis in model.axes]
+        return LiveOwn(own_rig(model, own, seed), model.actuators.delay_s, row)
+
+    return make
+
+
+def is_reference_leg(model: Model) -> bool:
+    """Whether a model's mechanism is the reference leg, which has a simulator of its own."""
+    chain = model.closed_chain
+    return chain is not None and chain.file.resolve() == closed_chain_file("leg").resolve()
 
 
 def _rig(

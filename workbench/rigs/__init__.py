@@ -10,6 +10,7 @@ from .drive_train import DriveTrain
 from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
 from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
 from .live import LiveLeg, LiveShaft
+from .live_own import LiveOwn
 from .magnitudes import DEMO_EFFECTS, DRAWN_EFFECTS
 from .motor_bank import MotorBank
 from .own_draw import draw_own
@@ -46,6 +47,7 @@ __all__ = [
     "HiddenIn",
     "LegStructure",
     "LiveLeg",
+    "LiveOwn",
     "LiveShaft",
     "MotorBank",
     "OwnExperiment",

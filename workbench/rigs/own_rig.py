@@ -83,7 +83,7 @@ class OwnRig:
             unmeasured[:, axis] += disturbance(time + 0.5 * period, generator)
         drives, motion = OwnDrives(m, piece, generator), OwnMotion(m, self.links, piece)
         state = motion.start(self._start(experiment))
-        sensing, step = _Sensing(m, piece, state.motor), self.sensors.encoder
+        sensing, step = Sensing(m, piece, state.motor), self.sensors.encoder
         logged = {key: np.zeros((rows, n)) for key in _LOGGED}
         asked = np.zeros(n)
         for row in range(rows):
@@ -145,7 +145,7 @@ class OwnRig:
 _LOGGED = ("position", "velocity", "torque_command", "torque_measured")
 
 
-class _Sensing:
+class Sensing:
     """What encoders and speeds show: late, filtered, and with an encoder's own errors."""
 
     def __init__(self, machine: OwnMachine, piece: float, motor: np.ndarray) -> None:
