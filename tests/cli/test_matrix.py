@@ -106,6 +106,7 @@ ASKED: dict[str, list[list[Any]]] = {
              ("free.xml", "lift"))] + [["arm.xml", "friction_as_in_mjcf"]],
     "approve": [["arm.xml", "arm.toml"]],
     "check": [[m] for m in MODELS],
+    "demo": [["arm.toml"]],
     "compare": [["leg", SUM], *([m, "arm.toml"] for m in FOREIGN)],
     "inspect": [[SUM, DIFFERENCE], ["arm.toml"]],
     "excite": [[m, "--amplitude", "0.5", "--period", "1", "--periods", "1", "--f-max", "20", "--rate", "500",

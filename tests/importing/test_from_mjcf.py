@@ -115,7 +115,14 @@ def test_a_weld_holds_an_angle_too(tmp_path: Path) -> None:
     [
         ((' name="pin"', ""), "a joint has no name"),
         (("<worldbody>", '<option gravity="0 0 -1.6"/><worldbody>'), "gravity"),
-        (("<equality>", '<equality><joint name="j" joint1="hip"/>'), "'j' (joint)"),
+        (
+            (
+                "<equality>",
+                '<tendon><fixed name="t"><joint joint="hip" coef="1"/></fixed></tendon>'
+                '<equality><tendon name="j" tendon1="t"/>',
+            ),
+            "'j' (tendon)",
+        ),
         ((' body2="shank"', ""), "degrees of freedom"),
     ],
 )

@@ -19,7 +19,7 @@ CUT += "<axis><xyz>0 -1 0</xyz></axis></joint>"
 BOX = "<link name='box'/><joint name='lid' type='revolute'><parent>shank</parent><child>box</child>"
 BOX += "<axis><xyz>0 1 0</xyz></axis></joint>"
 CHILD = "<child>coupler</child>\n      <axis>"
-MIMIC = CHILD + "<mimic joint='knee'><multiplier>1</multiplier><offset>0</offset>"
+MIMIC = CHILD + "<mimic joint='knee'><multiplier>1</multiplier><offset>0.3</offset>"
 MIMIC += "<reference>0</reference></mimic>"
 
 IN_THE_FILE = {
@@ -33,7 +33,8 @@ IN_THE_FILE = {
     "an endless version": ('version="1.9"', f'version="{2**63}"', "read it: a whole number is too"),
     "a pose beyond numbers": ("0 0 -0.175 0 0 0</pose></frame>", "0 0 1e308 0 0 0</pose></frame>", "inf m"),
     "a link out of this world": ("<pose>0 0 0.03 0", "<pose>0 1e308 0.03 0", "matrix is not finite; give"),
-    "a joint follows another": (CHILD, MIMIC, "it has a <mimic>; describe the mechanism by its links"),
+    "a joint follows another": (CHILD, MIMIC, "leave 1 degrees of freedom for 2 drives"),
+    "a joint follows no one": (CHILD, MIMIC.replace("'knee'", "'nobody'"), "nobody. specified by an axis m"),
     "a joint of the loop": ("</model>", f"{CUT}</model>", "its joints form a loop; leave out one"),
     "a coupler of a metre": ("0 0 -0.175 0 0 0</pose></frame>", "0 0 -1 0 0 0</pose></frame>", "0.825 m"),
 }  # fmt: skip

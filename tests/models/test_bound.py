@@ -64,7 +64,7 @@ def test_a_urdf_that_says_more_than_a_tree_is_refused(
     "command", [("check",), ("normalize", "-o", "n.xml"), ("compare", "run.toml"), ("import", "--drive", "a")]
 )
 def test_each_command_names_the_loop_in_one_line(tmp_path: Path, command: tuple[str, ...]) -> None:
-    kind = "joint" if command[0] == "import" else "connect"  # which takes loops, but no joint that follows
+    kind = "tendon" if command[0] == "import" else "connect"  # which takes loops, but no tendons
     file = _mjcf(tmp_path, _BOUND[kind].format(active=""))
     first, *rest = command
     done = run(first, file.name, *rest, cwd=tmp_path)

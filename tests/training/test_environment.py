@@ -119,7 +119,7 @@ def test_draws_are_even_in_both_libraries() -> None:
 
 
 def test_the_speed_of_a_reach_is_the_derivative_of_its_angle() -> None:
-    command = TASKS["reach"].command(Draws(np, 0, np.zeros(1)), 5)
+    command = TASKS["reach"].command(Draws(np, 0, np.zeros(1)), 5, machine("leg"))
     step = 1e-6
     ahead, behind = (reach_reference(np, command, np.full(5, 0.7 + s))[0] for s in (step, -step))
     _, speed = reach_reference(np, command, np.full(5, 0.7))

@@ -22,7 +22,7 @@ from .common import (
     echo,
     write_result,
 )
-from .hidden import HideOption, SetOption, hidden_effects
+from .hidden import HideOption, SetOption
 from .listing import Listing
 
 if TYPE_CHECKING:
@@ -138,11 +138,12 @@ def motors(
     from workbench.can import load_config
     from workbench.can.realtime import realtime
     from workbench.deployment.motors import run_motors
-    from workbench.rigs import MotorBank
+
+    from .record_can import virtual_motors
 
     stop = _until_told()
     loaded = load_config(config)
-    bank = MotorBank(loaded, hidden_effects(hide, set_), seed=seed, row=1e-3 * row_ms)
+    bank = virtual_motors(loaded, (hide, set_), lambda text: echo(text, err=True))(seed, 1e-3 * row_ms)
     with realtime():
         run_motors(loaded, bank, stop, lambda: echo("ready"))
     longest = max(motor.longest for motor in bank.motors.values())

@@ -8,16 +8,32 @@ from typing import Annotated
 
 import typer
 
+from . import complete
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, files_of
+from .hidden import HideOption, SetOption
 from .progress import progress, staged
 
 
 @app.command()
 def demo(
     output: Annotated[
-        str, typer.Argument(metavar="FOLDER", help="Folder for recordings, model, page and figures.")
+        str,
+        typer.Argument(
+            metavar="FOLDER|MODEL",
+            help="Folder for recordings, model, page and figures; or a model of your own, its folder by -o.",
+            autocompletion=complete.models,
+        ),
     ] = "demo",
+    experiments: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="DESIGN...", help="Of a model of your own: what you plan to play."),
+    ] = None,
+    folder_of_model: Annotated[
+        str, typer.Option("--output", "-o", metavar="FOLDER", help="Of a model of your own: where all goes.")
+    ] = "demo",
+    hide: HideOption = None,
+    set_: SetOption = None,
     seed: Annotated[
         int, typer.Option("--seed", min=0, help="Draws the hidden effect, its size and all noise.")
     ] = 0,
@@ -28,9 +44,13 @@ def demo(
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Hide an effect in the virtual leg, record it, find the effect, add it, and then reveal the truth.
+    """Hide an effect in virtual hardware, record it, find the effect, add it, and then reveal the truth.
+
+    Of the reference leg, or of a model of your own, with the experiments that you plan to play.
 
     Example: workbench demo demo --seed 7
+
+    Example: workbench demo my_leg.toml chirp.toml -o out --hide coulomb_friction@knee --set torque=0.3
     """
     from workbench.core import InputError
     from workbench.diagnosis import improve
@@ -40,30 +60,46 @@ def demo(
     from workbench.rigs import VirtualLeg, demo_experiments, draw_hidden
 
     from .demo_figures import draw_figures
+    from .record_own import is_model
 
-    folder = Path(output)
+    own = is_model(output)
+    if not own and (experiments or hide or set_):
+        raise InputError(
+            "experiments and effects are named for a model of your own",
+            remedy="workbench demo MODEL DESIGN... -o FOLDER, or 'record leg --hide' for the reference leg",
+        )
+    folder = Path(folder_of_model if own else output)
     if folder.exists() and not force and (not folder.is_dir() or any(folder.iterdir())):
         raise InputError("the folder is not empty", file=folder, remedy="choose another one or add --force")
     check_outputs(json, force=force)
     say = (lambda text: None) if quiet or json == "-" else typer.echo
-    hidden = () if clean else (draw_hidden(seed),)
-    say("A virtual parallel leg with something hidden in it is recorded: two chirps, two multisines,")
-    say("a slow sweep, and a validation motion that judges.")
-    files = VirtualLeg(hidden, seed=seed).record_to(
-        folder / "recordings", demo_experiments(seed), force=force
-    )
-    names = [str(f) for f in files]
-    held_out = [n for n in names if Path(n).stem == "validation"]
+    if own:
+        from .demo_own import record_hidden
+
+        asked = (hide, set_)
+        model, names, effects = record_hidden(
+            output, experiments or [], folder, asked, (seed, clean, force), say
+        )
+        truth = [{**vars(h), "parameters": dict(h.parameters)} for h in effects]
+        held_out = names[-1:] if len(names) > 1 else []
+    else:
+        hidden = () if clean else (draw_hidden(seed),)
+        say("A virtual parallel leg, the reference leg, with something hidden in it is recorded: two chirps,")
+        say("two multisines, a slow sweep, and a validation motion that judges.")
+        files = VirtualLeg(hidden, seed=seed).record_to(
+            folder / "recordings", demo_experiments(seed), force=force
+        )
+        names, model = [str(f) for f in files], load_model("leg")
+        held_out = [n for n in names if Path(n).stem == "validation"]
+        truth = [
+            {"effect": h.effect, "axis": h.axis, "location": h.key.location, "parameters": dict(h.parameters)}
+            for h in hidden
+        ]
     training = load_recordings([n for n in names if n not in held_out])
     judging = load_recordings(held_out)
-    model = load_model("leg")
     with progress(quiet) as tell:
         result, better = improve(model, training, judging, seed=seed, progress=staged(tell))
-    write_model(replace(better, name="leg_improved"), folder / "improved.toml", force=force)
-    truth = [
-        {"effect": h.effect, "axis": h.axis, "location": h.key.location, "parameters": dict(h.parameters)}
-        for h in hidden
-    ]
+    write_model(replace(better, name=f"{model.name}_improved"), folder / "improved.toml", force=force)
     page = str(folder / "report.html")
     deliver(
         result,

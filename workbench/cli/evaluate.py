@@ -33,15 +33,22 @@ def evaluate(
     Example: workbench evaluate reach.zip -o evaluated
     """
     from workbench.bundle import read_bundle
+    from workbench.core.files import write_all
     from workbench.recordings import save_recording
     from workbench.training.evaluate import evaluate as run
+    from workbench.training.evaluate import hardware_of, robot_files
 
     if not output:
         raise InputError("no folder for the recordings", remedy="name one: -o evaluated")
     loaded, folder = read_bundle(bundle), Path(output)
     files = {name: folder / f"{name}.toml" for name in ("hardware", "simulation")}
     check_outputs(*map(str, files.values()), json, force=force)
+    robot = robot_files(loaded, folder)
+    check_outputs(*map(str, robot), force=force)
     content: dict[str, Any] = {"format": 1, "bundle": bundle, "task": loaded.task, "variant": loaded.variant}
+    content["on"] = hardware_of(loaded)
+    if not quiet and json != "-":
+        echo(content["on"])
     with progress(quiet) as tell:
         for name, file in files.items():
             result = run(
@@ -50,6 +57,9 @@ def evaluate(
             )  # fmt: skip
             save_recording(result.recording, file, force=force)
             content[name] = {"scores": result.scores, "fell_s": result.fell_s, "recording": str(file)}
+    if robot:
+        write_all(robot, force=force)
+        content["model"] = str(folder / "robot.toml")
     if json:
         write_result(content, json, files=[Path(bundle)], seeds={"run": seed}, force=force)
     if not quiet and json != "-":
@@ -58,6 +68,8 @@ def evaluate(
             values = [f"{content[n]['scores'].get(score, float('nan')):8.4f} {n}" for n in files]
             echo(f"  {score:32s} {'  '.join(values)}")
         echo(f"Wrote 2 recordings to {folder}.")
+        if robot:
+            echo(f"Hold them against the world that it was trained in: workbench compare {folder}/robot.toml")
     fell = content["hardware"]["fell_s"]
     if fell is not None:
         if not quiet and json != "-":

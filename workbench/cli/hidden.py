@@ -13,7 +13,7 @@ from . import complete
 from .values import parse_place, parse_values
 
 if TYPE_CHECKING:
-    from workbench.rigs import HiddenEffect
+    from workbench.rigs import HiddenEffect, HiddenIn
 
 HideOption = Annotated[
     str | None,
@@ -28,6 +28,23 @@ SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="name=value", help="Parameter of the hidden effect; may be given again."),
 ]
+
+
+def hidden_in(hide: str | None, values: Sequence[str] | None) -> list[HiddenIn]:
+    """The same for virtual hardware of a model, which knows its own axes.
+
+    Raises:
+        InputError: parameters of no effect, or text that names none.
+    """
+    from workbench.rigs import HiddenIn
+
+    if values and not hide:
+        raise InputError("--set without --hide", remedy="name the effect to hide: --hide EFFECT@AXIS")
+    if not hide:
+        return []
+    key = parse_place(hide)
+    numbers = {k: v.value for k, v in parse_values(list(values or [])).items()}
+    return [HiddenIn(key.effect, key.axis, key.location, numbers)]
 
 
 def hidden_effects(hide: str | None, values: Sequence[str] | None) -> list[HiddenEffect]:

@@ -63,14 +63,12 @@ def import_(
     ] = "",
     kp: Annotated[
         list[float] | None,
-        typer.Option("--kp", help="Table: the loop's gain [N m/rad; N/m of a slide], one or each."),
+        typer.Option("--kp", help="The loop's gain [N m/rad; N/m of a slide], one or each."),
     ] = None,
     kd: Annotated[
-        list[float] | None, typer.Option("--kd", help="Table: the loop's damping [N m s/rad; N s/m].")
+        list[float] | None, typer.Option("--kd", help="The loop's damping [N m s/rad; N s/m].")
     ] = None,
-    period: Annotated[
-        float | None, typer.Option("--period", metavar="S", help="Table: the loop's period.")
-    ] = None,
+    period: Annotated[float | None, typer.Option("--period", metavar="S", help="The loop's period.")] = None,
     episode: Annotated[
         int | None,
         typer.Option("--episode", min=0, metavar="K", help="LeRobot, or a log of several runs: which one."),
@@ -110,6 +108,14 @@ def import_(
         list[str] | None,
         typer.Option(
             "--start", metavar="JOINT=ANGLE", help="A joint's angle near a closed posture; picks the branch."
+        ),
+    ] = None,
+    hold: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--hold",
+            metavar="JOINT=ANGLE",
+            help="A joint that has no drive and stays there: a stiff spring, say.",
         ),
     ] = None,
     gear: Annotated[
@@ -156,7 +162,7 @@ def import_(
         show_contents(path, json, force, quiet)
     else:
         asked = MechanismOptions(
-            path, drive, joint or [], loop or [], foot, limits or [], start or [], gear, rotor_inertia,
-            rotor_damping, torque_limit, delay,
+            path, drive, joint or [], loop or [], foot, limits or [], start or [], hold or [], gear,
+            rotor_inertia, rotor_damping, torque_limit, delay, kp, kd, period, coordinates,
         )  # fmt: skip
         import_mechanism(asked, output, axis, json, force, quiet)

@@ -12,6 +12,7 @@ from workbench.core import InputError
 from .common import echo, named_values, write_result
 
 if TYPE_CHECKING:
+    from workbench.core import Controller
     from workbench.models import Model
 
 
@@ -26,11 +27,16 @@ class MechanismOptions:
     foot: str | None
     limits: Sequence[str]
     start: Sequence[str]
+    hold: Sequence[str]
     gear: list[float] | None
     rotor_inertia: list[float] | None
     rotor_damping: list[float] | None
     torque_limit: list[float] | None
     delay: float
+    kp: list[float] | None = None
+    kd: list[float] | None = None
+    period: float | None = None
+    coordinates: str = ""
 
 
 def refuse_model(path: Path) -> None:
@@ -60,7 +66,7 @@ def show_contents(path: Path, json: str | None, force: bool, quiet: bool) -> Non
 
     found = contents_of(path)
     if json:
-        content = {"format": 1, **vars(found)}
+        content = {"format": 1, **vars(found), "couplings": [vars(each) for each in found.couplings]}
         write_result(content, json, files=[path], force=force)
     if not quiet and json != "-":
         echo(str(found))
@@ -75,7 +81,7 @@ def import_mechanism(
     Raises:
         InputError: an option that is not of its form, or a mechanism that cannot be made of the file.
     """
-    from workbench.core import Mechanism
+    from workbench.core import Coupling, Mechanism
     from workbench.importing import Drives, assemblies, contents_of, import_model
     from workbench.models import linkage_table
 
@@ -101,6 +107,9 @@ def import_mechanism(
         foot=asked.foot,
         start=tuple((k, _number(v)) for k, v in named_values(asked.start, "--start", "knee=1.2").items()),
         limits=tuple(stated[name] for name in serial) if known else (),
+        couplings=tuple(
+            Coupling(k, None, (_number(v),)) for k, v in named_values(asked.hold, "--hold", "shin=0").items()
+        ),
     )
     names, count = asked.drives, len(asked.drives)
     gear = _each(asked.gear, count, 1.0, "--gear")
@@ -117,7 +126,7 @@ def import_mechanism(
         _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
     )
-    made = import_model(mechanism, drives, output, axes=axes, force=force)
+    made = import_model(mechanism, drives, output, axes=axes, controller=_loop(asked, count), force=force)
     assert made.closed_chain is not None
     ways = assemblies(made.closed_chain)
     if json:
@@ -138,6 +147,8 @@ def import_mechanism(
     kind = "changes with the posture" if made.posture_dependent else "is constant"
     beside = " and ".join(file.name for file in _beside(made, path, output))
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
+    for line in contents.bonds:
+        echo(f"{line[0].upper()}{line[1:]}.")
     lost = {name: value for name, value in contents.damping.items() if value and name not in names}
     if lost:
         said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())
@@ -154,6 +165,28 @@ def import_mechanism(
     if str(ways) and made.linkage is None:  # a parallelogram's other way is its folded twin
         echo(f"{ways}.")
     echo(f"Next: workbench check {output}")
+
+
+def _loop(asked: MechanismOptions, count: int) -> Controller:
+    """The PD loop of the drives, as far as the command line says.
+
+    Raises:
+        InputError: one gain without the other, coordinates or a period that are none.
+    """
+    from workbench.core import Controller
+
+    if asked.kp is None and asked.kd is None:
+        return Controller()
+    if asked.kp is None or asked.kd is None:
+        raise InputError("a loop has two gains", remedy="give --kp and --kd, one for all joints or one each")
+    where = asked.coordinates or "joint"
+    if where not in ("joint", "actuator"):
+        raise InputError(f"--coordinates '{where}'", remedy="give joint or actuator")
+    if asked.period is not None and not 0.0 < asked.period <= 1.0:
+        raise InputError(f"--period {asked.period:g} s", remedy="give seconds, e.g. --period 0.002")
+    coordinates = "joint" if where == "joint" else "actuator"
+    kp, kd = _each(asked.kp, count, 0.0, "--kp"), _each(asked.kd, count, 0.0, "--kd")
+    return Controller("pd", coordinates, kp=kp, kd=kd, period_s=asked.period)
 
 
 def _beside(made: Model, source: Path, output: str) -> list[Path]:

@@ -29,7 +29,7 @@ def record(
         typer.Argument(
             metavar="RIG",
             help="'leg', the virtual parallel leg; 'leg_on_plate', the same over a force plate; "
-            "'actuator', its drive alone; or a CAN file (.toml).",
+            "'actuator', its drive alone; a CAN file (.toml); or, with --virtual, a model of your own.",
             autocompletion=complete.rigs,
         ),
     ],
@@ -48,7 +48,11 @@ def record(
     set_: SetOption = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the sensors' noise.")] = 0,
     virtual: Annotated[
-        bool, typer.Option("--virtual", help="Over CAN: virtual motors on modelled buses, in simulated time.")
+        bool,
+        typer.Option(
+            "--virtual",
+            help="Virtual hardware made of the model; of a CAN file, virtual motors on modelled buses.",
+        ),
     ] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Over CAN: move without asking.")] = False,
     from_logs: Annotated[
@@ -64,7 +68,21 @@ def record(
     Example: workbench record leg slow validation -o data --hide coulomb_friction@knee --set torque=0.25
 
     Example: workbench record robot.toml chirp.toml -o data --virtual
+
+    Example: workbench record my_leg.toml chirp.toml -o data --virtual --hide backlash@knee --set gap=0.02
     """
+    from .record_own import is_model, record_own
+
+    if rig not in ("leg", "leg_on_plate", "actuator") and is_model(rig):
+        if not virtual:
+            raise InputError(
+                f"'{rig}' is a model, and no machine",
+                remedy="add --virtual for hardware that is made of it, or give a CAN file",
+            )  # fmt: skip
+        check_outputs(json, force=force)
+        files = record_own(rig, experiments or [], output, (hide, set_), seed, force, quiet or json == "-")
+        _tell(rig, experiments, output, files, seed, json, force, quiet)
+        return
     over_can = rig.endswith(".toml")
     if rig not in ("leg", "leg_on_plate", "actuator") and not over_can:
         raise InputError(
@@ -74,7 +92,6 @@ def record(
         )
     if not output:
         raise InputError("no output folder", remedy="say where the recordings go: -o FOLDER")
-    hidden = hidden_effects(hide, set_)
     check_outputs(json, force=force)
     if over_can:
         from .record_can import record_logs, record_over_can
@@ -82,15 +99,26 @@ def record(
         if from_logs:
             files = record_logs(rig, experiments or [], Path(output), force)
         else:
-            files = record_over_can(rig, experiments or [], Path(output), hidden, seed, (virtual, yes, force))
+            say = (lambda text: None) if quiet or json == "-" else echo
+            files = record_over_can(
+                rig, experiments or [], Path(output), (hide, set_), seed, (virtual, yes, force), say
+            )
     elif rig == "actuator":
         if hide:
             raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
         files = _on_the_bench(experiments or [], Path(output), seed, force)
     else:
+        hidden = hidden_effects(hide, set_)
         files = _with_the_leg(rig == "leg_on_plate", experiments, Path(output), hidden, seed, force)
+    _tell(rig, experiments, output, files, seed, json, force, quiet)
+
+
+def _tell(
+    rig: str, experiments: Sequence[str] | None, output: str, files: Sequence[Path], seed: int,
+    json: str | None, force: bool, quiet: bool,
+) -> None:  # fmt: skip
     if json:
-        designs = [Path(name) for name in [rig, *(experiments or [])] if name.endswith(".toml")]
+        designs = [Path(name) for name in [rig, *(experiments or [])] if name.endswith((".toml", ".xml"))]
         content = {"format": 1, "rig": rig, "recordings": [_recorded(file) for file in files]}
         write_result(content, json, files=designs, seeds={"noise": seed}, force=force)
     if not quiet and json != "-":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,15 +12,17 @@ from workbench.core import InputError
 from workbench.core.files import check_free
 
 from .heartbeat import waiting
+from .hidden import hidden_effects, hidden_in
 
 if TYPE_CHECKING:
+    from workbench.can import CanConfig
     from workbench.frf import Design
-    from workbench.rigs import HiddenEffect
+    from workbench.rigs import MotorBank
 
 
 def record_over_can(
-    rig: str, names: Sequence[str], folder: Path, hidden: Sequence[HiddenEffect], seed: int,
-    options: tuple[bool, bool, bool],
+    rig: str, names: Sequence[str], folder: Path, hidden: tuple[str | None, Sequence[str] | None], seed: int,
+    options: tuple[bool, bool, bool], say: Callable[[str], object],
 ) -> list[Path]:  # fmt: skip
     """Plays designs over CAN; returns the recordings' files.
 
@@ -30,13 +32,13 @@ def record_over_can(
     from workbench.can import load_config
     from workbench.deployment import SimulatedNetwork
     from workbench.deployment.record import keep, record_live, record_simulated
-    from workbench.rigs import MotorBank
 
     virtual, yes, force = options
     config = load_config(rig)
     designs = _for_axes(config.axes, names)
-    if hidden and not virtual:
+    if any(hidden) and not virtual:
         raise InputError("only virtual motors hide effects", remedy="add --virtual")
+    make = virtual_motors(config, hidden, say) if virtual else None
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
     for design in designs:
@@ -46,7 +48,8 @@ def record_over_can(
                 check_free(file, force=force)
                 file.unlink(missing_ok=True)
             if virtual:
-                bank = MotorBank(config, hidden, seed=seed + len(files))
+                assert make is not None
+                bank = make(seed + len(files), None)
                 result = record_simulated(config, design, k, log, SimulatedNetwork(config, bank))
             else:
                 if not yes:
@@ -56,6 +59,36 @@ def record_over_can(
                 result = record_live(config, design, k, log)
             files.append(keep(result, folder, log, force))
     return files
+
+
+def virtual_motors(
+    config: CanConfig, hidden: tuple[str | None, Sequence[str] | None], say: Callable[[str], object]
+) -> Callable[[int, float | None], MotorBank]:
+    """Makes virtual motors, of a seed and a row [s], that turn what the configuration's models are.
+
+    Args:
+        config: the buses and drives.
+        hidden: an effect and its parameters, as the command line has them.
+        say: told what the hardware is.
+
+    Raises:
+        InputError: an effect that the hardware cannot hide, or hardware that cannot be made of a model.
+    """
+    from workbench.importing import described, is_reference_leg, own_plants
+    from workbench.models import read_model
+    from workbench.rigs import MotorBank
+
+    models = [read_model(each.model) for each in config.mechanism]
+    if config.bench.rig == "quadruped" or all(map(is_reference_leg, models)):
+        what = "quadruped" if config.bench.rig == "quadruped" else "leg on its stand" if models else ""
+        if what:
+            say(f"Virtual hardware: the reference {what}.")
+        effects = hidden_effects(*hidden)
+        return lambda seed, row: MotorBank(config, effects, seed=seed, row=row)
+    for model in models:
+        say(described(model))
+    make = own_plants(hidden_in(*hidden))
+    return lambda seed, row: MotorBank(config, seed=seed, row=row, make=make)
 
 
 def record_logs(rig: str, names: Sequence[str], folder: Path, force: bool) -> list[Path]:

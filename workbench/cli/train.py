@@ -128,6 +128,8 @@ def train(
             remedy="make it with `workbench approve`, or train with --unverified",
         )
     machine = make_machine(wanted.machine, loaded, variant)
+    if machine.floating and shown:
+        echo(f"The quadruped is the reference trunk on four legs of {loaded.name}.")
     if machine.left_out and shown:
         echo(f"Not in the simulation: {', '.join(machine.left_out)}.")
     settings = Settings(

@@ -1,6 +1,7 @@
 """Types, units and errors that everything else is built from; imports nothing of workbench."""
 
 from .copies import apart, together
+from .coupling import Coupling, declared_couplings
 from .diagnosis import (
     Diagnosis,
     Disagreement,
@@ -36,6 +37,7 @@ __all__ = [
     "Check",
     "Comparison",
     "Controller",
+    "Coupling",
     "Diagnosis",
     "Disagreement",
     "EffectKey",
@@ -61,5 +63,6 @@ __all__ = [
     "Verification",
     "WorkbenchError",
     "apart",
+    "declared_couplings",
     "together",
 ]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from .coupling import Coupling, declared_couplings
+
 
 @dataclass(frozen=True)
 class Mechanism:
@@ -19,6 +21,7 @@ class Mechanism:
         start: angles of the file's joints near a closed posture [rad or m], where assembly begins and which
             picks the branch; zero for joints not named.
         limits: lower and upper limit of each serial coordinate [rad or m], in the order of `joints`.
+        couplings: joints that follow others or are held; those of the file (``<mimic>``) need not be named.
     """
 
     file: Path
@@ -28,3 +31,14 @@ class Mechanism:
     foot: str | None = "foot"
     start: tuple[tuple[str, float], ...] = ()
     limits: tuple[tuple[float, float], ...] = ()
+    couplings: tuple[Coupling, ...] = ()
+
+    def all_couplings(self) -> tuple[Coupling, ...]:
+        """Those named here, then those of the file for other joints.
+
+        Raises:
+            InputError: the file cannot be read, or a ``<mimic>`` in it is none.
+        """
+        named = {coupling.joint for coupling in self.couplings}
+        own = (coupling for coupling in declared_couplings(self.file) if coupling.joint not in named)
+        return (*self.couplings, *own)

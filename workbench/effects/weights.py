@@ -131,4 +131,5 @@ def _body(parent: mujoco.MjsBody, pos: np.ndarray, mass: float, inertia: float, 
     body.explicitinertial, body.mass, body.ipos = True, mass, np.zeros(3)
     about = max(inertia, 1e-12)
     # a hinge feels only the inertia about its own axis; half of it about the others is a thin rod's
-    body.inertia = np.array([0.5, 1.0, 0.5]) * about
+    # (a little more, so that no rounding makes it a body that cannot be)
+    body.inertia = np.array([0.5 + 1e-9, 1.0, 0.5 + 1e-9]) * about

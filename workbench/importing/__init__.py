@@ -3,6 +3,19 @@
 from .assemblies import Assemblies, assemblies
 from .contents import Contents, contents_of
 from .from_mjcf import is_mjcf
+from .hardware import described, is_reference_leg, own_plants, own_rig
 from .import_model import Drives, import_model
 
-__all__ = ["Assemblies", "Contents", "Drives", "assemblies", "contents_of", "import_model", "is_mjcf"]
+__all__ = [
+    "Assemblies",
+    "Contents",
+    "Drives",
+    "assemblies",
+    "contents_of",
+    "described",
+    "import_model",
+    "is_mjcf",
+    "is_reference_leg",
+    "own_plants",
+    "own_rig",
+]

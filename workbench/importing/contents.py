@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from workbench.core import Coupling, declared_couplings
 from workbench.mechanism.parse import declared_loops, finished, parse
 
 from .from_mjcf import opened
@@ -22,6 +23,8 @@ class Contents:
         frames: names of frames, links included.
         loops: number of loops that the file itself closes.
         limits: joint -> lower and upper limit where the file states both [rad or m].
+        couplings: joints that follow others, or are held, by the file's own word.
+        round_rods: ball joints of an MJCF that are taken as universal ones.
         armature, damping, torque_limit: joint -> what an MJCF has there; empty for other files.
     """
 
@@ -29,13 +32,28 @@ class Contents:
     frames: tuple[str, ...]
     loops: int
     limits: dict[str, tuple[float, float]]
+    couplings: tuple[Coupling, ...] = ()
+    round_rods: tuple[str, ...] = ()
     armature: dict[str, float] = field(default_factory=dict)
     damping: dict[str, float] = field(default_factory=dict)
     torque_limit: dict[str, float] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        """Joints and frames on two lines."""
-        return f"joints: {', '.join(self.joints)}\nframes: {', '.join(self.frames)}"
+        """Joints and frames on two lines, and what the file binds beside its tree."""
+        lines = [f"joints: {', '.join(self.joints)}", f"frames: {', '.join(self.frames)}", *self.bonds]
+        return "\n".join(lines)
+
+    @property
+    def bonds(self) -> list[str]:
+        """A line each for what the file binds beside its tree; empty for a plain tree."""
+        follow = [
+            f"{c.joint} follows {c.follows}" if c.follows else f"{c.joint} is held" for c in self.couplings
+        ]
+        said = [f"loops that it closes: {self.loops}"] if self.loops else []
+        said += [f"couplings: {', '.join(follow)}"] if follow else []
+        if self.round_rods:
+            said.append(f"balls of rods that do not turn about themselves here: {', '.join(self.round_rods)}")
+        return said
 
 
 def contents_of(file: Path) -> Contents:
@@ -47,7 +65,8 @@ def contents_of(file: Path) -> Contents:
     with opened(file) as (source, converted):
         found = _contents(source, len(converted.loops if converted else declared_loops(source)))
         if converted is None:
-            return found
+            return replace(found, couplings=declared_couplings(source))
+        found = replace(found, couplings=converted.couplings, round_rods=converted.round_rods)
         own = (converted.armature, converted.damping, converted.torque_limit)
         return replace(found, **dict(zip(("armature", "damping", "torque_limit"), own, strict=True)))
 

@@ -17,14 +17,15 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from workbench.core import InputError
+from workbench.core import Coupling, InputError
 from workbench.core.xml import parse_xml
 from workbench.mechanism.parse import GRAVITY
 from workbench.models import load_with_loops
 
+from .mjcf_bonds import across_rod, coupling, ends, torque_limit
+
 _KINDS = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}
 _NEXT_TO_NOTHING = 1e-9  # kg of a link between two joints of one body: SDF knows no link without mass
-_UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 _ARM = 0.1  # m between the points that hold what is welded
 
 
@@ -35,11 +36,15 @@ class Converted:
     Attributes:
         sdf: the text.
         loops: pairs of frames in it that coincide.
+        couplings: joints that follow others, and those that are held.
+        round_rods: ball joints that were taken as universal ones.
         armature, damping, torque_limit: joint -> what the MJCF has there, inf without a limit.
     """
 
     sdf: str
     loops: tuple[tuple[str, str], ...]
+    couplings: tuple[Coupling, ...]
+    round_rods: tuple[str, ...]
     armature: dict[str, float]
     damping: dict[str, float]
     torque_limit: dict[str, float]
@@ -107,9 +112,10 @@ class _Writer:
             kind = m.jnt_type[j]
             if kind == mujoco.mjtJoint.mjJNT_FREE:
                 continue
-            if int(kind) not in _KINDS or not m.joint(j).name:
-                problem = f"joint '{m.joint(j).name}' is a ball" if m.joint(j).name else "a joint has no name"
-                raise InputError(problem, file=file, remedy="give hinge and slide joints with names")
+            if not m.joint(j).name:
+                raise InputError("a joint has no name", file=file, remedy="give every joint a name")
+            if kind == mujoco.mjtJoint.mjJNT_BALL:
+                continue
             self.zero.qpos[m.jnt_qposadr[j]] = 0.0
         mujoco.mj_kinematics(m, self.zero)
         self.taken = {m.joint(j).name for j in range(m.njnt)}
@@ -130,15 +136,20 @@ class _Writer:
         for s in range(m.nsite):
             if m.site(s).name:
                 self._frame(self.frames[m.site(s).name], int(m.site_bodyid[s]), m.site_pos[s], m.site_quat[s])
-        loops = [pair for e in range(m.neq) if m.eq_active0[e] for pair in self._loop(e)]
+        active = [e for e in range(m.neq) if m.eq_active0[e]]
+        bound = [e for e in active if m.eq_type[e] == mujoco.mjtEq.mjEQ_JOINT]
+        loops = [pair for e in active if e not in bound for pair in self._loop(e)]
         ElementTree.indent(self.root)
-        joints = {m.joint(j).name: int(m.jnt_dofadr[j]) for j in range(m.njnt)}
+        moving = [j for j in range(m.njnt) if int(m.jnt_type[j]) in _KINDS]
+        joints = {m.joint(j).name: int(m.jnt_dofadr[j]) for j in moving}
         return Converted(
             ElementTree.tostring(self.root, encoding="unicode") + "\n",
             tuple(loops),
+            tuple(coupling(m, e, self.file) for e in bound),
+            tuple(m.joint(j).name for j in range(m.njnt) if m.jnt_type[j] == mujoco.mjtJoint.mjJNT_BALL),
             {name: float(m.dof_armature[dof]) for name, dof in joints.items()},
             {name: float(m.dof_damping[dof]) for name, dof in joints.items()},
-            {m.joint(j).name: self._limit(j) for j in range(m.njnt)},
+            {m.joint(j).name: torque_limit(m, j) for j in moving},
         )
 
     def _name(self, wanted: str, kind: str) -> str:
@@ -152,14 +163,15 @@ class _Writer:
         m, parent = self.m, self.links[int(self.m.body_parentid[body])]
         joints = range(int(m.body_jntadr[body]), int(m.body_jntadr[body]) + int(m.body_jntnum[body]))
         moving = [j for j in joints if m.jnt_type[j] != mujoco.mjtJoint.mjJNT_FREE]
-        for j in moving[:-1]:
-            between = self._name(f"{self.links[body]}_{m.joint(j).name}", "link")
+        turns = [turn for j in moving for turn in self._turns(j)]
+        for j, name, axis in turns[:-1]:
+            between = self._name(f"{self.links[body]}_{name}", "link")
             self._link(between, body, _NEXT_TO_NOTHING)
-            self._joint(j, parent, between)
+            self._joint((j, name, axis), parent, between)
             parent = between
         self._link(self.links[body], body, None)
-        if moving:
-            self._joint(moving[-1], parent, self.links[body])
+        if turns:
+            self._joint(turns[-1], parent, self.links[body])
         elif not len(joints):
             name = self._name(f"{self.links[body]}_fixed", "joint")
             joint = ElementTree.SubElement(self.model, "joint", name=name, type="fixed")
@@ -183,17 +195,24 @@ class _Writer:
             value = about["xyz".index(key[0]), "xyz".index(key[1])]
             ElementTree.SubElement(inertia, f"i{key}").text = repr(float(value) + 0.0)
 
-    def _joint(self, j: int, parent: str, child: str) -> None:
-        m = self.m
-        joint = ElementTree.SubElement(
-            self.model, "joint", name=m.joint(j).name, type=_KINDS[int(m.jnt_type[j])]
-        )
+    def _turns(self, j: int) -> list[tuple[int, str, np.ndarray]]:
+        """A joint as those with one coordinate: itself, its name and axis; of a ball two, across its rod."""
+        m, name = self.m, self.m.joint(j).name
+        if m.jnt_type[j] != mujoco.mjtJoint.mjJNT_BALL:
+            return [(j, name, m.jnt_axis[j])]
+        axes = across_rod(m, j, self.file)
+        return [(j, self._name(f"{name}_{k}", "joint"), axis) for k, axis in enumerate(axes)]
+
+    def _joint(self, turn: tuple[int, str, np.ndarray], parent: str, child: str) -> None:
+        m, (j, name, along) = self.m, turn
+        kind = _KINDS.get(int(m.jnt_type[j]), "revolute")
+        joint = ElementTree.SubElement(self.model, "joint", name=name, type=kind)
         ElementTree.SubElement(joint, "parent").text = parent
         ElementTree.SubElement(joint, "child").text = child
         ElementTree.SubElement(joint, "pose").text = _pose(m.jnt_pos[j], Rotation.identity())
         axis = ElementTree.SubElement(joint, "axis")
-        ElementTree.SubElement(axis, "xyz").text = " ".join(repr(float(x) + 0.0) for x in m.jnt_axis[j])
-        if m.jnt_limited[j]:
+        ElementTree.SubElement(axis, "xyz").text = " ".join(repr(float(x) + 0.0) for x in along)
+        if m.jnt_limited[j] and int(m.jnt_type[j]) in _KINDS:
             limit = ElementTree.SubElement(axis, "limit")
             for key, value in zip(("lower", "upper"), m.jnt_range[j], strict=True):
                 ElementTree.SubElement(limit, key).text = repr(float(value))
@@ -208,41 +227,16 @@ class _Writer:
     def _loop(self, e: int) -> Iterator[tuple[str, str]]:
         """Frames on both bodies at each point that an equality holds together."""
         m = self.m
-        first, second = int(m.eq_obj1id[e]), int(m.eq_obj2id[e])
         weld = m.eq_type[e] == mujoco.mjtEq.mjEQ_WELD
         name = m.eq(e).name or f"loop{e}"
-        if m.eq_objtype[e] == mujoco.mjtObj.mjOBJ_SITE:
-            ends = [(int(m.site_bodyid[s]), m.site_pos[s], m.site_quat[s]) for s in (first, second)]
-        else:
-            # compiled: the point on either body, of a weld the second's first, and how that one is turned
-            one, other = (m.eq_data[e, 3:6], m.eq_data[e, 0:3])[:: 1 if weld else -1]
-            ends = [(first, one, m.eq_data[e, 6:10] if weld else _UPRIGHT), (second, other, _UPRIGHT)]
         corners = _ARM * np.vstack([np.zeros(3), np.eye(3)[:2]]) if weld else np.zeros((1, 3))
         for k, corner in enumerate(corners):
             pair = []
-            for side, (body, at, quat) in zip(("a", "b"), ends, strict=True):
+            for side, (body, at, quat) in zip(("a", "b"), ends(m, e), strict=True):
                 turn = Rotation.from_quat(quat, scalar_first=True) if weld else Rotation.identity()
                 pair.append(self._name(f"{name}{k or ''}_{side}", "frame"))
                 self._frame(pair[-1], body, at + turn.apply(corner))
             yield pair[0], pair[1]
-
-    def _limit(self, j: int) -> float:
-        """Torque limit of a joint's one motor; inf where none is stated, or another on either side."""
-        m = self.m
-        on_joint = m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-        own = np.flatnonzero(on_joint & (m.actuator_trnid[:, 0] == j))
-        if len(own) != 1:
-            return float("inf")
-        a = own[0]
-        motor = m.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
-        gear = abs(float(m.actuator_gear[a, 0]))
-        if m.actuator_forcelimited[a]:
-            low, high = gear * m.actuator_forcerange[a]
-        elif motor and m.actuator_ctrllimited[a]:
-            low, high = gear * abs(float(m.actuator_gainprm[a, 0])) * m.actuator_ctrlrange[a]
-        else:
-            return float("inf")
-        return float(high) if high == -low else float("inf")
 
 
 def _pose(at: np.ndarray, turn: Rotation) -> str:

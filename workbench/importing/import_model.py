@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from workbench.core import InputError, Mechanism
+from workbench.core import Controller, InputError, Mechanism
 from workbench.core.files import check_free, write_all
 from workbench.mechanism import ClosedChain, constant_transmission
 from workbench.models import Actuators, Model, model_text
@@ -55,6 +55,7 @@ def import_model(
     output: str | Path,
     *,
     axes: Sequence[str] | None = None,
+    controller: Controller | None = None,
     force: bool = False,
 ) -> Model:
     """Write ``output`` (TOML) and the serial tree beside it (MJCF), from a mechanism with loops.
@@ -68,6 +69,7 @@ def import_model(
         output: the model file; ``leg.toml`` comes with ``leg.xml``, and of an MJCF with ``leg.sdf``, in which
             its loops are cut open.
         axes: names of the axes; the drives' joints if not given.
+        controller: the loop that it usually runs in, if that is known.
         force: overwrite.
 
     Raises:
@@ -89,7 +91,11 @@ def import_model(
     with opened(mechanism.file) as (source, converted):
         cut, kept, texts = replace(mechanism, file=source), mechanism.file, dict[Path, str]()
         if converted is not None:
-            cut = replace(cut, loops=(*converted.loops, *mechanism.loops))
+            cut = replace(
+                cut,
+                loops=(*converted.loops, *mechanism.loops),
+                couplings=(*converted.couplings, *mechanism.couplings),
+            )
             kept = target.with_suffix(".sdf")
             _check_written(kept, mechanism.file, force)
             texts[kept] = converted.sdf
@@ -106,6 +112,7 @@ def import_model(
             closed_chain=replace(cut, file=kept.resolve()),
             posture_dependent=not transmission.constant,
             payload_site=cut.foot,
+            controller=controller or Controller(),
         )
         with TemporaryDirectory() as folder:
             (Path(folder) / tree.name).write_text(mjcf)

@@ -22,7 +22,8 @@ def parallelogram_linkage(chain: ClosedChain, model: Model) -> Linkage | None:
         chain: the closed chain.
         model: with its serial tree and transmission.
     """
-    if not np.allclose(model.transmission, PARALLELOGRAM, atol=_SAME):
+    same_size = model.transmission.shape == PARALLELOGRAM.shape
+    if not (same_size and np.allclose(model.transmission, PARALLELOGRAM, atol=_SAME)):
         return None
     q = sample_joints(chain, _SAMPLES)
     real = [chain.serial_dynamics(row, np.zeros(2)) for row in q]

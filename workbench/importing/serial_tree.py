@@ -1,4 +1,4 @@
-"""The serial tree of a mechanism as MJCF: the links on the way to the foot, and nothing of the linkage."""
+"""The serial tree of a mechanism as MJCF: links on the way to its ends, and nothing of the linkage."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _THIN = 0.008  # m, radius of the bars that are drawn
 
 
 def serial_mjcf(mechanism: Mechanism, name: str) -> str:
-    """MJCF of the links between world and foot, with the file's own frames, masses and inertias.
+    """MJCF of the links from the world to foot and serial joints, with the file's frames and inertias.
 
     Args:
         mechanism: its file, serial joints and foot.
@@ -33,33 +33,42 @@ def serial_mjcf(mechanism: Mechanism, name: str) -> str:
     holder = ElementTree.SubElement(root, "worldbody")
     context: Any = plant.CreateDefaultContext()
     plant.SetPositions(context, np.zeros(plant.num_positions()))
-    for link in _way_to_foot(plant, model, mechanism):
-        holder = _add_body(holder, plant, context, link, mechanism)
+    held = _held(mechanism)
+    for joint_name, position in held.items():
+        joint = plant.GetJointByName(joint_name, model)
+        plant.SetPositions(context, _placed(plant, context, joint, position))
+    bodies = {plant.world_body().index(): holder}
+    for joint in _ways(plant, model, mechanism):
+        holder = bodies[joint.parent_body().index()]
+        bodies[joint.child_body().index()] = _add_body(holder, plant, context, joint, mechanism)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
-def _way_to_foot(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
-    """Joints from the world to the foot, in this order."""
+def _ways(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
+    """Joints on the ways from the world to the foot and to every serial joint, each after those before it."""
     inboard = {}
     for index in plant.GetJointIndices():
         joint = plant.get_joint(index)
         inboard[joint.child_body().index()] = joint
+    ends = [plant.GetJointByName(name, model).child_body() for name in mechanism.joints]
     if mechanism.foot:
-        body = plant.GetFrameByName(mechanism.foot, model).body()
-    else:
-        body = plant.GetJointByName(mechanism.joints[-1], model).child_body()
+        ends.append(plant.GetFrameByName(mechanism.foot, model).body())
     way: list[Any] = []
-    while body.index() in inboard:
-        way.append(inboard[body.index()])
-        body = way[-1].parent_body()
-    way.reverse()
-    moving = [joint.name() for joint in way if joint.num_positions()]
+    for body in ends:
+        own: list[Any] = []
+        while body.index() in inboard:
+            own.append(inboard[body.index()])
+            body = own[-1].parent_body()
+        known = {joint.index() for joint in way}
+        way += [joint for joint in reversed(own) if joint.index() not in known]
+    held = _held(mechanism)
+    moving = [joint.name() for joint in way if joint.num_positions() and joint.name() not in held]
     if sorted(moving) != sorted(mechanism.joints):
         raise InputError(
             f"the way to {mechanism.foot or 'the last joint'} passes {', '.join(moving) or 'no joint'}",
             file=mechanism.file, column="closed_chain.joints",
-            remedy="name these as serial joints, or another foot",
+            remedy="name these as serial joints, hold those that stay, or name another foot",
         )  # fmt: skip
     strange = [joint for joint in way if joint.type_name() not in _KINDS]
     if strange:
@@ -78,7 +87,7 @@ def _add_body(
     out = ElementTree.SubElement(
         holder, "body", name=body.name(), pos=_numbers(at.translation()), quat=_quat(at.rotation().matrix())
     )
-    kind = _KINDS[joint.type_name()]
+    kind = "fixed" if joint.name() in _held(mechanism) else _KINDS[joint.type_name()]
     if kind != "fixed":
         own = joint.frame_on_child().GetFixedPoseInBodyFrame()
         axis = joint.revolute_axis() if kind == "hinge" else joint.translation_axis()
@@ -96,6 +105,18 @@ def _add_body(
     _add_inertia(out, body)
     _draw(out, plant, body, mechanism)
     return out
+
+
+def _held(mechanism: Mechanism) -> dict[str, float]:
+    """Joints that stay where they are, and where [rad or m]."""
+    return {c.joint: c.at(0.0)[0] for c in mechanism.all_couplings() if c.follows is None}
+
+
+def _placed(plant: Any, context: Any, joint: Any, position: float) -> np.ndarray:
+    """The plant's positions with one joint elsewhere."""
+    positions = np.array(plant.GetPositions(context))
+    positions[joint.position_start()] = position
+    return positions
 
 
 def _add_inertia(out: ElementTree.Element, body: Any) -> None:

@@ -101,7 +101,9 @@ def _close(tree: Tree, theta: np.ndarray, ease: np.ndarray | float = 1.0) -> np.
 
 def _gap_text(tree: Tree) -> str:
     with np.errstate(over="ignore"):  # an infinite gap is one that stays open too
-        gaps = np.linalg.norm(tree.gap().reshape(-1, 3), axis=1)
+        gaps = tree.open_loops()
+        if not gaps.size:
+            return "a joint that follows another cannot be where it has to"
     return f"{gaps.max():.3g} m stay open at loop {int(gaps.argmax()) + 1}"
 
 
@@ -125,7 +127,7 @@ def _count_freedoms(tree: Tree, drives: Sequence[int], theta: np.ndarray) -> Non
         raise InputError(
             f"the loops leave {freedoms} degrees of freedom for {len(drives)} drives: with the drives held, "
             f"{names} can still move", file=tree.mechanism.file, column="closed_chain.loops",
-            remedy="name the loop that is missing, hold the joint fixed or name it as a drive",
+            remedy="name the loop that is missing, hold the joint (import has --hold) or name it as a drive",
         )  # fmt: skip
 
 

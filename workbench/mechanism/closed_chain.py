@@ -113,7 +113,7 @@ class ClosedChain:
     def loop_residual(self, q: np.ndarray) -> float:
         """Largest gap [m] of a loop at drive positions `q` (n,) after closing."""
         self._driven.at(q)
-        return float(np.linalg.norm(self._tree.gap().reshape(-1, 3), axis=1).max(initial=0.0))
+        return float(self._tree.open_loops().max(initial=0.0))
 
     def projection(self, q: np.ndarray) -> np.ndarray:
         """L (N, n), d theta / d q at drive positions `q` (n,).
@@ -151,6 +151,20 @@ class ClosedChain:
     def serial_position(self, q: np.ndarray) -> np.ndarray:
         """Serial joint positions q_s (n,) at drive positions `q` (n,) [rad or m]."""
         return self._driven.at(q).theta[self._joints]
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of each drive's position, ``rad`` or ``m``."""
+        return tuple(self._tree.unit(name) for name in self.mechanism.drives)
+
+    def serial_slope(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Serial positions q_s (n,) and d q_s / d q_p (n, n) at drive positions `q` (n,).
+
+        Raises:
+            SimulationError: the loops cannot be closed there, or are at a dead point.
+        """
+        theta, slope, _ = self._driven.regular(q)
+        return theta[self._joints], slope[self._joints]
 
     def drive_position(self, joints: np.ndarray) -> np.ndarray:
         """Drive positions q_p (n,) at serial joint positions `joints` (n,) [rad or m].

@@ -22,7 +22,7 @@ from pydrake.multibody.plant import (
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from workbench.core import InputError, Mechanism
+from workbench.core import InputError, Mechanism, declared_couplings
 
 from .closed_chain import ClosedChain
 from .loops import find_frame, loop_pairs
@@ -79,6 +79,7 @@ class DiscreteChain:
         self._pairs = loop_pairs(self.plant, model, mechanism)
         for first, second in self._pairs[: len(mechanism.loops)]:  # those the file declares are there already
             self.plant.AddBallConstraint(first.body(), _point(first), second.body(), _point(second))
+        held = _couple(self.plant, model, mechanism)
         _equip(self.plant, mechanism, inertia, damping)
         self._feet = _stand(self.plant, model, mechanism, ground) if ground else []
         finished(self.plant, mechanism.file)
@@ -90,6 +91,8 @@ class DiscreteChain:
         with quiet():  # a half space is not for deformable bodies, which nobody has here
             self._simulator: Any = Simulator(builder.Build())
         self._context = self.plant.GetMyMutableContextFromRoot(self._simulator.get_mutable_context())
+        for joint in held:
+            joint.Lock(self._context)
         self._force = self.plant.get_applied_generalized_force_input_port()
         self.reset(self._chain.start[0])
 
@@ -237,6 +240,31 @@ def _equip(plant: Any, mechanism: Mechanism, inertia: Sequence[float], damping: 
         actuator = actuators.get(name) or plant.AddJointActuator(f"{name}_drive", joint)
         actuator.set_default_rotor_inertia(rotor)
         actuator.set_default_gear_ratio(1.0)
+
+
+def _couple(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
+    """Couplings of the mechanism, as Drake's own constraints; returns joints that are to be held.
+
+    Raises:
+        InputError: a joint follows another along a curve, which Drake's constraint does not.
+    """
+    by_the_file = {coupling.joint for coupling in declared_couplings(mechanism.file)}
+    held = []
+    for coupling in mechanism.all_couplings():
+        offset, *slopes = *coupling.polynomial, *([] if len(coupling.polynomial) > 1 else [0.0])
+        if any(slopes[1:]):
+            raise InputError(
+                f"joint '{coupling.joint}' follows another along a curve", file=mechanism.file,
+                column="closed_chain.couplings", remedy="contact in Drake needs couplings that are lines",
+            )  # fmt: skip
+        joint = plant.GetJointByName(coupling.joint, model)
+        if coupling.follows is None:
+            held.append(joint)
+        elif coupling.joint not in by_the_file:  # Drake reads those of the file itself
+            plant.AddCouplerConstraint(
+                joint, plant.GetJointByName(coupling.follows, model), slopes[0], offset
+            )
+    return held
 
 
 def _stand(plant: Any, model: Any, mechanism: Mechanism, ground: Ground) -> list[Any]:

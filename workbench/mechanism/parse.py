@@ -87,11 +87,10 @@ def declared_loops(file: Path) -> tuple[BallLoop, ...]:
         InputError: not XML, or joints are bound to each other by what is no loop.
     """
     root = _xml(file)
-    for tag in ("mimic", "tendon_constraint"):
-        if next(root.iter(tag), None) is not None:
-            raise InputError(
-                f"it has a <{tag}>", file=file, remedy="describe the mechanism by its links and pins"
-            )
+    if next(root.iter("tendon_constraint"), None) is not None:
+        raise InputError(
+            "it has a <tendon_constraint>", file=file, remedy="describe the mechanism by its links and pins"
+        )
     return tuple(_ball_loop(node, file) for node in root.iter("ball_constraint"))
 
 

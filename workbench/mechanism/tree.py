@@ -48,6 +48,10 @@ class Tree:
         self._context = plant.CreateDefaultContext()
         self._world = plant.world_frame()
         self.names = _coordinate_names(plant)
+        self._couplings = [
+            (c, self.index(c.joint, "couplings"), self.index(c.follows, "couplings") if c.follows else None)
+            for c in mechanism.all_couplings()
+        ]
 
     def index(self, coordinate: str, key: str) -> int:
         """Position of a coordinate in theta; `key` is where a model file names it.
@@ -61,6 +65,12 @@ class Tree:
             f"the file has no joint '{coordinate}' with one coordinate", file=self.mechanism.file,
             column=f"closed_chain.{key}", remedy=f"coordinates are {', '.join(self.names)}",
         )  # fmt: skip
+
+    def unit(self, coordinate: str) -> str:
+        """Unit of a coordinate, ``rad`` or ``m``."""
+        named = self._plant.HasJointNamed(coordinate, self._model)  # those of a universal joint are not
+        sliding = named and self._plant.GetJointByName(coordinate, self._model).type_name() == "prismatic"
+        return "m" if sliding else "rad"
 
     def massless_links(self) -> list[str]:
         """Names of links without mass."""
@@ -76,18 +86,35 @@ class Tree:
         self._plant.SetVelocities(self._context, _finite(rates))
 
     def gap(self) -> np.ndarray:
-        """From the second point of each loop to the first [m], shape (3 m,) for m loops."""
+        """Of m loops from the second point to the first [m], then how far k couplings are off, (3 m + k,)."""
         points = ([end.CalcPoseInWorld(self._context).translation() for end in pair] for pair in self._pairs)
-        return np.array([first - second for first, second in points]).ravel()
+        theta = self._plant.GetPositions(self._context)
+        off = [theta[own] - c.at(theta[other] if c.follows else 0.0)[0] for c, own, other in self._couplings]
+        return np.array([*np.ravel([first - second for first, second in points]), *off])
+
+    def open_loops(self) -> np.ndarray:
+        """How far each loop gapes (m,) [m]."""
+        return np.linalg.norm(self.gap()[: 3 * len(self._pairs)].reshape(-1, 3), axis=1)
 
     def gap_jacobian(self) -> np.ndarray:
-        """d gap / d theta (3 m, N) [m/rad or 1]."""
+        """d gap / d theta (3 m + k, N) [m/rad or 1]."""
         blocks = [self._point_jacobian(a) - self._point_jacobian(b) for a, b in self._pairs]
-        return np.array(blocks).reshape(-1, len(self.names))
+        theta = self._plant.GetPositions(self._context)
+        for c, own, other in self._couplings:
+            row = np.zeros(len(self.names))
+            row[own] = 1.0
+            if c.follows:
+                row[other] -= c.at(theta[other])[1]
+            blocks.append(row)
+        return np.concatenate([np.zeros((0, len(self.names))), *map(np.atleast_2d, blocks)])
 
     def gap_bias(self) -> np.ndarray:
-        """Second derivative of the gap at zero tree acceleration (3 m,) [m/s^2]."""
-        return np.array([self._point_bias(a) - self._point_bias(b) for a, b in self._pairs]).ravel()
+        """Second derivative of the gap at zero tree acceleration (3 m + k,) [m/s^2]."""
+        loops = [self._point_bias(a) - self._point_bias(b) for a, b in self._pairs]
+        plant, context = self._plant, self._context
+        theta, rates = plant.GetPositions(context), plant.GetVelocities(context)
+        off = [-c.at(theta[o])[2] * rates[o] ** 2 if c.follows else 0.0 for c, _, o in self._couplings]
+        return np.array([*np.ravel(loops), *off])
 
     def mass(self) -> np.ndarray:
         """Mass matrix (N, N)."""

@@ -17,17 +17,14 @@ _IMPORT = (
 )
 _LOOP = f'{_IMPORT} (or set active="false" where the loop is not there)'
 _CUT = f"name a frame on either side of the pin that closes it, and {_IMPORT}, with --loop A:B"
-_FOLLOWER = (
-    "a joint that follows another is not supported: make it fixed in a copy of the file if what it moves "
-    "weighs next to nothing"
-)
-#: Equalities that close a loop of bodies.
-LOOPS = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD
+_TENDON = "tendons that hold each other are not supported: take it out of a copy of the file"
+#: Equalities that close a loop of bodies, or make a joint follow another.
+LOOPS = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD, mujoco.mjtEq.mjEQ_JOINT
 _KINDS = {
     mujoco.mjtEq.mjEQ_CONNECT: ("connect", _LOOP),
     mujoco.mjtEq.mjEQ_WELD: ("weld", _LOOP),
-    mujoco.mjtEq.mjEQ_JOINT: ("joint", _FOLLOWER),
-    mujoco.mjtEq.mjEQ_TENDON: ("tendon", _FOLLOWER),
+    mujoco.mjtEq.mjEQ_JOINT: ("joint", _LOOP),
+    mujoco.mjtEq.mjEQ_TENDON: ("tendon", _TENDON),
 }
 
 
@@ -37,7 +34,7 @@ def refuse_equalities(spec: mujoco.MjSpec, file: Path, *, loops: bool = False) -
     Args:
         spec: the MJCF.
         file: it was read from.
-        loops: whether bodies may be held together.
+        loops: whether bodies and joints may be held together.
 
     Raises:
         InputError: one is active.
@@ -61,7 +58,7 @@ def refuse_constraints(root: ElementTree.Element, file: Path) -> None:
         mimic = joint.find("mimic")
         if mimic is not None:
             problem = f"joint '{joint.get('name')}' follows '{mimic.get('joint')}' (<mimic>)"
-            raise InputError(problem, file=file, column="mimic", remedy=_FOLLOWER)
+            raise InputError(problem, file=file, column="mimic", remedy=_IMPORT)
     for node in root:
         if node.tag.endswith("_constraint") or node.tag == "loop_joint":
             raise InputError(

@@ -9,7 +9,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism, apart
+from workbench.core import Controller, Coupling, EffectKey, Estimate, InputError, Mechanism, apart
 from workbench.core.paths import models_folder
 
 from .floating import BASE_AXES
@@ -219,6 +219,7 @@ def _mechanism(table: ModelTable, n: int, file: Path) -> Mechanism | None:
         chain.foot,
         tuple(chain.start.items()),
         tuple(chain.limits),
+        tuple(Coupling(c.joint, c.follows, tuple(c.polynomial)) for c in chain.couplings),
     )
 
 

@@ -27,6 +27,14 @@ class TransmissionTable(_Table):
     posture_dependent: bool = False
 
 
+class CouplingTable(_Table):
+    """``[[closed_chain.couplings]]``: a joint that follows another, or is held where none is named."""
+
+    joint: str
+    follows: str | None = None
+    polynomial: Annotated[list[_Number], Field(min_length=1)]
+
+
 class ClosedChainTable(_Table):
     """``[closed_chain]``: the real mechanism; names that are left out are the reference leg's."""
 
@@ -37,6 +45,7 @@ class ClosedChainTable(_Table):
     foot: str | None = None
     start: dict[str, _Number] = Field(default_factory=dict)
     limits: list[tuple[_Number, _Number]] = []
+    couplings: list[CouplingTable] = []
 
 
 class ActuatorTable(_Table):

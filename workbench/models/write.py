@@ -118,6 +118,15 @@ def _closed_chain_table(chain: Mechanism, folder: Path) -> dict[str, Any]:
         table["start"] = dict(chain.start)
     if chain.limits:
         table["limits"] = [list(pair) for pair in chain.limits]
+    if chain.couplings:
+        table["couplings"] = [
+            {
+                "joint": c.joint,
+                **({"follows": c.follows} if c.follows else {}),
+                "polynomial": list(c.polynomial),
+            }
+            for c in chain.couplings
+        ]
     return table
 
 

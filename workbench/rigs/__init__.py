@@ -10,8 +10,12 @@ from .drive_train import DriveTrain
 from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
 from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
 from .live import LiveLeg, LiveShaft
+from .live_own import LiveOwn
 from .magnitudes import DEMO_EFFECTS, DRAWN_EFFECTS
 from .motor_bank import MotorBank
+from .own_draw import draw_own
+from .own_machine import HIDEABLE, HiddenIn, OwnMachine
+from .own_rig import OwnExperiment, OwnRig
 from .plate_experiments import plate_experiments
 from .revealing import (
     dither,
@@ -32,6 +36,7 @@ __all__ = [
     "DEMO_EFFECTS",
     "DRAWN_EFFECTS",
     "EFFECTS",
+    "HIDEABLE",
     "OUTSIDERS",
     "PERFECT",
     "ClosedChain",
@@ -39,10 +44,15 @@ __all__ = [
     "DriveTrain",
     "Experiment",
     "HiddenEffect",
+    "HiddenIn",
     "LegStructure",
     "LiveLeg",
+    "LiveOwn",
     "LiveShaft",
     "MotorBank",
+    "OwnExperiment",
+    "OwnMachine",
+    "OwnRig",
     "Plate",
     "Reduced",
     "Sensors",
@@ -54,6 +64,7 @@ __all__ = [
     "demo_experiments",
     "dither",
     "draw_hidden",
+    "draw_own",
     "draw_several",
     "drive_side",
     "experiments_for",

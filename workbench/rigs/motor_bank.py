@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -36,6 +36,8 @@ class MotorBank:
         seed: of sensor noise; each machine draws its own.
         sensors: noise and resolution.
         row: one cycle of the drives' control [s]; None for the rig's own.
+        make: the plant that a mechanism's motors turn, of its model's name, a seed and the row; where it is
+            left out, the reference leg.
 
     Attributes:
         robot: the quadruped, if it is one.
@@ -51,6 +53,7 @@ class MotorBank:
         seed: int = 0,
         sensors: Sensors | None = None,
         row: float | None = None,
+        make: Callable[[str, int, float], Plant] | None = None,
     ) -> None:
         quadruped = config.bench.rig == "quadruped"
         self.row = row or (QUADRUPED_ROW if quadruped else ROW)
@@ -75,7 +78,7 @@ class MotorBank:
         if quadruped:
             self._stand(config, hidden, seed, sensors)
         else:
-            self._single(config, hidden, seed, sensors)
+            self._single(config, hidden, seed, sensors, make)
 
     def _stand(
         self, config: CanConfig, hidden: Sequence[HiddenEffect], seed: int, sensors: Sensors | None
@@ -92,10 +95,16 @@ class MotorBank:
         self._let_go = round((config.loop.soft_start_s + _STEADY) / self.row)
 
     def _single(
-        self, config: CanConfig, hidden: Sequence[HiddenEffect], seed: int, sensors: Sensors | None
-    ) -> None:
+        self, config: CanConfig, hidden: Sequence[HiddenEffect], seed: int, sensors: Sensors | None,
+        make: Callable[[str, int, float], Plant] | None,
+    ) -> None:  # fmt: skip
         row, free = self.row, list(config.axes)
         for k, mechanism in enumerate(config.mechanism):
+            if make is not None:
+                own = make(mechanism.model, 1000 * seed + k, row)
+                self._plants.append((own, [self.motors[axis] for axis in mechanism.axes]))
+                free = [axis for axis in free if axis not in mechanism.axes]
+                continue
             if len(mechanism.axes) != 2:
                 remedy = "virtual motors turn legs of two axes, or lone actuators"
                 raise InputError(

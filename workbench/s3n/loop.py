@@ -17,7 +17,9 @@ from scipy.spatial.transform import Rotation
 from workbench.core import InputError, Mechanism, SimulationError
 from workbench.models import Model, load_mjcf
 
-from .sdf import HERE, Pose, SdfTree, read_sdf
+from .bound_joints import BoundJoints, couple
+from .sdf import HERE, Pose, SdfTree
+from .urdf import read_tree
 
 _CLOSED = 1e-9  # m, largest gap of a loop that counts as closed
 
@@ -56,7 +58,7 @@ def loop_spec(
     """The closed chain as MJCF: every link a body, rotors and damping on the driven joints.
 
     Args:
-        model: names the SDF file, its drives and its loops; gives the actuators and, by its MJCF, gravity.
+        model: names the SDF file or URDF, drives and loops; gives the actuators and, by its MJCF, gravity.
         settings: of the loop constraints; None leaves the tree cut open.
         floating: the tree hangs on a free body, not on the world.
 
@@ -64,7 +66,7 @@ def loop_spec(
         InputError: the model names no closed chain, or its file is not a tree of joints that MuJoCo has.
     """
     mechanism = mechanism_of(model)
-    tree = read_sdf(mechanism.file)
+    tree = read_tree(mechanism.file)
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     spec.compiler.inertiafromgeom = mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE
@@ -90,6 +92,8 @@ def loop_spec(
             loop.type, loop.objtype = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtObj.mjOBJ_SITE
             loop.name1, loop.name2 = first, second
             loop.solref, loop.solimp = settings.solref, settings.solimp
+        for coupling in mechanism.all_couplings():
+            couple(spec, coupling, settings.solref, settings.solimp, tree.file)
     return spec
 
 
@@ -118,7 +122,7 @@ def close_loops(
     mechanism, data = mechanism_of(model), mujoco.MjData(m)
     serial = [m.joint(name).qposadr[0] for name in mechanism.joints]
     drives = [m.joint(name).qposadr[0] for name in mechanism.drives]
-    start = data.qpos.copy()
+    bound, start = BoundJoints.of(m, mechanism), data.qpos.copy()
     for name, angle in mechanism.start:
         start[m.joint(name).qposadr[0]] = angle
 
@@ -128,7 +132,7 @@ def close_loops(
         gaps = [data.site(a).xpos - data.site(b).xpos for a, b in mechanism.loops]
         # where J is constant it says where the drives are, which keeps a parallelogram from folding over
         known = [] if model.posture_dependent else [theta[drives] - model.transmission @ wanted]
-        return np.concatenate([*gaps, theta[serial] - wanted, *known])
+        return np.concatenate([*gaps, bound.gap(theta), theta[serial] - wanted, *known])
 
     steps = max(2, int(np.ceil(np.abs(position - start[serial]).max() / 0.1)))
     theta = start
@@ -154,8 +158,10 @@ def tree_projection(m: mujoco.MjModel, model: Model, theta: np.ndarray) -> np.nd
     serial = np.zeros((len(mechanism.joints), m.nv))
     for index, name in enumerate(mechanism.joints):
         serial[index, m.joint(name).dofadr[0]] = 1.0
-    wanted = np.concatenate([np.zeros((3 * len(rows), len(serial))), np.eye(len(serial))])
-    return np.linalg.lstsq(np.concatenate([*rows, serial]), wanted, rcond=None)[0]
+    rows.append(BoundJoints.of(m, mechanism).jacobian(theta))
+    closed = np.concatenate(rows)
+    wanted = np.concatenate([np.zeros((len(closed), len(serial))), np.eye(len(serial))])
+    return np.linalg.lstsq(np.concatenate([closed, serial]), wanted, rcond=None)[0]
 
 
 def _grow(spec: mujoco.MjSpec, tree: SdfTree, base: mujoco.MjsBody, parent: str | None, at: Pose) -> None:

@@ -74,7 +74,7 @@ def _merge(spec: mujoco.MjSpec, m: mujoco.MjModel, link: _Link, hung: list[tuple
         for number, (child, weight) in enumerate(hung):
             force = link.body.add_body(name=f"{name}:weight:{number}", pos=m.body_pos[child])
             # what is left over becomes the weight of a body of next to no mass
-            _write(force, Inertial(1e-9, nothing, 1e-15 * np.eye(3), weight, nothing))
+            _write(force, Inertial(1e-12, nothing, 1e-15 * np.eye(3), weight, nothing))
         return 0.0
     one, rest = found
     for body, _ in link.added:

@@ -62,6 +62,10 @@ class Terms:
         return self.jacobian.transpose(0, 2, 1) @ weighted
 
 
+#: Drives of a mechanism whose series are short enough to be had.
+MOST_DRIVES = 3
+
+
 class PostureDependent:
     """A model's closed chain as series over its limits; everything is vectorised over N postures.
 
@@ -76,7 +80,7 @@ class PostureDependent:
     """
 
     def __init__(self, model: Model, *, tree: SerialTree | None = None, tolerance: float = 1e-12) -> None:
-        if model.size > 3:
+        if model.size > MOST_DRIVES:
             raise InputError(
                 f"model '{model.name}' has {model.size} coordinates that depend on each other",
                 file=model.source, remedy="split it into mechanisms of three drives or fewer",
@@ -196,7 +200,7 @@ class PostureDependent:
 
         where = {"file": self.model.source, "column": "closed_chain.limits"}
         try:
-            found = tabulate(sample, self.box, tolerance)
+            found = tabulate(sample, self.box, tolerance, self._least(chain))
         except SimulationError as error:
             raise InputError(
                 f"{error}, which is within the limits", **where, remedy="narrow the limits to the workspace"
@@ -208,6 +212,13 @@ class PostureDependent:
                 f"{say(self.model, self.least_at)})", **where, remedy="narrow the limits",
             )  # fmt: skip
         return found
+
+    def _least(self, chain: PostureChain) -> np.ndarray:
+        """A thousandth of what mass and weight are in all: of what is far less only rounding may be left."""
+        at = chain.dynamics(self.box.mean(axis=1))
+        mass = float(np.abs(at.mass).max())
+        pull = max(float(np.abs(at.gravity).max()), float(np.abs(at.potential).max()))
+        return 1e-3 * np.array([*[mass] * len(self._upper[0]), pull or 1.0, *[1.0] * self.model.size])
 
     def _square(self, upper: np.ndarray) -> np.ndarray:
         """Symmetric matrices (..., n, n) from their upper triangles (..., n (n + 1) / 2)."""

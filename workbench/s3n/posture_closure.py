@@ -21,6 +21,7 @@ import numpy as np
 from workbench.core import InputError, SimulationError
 from workbench.models import Model
 
+from .bound_joints import BoundJoints
 from .loop import close_loops, loop_spec, mechanism_of
 
 _CLOSED = 1e-10  # m, largest gap that counts as closed
@@ -65,7 +66,7 @@ class LoopClosure:
 
     def __init__(self, model: Model) -> None:
         mechanism = mechanism_of(model)
-        if not mechanism.loops:
+        if not mechanism.loops and not mechanism.all_couplings():
             raise InputError(
                 f"model '{model.name}' names no loops", file=model.source, column="closed_chain.loops",
                 remedy="name the pairs of frames that coincide where the loops are closed",
@@ -78,6 +79,7 @@ class LoopClosure:
         self.drives = [int(self.m.joint(name).dofadr[0]) for name in mechanism.drives]
         self.dependent = [i for i in range(self.m.nv) if i not in self.serial]
         self._loops = [tuple(self.m.site(name).id for name in pair) for pair in mechanism.loops]
+        self._bound = BoundJoints.of(self.m, mechanism)
         self._jacobians = np.zeros((2, 3, self.m.nv))
         self._start = self._last = self._first(_start(model))
 
@@ -102,7 +104,7 @@ class LoopClosure:
         )
 
     def gap_bias(self, rates: np.ndarray) -> np.ndarray:
-        """Second derivative of the gaps at zero acceleration (3 m,) [m/s^2], the tree at rates (N,)."""
+        """Second derivative of all gaps at zero acceleration, couplings last, (3 m + k,), at rates (N,)."""
         m, d = self.m, self.data
         d.qvel[:] = rates
         mujoco.mj_comVel(m, d)
@@ -111,7 +113,7 @@ class LoopClosure:
             for matrix, site in zip(self._jacobians, pair, strict=True):
                 mujoco.mj_jacDot(m, d, matrix, None, d.site_xpos[site], m.site_bodyid[site])
             out.append((self._jacobians[0] - self._jacobians[1]) @ rates)
-        return np.concatenate(out)
+        return np.concatenate([*out, self._bound.bias(d.qpos, rates)])
 
     def say(self, q: np.ndarray) -> str:
         """Serial positions by joint, for messages."""
@@ -206,7 +208,7 @@ class LoopClosure:
 
     def _gap(self) -> np.ndarray:
         at = self.data.site_xpos
-        return np.concatenate([at[a] - at[b] for a, b in self._loops])
+        return np.concatenate([*(at[a] - at[b] for a, b in self._loops), self._bound.gap(self.data.qpos)])
 
     def _gap_jacobian(self) -> np.ndarray:
         rows = []
@@ -214,7 +216,7 @@ class LoopClosure:
             for matrix, site in zip(self._jacobians, pair, strict=True):
                 mujoco.mj_jacSite(self.m, self.data, matrix, None, site)
             rows.append(self._jacobians[0] - self._jacobians[1])
-        return np.concatenate(rows)
+        return np.concatenate([*rows, self._bound.jacobian(self.data.qpos)])
 
 
 def workspace(model: Model) -> np.ndarray:

@@ -72,7 +72,10 @@ def together(parts: Sequence[Series]) -> Series:
 
 
 def tabulate(
-    function: Callable[[np.ndarray], np.ndarray], box: np.ndarray, tolerance: float
+    function: Callable[[np.ndarray], np.ndarray],
+    box: np.ndarray,
+    tolerance: float,
+    least: np.ndarray | float = 1e-300,
 ) -> Series | None:
     """The series of a function, as long as its accuracy needs.
 
@@ -80,6 +83,8 @@ def tabulate(
         function: from angles (N, n) to values (N, K).
         box: (n, 2).
         tolerance: size of the terms left out, relative to each function's largest value.
+        least: what counts as each function's largest value where it has less (K,): one that is zero but for
+            rounding has no series.
 
     Returns:
         None where the series does not converge: the function is singular in the box or close to it.
@@ -88,7 +93,7 @@ def tabulate(
     while True:
         series = _interpolate(function, box, sizes)
         size = np.abs(series.coefficients)
-        scale = np.maximum(size.max(axis=tuple(range(len(box)))), 1e-300)
+        scale = np.maximum(size.max(axis=tuple(range(len(box)))), least)
         # by axis: the largest coefficient of each degree over all others and functions, (d_i,)
         decay = [
             (size / scale).max(axis=tuple(a for a in range(len(box) + 1) if a != axis))

@@ -76,7 +76,7 @@ class Environment:
         self.steps = xp.zeros_like(worlds.qpos[:, 0])
         self.air = xp.zeros_like(zero[:, :4])
         self.landed = xp.zeros_like(self.air)
-        self.command = task.command(self.draws, count)
+        self.command = task.command(self.draws, count, machine)
         self._begin(self.steps == 0.0)
 
     def spread(self) -> None:
@@ -217,7 +217,7 @@ class Environment:
             half = 0.5 * draw((-0.05, -0.05, -3.14), (0.05, 0.05, 3.14), (w, 3))
             qpos[:, 3:7] = _quaternion(xp, half)
             qvel[:, :6] = draw((-0.2,), (0.2,), (w, 6))
-        command = self.task.command(self.draws, w)
+        command = self.task.command(self.draws, w, self.machine)
         column = where[:, None]
         self.worlds.put(where, qpos, qvel)
         self.command = xp.where(column, command, self.command)

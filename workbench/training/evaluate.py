@@ -14,15 +14,18 @@ from workbench.bundle import Policy, PolicyBundle
 from workbench.bundle.bundle import MACHINE
 from workbench.core import Controller, Excitation, InputError, Recording
 from workbench.core.paths import models_folder
+from workbench.importing import described
 from workbench.models import Model, read_model
 from workbench.models.mjcf import check_mjcf_text
 from workbench.rigs import HiddenEffect, Sensors
 from workbench.s3n import with_variant
 
+from .as_model import model_files
 from .control import action_target, drive_torque
 from .draws import Draws
 from .environment import LOWEST, STEEPEST
 from .machine import POLICY_STEPS, STEP_S, Machine, make_machine
+from .own_plant import OwnPlant
 from .plants import ClosedChainPlant, Plant, State, TrainedPlant, begin, body_frame
 from .situation import Constants, Situation
 from .tasks import CIRCLE, TASKS, Task, reach_reference
@@ -135,7 +138,9 @@ def evaluate(
         machine = machine_of(bundle, Path(folder))
         if hardware:
             ground = {} if friction is None else {"friction": friction}
-            plant: Plant = ClosedChainPlant(machine, hidden, **ground)
+            plant: Plant = (
+                ClosedChainPlant(machine, hidden, **ground) if machine.floating else OwnPlant(machine, hidden)
+            )
         else:
             other = None if model is None else make_machine(machine.kind, model)
             plant = TrainedPlant(other or machine)
@@ -152,6 +157,7 @@ class Log:
         self.rows: dict[str, list[np.ndarray]] = {}
         self.policy_from = round(HOLD_S / STEP_S)
         self.fell_s: float | None = None
+        self.names: tuple[str, ...] = ()
 
     def add(self, **values: np.ndarray) -> None:
         """A row."""
@@ -187,7 +193,8 @@ def _run(
 ) -> Log:  # fmt: skip
     generator, log, n = np.random.default_rng(seed), Log(), machine.size
     c = Constants(machine, np, np.zeros(1))
-    command = _command(task, seed)
+    command = _command(task, seed, machine)
+    log.names = machine.joints
     begin(plant, machine)
     waiting = [np.zeros((1, n))] * machine.delay_steps
     action, target = np.zeros((1, n)), machine.posture[None].copy()
@@ -223,6 +230,9 @@ def _run(
             gravity, linear, angular = body_frame(true)
             log.add(ground_force=true.feet, base_pose=true.pose, base_linear=linear, base_angular=angular)
             log.add(base_gravity=gravity)
+            # as recordings name them: what compare and diagnose read
+            log.add(base_position=true.pose[:3], base_orientation=true.pose[3:])
+            log.add(base_velocity=true.rate[:3], base_angular_velocity=true.rate[3:])
             if log.fell_s is None and (true.pose[2] < LOWEST or -gravity[0, 2] < STEEPEST):
                 log.fell_s = max(since, 0) * STEP_S
                 break
@@ -231,12 +241,12 @@ def _run(
     return log
 
 
-def _command(task: Task, seed: int) -> np.ndarray:
+def _command(task: Task, seed: int, machine: Machine) -> np.ndarray:
     if task.name == "circular":
         return np.array([CIRCLE])
     if task.name == "pitch-in-place":
         return np.zeros((1, 1))
-    return task.command(Draws(np, seed, np.zeros(1)), 1)
+    return task.command(Draws(np, seed, np.zeros(1)), 1, machine)
 
 
 def _measured(true: State, sensors: Sensors, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
@@ -262,6 +272,33 @@ def _situation(
     return now
 
 
+def robot_files(bundle: PolicyBundle, folder: Path) -> dict[Path, str]:
+    """A model that recordings of a walking policy are held against, as text by file; empty for a leg.
+
+    Raises:
+        InputError: as `machine_of`.
+    """
+    with tempfile.TemporaryDirectory() as unpacked:
+        return model_files(machine_of(bundle, Path(unpacked)), folder)
+
+
+def hardware_of(bundle: PolicyBundle) -> str:
+    """One line that says what virtual hardware a bundle is evaluated on.
+
+    Raises:
+        InputError: as `machine_of`.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        machine = machine_of(bundle, Path(folder))
+    if not machine.floating:
+        whole = replace(machine.model.actuators, delay_s=machine.delay_steps * STEP_S)
+        return described(replace(machine.model, actuators=whole))
+    return (
+        "Virtual hardware: the reference quadruped in Drake, its trunk and its legs, with the drives of "
+        f"{machine.model.name}; not a robot of your own."
+    )
+
+
 def scores(task: Task, log: Log) -> dict[str, float]:
     """What the task is judged by, over the run without its first second."""
     skip = min(round(1.0 / STEP_S), len(log.rows["position"]) // 2)
@@ -271,7 +308,8 @@ def scores(task: Task, log: Log) -> dict[str, float]:
 
     if task.name == "reach":
         miss = (log.get("joints") - log.get("goal"))[skip // 4 :]
-        return {"hip_rmse_rad": rms(miss[:, 0]), "knee_rmse_rad": rms(miss[:, 1]), "rmse_rad": rms(miss)}
+        each = {f"{name}_rmse_rad": rms(miss[:, k]) for k, name in enumerate(log.names)}
+        return {**each, "rmse_rad": rms(miss)}
     angular, force = log.get("base_angular")[skip:], log.get("ground_force")[skip:]
     linear = log.get("base_linear")[skip:]
     if not len(angular):

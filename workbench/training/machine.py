@@ -15,7 +15,7 @@ import numpy as np
 
 from workbench.core import InputError
 from workbench.core.paths import models_folder
-from workbench.models import Model, load_mjcf
+from workbench.models import Model, load_mjcf, load_tree
 from workbench.s3n import normalise
 from workbench.s3n.mjcf import exact_xml
 
@@ -109,6 +109,12 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
             "policies act through a PD loop in joint coordinates", file=model.source, column="controller",
             remedy='give kind = "pd", coordinates = "joint", kp and kd',
         )  # fmt: skip
+    if model.posture_dependent:
+        raise InputError(
+            "its transmission changes with the posture, and policies act through a constant one",
+            file=model.source, column="transmission.posture_dependent",
+            remedy="train in what 'workbench normalize' writes, in a simulation loop of your own",
+        )  # fmt: skip
     steps = model.actuators.delay_s / STEP_S
     if abs(steps - round(steps)) > 1e-6:
         raise InputError(
@@ -140,8 +146,7 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
         return np.tile([*values[:first], *values], legs).astype(float)
 
     posture = _STAND if kind == "quadruped" else _posture(model)
-    limits = model.closed_chain.limits if model.closed_chain and model.closed_chain.limits else ()
-    limits = limits or ((-np.pi, np.pi),) * model.size
+    limits = _limits(model)
     return Machine(
         kind=kind,
         model=tree.model,
@@ -166,9 +171,19 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
 def _posture(model: Model) -> np.ndarray:
     """The reference leg's hold posture, or the middle of the limits where that is outside."""
     wanted = np.array([-0.55, np.pi / 3]) if model.size == 2 else np.zeros(model.size)
-    limits = np.array(model.closed_chain.limits if model.closed_chain else ()).reshape(-1, 2)
-    inside = not len(limits) or bool(((wanted > limits[:, 0]) & (wanted < limits[:, 1])).all())
+    limits = np.array(_limits(model))
+    inside = bool(((wanted > limits[:, 0]) & (wanted < limits[:, 1])).all())
     return wanted if inside else limits.mean(axis=1)
+
+
+def _limits(model: Model) -> tuple[tuple[float, float], ...]:
+    """Lower and upper limit of each joint: the closed chain's, else the tree's, else a half turn each way."""
+    if model.closed_chain and model.closed_chain.limits:
+        return model.closed_chain.limits
+    tree = load_tree(model.serial).compile()
+    ranges = [tree.joint(name) for name in model.joints]
+    whole = (-float(np.pi), float(np.pi))
+    return tuple((float(j.range[0]), float(j.range[1])) if tree.jnt_limited[j.id] else whole for j in ranges)
 
 
 def _quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:

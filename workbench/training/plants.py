@@ -9,7 +9,7 @@ from typing import Protocol
 import mujoco
 import numpy as np
 
-from workbench.core import Mechanism
+from workbench.core import InputError
 from workbench.core.paths import closed_chain_file
 from workbench.mechanism import DiscreteChain, Ground
 from workbench.rigs import DriveSide, DriveTrain, HiddenEffect, drive_side
@@ -74,10 +74,16 @@ class ClosedChainPlant:
         model = machine.model
         step = STEP_S / _SUBSTEPS
         if machine.floating:
+            _refuse_other_legs(machine)
             mechanism = quadruped_mechanism()
             ground = Ground(tuple(f"{x}_foot" for x in LEGS), FOOT_RADIUS, friction)
         else:
-            mechanism, ground = model.closed_chain or Mechanism(closed_chain_file("leg")), None
+            if model.closed_chain is None:
+                raise InputError(
+                    "it names no closed chain", file=model.source, column="closed_chain",
+                    remedy="name its mechanism, or evaluate it as the tree that it is",
+                )  # fmt: skip
+            mechanism, ground = model.closed_chain, None
         self._drives, self._hides = DriveTrain(_sides(machine, hidden), step), bool(hidden)
         self._chain = DiscreteChain(
             mechanism, list(self._drives.rotor), list(self._drives.damping), step, ground
@@ -117,6 +123,20 @@ class ClosedChainPlant:
             np.concatenate([rate[3:], turn.reshape(3, 3).T @ rate[:3]]),
             self._force,
         )
+
+
+def _refuse_other_legs(machine: Machine) -> None:
+    """The hardware that walks is the reference quadruped: a policy of other legs has none here.
+
+    Raises:
+        InputError: the machine's legs are not the reference leg.
+    """
+    chain, model = machine.model.closed_chain, machine.model
+    if chain is not None and chain.file.read_bytes() != closed_chain_file("leg").read_bytes():
+        raise InputError(
+            f"it walks on legs of {model.name}, and the hardware that walks is the reference quadruped",
+            file=model.source, remedy="evaluate it in a simulator of your own robot",
+        )  # fmt: skip
 
 
 def _sides(machine: Machine, hidden: Sequence[HiddenEffect]) -> list[DriveSide]:

@@ -7,8 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from . import terms as t
 from .draws import Draws
+from .machine import Machine
 from .situation import POLICY_S, Array, Situation
 from .terms import Observation, Reward
 
@@ -16,6 +19,9 @@ PITCH_HZ, PITCH_RAD = 5.0, 0.1  # paper, Sec. V: sinusoidal base-pitch command
 CIRCLE = 0.8, 0.0, 0.8  # paper, Table V: 0.8 m/s, 0.8 rad/s
 VELOCITIES = (-0.6, 1.2), (-0.3, 0.3), (-1.0, 1.0)  # forward, sideward [m/s], turning [rad/s]
 REACH_AHEAD = 1, 2, 4  # policy steps that the reference is seen ahead
+# of the way from the posture to a limit: where the middle of a trajectory lies, and its amplitude at most
+_REACH_MIDDLE, _REACH_SIZE = 0.19, 0.72
+_REACH_MOST = 0.5  # rad
 
 
 @dataclass(frozen=True)
@@ -31,7 +37,7 @@ class Task:
         observations: what the policy sees, in the order of its input.
         privileged: what the critic sees beside that.
         rewards: terms of the reward.
-        command: draws the commands of episodes, ``command(draws, worlds) -> (W, c)``.
+        command: draws the commands of episodes, ``command(draws, worlds, machine) -> (W, c)``.
         randomisation: of the leg's links, as in the paper's table (name in `LEG_RANDOMISATION`).
         hidden: widths of the policy's hidden layers.
         iterations: of PPO, as the paper had them.
@@ -46,7 +52,7 @@ class Task:
     observations: tuple[Observation, ...]
     privileged: tuple[Observation, ...]
     rewards: tuple[Reward, ...]
-    command: Callable[[Draws, int], Array]
+    command: Callable[[Draws, int, Machine], Array]
     randomisation: str
     hidden: tuple[int, ...]
     iterations: int
@@ -62,21 +68,27 @@ class Task:
 
 
 def reach_reference(xp: Any, command: Array, time: Array) -> tuple[Array, Array]:
-    """Joint angles and speeds to follow, (W, 2) each [rad, rad/s].
+    """Joint angles and speeds to follow, (W, n) each [rad, rad/s].
 
-    A sine a joint around a middle: `command` holds middle, amplitude, frequency [rad/s] and phase, two
-    numbers each.
+    A sine a joint around a middle: `command` holds middle, amplitude, frequency [rad/s] and phase, n numbers
+    each.
     """
-    middle, size, rate, phase = command[:, 0:2], command[:, 2:4], command[:, 4:6], command[:, 6:8]
+    n = command.shape[1] // 4
+    middle, size, rate, phase = (command[:, k * n : (k + 1) * n] for k in range(4))
     angle = rate * time[:, None] + phase
     return middle + size * xp.sin(angle), size * rate * xp.cos(angle)
 
 
-def reach_command(draws: Draws, worlds: int) -> Array:
-    """Trajectories well inside the reference leg's limits, up to 1.5 Hz and 5 rad/s."""
-    low = (-0.75, 0.95, 0.1, 0.1, 1.5, 1.5, 0.0, 0.0)
-    high = (-0.15, 1.35, 0.5, 0.5, 9.4, 9.4, 2 * math.pi, 2 * math.pi)
-    return draws.uniform(low, high, (worlds, 8))
+def reach_command(draws: Draws, worlds: int, machine: Machine) -> Array:
+    """Trajectories about the machine's posture, well inside its limits, up to 1.5 Hz and 5 rad/s."""
+    below = machine.posture - machine.limits[:, 0]
+    above = machine.limits[:, 1] - machine.posture
+    size = np.minimum(_REACH_MOST, _REACH_SIZE * np.minimum(below, above))
+    ones = np.ones(machine.size)
+    low = [machine.posture - _REACH_MIDDLE * below, 0.2 * size, 1.5 * ones, 0.0 * ones]
+    high = [machine.posture + _REACH_MIDDLE * above, size, 9.4 * ones, 2 * math.pi * ones]
+    flat = [tuple(map(float, np.concatenate(parts))) for parts in (low, high)]
+    return draws.uniform(flat[0], flat[1], (worlds, 4 * machine.size))
 
 
 def _reach_error2(s: Situation) -> Array:
@@ -152,7 +164,7 @@ def pitch_reference(s: Situation) -> tuple[Array, Array]:
     return PITCH_RAD * s.xp.sin(angle), PITCH_RAD * rate * s.xp.cos(angle)
 
 
-def pitch_command(draws: Draws, worlds: int) -> Array:
+def pitch_command(draws: Draws, worlds: int, machine: Machine) -> Array:
     """The phase in which an episode begins [rad]."""
     return draws.uniform((0.0,), (2.0 * math.pi,), (worlds, 1))
 
@@ -222,7 +234,7 @@ PITCH = Task(
 # circular locomotion
 
 
-def circular_command(draws: Draws, worlds: int) -> Array:
+def circular_command(draws: Draws, worlds: int, machine: Machine) -> Array:
     """Forward and sideward speed and yaw rate; one world in ten is to stand, two in ten to run the circle."""
     low, high = zip(*VELOCITIES, strict=True)
     drawn = draws.uniform(low, high, (worlds, 3))

@@ -7,7 +7,7 @@ import numpy as np
 from workbench.core import Check, InputError, SimulationError
 from workbench.mechanism.linear import linearise
 from workbench.mechanism.simulate import simulate
-from workbench.s3n.posture import PostureDependent
+from workbench.s3n.posture import MOST_DRIVES, PostureDependent
 from workbench.s3n.posture_callback import CallbackWorld
 from workbench.s3n.posture_chain import PostureChain
 from workbench.s3n.posture_closure import workspace
@@ -40,6 +40,8 @@ def posture_checks(subject: Subject, seed: int) -> list[Check]:
         return terms
     checks = [*terms, _balance(subject)]
     workspace(subject.model)
+    if subject.model.size > MOST_DRIVES:
+        return checks
     try:
         schedule = Schedule(subject.model)
     except InputError as error:

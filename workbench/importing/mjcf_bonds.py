@@ -1,0 +1,90 @@
+"""What a compiled MJCF says of its joints beside the tree: bonds, balls, and the limits of motors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from workbench.core import Coupling, InputError
+
+_UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+_ONE_COORDINATE = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
+
+
+def ends(m: mujoco.MjModel, e: int) -> list[tuple[int, np.ndarray, np.ndarray]]:
+    """Of a connect or weld: body, point (3,) [m] and turn (4,) in it, of either side."""
+    first, second = int(m.eq_obj1id[e]), int(m.eq_obj2id[e])
+    if m.eq_objtype[e] == mujoco.mjtObj.mjOBJ_SITE:
+        return [(int(m.site_bodyid[s]), m.site_pos[s], m.site_quat[s]) for s in (first, second)]
+    # compiled: the point on either body, of a weld the second's first, and how that one is turned
+    weld = m.eq_type[e] == mujoco.mjtEq.mjEQ_WELD
+    one, other = (m.eq_data[e, 3:6], m.eq_data[e, 0:3])[:: 1 if weld else -1]
+    return [(first, one, m.eq_data[e, 6:10] if weld else _UPRIGHT), (second, other, _UPRIGHT)]
+
+
+def coupling(m: mujoco.MjModel, e: int, file: Path) -> Coupling:
+    """A joint that follows another, between positions and not, as MuJoCo has it, ways from the file's pose.
+
+    Raises:
+        InputError: one of them is a ball.
+    """
+    first, second = int(m.eq_obj1id[e]), int(m.eq_obj2id[e])
+    if any(int(m.jnt_type[j]) not in _ONE_COORDINATE for j in (first, second) if j >= 0):
+        raise InputError(
+            f"the equality '{m.eq(e).name}' (joint) binds a ball", file=file, column="equality.joint",
+            remedy="bind hinges and slides",
+        )  # fmt: skip
+    own = m.qpos0[m.jnt_qposadr[first]]
+    if second < 0:
+        return Coupling(m.joint(first).name, None, (float(m.eq_data[e, 0] + own),))
+    from_zero = Polynomial([-m.qpos0[m.jnt_qposadr[second]], 1.0])
+    factors = np.atleast_1d((Polynomial(m.eq_data[e, :5])(from_zero) + own).coef)
+    kept = tuple(map(float, np.trim_zeros(factors, "b")))
+    return Coupling(m.joint(first).name, m.joint(second).name, kept or (0.0,))
+
+
+def across_rod(m: mujoco.MjModel, j: int, file: Path) -> np.ndarray:
+    """Two axes (2, 3) of a ball joint, in its body, across the rod that it holds at one end.
+
+    A rod between two balls turns about itself as it likes, which moves nothing else: that turn is left out.
+
+    Raises:
+        InputError: its body is no rod whose other end a connect holds.
+    """
+    body = int(m.jnt_bodyid[j])
+    held = [
+        at
+        for e in range(m.neq)
+        if m.eq_active0[e] and m.eq_type[e] == mujoco.mjtEq.mjEQ_CONNECT
+        for carrier, at, _ in ends(m, e)
+        if carrier == body
+    ]
+    rod = held[0] - m.jnt_pos[j] if len(held) == 1 else np.zeros(3)
+    if np.linalg.norm(rod) < 1e-6 or body in m.body_parentid[1:]:
+        raise InputError(
+            f"joint '{m.joint(j).name}' is a ball", file=file,
+            remedy="a ball is read where its body is a rod whose other end one <connect> holds; else give "
+            "hinges and slides",
+        )  # fmt: skip
+    return np.linalg.svd(rod[None])[2][1:]
+
+
+def torque_limit(m: mujoco.MjModel, j: int) -> float:
+    """Torque limit of a joint's one motor; inf where none is stated, or another on either side."""
+    on_joint = m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
+    own = np.flatnonzero(on_joint & (m.actuator_trnid[:, 0] == j))
+    if len(own) != 1:
+        return float("inf")
+    a = own[0]
+    motor = m.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_NONE
+    gear = abs(float(m.actuator_gear[a, 0]))
+    if m.actuator_forcelimited[a]:
+        low, high = gear * m.actuator_forcerange[a]
+    elif motor and m.actuator_ctrllimited[a]:
+        low, high = gear * abs(float(m.actuator_gainprm[a, 0])) * m.actuator_ctrlrange[a]
+    else:
+        return float("inf")
+    return float(high) if high == -low else float("inf")

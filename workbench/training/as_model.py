@@ -1,0 +1,42 @@
+"""The world that a walking policy was trained in, as a model that its recordings are held against."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import Controller
+from workbench.models import Actuators, Ground, Model, model_text
+
+from .machine import LEGS, STEP_S, Machine
+
+
+def model_files(machine: Machine, folder: Path, name: str = "robot") -> dict[Path, str]:
+    """Texts of a model (TOML) and its MJCF, by file in `folder`; none where drives have joints of their own.
+
+    Args:
+        machine: of kind ``quadruped``; a leg's recordings are held against the leg's own model.
+        folder: where they will lie.
+        name: of the files.
+    """
+    if not machine.floating or len(machine.rotors.places):
+        return {}
+    tree, file = folder / f"{name}.xml", folder / f"{name}.toml"
+    n = machine.size
+    model = Model(
+        name=name,
+        serial=tree.resolve(),
+        axes=machine.joints,
+        joints=machine.joints,
+        transmission=np.array(machine.transmission),
+        # rotors and damping are in the MJCF already, on joints and tendons
+        actuators=Actuators(
+            (0.0,) * n, (0.0,) * n, tuple(map(float, machine.torque_limit)), machine.delay_steps * STEP_S
+        ),
+        controller=Controller(
+            "pd", "joint", kp=tuple(map(float, machine.kp)), kd=tuple(map(float, machine.kd)), period_s=STEP_S
+        ),
+        ground=Ground(tuple(f"{leg}_sphere" for leg in LEGS), surface="ground"),
+    )
+    return {tree: machine.xml, file: model_text(model, file)}

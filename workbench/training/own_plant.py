@@ -1,0 +1,59 @@
+"""A leg's own mechanism as virtual hardware for a policy: any model of one limb, loops or none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from workbench.importing import own_rig
+from workbench.rigs import HiddenEffect, HiddenIn
+from workbench.rigs.own_drives import OwnDrives
+from workbench.rigs.own_motion import OwnMotion
+
+from .machine import STEP_S, Machine
+from .plants import State
+
+_PIECES = 12  # of a control step: 0.25 ms
+
+
+class OwnPlant:
+    """The closed chain of the machine's model in Drake, its drives, its friction, and what is hidden.
+
+    Args:
+        machine: of kind ``leg``; its delay is the loop's, which holds every torque back.
+        hidden: effects beyond those of the model.
+
+    Raises:
+        InputError: hardware that cannot be made of this model, or an effect that it cannot hide.
+    """
+
+    def __init__(self, machine: Machine, hidden: Sequence[HiddenEffect] = ()) -> None:
+        more = [HiddenIn(h.effect, h.axis, h.location, h.parameters) for h in hidden]
+        rig = own_rig(machine.model, more)
+        rig.machine.delay = max(0.0, rig.machine.delay - machine.delay_steps * STEP_S)
+        piece = STEP_S / _PIECES
+        self._drives = OwnDrives(rig.machine, piece, np.random.default_rng(0))
+        self._motion = OwnMotion(rig.machine, rig.links, piece)
+        self._state = self._motion.start(rig.links.start(None))
+        self._nothing = np.zeros(rig.machine.size)
+
+    def reset(self, drives: np.ndarray, height: float) -> None:
+        """At rest at drive positions (n,)."""
+        self._state = self._motion.start(np.array(drives, float))
+
+    def advance(self, torque: np.ndarray) -> None:
+        """One control step.
+
+        Raises:
+            SimulationError: the mechanism leaves its workspace.
+        """
+        for _ in range(_PIECES):
+            self._drives.command(torque)
+            acting = self._drives.acting(self._state.speed, self._nothing)
+            self._state = self._motion.advance(self._state, acting)
+
+    def state(self) -> State:
+        """Now."""
+        none = np.zeros(0)
+        return State(self._state.motor.copy(), self._state.speed.copy(), none, none, np.zeros((0, 3)))
