@@ -59,15 +59,31 @@ def read_candump(path: str | Path) -> Iterator[Logged]:
 
 def archive(log: str | Path, blf: str | Path) -> int:
     """Writes a candump log as BLF; returns the number of frames."""
+    count, content = packed(log)
+    write_whole(blf, content, force=True)
+    return count
+
+
+def packed(log: str | Path) -> tuple[int, bytes]:
+    """Number of frames of a candump log, and the log as BLF.
+
+    Raises:
+        InputError: the log cannot be read, or there is no room for a file that is needed in between.
+    """
     import can  # takes seconds to load, and only an archive needs it
 
     count, channels = 0, {}
-    with TemporaryDirectory() as folder:
-        part = Path(folder) / "log.blf"
-        with can.BLFWriter(str(part)) as writer:
-            for stamp, bus, frame in read_candump(log):
-                channel = channels.setdefault(bus, len(channels))
-                writer(can.Message(stamp, frame.id, frame.extended, data=frame.data, channel=channel))
-                count += 1
-        write_whole(blf, part.read_bytes(), force=True)
-    return count
+    try:
+        with TemporaryDirectory() as folder:
+            part = Path(folder) / "log.blf"
+            with can.BLFWriter(str(part)) as writer:
+                for stamp, bus, frame in read_candump(log):
+                    channel = channels.setdefault(bus, len(channels))
+                    writer(can.Message(stamp, frame.id, frame.extended, data=frame.data, channel=channel))
+                    count += 1
+            return count, part.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(
+            f"cannot be made a BLF file ({reason})", file=log, remedy="free the disk of temporary files"
+        ) from error

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from workbench.can import CanConfig
 from workbench.can.candump import line
+from workbench.core import InputError
 
 from .ports import PortNetwork
 
@@ -33,6 +34,9 @@ def log_buses(
         path: of the log; must not exist.
         stop: asked now and then.
         ready: called when everything that comes is logged.
+
+    Raises:
+        InputError: the disk takes no more; what was written before stays, but for a last line cut off.
     """
     network, count = PortNetwork(config, echo=False), 0
     clock = config.clock
@@ -42,7 +46,7 @@ def log_buses(
 
     def pair(now: float) -> None:
         entry = {"monotonic": now, "wall": time.time(), "shift": shift}
-        os.write(clocks, (json.dumps(entry) + "\n").encode())
+        _whole(clocks, (json.dumps(entry) + "\n").encode(), path.with_suffix(".clock"))
 
     try:
         due = clock.now()
@@ -55,7 +59,7 @@ def log_buses(
                 pair(now)
             arrivals = network.receive(now + _NAP)
             # whole lines in one write: whoever is killed leaves whole lines
-            os.write(log, "".join(line(a.stamp + shift, a.bus, a.frame) for a in arrivals).encode())
+            _whole(log, "".join(line(a.stamp + shift, a.bus, a.frame) for a in arrivals).encode(), path)
             count += len(arrivals)
             time.sleep(2e-3)  # a few frames at a time; they wait in the socket
     finally:
@@ -63,3 +67,13 @@ def log_buses(
         os.close(clocks)
         network.close()
     return count
+
+
+def _whole(file: int, data: bytes, path: Path) -> None:
+    """Writes all of it: a disk that is nearly full takes a part, and what came after would begin mid-line."""
+    while data:
+        try:
+            data = data[os.write(file, data) :]
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise InputError(f"cannot be written ({reason})", file=path, remedy="free the disk") from error

@@ -35,15 +35,16 @@ def start(*words: str) -> subprocess.Popen[str]:
     return process
 
 
-def end(process: subprocess.Popen[str]) -> None:
-    """Asks a process to end, and sees to it."""
+def end(process: subprocess.Popen[str]) -> str:
+    """Asks a process to end, and sees to it; returns the last line of its complaints."""
     if process.poll() is None:
         process.send_signal(signal.SIGTERM)
     try:
-        process.communicate(timeout=_PATIENCE)
+        _, said = process.communicate(timeout=_PATIENCE)
     except subprocess.TimeoutExpired:
         process.kill()
-        process.communicate()
+        _, said = process.communicate()
+    return (said or "").strip().rpartition("\n")[2]
 
 
 @contextmanager

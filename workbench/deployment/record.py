@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from workbench.can import CanConfig, Wire
-from workbench.can.candump import archive, line, read_candump
+from workbench.can.candump import line, packed, read_candump
 from workbench.can.realtime import realtime
 from workbench.core import InputError, Recording
 from workbench.core.files import check_free, write_whole
@@ -105,10 +105,15 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
     try:
         with opened(config) as network, realtime():
             host = Host(config, network, player, joints_of(config))
+            host.operator.watches.append(
+                lambda: "the end of the logger" if logger.poll() is not None else None
+            )
             with on_hardware(host, config):
                 play(host, player, lambda at: _note(log, at + _shift(log)))
     finally:
-        end(logger)
+        said = end(logger)
+    if logger.returncode != 0:
+        raise RunError(f"{log}: the logger failed, and the log is not whole: {said or logger.returncode}")
     return from_log(config, design, experiment, log)
 
 
@@ -130,12 +135,11 @@ def from_log(config: CanConfig, design: Design, experiment: int, log: Path) -> R
 
 
 def keep(result: Recording, folder: Path, log: Path, force: bool) -> Path:
-    """Writes the recording, and its log as BLF beside it; returns the TOML file."""
+    """Writes the recording, and its log as BLF beside it, all or nothing; returns the TOML file."""
     path = folder / f"{result.name}.toml"
     for file in (path, path.with_suffix(".blf")):
         check_free(file, force=force)
-    save_recording(result, path, force=force)
-    archive(log, path.with_suffix(".blf"))
+    save_recording(result, path, force=force, beside={path.with_suffix(".blf"): packed(log)[1]})
     return path
 
 

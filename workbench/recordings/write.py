@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +36,9 @@ _ROTARY = {"position": "rad", "velocity": "rad/s", "torque": "N*m"}
 
 
 def save_recording(
-    recording: Recording, toml_path: str | Path, *, compress: bool = True, force: bool = False
-) -> None:
+    recording: Recording, toml_path: str | Path, *, compress: bool = True, force: bool = False,
+    beside: Mapping[Path, bytes] | None = None,
+) -> None:  # fmt: skip
     """Write a recording that `load_recording` reads back.
 
     The table stands beside the TOML under the same name, as ``.csv.gz`` (``.csv`` without `compress`).
@@ -47,6 +49,7 @@ def save_recording(
         toml_path: the TOML file, ending in ``.toml``.
         compress: gzip the table.
         force: replace files that are there.
+        beside: further files of the same folder that belong to it: all of them are written, or none.
 
     Raises:
         InputError: a file is there and `force` is not given, or the folder cannot be written.
@@ -62,7 +65,7 @@ def save_recording(
     text = tomli_w.dumps(_description(recording, table_path.name, columns)).encode()
     # mtime 0: the same recording gives the same bytes
     content = gzip.compress(table, compresslevel=6, mtime=0) if compress else table
-    write_all({table_path: content, toml_path: text}, force=force)
+    write_all({**(beside or {}), table_path: content, toml_path: text}, force=force)
 
 
 def _table(recording: Recording) -> tuple[dict[str, Any], bytes]:
