@@ -40,6 +40,8 @@ class Task:
         randomisation: of the leg's links, as in the paper's table (name in `LEG_RANDOMISATION`).
         hidden: widths of the policy's hidden layers.
         iterations: of PPO, as the paper had them.
+        posture: joint angles from which actions count, in place of the machine's [rad].
+        source: the task file that it was read from, as text; None for a shipped task.
     """
 
     name: str
@@ -54,6 +56,8 @@ class Task:
     randomisation: str
     hidden: tuple[int, ...]
     iterations: int
+    posture: tuple[float, ...] | None = None
+    source: str | None = None
 
     @property
     def episode_steps(self) -> int:
