@@ -20,6 +20,7 @@ from workbench.core.xml import parse_xml
 
 #: Names that commands take; the tests hold them against what there is.
 TASKS = ("reach", "pitch-in-place", "circular")
+TARGETS = "mujoco", "mujoco3", "mjlab", "newton", "urdf"
 VARIANTS = ("kin_only", "s3n_act", "s3n_full", "exact")
 LEGS = ("none", "leg_rand", "heavy_leg_rand")
 DEVICES = ("cpu", "cuda")
@@ -82,6 +83,11 @@ def tasks(incomplete: str) -> list[str]:
 def variants(incomplete: str) -> list[str]:
     """Variants of S3N."""
     return _begun(incomplete, VARIANTS)
+
+
+def targets(incomplete: str) -> list[str]:
+    """Simulators that a normalised file is for."""
+    return _begun(incomplete, TARGETS)
 
 
 def legs(incomplete: str) -> list[str]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,6 +23,9 @@ from .common import (
     write_result,
 )
 from .progress import progress
+
+if TYPE_CHECKING:
+    from workbench.s3n.targets import Fitted
 
 
 @app.command()
@@ -46,6 +51,15 @@ def normalize(
             help="Where the transmission depends on the posture: how far the fitted inertia may be off.",
         ),
     ] = 0.05,
+    for_: Annotated[
+        str,
+        typer.Option(
+            "--for",
+            metavar="TARGET",
+            help="What reads it: mujoco (4), mujoco3, mjlab, newton or urdf; what that loses is listed.",
+            autocompletion=complete.targets,
+        ),
+    ] = "mujoco",
     json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -56,11 +70,15 @@ def normalize(
     whose transmission depends on the posture is fitted over its limits; how far the file is off stands in it.
 
     Example: workbench normalize leg -o leg.xml --variant s3n_full
+
+    Example: workbench normalize leg -o leg.urdf --for urdf
     """
     from workbench import report
+    from workbench.core.files import write_all
     from workbench.effects import load_model
     from workbench.s3n import floating_base_error, normalise, omissions, usual_variant, write_normalised
     from workbench.s3n.posture_fitted import FittedTree, fit_native
+    from workbench.s3n.targets import for_target
 
     from .normalize_table import normalize_table
 
@@ -81,7 +99,11 @@ def normalize(
             base = floating_base_error(loaded, variant)
         except WorkbenchError as error:  # the file is right on its fixed base all the same
             unknown = str(error)
-    write_normalised(tree, output, force=force)
+    fitted = for_target(tree.xml, for_)
+    if for_ == "urdf":
+        write_all({Path(output): fitted.text}, force=force)
+    else:
+        write_normalised(replace(tree, xml=fitted.text), output, force=force)
     if json:
         content: dict[str, Any] = {
             "format": 1,
@@ -96,9 +118,21 @@ def normalize(
             if base is None
             else {name: value for name, value in vars(base).items() if name != "postures"},
         }
+        content["for"] = {"target": for_, "lost": list(fitted.lost), "reads": fitted.reads}
         if isinstance(tree, FittedTree):
             content["fitted"] = {**vars(tree.error), "offsets": tree.offsets.tolist()}
         write_result(content, json, files=files_of(loaded), force=force)
     if not quiet and json != "-":
         report.print_table(normalize_table(tree, base, unknown))
+        for line in _told(for_, fitted):
+            echo(line)
         echo(f"Wrote {output}.")
+
+
+def _told(target: str, fitted: Fitted) -> list[str]:
+    """What a target keeps and loses, in lines; nothing where the file is MuJoCo's own."""
+    if target == "mujoco":
+        return []
+    lost = [f"  {each}" for each in fitted.lost]
+    head = f"For {target} ({fitted.reads})"
+    return [f"{head} this is lost:" if lost else f"{head} nothing is lost.", *lost, *fitted.advice]

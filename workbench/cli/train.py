@@ -25,7 +25,9 @@ def train(
     task: Annotated[
         str,
         typer.Argument(
-            metavar="TASK", help="reach, pitch-in-place or circular.", autocompletion=complete.tasks
+            metavar="TASK",
+            help="reach, pitch-in-place or circular; or a task file of your own (.toml).",
+            autocompletion=complete.tasks,
         ),
     ],
     output: Annotated[
@@ -89,10 +91,15 @@ def train(
     from workbench.training.randomisation import LEG_RANDOMISATION, Randomisation
     from workbench.training.record import objections, read_record, record_path, summary
     from workbench.training.settings import Settings
+    from workbench.training.task_file import load_task, posed
     from workbench.training.tasks import TASKS
 
-    if task not in TASKS:
-        raise InputError(f"no task is called '{task}'", remedy=f"choose one of {', '.join(TASKS)}")
+    own = task.endswith(".toml")
+    if not own and task not in TASKS:
+        raise InputError(
+            f"no task is called '{task}'",
+            remedy=f"choose one of {', '.join(TASKS)}, or give a task file (.toml)",
+        )
     if not output:
         raise InputError("no folder for the run", remedy="name one: -o runs/reach")
     check_outputs(json, force=force)
@@ -108,7 +115,7 @@ def train(
             remedy="install the extra: pip install -e '.[training]' in the checkout",
         ) from error
     shown = not quiet and json != "-"
-    wanted = TASKS[task]
+    wanted = load_task(Path(task)) if own else TASKS[task]
     legs = legs or wanted.randomisation
     if legs not in LEG_RANDOMISATION:
         raise InputError(
@@ -127,7 +134,7 @@ def train(
             file=file,
             remedy="make it with `workbench approve`, or train with --unverified",
         )
-    machine = make_machine(wanted.machine, loaded, variant)
+    machine = posed(wanted, make_machine(wanted.machine, loaded, variant))
     if machine.floating and shown:
         echo(f"The quadruped is the reference trunk on four legs of {loaded.name}.")
     if machine.left_out and shown:

@@ -18,7 +18,7 @@ from .terms import CONTACT_N, Observation
 from .worlds import Worlds
 
 ACTION_LIMIT = 10.0  # of an action; far outside what a policy asks for
-LOWEST, STEEPEST = 0.18, 0.6  # m over the ground; cosine of the tilt: beyond these it has fallen
+STEEPEST = 0.6  # cosine of the tilt beyond which it has fallen
 
 
 @dataclass
@@ -182,7 +182,7 @@ class Environment:
     def _has_fallen(self, now: Situation) -> Array:
         if not self.machine.floating:
             return self.xp.zeros_like(self.steps) > 1.0
-        return (now.height < LOWEST) | (-now.gravity[:, 2] < STEEPEST)
+        return (now.height < self.machine.lowest) | (-now.gravity[:, 2] < STEEPEST)
 
     def _feet(self) -> None:
         """Count how long each foot is off the ground."""

@@ -23,11 +23,12 @@ from workbench.s3n import with_variant
 from .as_model import model_files
 from .control import action_target, drive_torque
 from .draws import Draws
-from .environment import LOWEST, STEEPEST
+from .environment import STEEPEST
 from .machine import POLICY_STEPS, STEP_S, Machine, make_machine
 from .own_plant import OwnPlant
 from .plants import ClosedChainPlant, Plant, State, TrainedPlant, begin, body_frame
 from .situation import Constants, Situation
+from .task_file import TASK_FILE, read_task
 from .tasks import CIRCLE, TASKS, Task, reach_reference
 
 HOLD_S = 0.36  # the posture is held before the policy takes over
@@ -49,6 +50,20 @@ class Evaluation:
     fell_s: float | None
 
 
+def task_of(bundle: PolicyBundle) -> Task:
+    """What a bundle was trained for: a task of one's own as the bundle has it, or a shipped one.
+
+    Raises:
+        InputError: the task is unknown.
+    """
+    own = bundle.files.get(f"model/{TASK_FILE}")
+    if own is not None:
+        return read_task(own.decode("utf-8", "replace"), bundle.source)
+    if bundle.task not in TASKS:
+        raise InputError(f"no task is called '{bundle.task}'", file=bundle.source, remedy="update workbench")
+    return TASKS[bundle.task]
+
+
 def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
     """The machine that a bundle was trained with.
 
@@ -59,9 +74,7 @@ def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
     Raises:
         InputError: the bundle's task is unknown, or its model is not whole.
     """
-    if bundle.task not in TASKS:
-        raise InputError(f"no task is called '{bundle.task}'", file=bundle.source, remedy="update workbench")
-    task = TASKS[bundle.task]
+    task = task_of(bundle)
     names = tuple(entry.name for entry in task.observations)
     if tuple(entry.name for entry in bundle.observations) != names:
         raise InputError(
@@ -144,7 +157,7 @@ def evaluate(
         else:
             other = None if model is None else make_machine(machine.kind, model)
             plant = TrainedPlant(other or machine)
-    task = TASKS[bundle.task]
+    task = task_of(bundle)
     log = _run(Policy(bundle), task, machine, plant, seconds, seed, sensors or Sensors(), tell)
     name = f"{task.name}_{bundle.variant}_{'hardware' if hardware else 'simulation'}"
     return Evaluation(log.recording(name, machine), scores(task, log), log.fell_s)
@@ -233,7 +246,7 @@ def _run(
             # as recordings name them: what compare and diagnose read
             log.add(base_position=true.pose[:3], base_orientation=true.pose[3:])
             log.add(base_velocity=true.rate[:3], base_angular_velocity=true.rate[3:])
-            if log.fell_s is None and (true.pose[2] < LOWEST or -gravity[0, 2] < STEEPEST):
+            if log.fell_s is None and (true.pose[2] < machine.lowest or -gravity[0, 2] < STEEPEST):
                 log.fell_s = max(since, 0) * STEP_S
                 break
         plant.advance(acting)

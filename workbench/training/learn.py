@@ -26,10 +26,13 @@ from .machine import Machine
 from .ppo import Side, make_ppo
 from .randomisation import world_fields
 from .settings import Settings, resolved
+from .situation import POLICY_S
+from .task_file import TASK_FILE
 from .tasks import Task
 from .worlds import BatchWorlds, Worlds
 
 CONFIG, CHECKPOINT, MJCF, MODEL = "config.json", "checkpoint.pt", "machine.xml", "model"
+_JUDGED, _SHORTEST = 5, 4.0  # iterations; policy steps of an episode that no policy can do anything about
 
 
 @dataclass(frozen=True)
@@ -105,6 +108,8 @@ def learn(
     config = resolved(task, machine, settings, {**(extra or {}), "processes": ranks})
     if rank == 0:
         _open_folder(folder, config, machine, resume, force)
+        if task.source is not None:
+            write_whole(folder / MODEL / TASK_FILE, task.source, force=True)
     torch.manual_seed(seed)
     worlds = make_worlds(machine, settings, seed)
     environment = Environment(task, machine, worlds, settings.worlds, settings.randomisation, seed)
@@ -159,6 +164,8 @@ def learn(
                 f"learning broke down in iteration {iteration + 1}: its losses are {losses}"
             )
         done = iteration + 1
+        if done == first + _JUDGED:
+            _refuse_hopeless(row["episode_s"], task, machine)
         if curve is not None:
             rate = ranks * settings.worlds * settings.learning.rollout / took
             values = {"seconds": spent, "steps_per_s": rate, **row, "learning_rate": ppo.learning_rate}
@@ -184,6 +191,24 @@ def learn(
         torch.distributed.destroy_process_group()
     ppo.eval_mode()
     return ppo.get_policy() if rank == 0 else None
+
+
+def _refuse_hopeless(episode_s: float, task: Task, machine: Machine) -> None:
+    """Stop where every episode ends as soon as it begins: no policy has a say in that.
+
+    Raises:
+        SimulationError: says how long episodes last, and of what.
+    """
+    if not 0.0 < episode_s < _SHORTEST * POLICY_S:
+        return
+    what = (
+        f"its trunk is {machine.height:.3g} m over the ground there" if machine.floating else "see its limits"
+    )
+    raise SimulationError(
+        f"this cannot be trained: after {_JUDGED} iterations episodes last {episode_s:.3f} s of "
+        f"{task.episode_s:g} s. {machine.model.name} falls as soon as it begins in its posture ({what}); "
+        "try another posture, or gains that hold it"
+    )
 
 
 def _join(device: str, rank: int, ranks: int) -> str:

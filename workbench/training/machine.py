@@ -30,6 +30,7 @@ ABDUCTION_LIMIT = 0.6  # rad
 HIP_MASS, HIP_INERTIA = 1e-3, 1e-6  # kg, kg m^2: of the hip bracket, which the reference leaves out
 # under a trunk the hold posture of the single leg falls over backwards: Kp = 50 gives way, this one stands
 _STAND = np.array([-0.75, 1.2])  # rad
+_LOWEST = 0.4943  # of the height in its posture
 _SOLVER = 10, 20  # iterations of the solver and of its line search
 
 
@@ -79,6 +80,11 @@ class Machine:
     def size(self) -> int:
         """Number of joints n."""
         return len(self.joints)
+
+    @property
+    def lowest(self) -> float:
+        """Height of the base's origin under which it has fallen [m]: 0.18 m of the reference quadruped."""
+        return _LOWEST * self.height
 
     @property
     def floating(self) -> bool:

@@ -42,6 +42,8 @@ class Task:
         hidden: widths of the policy's hidden layers.
         iterations: of PPO, as the paper had them.
         commands: lowest and highest forward, sideward and turning speed [m/s, m/s, rad/s]; None without one.
+        posture: joint angles from which actions count, in place of the machine's [rad].
+        source: the task file that it was read from, as text; None for a shipped task.
     """
 
     name: str
@@ -57,6 +59,8 @@ class Task:
     hidden: tuple[int, ...]
     iterations: int
     commands: tuple[tuple[float, float], ...] | None = None
+    posture: tuple[float, ...] | None = None
+    source: str | None = None
 
     @property
     def episode_steps(self) -> int:

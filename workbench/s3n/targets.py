@@ -1,0 +1,167 @@
+"""What a simulator other than MuJoCo 4 keeps of a normalised file, and by name what is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from xml.etree import ElementTree
+
+from workbench.core import InputError
+
+from .urdf_writer import urdf_text
+
+_DELAY = ("delay", "interp", "nsample")
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A file for one simulator.
+
+    Attributes:
+        text: of the file.
+        lost: what the simulator does not have, each with its number.
+        reads: which versions read it.
+        advice: what to do about the rest, in lines; empty where nothing is left to do.
+    """
+
+    text: str
+    lost: tuple[str, ...]
+    reads: str
+    advice: tuple[str, ...] = ()
+
+
+def for_target(xml: str, target: str) -> Fitted:
+    """A normalised MJCF as a simulator really takes it.
+
+    Args:
+        xml: of `NormalisedTree`, all of it.
+        target: name in `TARGETS`.
+
+    Raises:
+        InputError: no such target, or a file that it cannot have at all.
+    """
+    if target not in TARGETS:
+        raise InputError(f"no target is called '{target}'", remedy=f"choose one of {', '.join(TARGETS)}")
+    return TARGETS[target](xml)
+
+
+def _mujoco(xml: str) -> Fitted:
+    return Fitted(xml, (), "MuJoCo 4.0")
+
+
+def _mujoco3(xml: str) -> Fitted:
+    root = _parsed(xml)
+    lost = [*_without_delay(root), *_without_yield(root), *_linear(root)]
+    tendons = any(each.get("armature") for each in root.iter("fixed"))
+    reads = "MuJoCo 3 that knows inertia on tendons; not run here" if tendons else "MuJoCo 3; not run here"
+    advice = ("Hold each torque back by its delay in your own loop.",) if lost else ()
+    return Fitted(_written(root), tuple(lost), reads, advice)
+
+
+def _mjlab(xml: str) -> Fitted:
+    root = _parsed(xml)
+    delays = {each.get("name", ""): float(each.get("delay", 0.0)) for each in root.iter("motor")}
+    delays |= {each.get("name", ""): float(each.get("delay", 0.0)) for each in root.iter("general")}
+    lost = [*_without_delay(root), *_without_yield(root), *_linear(root)]
+    option = root.find("option")
+    for key in ("integrator", "timestep"):
+        value = option.get(key) if option is not None else None
+        if value:
+            lost.append(f"{key} {value}: mjlab's own configuration sets it")
+    own = " and ".join(sorted({_kind(each) for each in (*root.iter("motor"), *root.iter("general"))}))
+    late = sorted({delay for delay in delays.values() if delay})
+    advice = [
+        f"Motors act on {own}, which have J^T in them: drive torque = J^-T joint torque. In a robot:",
+        "  from mjlab.actuator import DelayedActuatorCfg, XmlMotorActuatorCfg",
+        f"  motors = XmlMotorActuatorCfg(target_names_expr={tuple(delays)!r})",
+    ]
+    if late:
+        advice += [
+            f"  lag = round({late[-1]:g} / timestep)  # physics steps",
+            '  late = DelayedActuatorCfg(base_cfg=motors, delay_target="effort", delay_min_lag=lag, '
+            "delay_max_lag=lag)",
+        ]
+    advice += [
+        "  # at each step, of joint angles q, speeds v and targets q_ref:",
+        "  tau_joint = kp * (q_ref - q) - kd * v",
+        "  tau_drive = tau_joint @ inv_J  # inv_J = torch.linalg.inv(J), of the model file's [transmission]",
+        "  robot.set_joint_effort_target(tau_drive)",
+    ]
+    return Fitted(_written(root), tuple(lost), "by mjlab's documents; not run here", tuple(advice))
+
+
+def _newton(xml: str) -> Fitted:
+    root = _parsed(xml)
+    lost = [*_without_delay(root), *_without_yield(root), *_linear(root)]
+    for tendon in (each for each in root.iter("fixed") if each.get("armature")):
+        lost.append(
+            f"tendon {tendon.get('name')}: armature {tendon.get('armature')}, in solvers other than MuJoCo's"
+        )
+    return Fitted(_written(root), tuple(lost), "Newton 1.8; not run here")
+
+
+def _urdf(xml: str) -> Fitted:
+    text, lost = urdf_text(xml)
+    return Fitted(text, lost, "any URDF reader")
+
+
+#: Simulators by name.
+TARGETS: dict[str, Callable[[str], Fitted]] = {
+    "mujoco": _mujoco, "mujoco3": _mujoco3, "mjlab": _mjlab, "newton": _newton, "urdf": _urdf,
+}  # fmt: skip
+
+
+def _parsed(xml: str) -> ElementTree.Element:
+    keep = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
+    return ElementTree.fromstring(xml, keep)
+
+
+def _written(root: ElementTree.Element) -> str:
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _actuators(root: ElementTree.Element) -> list[ElementTree.Element]:
+    return [each for holder in root.findall("actuator") for each in holder]
+
+
+def _without_delay(root: ElementTree.Element) -> list[str]:
+    lost = []
+    for motor in _actuators(root):
+        if float(motor.get("delay", 0.0)):
+            lost.append(f"motor {motor.get('name')}: delay {float(motor.get('delay', 0.0)):g} s")
+        for key in _DELAY:
+            motor.attrib.pop(key, None)
+    return lost
+
+
+def _without_yield(root: ElementTree.Element) -> list[str]:
+    """Hysteresis of springs."""
+    lost = []
+    for each in _elements(root):
+        text = each.attrib.pop("springyield", None)
+        if text is not None and any(float(x) for x in text.split()):
+            lost.append(f"{each.tag} {each.get('name')}: hysteresis (springyield {text})")
+    return lost
+
+
+def _linear(root: ElementTree.Element) -> list[str]:
+    """Damping and stiffness that are polynomials, cut to what is linear."""
+    lost = []
+    for each in _elements(root):
+        for key in ("damping", "stiffness"):
+            first, *more = each.get(key, "").split() or [""]
+            if more:
+                each.set(key, first)
+                if any(float(x) for x in more):
+                    lost.append(f"{each.tag} {each.get('name')}: {key} beyond the linear ({' '.join(more)})")
+    return lost
+
+
+def _elements(root: ElementTree.Element) -> list[ElementTree.Element]:
+    """All elements; comments are none."""
+    return [each for each in root.iter() if isinstance(each.tag, str)]
+
+
+def _kind(motor: ElementTree.Element) -> str:
+    return "tendons" if motor.get("tendon") else "joints"
