@@ -160,7 +160,7 @@ def _check_design(design: Any) -> None:
 
 def _bundle(folder: Path, random: mutate.Random) -> Any:
     from workbench.bundle import Policy, read_bundle
-    from workbench.training.evaluate import machine_of
+    from workbench.training.of_bundle import machine_of
 
     read = read_bundle(folder / "reach.zip")
     actions = Policy(read)(np.zeros((1, sum(o.size for o in read.observations))))

@@ -19,7 +19,7 @@ from onnx import TensorProto, helper, numpy_helper
 from workbench.bundle import Policy, PolicyBundle, read_bundle
 from workbench.bundle.network import MOST_NUMBERS, check_network
 from workbench.core import InputError
-from workbench.training.evaluate import machine_of
+from workbench.training.of_bundle import machine_of
 
 CONTROL = {
     "joints": ["hip", "knee"], "transmission": [[1.0, 0.0], [1.0, 1.0]], "posture": [0.0, 0.0],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import mujoco
@@ -263,3 +264,18 @@ def test_a_ball_that_is_no_rod_is_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match=r"'ball' is a ball; .*rod"):
         contents_of(file)
+
+
+def test_what_is_wrong_is_said_of_the_users_file_and_nothing_of_turns(tmp_path: Path) -> None:
+    """A link on its side has two angles that are one; limits that cannot be reached are the file's own."""
+    file = tmp_path / "ankle.xml"
+    file.write_text(_ROD.replace('<body name="shin">', '<body name="shin" euler="0 1.5707963267948966 0">'))
+    words = ["--drive", "motor", "--joint", "pitch", "--hold", "spring=0", "-o", tmp_path / "own.toml"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        done = run("import", file, *words, "--limits", "pitch=2.9:3.1")
+    assert done.returncode == 2 and str(file) in done.stderr and "no posture within" in done.stderr
+    rotor = file.read_text().replace('<joint name="pitch"', '<joint name="pitch" armature="0.02"')
+    file.write_text(rotor)
+    made = run("import", file, *words, "--foot", "sole")
+    assert made.returncode == 0 and "armature of joints without a drive: pitch 0.02" in made.stdout

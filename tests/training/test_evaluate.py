@@ -15,9 +15,10 @@ from workbench.mechanism import ClosedChain
 from workbench.models import Model, read_model
 from workbench.recordings import load_recordings, save_recording
 from workbench.rigs.quadruped import quadruped_mechanism
-from workbench.training.evaluate import evaluate, hardware_of, machine_of, robot_files
+from workbench.training.evaluate import evaluate
 from workbench.training.export import to_onnx
 from workbench.training.machine import make_machine
+from workbench.training.of_bundle import hardware_of, machine_of, robot_files
 from workbench.training.plants import ClosedChainPlant, TrainedPlant, begin
 from workbench.training.settings import control_table, layout
 from workbench.training.tasks import TASKS

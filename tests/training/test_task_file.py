@@ -11,9 +11,10 @@ import pytest
 from workbench.bundle import read_bundle
 from workbench.core import InputError, SimulationError
 from workbench.training.draws import Draws
-from workbench.training.evaluate import evaluate, task_of
+from workbench.training.evaluate import evaluate
 from workbench.training.export import export
 from workbench.training.learn import learn
+from workbench.training.of_bundle import task_of
 from workbench.training.settings import Learning, Settings
 from workbench.training.task_file import posed, read_task
 from workbench.training.tasks import TASKS

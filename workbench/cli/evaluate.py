@@ -36,7 +36,7 @@ def evaluate(
     from workbench.core.files import write_all
     from workbench.recordings import save_recording
     from workbench.training.evaluate import evaluate as run
-    from workbench.training.evaluate import hardware_of, robot_files
+    from workbench.training.of_bundle import hardware_of, robot_files
 
     if not output:
         raise InputError("no folder for the recordings", remedy="name one: -o evaluated")

@@ -155,6 +155,10 @@ def import_mechanism(
         echo(
             f"Left out are springs and dry friction, and damping of joints without a drive: {said} N m s/rad."
         )
+    rotors = {name: value for name, value in contents.armature.items() if value and name not in names}
+    if rotors:
+        said = ", ".join(f"{name} {value:.3g}" for name, value in rotors.items())
+        echo(f"Left out is the armature of joints without a drive: {said} kg m².")
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         echo(

@@ -6,6 +6,7 @@ there. An SDF joint is at zero where the MJCF's is: positions mean the same in b
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from workbench.core import Coupling, InputError
+from workbench.core import Coupling, InputError, SimulationError
 from workbench.core.xml import parse_xml
 from workbench.mechanism.parse import GRAVITY
 from workbench.models import load_with_loops
@@ -84,6 +85,8 @@ def opened(file: Path) -> Iterator[tuple[Path, Converted | None]]:
             raise InputError(
                 error.problem, file=file, column=error.column, row=error.row, remedy=error.remedy
             ) from error
+        except SimulationError as error:
+            raise SimulationError(str(error).replace(str(sdf), str(file))) from error
 
 
 def convert(file: Path) -> Converted:
@@ -240,4 +243,7 @@ class _Writer:
 
 
 def _pose(at: np.ndarray, turn: Rotation) -> str:
-    return " ".join(repr(float(x) + 0.0) for x in (*at, *turn.as_euler("xyz")))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # where two angles are one, either is right
+        angles = turn.as_euler("xyz")
+    return " ".join(repr(float(x) + 0.0) for x in (*at, *angles))

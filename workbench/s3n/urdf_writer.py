@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from xml.etree import ElementTree
 
 import mujoco
@@ -128,7 +129,9 @@ def _tip(robot: ElementTree.Element, m: mujoco.MjModel, s: int, names: list[str]
 
 
 def _origin(joint: ElementTree.Element, at: np.ndarray, quat: np.ndarray) -> None:
-    turn = Rotation.from_quat(quat, scalar_first=True).as_euler("xyz")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # where two angles are one, either is right
+        turn = Rotation.from_quat(quat, scalar_first=True).as_euler("xyz")
     ElementTree.SubElement(joint, "origin", xyz=_numbers(at), rpy=_numbers(turn))
 
 

@@ -1,0 +1,114 @@
+"""What a bundle was trained for and with: task, machine, hardware, and the model of its recordings."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+
+from workbench.bundle import PolicyBundle
+from workbench.bundle.bundle import MACHINE
+from workbench.core import InputError
+from workbench.core.paths import models_folder
+from workbench.importing import described
+from workbench.models import read_model
+from workbench.models.mjcf import check_mjcf_text
+from workbench.s3n import with_variant
+
+from .as_model import model_files
+from .machine import STEP_S, Machine, make_machine
+from .task_file import TASK_FILE, read_task
+from .tasks import TASKS, Task
+
+
+def task_of(bundle: PolicyBundle) -> Task:
+    """What a bundle was trained for: a task of one's own as the bundle has it, or a shipped one.
+
+    Raises:
+        InputError: the task is unknown.
+    """
+    own = bundle.files.get(f"model/{TASK_FILE}")
+    if own is not None:
+        return read_task(own.decode("utf-8", "replace"), bundle.source)
+    if bundle.task not in TASKS:
+        raise InputError(f"no task is called '{bundle.task}'", file=bundle.source, remedy="update workbench")
+    return TASKS[bundle.task]
+
+
+def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
+    """The machine that a bundle was trained with.
+
+    Args:
+        bundle: where it comes from.
+        folder: an empty one, where the model's files go and have to stay as long as the machine is used.
+
+    Raises:
+        InputError: the bundle's task is unknown, or its model is not whole.
+    """
+    task = task_of(bundle)
+    names = tuple(entry.name for entry in task.observations)
+    if tuple(entry.name for entry in bundle.observations) != names:
+        raise InputError(
+            f"the bundle's observations are not those of '{task.name}'", file=bundle.source,
+            remedy="train and export it again",
+        )  # fmt: skip
+    for name, data in bundle.files.items():
+        target = folder / name
+        if not target.resolve().is_relative_to(folder.resolve()):
+            raise InputError(f"'{name}' leads out of the bundle", file=bundle.source)
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(data)
+        except OSError as error:  # a part in a part, or a name longer than the system allows
+            raise InputError(f"'{name}' cannot be unpacked", file=bundle.source) from error
+    own, model = bundle.control, read_model(folder / "model" / "model.toml")
+    for file in model.files:
+        roots = folder.resolve(), models_folder().resolve()
+        if not any(file.resolve().is_relative_to(root) for root in roots):
+            raise InputError(f"its model names '{file}'", file=bundle.source, remedy="export it again")
+    check_mjcf_text(bundle.machine, bundle.source)
+    try:
+        compiled = mujoco.MjModel.from_xml_string(bundle.machine)
+    except (ValueError, mujoco.FatalError) as error:
+        raise InputError(f"MuJoCo cannot read {MACHINE}: {error}", file=bundle.source) from error
+    return replace(
+        make_machine(task.machine, with_variant(model, bundle.variant)),
+        # the world that the policy was trained in, whatever this version would make of the model
+        xml=bundle.machine,
+        mujoco=compiled,
+        transmission=own.transmission,
+        posture=own.posture,
+        kp=own.kp,
+        kd=own.kd,
+        torque_limit=own.torque_limit,
+        delay_steps=own.delay_steps,
+    )
+
+
+def robot_files(bundle: PolicyBundle, folder: Path) -> dict[Path, str]:
+    """A model that recordings of a walking policy are held against, as text by file; empty for a leg.
+
+    Raises:
+        InputError: as `machine_of`.
+    """
+    with tempfile.TemporaryDirectory() as unpacked:
+        return model_files(machine_of(bundle, Path(unpacked)), folder)
+
+
+def hardware_of(bundle: PolicyBundle) -> str:
+    """One line that says what virtual hardware a bundle is evaluated on.
+
+    Raises:
+        InputError: as `machine_of`.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        machine = machine_of(bundle, Path(folder))
+    if not machine.floating:
+        whole = replace(machine.model.actuators, delay_s=machine.delay_steps * STEP_S)
+        return described(replace(machine.model, actuators=whole))
+    return (
+        "Virtual hardware: the reference quadruped in Drake, its trunk and its legs, with the drives of "
+        f"{machine.model.name}; not a robot of your own."
+    )
