@@ -177,10 +177,11 @@ def test_the_tracker_tracks(tmp_path: Path) -> None:
 
     host.run(2.0, look)
     assert host.state.phase == "run" and np.abs(errors[-300:]).max() < 0.2
-    assert deploy(config, None, 0.5, dry=True)["fault"] is None
+    assert deploy(config, None, 0.5, network=SimulatedNetwork(config))["fault"] is None
 
 
 def test_a_full_bus_is_not_deployed_on(tmp_path: Path) -> None:
     motors = [motor(f"m{k}", k + 1, limits=LIMITS, ranges=RANGES) for k in range(12)]
+    config = load_config(written(tmp_path, table(motors)))
     with pytest.raises(InputError, match="108 % full"):
-        deploy(load_config(written(tmp_path, table(motors))), None, 1.0, dry=True)
+        deploy(config, None, 1.0, network=SimulatedNetwork(config))

@@ -36,7 +36,7 @@ def moved(config: CanConfig, bundle: PolicyBundle, seed: int) -> tuple[np.ndarra
     rows: list[tuple[np.ndarray, ...]] = []
     network.every_row = lambda now: rows.append(trunk.motion) if not trunk.held else None
     before = config.loop.soft_start_s + config.loop.hold_s + 0.02
-    result = deploy(config, bundle, before + RUN_S, dry=True, seed=seed, network=network, twist=CIRCLE)
+    result = deploy(config, bundle, before + RUN_S, seed=seed, network=network, twist=CIRCLE)
     assert result["fault"] is None and result["missed_share"] == 0.0
     assert result["frames"]["base"] > 2 * (before + RUN_S) / config.imu.period_s - 20  # type: ignore[union-attr]
     wanted = round((RUN_S - 1.0) / network.bank.row)
@@ -82,7 +82,7 @@ def test_a_robot_that_does_not_fit_is_refused(tmp_path: Path) -> None:
     bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
     config = robot(tmp_path, bundle)
     with pytest.raises(InputError, match="there is no inertial unit"):
-        deploy(config.model_copy(update={"imu": None}), bundle, 1.0, dry=True)
+        deploy(config.model_copy(update={"imu": None}), bundle, 1.0, network=SimulatedNetwork(config))
     with pytest.raises(InputError, match="a quadruped has 12 axes, here are 9"):
         MotorBank(config.model_copy(update={"motor": config.motor[:9]}))
 
@@ -117,7 +117,7 @@ def test_a_robot_that_fell_damps_and_says_so(tmp_path: Path, degrees: float) -> 
     config = robot(tmp_path, bundle)
     network = SimulatedNetwork(config, MotorBank(config))
     overturned(network, 1.4, degrees)
-    result = deploy(config, bundle, 3.0, dry=True, network=network)
+    result = deploy(config, bundle, 3.0, network=network)
     assert result["fault"] == f"tilted by {degrees:.0f} degrees, beyond 53"
     assert result["ticks"] * 0.003 < 1.4 + 0.6 and not any(m.enabled for m in network.bank.motors.values())
 
@@ -131,7 +131,7 @@ def test_a_robot_that_lies_on_its_back_is_never_armed(tmp_path: Path) -> None:
     motor = next(iter(network.bank.motors.values()))
     hear = motor.hear
     motor.hear = lambda frame: (told.append(motor.drive.asked(frame)), hear(frame))[1]  # type: ignore[arg-type]
-    result = deploy(config, bundle, 1.0, dry=True, network=network)
+    result = deploy(config, bundle, 1.0, network=network)
     assert result["fault"] == "tilted by 170 degrees, beyond 53"
     assert all(abs(s.torque) < 0.01 and not s.kp for s in told if isinstance(s, Setpoint))
 
@@ -140,7 +140,7 @@ def test_by_itself_it_is_asked_to_stand(tmp_path: Path) -> None:
     bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
     config = robot(tmp_path, bundle)
     network = SimulatedNetwork(config, MotorBank(config))
-    result = deploy(config, bundle, 3.0, dry=True, network=network)
+    result = deploy(config, bundle, 3.0, network=network)
     trunk = network.bank.robot
     assert trunk is not None and result["fault"] is None
     assert np.hypot(*trunk.pose[4:6]) < 0.4, "at 0.8 m/s it would have run for two metres"

@@ -183,7 +183,7 @@ def test_a_stop_before_anything_moved_moves_nothing(tmp_path: Path) -> None:
 def test_a_run_says_who_stopped_it(tmp_path: Path) -> None:
     robot = Robot(tmp_path)
     robot.network.every_row = lambda now: os.kill(os.getpid(), signal.SIGHUP) if 0.4 < now < 0.401 else None
-    said = deploy(robot.config, None, 2.0, dry=True, network=robot.network)
+    said = deploy(robot.config, None, 2.0, network=robot.network)
     assert said["fault"] == "emergency stop" and said["stopped"] and said["stopped_by"] == "SIGHUP"
     assert said["ticks"] * TICK < 1.2
 

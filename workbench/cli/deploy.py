@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,6 +18,7 @@ from .heartbeat import waiting
 
 if TYPE_CHECKING:
     from workbench.can import CanConfig
+    from workbench.deployment.network import Network
 
 
 @app.command()
@@ -68,8 +70,9 @@ def deploy(
     if not all(map(math.isfinite, velocity)):
         raise InputError("a velocity is no number", remedy="give three: --velocity 0.4 0 0")
     result = run(
-        robot, policy, seconds, dry=dry_run, seed=seed, twist=velocity, unapproved=unapproved,
+        robot, policy, seconds, seed=seed, twist=velocity, unapproved=unapproved,
         watchdogs_tested=watchdogs_tested, teleop=teleop, cpu=cpu, say=say,
+        network=_virtual(robot, seed, say) if dry_run else None,
     )  # fmt: skip
     if json:
         read = [Path(config), *([Path(bundle)] if policy else [])]
@@ -84,6 +87,26 @@ def deploy(
         echo(_ending(result))
     if code := exit_code(result):
         raise typer.Exit(code)
+
+
+def _virtual(robot: CanConfig, seed: int, say: Callable[[str], object]) -> Network:
+    """Virtual motors that turn what the configuration's models are, in simulated time.
+
+    Raises:
+        InputError: a mechanism that no virtual hardware can be made of, or, as on a robot's own computer, the
+            simulator is not installed.
+    """
+    try:
+        from workbench.deployment.simulated import SimulatedNetwork
+
+        from .record_can import virtual_motors
+
+        return SimulatedNetwork(robot, virtual_motors(robot, (None, None), say)(seed, None))
+    except ImportError as error:
+        raise InputError(
+            f"a dry run needs the whole workbench: {error.name} is missing",
+            remedy="make it on another computer",
+        ) from error
 
 
 def _model_files(robot: CanConfig) -> list[Path]:

@@ -78,11 +78,17 @@ def virtual_motors(
     from workbench.models import read_model
     from workbench.rigs import MotorBank
 
+    unknown = next((each for each in config.mechanism if each.transmission), None)
+    if unknown:
+        raise InputError(
+            f"of {', '.join(unknown.axes)} only the transmission is known", file=config.source,
+            column="mechanism.model", remedy="name the model that virtual motors are to turn",
+        )  # fmt: skip
     models = [read_model(each.model) for each in config.mechanism]
     if config.bench.rig == "quadruped" or all(map(is_reference_leg, models)):
-        what = "quadruped" if config.bench.rig == "quadruped" else "leg on its stand" if models else ""
-        if what:
-            say(f"Virtual hardware: the reference {what}.")
+        lone = "lone shafts" if len(config.motor) > 1 else "a lone shaft"
+        leg = "the reference leg on its stand" if models else lone
+        say(f"Virtual hardware: {'the reference quadruped' if config.bench.rig == 'quadruped' else leg}.")
         effects = hidden_effects(*hidden)
         return lambda seed, row: MotorBank(config, effects, seed=seed, row=row)
     for model in models:

@@ -55,7 +55,6 @@ def deploy(
     bundle: PolicyBundle | None,
     seconds: float,
     *,
-    dry: bool = False,
     seed: int = 0,
     twist: Sequence[float] = (0.0, 0.0, 0.0),
     unapproved: bool = False,
@@ -71,13 +70,12 @@ def deploy(
         config: the robot.
         bundle: its policy; None for a trajectory tracker.
         seconds: how long it runs once it is armed.
-        dry: on virtual motors in simulated time; no bus is touched.
-        seed: of the trajectory, and of virtual sensors.
+        seed: of the trajectory.
         twist: forward, sideward and turning speed that a policy is to reach and keep [m/s, m/s, rad/s].
         unapproved: a person takes it upon themselves that the policy was not approved.
         watchdogs_tested: a person has seen every drive stop by itself.
         teleop: how to ask for other speeds while it runs: ``keys``, ``udp:PORT`` or nothing.
-        network: with motors of one's own, for a dry run.
+        network: virtual motors of a dry run: no bus is touched.
         cpu: processor to stay on.
         say: gets a status line now and then.
 
@@ -99,7 +97,9 @@ def deploy(
     joints = joints_of(config)
     command = Command(np.array(twist, float))
     controller = controller_of(bundle, config, joints, seed, command)
-    limits, notes = permitted(config, bundle, dry=dry, unapproved=unapproved, tested=watchdogs_tested)
+    limits, notes = permitted(
+        config, bundle, dry=network is not None, unapproved=unapproved, tested=watchdogs_tested
+    )
     if bundle is not None:
         command.asked, clipped = trained_of(bundle).clipped(command.asked)
         notes += [clipped] if clipped else []
@@ -111,8 +111,7 @@ def deploy(
     for note in notes:
         say(note)
     lacks: list[str] = []
-    if dry:
-        network = network or _virtual(config, seed)
+    if network is not None:
         result = run_host(Host(config, network, controller, joints, limits), network, seconds, say)
     else:
         with opened(config) as ports, realtime(cpu) as refused:
@@ -165,24 +164,6 @@ def run_host(
         "fault_words": words if fault == "a drive reports a fault" else [],
         "stopped": operator.stop, "stopped_by": operator.pressed_by or None, **host.punctuality.summary(),
     }  # fmt: skip
-
-
-def _virtual(config: CanConfig, seed: int) -> Network:
-    """Virtual motors in simulated time.
-
-    Raises:
-        InputError: the simulator is not installed, as on a robot's own computer.
-    """
-    try:
-        from workbench.rigs import MotorBank
-
-        from .simulated import SimulatedNetwork
-    except ImportError as error:
-        raise InputError(
-            f"a dry run needs the whole workbench: {error.name} is missing",
-            remedy="make it on another computer",
-        ) from error
-    return SimulatedNetwork(config, MotorBank(config, seed=seed))
 
 
 def _rehearse(
