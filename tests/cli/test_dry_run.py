@@ -4,19 +4,27 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from tests.bench_arm import AXES, bench_arm
 from tests.can.make import motor, table, written
 from tests.cli.here import run
+from workbench.comparison import compare
+from workbench.effects import load_model
+from workbench.recordings import load_recordings
 
-WIDE = {"position": [-3.0, 3.0], "velocity": 20.0, "torque": 9.0}
+WIDE = {"position": [-3.0, 3.0], "velocity": 40.0, "torque": 40.0}
+STRONG = {"position": 12.5, "velocity": 45.0, "torque": 54.0, "source": "label of the drive"}
 
 
-def ran(folder: Path, axes: tuple[str, ...], **mechanism: object) -> tuple[int, str]:
+def ran(
+    folder: Path, axes: tuple[str, ...], more: tuple[object, ...] = (), **mechanism: object
+) -> tuple[int, str]:
     """Exit code and all that a dry run of the tracker said."""
-    motors = [motor(axis, k + 1, limits=WIDE) for k, axis in enumerate(axes)]
+    motors = [motor(axis, k + 1, limits=WIDE, ranges=STRONG) for k, axis in enumerate(axes)]
     loop = {"period_s": 0.003, "kp": 20.0, "kd": 2.0}
     file = written(folder, table(motors, loop=loop, mechanism=[{"axes": list(axes), **mechanism}]))
-    done = run("deploy", "tracker", file, "--dry-run", "--seconds", 1)
+    done = run("deploy", "tracker", file, "--dry-run", "--seconds", 4, *more)
     return done.returncode, done.stdout + done.stderr
 
 
@@ -34,3 +42,25 @@ def test_a_transmission_alone_is_no_hardware(tmp_path: Path) -> None:
     known = {"transmission": [[1.0, 0.0], [1.0, 1.0]], "limits": [[-1.6, 1.6], [0.35, 2.6]]}
     code, said = ran(tmp_path, ("hip", "knee"), **known)
     assert code == 2 and "only the transmission is known" in said and "Traceback" not in said
+
+
+def test_a_run_is_a_recording_that_its_model_explains(tmp_path: Path) -> None:
+    arm, out = bench_arm(tmp_path), tmp_path / "out"
+    code, said = ran(tmp_path, AXES, ("-o", out), model=str(arm))
+    assert code == 0 and f"Wrote {out / 'run.toml'}" in said
+    (log,) = load_recordings([out / "run.toml"])
+    assert log.axes == AXES and log.position.std(axis=0).min() > 0.01
+    result = compare(load_model(arm), [log])
+    assert result.error < 1.3 * result.noise_error
+
+    # the frames and what was asked for say the same again
+    again = run("record", tmp_path / "robot.toml", "--from-logs", "-o", out, "--force")
+    assert again.returncode == 0, again.stderr
+    np.testing.assert_array_equal(load_recordings([out / "run.toml"])[0].position, log.position)
+
+
+def test_a_run_that_is_there_is_kept(tmp_path: Path) -> None:
+    (out := tmp_path / "out").mkdir()
+    (out / "run.log").write_text("of yesterday")
+    code, said = ran(tmp_path, AXES, ("-o", out), model=str(bench_arm(tmp_path)))
+    assert code == 2 and "run.log" in said and (out / "run.log").read_text() == "of yesterday"

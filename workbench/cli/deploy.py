@@ -18,7 +18,7 @@ from .heartbeat import waiting
 
 if TYPE_CHECKING:
     from workbench.can import CanConfig
-    from workbench.deployment.network import Network
+    from workbench.deployment.simulated import SimulatedNetwork
 
 
 @app.command()
@@ -46,6 +46,10 @@ def deploy(
     teleop: Annotated[
         str, typer.Option(metavar="HOW", help="Ask for other speeds: keys (w s q e a d x), or udp:PORT.")
     ] = "",
+    output: Annotated[
+        str | None,
+        typer.Option("--output", "-o", metavar="FOLDER", help="Keep the run: its frames, and a recording."),
+    ] = None,
     seed: SeedOption = 0,
     json: JsonOption = None,
     force: ForceOption = False,
@@ -62,6 +66,7 @@ def deploy(
 
     check_outputs(json, force=force)
     robot = load_config(config)
+    log = _new_log(Path(output), force) if output else None
     policy = None if bundle == "tracker" else read_bundle(bundle)
     if not (dry_run or yes):
         with waiting():
@@ -72,7 +77,7 @@ def deploy(
     result = run(
         robot, policy, seconds, seed=seed, twist=velocity, unapproved=unapproved,
         watchdogs_tested=watchdogs_tested, teleop=teleop, cpu=cpu, say=say,
-        network=_virtual(robot, seed, say) if dry_run else None,
+        network=_virtual(robot, seed, say) if dry_run else None, log=log,
     )  # fmt: skip
     if json:
         read = [Path(config), *([Path(bundle)] if policy else [])]
@@ -85,11 +90,15 @@ def deploy(
             f"{trip['p50']:.3g} ms (half of them), {trip['p99']:.3g} ms (99 %)."
         )
         echo(_ending(result))
+    if log:
+        said = _kept(robot, log, force)
+        if not quiet and json != "-":
+            echo(said)
     if code := exit_code(result):
         raise typer.Exit(code)
 
 
-def _virtual(robot: CanConfig, seed: int, say: Callable[[str], object]) -> Network:
+def _virtual(robot: CanConfig, seed: int, say: Callable[[str], object]) -> SimulatedNetwork:
     """Virtual motors that turn what the configuration's models are, in simulated time.
 
     Raises:
@@ -107,6 +116,37 @@ def _virtual(robot: CanConfig, seed: int, say: Callable[[str], object]) -> Netwo
             f"a dry run needs the whole workbench: {error.name} is missing",
             remedy="make it on another computer",
         ) from error
+
+
+def _new_log(folder: Path, force: bool) -> Path:
+    """Where the frames of a run go; of one before nothing is left.
+
+    Raises:
+        InputError: something is there already.
+    """
+    from workbench.core.files import check_free
+    from workbench.deployment.kept import PLAYED
+
+    log = folder / "run.log"
+    check_free(log.with_suffix(".toml"), force=force)
+    for file in (log, *(log.with_suffix(end) for end in (".clock", PLAYED))):
+        check_free(file, force=force)
+        file.unlink(missing_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    return log
+
+
+def _kept(robot: CanConfig, log: Path, force: bool) -> str:
+    """Makes a recording of a run, if one can be made; what became of it, in a line."""
+    try:
+        from workbench.deployment.record import from_run, keep
+
+        return f"Wrote {keep(from_run(robot, log), log.parent, log, force)}."
+    except ImportError:
+        again = f"workbench record {robot.source} --from-logs -o {log.parent}"
+        return f"Wrote {log}; what makes a recording of it is not installed here; elsewhere: {again}"
+    except InputError as error:
+        return f"No recording: {error}"
 
 
 def _model_files(robot: CanConfig) -> list[Path]:

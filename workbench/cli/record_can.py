@@ -98,16 +98,20 @@ def virtual_motors(
 
 
 def record_logs(rig: str, names: Sequence[str], folder: Path, force: bool) -> list[Path]:
-    """Recordings of the logs in a folder that belong to these designs; returns their files.
+    """Recordings of the logs in a folder that belong to these designs, and to runs of `deploy`; their files.
 
     Raises:
-        InputError: no log of these designs is there, or nothing was played in one.
+        InputError: no such log is there, or nothing was played in one.
     """
     from workbench.can import load_config
-    from workbench.deployment.record import from_log, keep
+    from workbench.deployment.kept import PLAYED
+    from workbench.deployment.record import from_log, from_run, keep
 
     config, files = load_config(rig), list[Path]()
-    for design in _for_axes(config.axes, names):
+    for played in sorted(folder.glob(f"*{PLAYED}")):
+        log = folder / f"{played.name.removesuffix(PLAYED)}.log"
+        files.append(keep(from_run(config, log), folder, log, force))
+    for design in _for_axes(config.axes, names) if names or not files else []:
         for k, trial in enumerate(design.trials):
             log = folder / f"{trial.name}.log"
             if log.is_file():

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from functools import partial
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,12 +21,16 @@ from .command import Command
 from .controller import Controller
 from .host import Host
 from .joints import Joints, joints_of
+from .kept import Kept, logged
 from .network import Network
 from .permitted import permitted
 from .policies import PolicyController, Tracker, check_bundle, reach_between
 from .stopping import brought_down, on_hardware
 from .teleop import teleoperated
 from .trained import trained_of
+
+if TYPE_CHECKING:
+    from .simulated import SimulatedNetwork
 
 
 def controller_of(
@@ -60,7 +66,8 @@ def deploy(
     unapproved: bool = False,
     watchdogs_tested: bool = False,
     teleop: str = "",
-    network: Network | None = None,
+    network: SimulatedNetwork | None = None,
+    log: Path | None = None,
     cpu: int | None = None,
     say: Callable[[str], None] = lambda line: None,
 ) -> dict[str, Any]:
@@ -76,6 +83,7 @@ def deploy(
         watchdogs_tested: a person has seen every drive stop by itself.
         teleop: how to ask for other speeds while it runs: ``keys``, ``udp:PORT`` or nothing.
         network: virtual motors of a dry run: no bus is touched.
+        log: where its frames go, and beside them what was asked for; `record.from_run` makes a recording.
         cpu: processor to stay on.
         say: gets a status line now and then.
 
@@ -111,11 +119,19 @@ def deploy(
     for note in notes:
         say(note)
     lacks: list[str] = []
-    if network is not None:
-        result = run_host(Host(config, network, controller, joints, limits), network, seconds, say)
-    else:
+    driver, frames = controller, None
+    with ExitStack() as stack:
+        if log is not None:
+            driver = Kept(controller, joints, config.loop.period_s, seconds)
+            wires = None if network is None else network.wires
+            frames = stack.enter_context(logged(config, log, driver, wires))
+        if network is not None:
+            result = run_host(Host(config, network, driver, joints, limits), network, seconds, say)
+            return {**result, "notes": notes, "lacks": lacks}
         with opened(config) as ports, realtime(cpu) as refused:
-            host = Host(config, ports, controller, joints, limits)
+            host = Host(config, ports, driver, joints, limits)
+            if frames:
+                frames.watch(host)
             with on_hardware(host, config), teleoperated(teleop, command, clip, ports.now) as watches:
                 host.operator.watches += watches
                 ready = partial(_rehearse, lacks, config, controller, say, refused)

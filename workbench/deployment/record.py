@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Callable
 from pathlib import Path
 
-from workbench.can import CanConfig, Wire
-from workbench.can.candump import line, packed, read_candump
+import numpy as np
+
+from workbench.can import CanConfig
+from workbench.can.candump import packed, read_candump
 from workbench.can.realtime import realtime
-from workbench.core import InputError, Recording
-from workbench.core.files import check_free, write_whole
+from workbench.core import Excitation, InputError, Recording
+from workbench.core.files import check_free
 from workbench.frf import Design
 from workbench.recordings import save_recording
 
 from .alone import opened
+from .frame_log import ProcessLog, WireLog
 from .from_log import Played, recording
 from .host import Host
 from .joints import joints_of
+from .kept import PLAYED
 from .permitted import refuse_untested
 from .player import Player
-from .processes import end, start
 from .simulated import SimulatedNetwork
 from .stopping import RunError, brought_down, on_hardware
 
@@ -75,16 +76,10 @@ def record_simulated(
         RunError: everything damped before the end.
     """
     network = network or SimulatedNetwork(config)
-    lines: list[str] = []
-
-    def listen(name: str, wire: Wire) -> None:
-        wire.attach("logger", lambda stamp, frame: lines.append(line(stamp, name, frame)))
-
-    for name, wire in network.wires.items():
-        listen(name, wire)
+    frames = WireLog(network.wires, log)
     player = Player(design, experiment, config.loop.period_s)
     play(Host(config, network, player, joints_of(config)), player)
-    write_whole(log, "".join(lines))
+    frames.close()
     assert player.begun is not None
     return recording(config, read_candump(log), _played(design, experiment, player, player.begun))
 
@@ -100,20 +95,16 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
         VerifyError: a drive is not what the configuration says.
     """
     refuse_untested(config)
-    logger = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
+    frames = ProcessLog(config, log)
     player = Player(design, experiment, config.loop.period_s)
     try:
         with opened(config) as network, realtime():
             host = Host(config, network, player, joints_of(config))
-            host.operator.watches.append(
-                lambda: "the end of the logger" if logger.poll() is not None else None
-            )
+            frames.watch(host)
             with on_hardware(host, config):
-                play(host, player, lambda at: _note(log, at + _shift(log)))
+                play(host, player, lambda at: _note(log, at + frames.shift))
     finally:
-        said = end(logger)
-    if logger.returncode != 0:
-        raise RunError(f"{log}: the logger failed, and the log is not whole: {said or logger.returncode}")
+        frames.close()
     return from_log(config, design, experiment, log)
 
 
@@ -134,6 +125,28 @@ def from_log(config: CanConfig, design: Design, experiment: int, log: Path) -> R
         raise InputError(error.problem, file=log, row=error.row, remedy=error.remedy) from error
 
 
+def from_run(config: CanConfig, log: Path) -> Recording:
+    """The recording of a run of `deploy`, by its log and by what was asked for, which stands beside it.
+
+    Raises:
+        InputError: it never ran, or its base is free: where that was, no drive tells.
+    """
+    if config.imu:
+        raise InputError(
+            "where its base was is not known, so that nothing can be compared", file=log,
+            remedy="hold the base, and take [imu] out of the configuration",
+        )  # fmt: skip
+    try:
+        with np.load(log.with_suffix(PLAYED)) as kept:
+            rows = float(kept["begun"]), kept["reference"], kept["feedforward"]
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError("the robot never ran in this log", file=log, remedy="deploy again") from error
+    try:
+        return recording(config, read_candump(log), Played(log.stem, *rows, Excitation("policy")))
+    except InputError as error:
+        raise InputError(error.problem, file=log, row=error.row, remedy=error.remedy) from error
+
+
 def keep(result: Recording, folder: Path, log: Path, force: bool) -> Path:
     """Writes the recording, and its log as BLF beside it, all or nothing; returns the TOML file."""
     path = folder / f"{result.name}.toml"
@@ -146,11 +159,6 @@ def keep(result: Recording, folder: Path, log: Path, force: bool) -> Path:
 def _played(design: Design, experiment: int, player: Player, begun: float) -> Played:
     name, excitation = design.trials[experiment].name, design.excitation(experiment)
     return Played(name, begun, player.reference, player.feedforward, excitation)
-
-
-def _shift(log: Path) -> float:
-    """Wall clock minus monotonic time as the log's stamps have it [s]; written before its logger is ready."""
-    return float(json.loads(log.with_suffix(".clock").read_text().splitlines()[0])["shift"])
 
 
 def _note(log: Path, begun: float) -> None:

@@ -1,0 +1,79 @@
+"""A log of all frames of a run: of virtual buses, or by a process of its own, which outlives this one."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+
+from workbench.can import CanConfig, Frame, Wire
+from workbench.can.candump import line
+from workbench.core.files import write_whole
+
+from .host import Host
+from .processes import end, start
+from .stopping import RunError
+
+
+class WireLog:
+    """Frames of virtual buses in simulated time, written at the end.
+
+    Args:
+        wires: by name.
+        log: the file.
+    """
+
+    def __init__(self, wires: Mapping[str, Wire], log: Path) -> None:
+        self._lines: list[str] = []
+        self._log = log
+        for name, wire in wires.items():
+            wire.attach("logger", partial(self._heard, name))
+
+    def _heard(self, name: str, stamp: float, frame: Frame) -> None:
+        self._lines.append(line(stamp, name, frame))
+
+    def watch(self, host: Host) -> None:
+        """Nothing can happen to it."""
+
+    def close(self) -> float:
+        """Writes the file; its stamps are those of the loop: 0 s apart."""
+        write_whole(self._log, "".join(self._lines))
+        return 0.0
+
+
+class ProcessLog:
+    """Frames of buses, as another process hears them.
+
+    Args:
+        config: whose buses.
+        log: the file; beside it stands ``.clock``.
+    """
+
+    def __init__(self, config: CanConfig, log: Path) -> None:
+        self._log = log
+        self._process = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
+
+    def watch(self, host: Host) -> None:
+        """Has the host stop where nothing is logged any more."""
+        host.operator.watches.append(
+            lambda: "the end of the logger" if self._process.poll() is not None else None
+        )
+
+    @property
+    def shift(self) -> float:
+        """Wall clock minus monotonic time as the log's stamps have it [s]; known once the logger is ready."""
+        return float(json.loads(self._log.with_suffix(".clock").read_text().splitlines()[0])["shift"])
+
+    def close(self) -> float:
+        """Ends the process; its stamps minus those of the loop [s].
+
+        Raises:
+            RunError: it failed.
+        """
+        said = end(self._process)
+        if self._process.returncode != 0:
+            why = said or self._process.returncode
+            raise RunError(f"{self._log}: the logger failed, and the log is not whole: {why}")
+        return self.shift

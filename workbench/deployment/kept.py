@@ -1,0 +1,89 @@
+"""What a run was asked for tick by tick, and its frames: so that a run can be held against a model."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from workbench.can import CanConfig, Wire
+from workbench.core.files import write_whole
+
+from .base import BaseMotion
+from .controller import Controller, Target
+from .frame_log import ProcessLog, WireLog
+from .joints import Joints
+
+PLAYED = ".played.npz"  #: beside a log: the references of its ticks
+_LONGEST = 600.0  # s; of twelve joints 40 MB
+
+
+class Kept:
+    """A controller that remembers what it asked for while the robot ran, from then on for ten minutes.
+
+    Args:
+        inner: decides.
+        joints: whose limits the references are held to.
+        period: of the loop [s].
+        seconds: how long it runs at most.
+    """
+
+    def __init__(self, inner: Controller, joints: Joints, period: float, seconds: float) -> None:
+        self._inner, self._joints, self._period = inner, joints, period
+        self._begun: float | None = None
+        # all of it at once: nothing is allocated in the loop
+        ticks = int(min(seconds, _LONGEST) / period) + 1
+        self._rows = np.full((2, ticks, len(joints.matrix)), np.nan)
+
+    def target(
+        self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: BaseMotion
+    ) -> Target | None:
+        """What the controller asks for."""
+        asked = self._inner.target(now, phase, position, velocity, base)
+        if phase == "run" and asked is not None and self._joints.sane(asked.reference):
+            self._begun = now if self._begun is None else self._begun
+            row = round((now - self._begun) / self._period)
+            if row < self._rows.shape[1]:
+                self._rows[:, row] = self._joints.within(asked.reference), asked.feedforward
+        return asked
+
+    def write(self, log: Path, shift: float) -> None:
+        """Writes the rows beside a log, the last one held where a tick was left out; nothing if none ran.
+
+        Args:
+            log: of the frames.
+            shift: the log's clock minus the loop's [s].
+        """
+        if self._begun is None:
+            return
+        known = np.flatnonzero(np.isfinite(self._rows[0]).all(axis=1))
+        held = known[np.searchsorted(known, np.arange(known[-1] + 1), side="right") - 1]
+        reference, feedforward = self._rows[:, held]
+        made = io.BytesIO()
+        np.savez(made, begun=self._begun + shift, reference=reference, feedforward=feedforward)
+        write_whole(log.with_suffix(PLAYED), made.getvalue())
+
+
+@contextmanager
+def logged(
+    config: CanConfig, log: Path, kept: Kept, wires: Mapping[str, Wire] | None
+) -> Iterator[WireLog | ProcessLog]:
+    """Logs the frames of a run, and at its end writes what was asked for beside them, whatever ended it.
+
+    Args:
+        config: whose buses are logged.
+        log: its frames, as candump writes them.
+        kept: the run's controller.
+        wires: virtual buses; None for those of the configuration.
+
+    Raises:
+        RunError: the logger failed.
+    """
+    frames = ProcessLog(config, log) if wires is None else WireLog(wires, log)
+    try:
+        yield frames
+    finally:
+        kept.write(log, frames.close())
