@@ -21,6 +21,7 @@ from .host import Host
 from .joints import joints_of
 from .permitted import refuse_untested
 from .player import Player
+from .ports import refuse_unheard
 from .processes import end, start
 from .simulated import SimulatedNetwork
 from .stopping import RunError, brought_down, on_hardware
@@ -98,8 +99,10 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
     Raises:
         RunError: everything damped before the end; the log is there.
         VerifyError: a drive is not what the configuration says.
+        InputError: a drive that may not stop by itself, or a bus that no other process hears.
     """
     refuse_untested(config)
+    refuse_unheard(config)
     logger = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
     player = Player(design, experiment, config.loop.period_s)
     try:
