@@ -116,6 +116,13 @@ def test_a_drive_that_is_short_of_torque_is_not_frozen() -> None:
     assert run(swing, lambda sent: (7.0, 0.0)).fault == "feedback is frozen", "it was told 6 and says 7"
 
 
+def test_a_drive_that_makes_none_of_its_torque_has_let_go() -> None:
+    hold = [(3.0, 0.0)] * 100
+    state = run(hold, lambda sent: (0.1, 0.0))
+    assert state.fault == "a drive does not follow its torque" and state.axes == (0,)
+    assert run(hold, lambda sent: (1.0, 0.0)).phase == "run", "a third of it: it is short of torque"
+
+
 def test_a_speed_that_moves_nothing_is_frozen() -> None:
     hold = [(1.0, 0.0)] * 100
     assert run(hold, lambda sent: (1.0, 0.0), (0.06, -0.05)).phase == "run", "an offset of its sensor"

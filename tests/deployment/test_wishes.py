@@ -116,8 +116,8 @@ def test_references_fade_in_from_where_the_joints_were(tmp_path: Path, soft_star
     assert wanted("arm", 0.0) == pytest.approx(start if soft_start_s else goal)
     feedback.position[:] = Q + 0.1  # it has moved since: the start stays where it was
     for part in (0.0, 0.25, 0.5, 1.0, 2.0):
-        part = min(part, 1.0) if soft_start_s else 1.0
-        assert wanted("soft_start", 10.0 - part * 0.4) == pytest.approx(start + part * (goal - start))
+        there = min(part, 1.0) if soft_start_s else 1.0
+        assert wanted("soft_start", 10.0 - part * 0.4) == pytest.approx(start + there * (goal - start))
     assert wanted("run", 9.9) == pytest.approx(goal)
 
 
