@@ -116,6 +116,17 @@ def test_a_drive_that_is_short_of_torque_is_not_frozen() -> None:
     assert run(swing, lambda sent: (7.0, 0.0)).fault == "feedback is frozen", "it was told 6 and says 7"
 
 
+@pytest.mark.parametrize(("kd", "phase"), [(5.0, "run"), (0.0, "damp")])
+def test_what_a_drive_s_own_damping_may_have_added_is_no_contradiction(kd: float, phase: str) -> None:
+    state, now = running()
+    for k in range(100):
+        now += TICK
+        wish = wanted((3.0 * np.sin(0.2 * k), 0.0), kd=(kd, kd))
+        wish.setpoints.velocity[:] = 2.0
+        state, _ = step(LIMITS, state, seen(now, torque=np.array([1.2, 0.5])), wish)
+    assert state.phase == phase
+
+
 def test_a_drive_that_makes_none_of_its_torque_has_let_go() -> None:
     hold = [(3.0, 0.0)] * 100
     state = run(hold, lambda sent: (0.1, 0.0))
