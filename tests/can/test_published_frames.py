@@ -41,6 +41,10 @@ def test_robstride_frames_as_published() -> None:
     assert got.position == pytest.approx(4 * math.pi, abs=4e-4) and got.torque == pytest.approx(-12.0)
     command = drive.command(Setpoint(4 * math.pi, -30.0, 500.0, 0.0, -12.0))
     assert command == Frame(1 << 24 | 0x7F, bytes.fromhex("ffff0000ffff0000"), True)
+    for kind in {*range(32)} - {2, 17, 21}:
+        assert drive.decode(Frame(kind << 24 | 0x7F << 8 | 0xFD, bytes(8), True)) is None
+    for kind in {*range(32)} - {1, 3, 4, 6}:  # no parameter is called 0
+        assert drive.asked(Frame(kind << 24 | head, bytes(8), True)) is None
 
 
 def test_damiao_registers_as_published() -> None:
@@ -55,6 +59,8 @@ def test_damiao_registers_as_published() -> None:
     # drive 1 is on, 57 and 61 degrees; what it says of itself when it is off has status 0
     got = drive.decode(Frame(0x11, bytes.fromhex("11ffff00000f393d")))
     assert got == Feedback(*map(pytest.approx, (12.5, -30.0, -10.0 + 15 * 20 / 4095, 61.0)), True, 0)
+    board = drive.decode(Frame(0x11, bytes.fromhex("1180008008003d39")))
+    assert isinstance(board, Feedback) and board.temperature == 61.0, "whichever is hotter"
     off = drive.decode(Frame(0x11, bytes.fromhex("0180008008003939")))
     assert isinstance(off, Feedback) and off.enabled is False and off.fault == 0
 
@@ -82,6 +88,10 @@ def test_drives_that_share_an_id_for_answers_are_told_apart_by_their_first_byte(
     said = DRIVES["damiao"].answer(Feedback(1.0, 0.0, 0.0, 30.0, True))
     register = Damiao(2, 0x11, DM4310).tell(Parameter("watchdog", 0.02))
     assert Damiao(2, 0x11, DM4310).decode(said) is None
+    for ask in (DRIVES["damiao"].read("watchdog"), DRIVES["damiao"].write(Parameter("mode", 1.0))):
+        assert Damiao(2, 0x11, DM4310).asked(ask) is None, "the registers of all are asked for on one id"
+    unknown = Frame(0x7FF, bytes([1, 0, 0x33, 99, 0, 0, 0, 0]))
+    assert DRIVES["damiao"].asked(unknown) is None
     assert not isinstance(DRIVES["damiao"].decode(register), Parameter)
 
 
