@@ -41,6 +41,7 @@ def test_robstride_frames_as_published() -> None:
     assert got.position == pytest.approx(4 * math.pi, abs=4e-4) and got.torque == pytest.approx(-12.0)
     command = drive.command(Setpoint(4 * math.pi, -30.0, 500.0, 0.0, -12.0))
     assert command == Frame(1 << 24 | 0x7F, bytes.fromhex("ffff0000ffff0000"), True)
+    assert drive.extended and command.extended, "which counts for the load of its bus"
     for kind in {*range(32)} - {2, 17, 21}:
         assert drive.decode(Frame(kind << 24 | 0x7F << 8 | 0xFD, bytes(8), True)) is None
     for kind in {*range(32)} - {1, 3, 4, 6}:  # no parameter is called 0
