@@ -111,7 +111,14 @@ def test_ids_that_could_be_mistaken_are_refused(kind, id: int, reply: int) -> No
 
 @pytest.mark.parametrize(
     ("kind", "id", "reply"),
-    [(Mit, 0, 0x7FF), (Mit, 0xFF, 0), (Damiao, 0, 1), (Damiao, 0xF, 0x7FE), (Robstride, 0xFF, 0)],
+    [
+        (Mit, 0, 0x7FF),
+        (Mit, 0xFF, 0),
+        (Damiao, 0, 1),
+        (Damiao, 0xF, 0x7FE),
+        (Robstride, 0xFF, 0),
+        (Robstride, 0, 0xFF),
+    ],
 )
 def test_every_other_id_is_one(kind, id: int, reply: int) -> None:
     drive = kind(id, reply, AK)
