@@ -35,6 +35,8 @@ def test_robstride_frames_as_published() -> None:
     assert drive.write(Parameter("mode", 3.0)).data == bytes.fromhex("0570000002000000")
     said = drive.decode(Frame(17 << 24 | 0x7F << 8 | 0xFD, bytes.fromhex("2870000010270000"), True))
     assert said == Parameter("watchdog", pytest.approx(0.5))
+    said = drive.decode(Frame(17 << 24 | 0x7F << 8 | 0xFD, bytes.fromhex("0570000002000000"), True))
+    assert said == Parameter("mode", 3.0), "not the one that follows setpoints"
     full = bytes.fromhex("fffe8000000001f4")  # position, velocity, torque, tenths of a degree
     got = drive.decode(Frame(2 << 24 | (2 << 14 | 0x7F) << 8 | 0xFD, full, True))
     assert isinstance(got, Feedback) and got.enabled and got.temperature == pytest.approx(50.0)
