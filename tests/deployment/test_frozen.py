@@ -137,6 +137,26 @@ def test_how_long_a_drive_may_make_nothing_of_its_torque() -> None:
         assert run([(3.0, 0.0)] * ticks, lambda sent: (0.1, 0.0)).fault == fault
 
 
+@pytest.mark.parametrize(
+    ("torque", "kd", "said", "phase"),
+    [
+        (1.5, 5.0, 0.0, "run"),  # told -1 to 4 N m, by what its own damping makes of 0.5 rad/s
+        (-1.5, 5.0, 0.0, "run"),
+        (3.0, 4.0, 0.3, "run"),  # told 1 to 5 N m: 0.3 is more than a quarter of the least
+        (3.0, 4.0, 0.2, "damp"),
+        (-3.0, 4.0, -0.2, "damp"),
+    ],
+)
+def test_let_go_is_only_who_makes_less_than_it_was_surely_told(torque, kd, said, phase) -> None:
+    state, now = running()
+    for _ in range(100):
+        now += TICK
+        wish = wanted((torque, -1.0), kd=(kd, 0.0))
+        wish.setpoints.velocity[:] = 0.5
+        state, _ = step(LIMITS, state, seen(now, torque=np.array([said, np.nan])), wish)
+    assert state.phase == phase
+
+
 def test_more_than_a_quarter_of_its_limit_a_drive_need_not_make() -> None:
     swing = [(3.9 + 0.7 * np.sin(0.2 * k), 0.0) for k in range(200)]
     assert run(swing, lambda sent: (3.0, 0.0)).fault is None, "its most, while it is told more"
