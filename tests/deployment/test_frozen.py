@@ -106,6 +106,9 @@ def run(torques, reported, velocity=(0.0, 0.0)):
 def test_at_a_hard_stop_a_drive_that_follows_is_fine_and_one_that_does_not_is_frozen() -> None:
     swing = [(3.0 * np.sin(0.2 * k), 0.0) for k in range(200)]
     assert run(swing, lambda sent: sent[-2]).phase == "run"
+    assert run(swing, lambda sent: (0.0, 0.0)).fault == "feedback is frozen"
+    slow = run(swing, lambda sent: sent[-2 - len(sent) % 4])
+    assert slow.phase == "run", "the same words for 12 ms are no fault, whatever it was told since"
     state = run(swing, lambda sent: (0.7, 0.0))
     assert state.fault == "feedback is frozen" and state.axes == (0,)
 
@@ -114,6 +117,69 @@ def test_a_drive_that_is_short_of_torque_is_not_frozen() -> None:
     swing = [(8.0 + 1.9 * np.sin(0.2 * k), 0.0) for k in range(200)]
     assert run(swing, lambda sent: (5.0, 0.0)).phase == "run", "it makes 5 N m while it is told 6 to 10"
     assert run(swing, lambda sent: (7.0, 0.0)).fault == "feedback is frozen", "it was told 6 and says 7"
+
+
+@pytest.mark.parametrize(
+    ("ticks", "velocity", "fault"),
+    [
+        (17, 0.5, "feedback is frozen"),  # 48 ms of 0.5 rad/s are 24 mrad
+        (12, 0.5, None),  # 17 mrad, and an encoder may have that play
+        (300, 0.09, None),  # 80 mrad, but a speed may be off by that at rest
+        (70, 0.12, "feedback is frozen"),
+    ],
+)
+def test_how_far_a_speed_must_have_moved_the_axis(ticks: int, velocity: float, fault: str | None) -> None:
+    assert run([(1.0, 0.0)] * ticks, lambda sent: (1.0, 0.0), (velocity, 0.0)).fault == fault
+
+
+def test_how_long_a_drive_may_make_nothing_of_its_torque() -> None:
+    for ticks, fault in ((30, None), (40, "a drive does not follow its torque")):
+        assert run([(3.0, 0.0)] * ticks, lambda sent: (0.1, 0.0)).fault == fault
+
+
+@pytest.mark.parametrize(
+    ("torque", "kd", "said", "phase"),
+    [
+        (1.5, 5.0, 0.0, "run"),  # told -1 to 4 N m, by what its own damping makes of 0.5 rad/s
+        (-1.5, 5.0, 0.0, "run"),
+        (3.0, 4.0, 0.3, "run"),  # told 1 to 5 N m: 0.3 is more than a quarter of the least
+        (3.0, 4.0, 0.2, "damp"),
+        (-3.0, 4.0, -0.2, "damp"),
+    ],
+)
+def test_let_go_is_only_who_makes_less_than_it_was_surely_told(torque, kd, said, phase) -> None:
+    state, now = running()
+    for _ in range(100):
+        now += TICK
+        wish = wanted((torque, -1.0), kd=(kd, 0.0))
+        wish.setpoints.velocity[:] = 0.5
+        state, _ = step(LIMITS, state, seen(now, torque=np.array([said, np.nan])), wish)
+    assert state.phase == phase
+
+
+def test_more_than_a_quarter_of_its_limit_a_drive_need_not_make() -> None:
+    swing = [(3.9 + 0.7 * np.sin(0.2 * k), 0.0) for k in range(200)]
+    assert run(swing, lambda sent: (3.0, 0.0)).fault is None, "its most, while it is told more"
+    low = [(1.0 + 0.7 * np.sin(0.2 * k), 0.0) for k in range(200)]
+    assert run(low, lambda sent: (1.0, 0.0)).fault == "feedback is frozen"
+
+
+@pytest.mark.parametrize(("kd", "phase"), [(5.0, "run"), (0.0, "damp")])
+def test_what_a_drive_s_own_damping_may_have_added_is_no_contradiction(kd: float, phase: str) -> None:
+    state, now = running()
+    for k in range(100):
+        now += TICK
+        wish = wanted((3.0 * np.sin(0.2 * k), 0.0), kd=(kd, kd))
+        wish.setpoints.velocity[:] = 2.0
+        state, _ = step(LIMITS, state, seen(now, torque=np.array([1.2, 0.5])), wish)
+    assert state.phase == phase
+
+
+def test_a_drive_that_makes_none_of_its_torque_has_let_go() -> None:
+    hold = [(3.0, 0.0)] * 100
+    state = run(hold, lambda sent: (0.1, 0.0))
+    assert state.fault == "a drive does not follow its torque" and state.axes == (0,)
+    assert run(hold, lambda sent: (1.0, 0.0)).phase == "run", "a third of it: it is short of torque"
 
 
 def test_a_speed_that_moves_nothing_is_frozen() -> None:
@@ -137,7 +203,7 @@ def test_drives_that_report_no_torque_are_not_judged() -> None:
 
 def test_an_inertial_unit_that_repeats_itself_while_joints_move() -> None:
     state, now = running()
-    for same, velocity, phase in ((0.5, 0.1, "run"), (0.09, 3.0, "run"), (0.11, 3.0, "damp")):
+    for same, velocity, phase in ((0.5, 0.45, "run"), (0.09, 3.0, "run"), (0.11, 0.6, "damp")):
         now += TICK
         state, _ = step(
             LIMITS, state, seen(now, base_same=same, velocity=np.array([0.0, velocity])), wanted()

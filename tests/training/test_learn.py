@@ -17,7 +17,8 @@ from workbench.models import load_mjcf
 from workbench.training.checkpoint import load
 from workbench.training.curve import read_curve
 from workbench.training.export import export
-from workbench.training.learn import CHECKPOINT, CONFIG, MODEL, learn
+from workbench.training.folder import CHECKPOINT, CONFIG, MODEL
+from workbench.training.learn import learn
 from workbench.training.machine import make_machine
 from workbench.training.settings import Settings
 from workbench.training.tasks import TASKS

@@ -31,7 +31,7 @@ def export(
         raise InputError("no output file", remedy="say where the bundle goes: -o reach.zip")
     try:
         from workbench.training.export import export as write
-        from workbench.training.learn import CHECKPOINT, CONFIG
+        from workbench.training.folder import CHECKPOINT, CONFIG
     except ImportError as error:
         raise InputError(
             f"export needs {error.name}",

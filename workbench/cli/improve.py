@@ -71,14 +71,14 @@ def improve(
             loaded, data.training, data.held_out, seed=seed, nearest=nearest, progress=staged(tell)
         )
     written, refused = None, None
-    if into is None:
-        write_model(better, output, force=force)
-    else:
-        try:
+    try:
+        if into is None:
+            write_model(better, output, force=force)
+        else:
             written = Into.of(loaded, better, into, output)
             written.write(force=force)
-        except WorkbenchError as error:  # what was found in minutes is still told
-            refused = error
+    except WorkbenchError as error:  # what was found in minutes is still told
+        refused = error
     notes = [*result.notes, *data.notes, *(written.notes if written else ())]
     result = replace(result, used=data.share, notes=tuple(notes))
     deliver(

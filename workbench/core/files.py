@@ -48,7 +48,7 @@ def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list
     for target in targets:
         check_free(target, force=force)
     folder = targets[0].parent
-    with _uninterrupted():
+    with _uninterrupted(), saying(targets[0]):
         stage: Path | None = None
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -59,13 +59,23 @@ def write_all(files: Mapping[Path, str | bytes], *, force: bool = False) -> list
                 os.replace(staged[0], targets[0])
             else:
                 place(stage, [target.name for target in targets])
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise InputError(f"cannot write: {reason}", file=targets[0]) from error
         finally:
             if stage is not None:
                 shutil.rmtree(stage, ignore_errors=True)
     return targets
+
+
+@contextmanager
+def saying(file: str | Path) -> Iterator[None]:
+    """What the disk refuses in here is told of this file.
+
+    Raises:
+        InputError: in place of an `OSError`.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"cannot write: {error.strerror or error}", file=file) from error
 
 
 def _written(path: Path, data: str | bytes) -> Path:

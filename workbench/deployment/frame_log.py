@@ -13,6 +13,7 @@ from workbench.can.candump import line
 from workbench.core.files import write_whole
 
 from .host import Host
+from .ports import refuse_unheard
 from .processes import end, start
 from .stopping import RunError
 
@@ -49,9 +50,13 @@ class ProcessLog:
     Args:
         config: whose buses.
         log: the file; beside it stands ``.clock``.
+
+    Raises:
+        InputError: a bus that no other process can hear.
     """
 
     def __init__(self, config: CanConfig, log: Path) -> None:
+        refuse_unheard(config)
         self._log = log
         self._process = start("can", "log", str(config.source), "-o", str(log), "--parent", str(os.getpid()))
 

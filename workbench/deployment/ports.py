@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import select
 import time
+from collections import deque
 
 import can
 
@@ -16,6 +17,9 @@ from .network import Arrival
 
 _BUS_OFF = 0x40  # class of a SocketCAN error frame
 _LATE = 1.0  # a stamp further back than this is from another clock [s]
+_OWN = 256  # frames of ours that may be on their way back, where an interface does not tell them
+#: A process that only listens hears there what another one of the same computer sends.
+_SHARED = ("workbench", "socketcan", "udp_multicast")
 
 
 class PortNetwork:
@@ -23,7 +27,8 @@ class PortNetwork:
 
     Args:
         config: the buses.
-        echo: own frames come back when they are complete on the wire.
+        echo: own frames come back when they are complete on the wire, where the interface can; where it
+            brings them back as if they were another's (udp_multicast), they are told by their content.
 
     Raises:
         InputError: a bus cannot be opened.
@@ -33,10 +38,13 @@ class PortNetwork:
         self._buses: dict[str, can.BusABC] = {}
         self._off: set[str] = set()
         self._refused: dict[str, int] = {}
+        self._own: dict[str, deque[Frame]] = {}
         self._clock = config.clock
         try:
             for bus in config.bus:
-                self._buses[bus.name] = open_bus(bus, config, echo)
+                self._buses[bus.name], told = open_bus(bus, config, echo)
+                if echo and not told:
+                    self._own[bus.name] = deque(maxlen=_OWN)
         except InputError:
             self.close()
             raise
@@ -61,6 +69,8 @@ class PortNetwork:
             self._buses[bus].send(message, timeout=0.0)
         except (can.CanError, OSError):
             return False
+        if bus in self._own:
+            self._own[bus].append(frame)
         return True
 
     def receive(self, until: float) -> list[Arrival]:
@@ -131,7 +141,17 @@ class PortNetwork:
             if message.is_remote_frame or message.is_fd:
                 continue
             frame = Frame(message.arbitration_id, bytes(message.data), message.is_extended_id)
-            arrivals.append(Arrival(name, self._stamp(port, message), frame, not message.is_rx))
+            sent = not message.is_rx or self._came_back(name, frame)
+            arrivals.append(Arrival(name, self._stamp(port, message), frame, sent))
+
+    def _came_back(self, name: str, frame: Frame) -> bool:
+        """Whether a frame is one of ours, on a bus that does not say so; they come back in their order."""
+        own = self._own.get(name)
+        if not own or frame not in own:
+            return False
+        while own.popleft() != frame:
+            pass
+        return True
 
     def _stamp(self, port: can.BusABC, message: can.Message) -> float:
         if isinstance(port, WorkbenchBus):
@@ -154,27 +174,50 @@ def monotonic_stamp(timestamp: float, wall: float, monotonic: float) -> float:
     return monotonic - age if 0.0 <= age <= _LATE else monotonic
 
 
-def open_bus(bus: BusTable, config: CanConfig, echo: bool = True) -> can.BusABC:
-    """A bus as configured.
+def open_bus(bus: BusTable, config: CanConfig, echo: bool = True) -> tuple[can.BusABC, bool]:
+    """A bus as configured, and whether it tells own frames from others': some cannot be asked to.
 
     Raises:
         InputError: it cannot be opened.
     """
     where = {"file": config.source, "column": f"bus.{bus.name}"}
-    try:
-        if bus.interface == "workbench":  # also where the package's entry points are not installed
-            return WorkbenchBus(
-                bus.channel, receive_own_messages=echo, time_scale=config.bench.time_scale, **bus.options
-            )
+
+    def opened(echo: bool) -> can.BusABC:
         return can.Bus(
             interface=bus.interface, channel=bus.channel, bitrate=bus.bitrate, receive_own_messages=echo,
             **bus.options,
         )  # fmt: skip
+
+    try:
+        if bus.interface == "workbench":  # also where the package's entry points are not installed
+            port = WorkbenchBus(
+                bus.channel, receive_own_messages=echo, time_scale=config.bench.time_scale, **bus.options
+            )
+            return port, echo
+        try:
+            return opened(echo), echo
+        except NotImplementedError:  # no such interface, or one without echo
+            return opened(False), False
     except (can.CanError, OSError, ValueError, ImportError, NotImplementedError) as error:
         remedy = (
             "start it with 'workbench can virtual'" if bus.interface == "workbench" else "check interface"
         )
         raise InputError(f"cannot be opened: {error}", **where, remedy=remedy) from error
+
+
+def refuse_unheard(config: CanConfig) -> None:
+    """Refuses buses of which another process hears nothing, as the logger of an experiment has to.
+
+    Raises:
+        InputError: such a bus.
+    """
+    for bus in config.bus:
+        if bus.interface not in _SHARED:
+            raise InputError(
+                f"{bus.interface} serves one process at a time, and the frames are logged by another",
+                file=config.source, column=f"bus.{bus.name}.interface",
+                remedy="use the adapter by its SocketCAN driver (slcand makes one of a serial adapter)",
+            )  # fmt: skip
 
 
 def _fileno(bus: can.BusABC) -> int | None:

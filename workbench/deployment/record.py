@@ -93,6 +93,7 @@ def record_live(config: CanConfig, design: Design, experiment: int, log: Path) -
     Raises:
         RunError: everything damped before the end; the log is there.
         VerifyError: a drive is not what the configuration says.
+        InputError: a drive that may not stop by itself, or a bus that no other process hears.
     """
     refuse_untested(config)
     frames = ProcessLog(config, log)

@@ -10,7 +10,7 @@ from typing import Any
 
 import torch
 
-from workbench.core.files import write_whole
+from workbench.core.files import saying, write_whole
 
 from .situation import POLICY_S
 
@@ -84,14 +84,18 @@ class Curve:
             folder / FILE,
             [row for row in read_curve(folder) if row["iteration"] <= done],
         )
-        self._board = SummaryWriter(str(folder / "tensorboard"), purge_step=done + 1 if done else None)
+        self._events = folder / "tensorboard"
+        with saying(self._events):
+            self._board = SummaryWriter(str(self._events), purge_step=done + 1 if done else None)
 
     def add(self, iteration: int, values: Mapping[str, float]) -> None:
         """A row; it is in the CSV file after the next `flush`."""
         self._rows.append({"iteration": float(iteration), **values})
-        for name, value in values.items():
-            group, _, rest = name.partition("_")
-            self._board.add_scalar(f"{group}/{rest}" if group in ("term", "loss") else name, value, iteration)
+        with saying(self._events):
+            for name, value in values.items():
+                group, _, rest = name.partition("_")
+                named = f"{group}/{rest}" if group in ("term", "loss") else name
+                self._board.add_scalar(named, value, iteration)
 
     def flush(self) -> None:
         """Write the CSV file anew, whole."""
@@ -100,7 +104,8 @@ class Curve:
         writer.writeheader()
         writer.writerows({k: f"{v:.6g}" for k, v in row.items()} for row in self._rows)
         write_whole(self._file, stream.getvalue(), force=True)
-        self._board.flush()
+        with saying(self._events):
+            self._board.flush()
 
 
 def read_curve(folder: Path) -> list[dict[str, float]]:

@@ -11,7 +11,7 @@ import numpy as np
 from workbench.bundle import write_bundle
 from workbench.core import InputError, SimulationError
 
-from .learn import CHECKPOINT, CONFIG, MJCF, MODEL
+from .folder import CHECKPOINT, CONFIG, MJCF, MODEL
 
 _EPS = 1e-2  # rsl_rl's EmpiricalNormalization adds it to the deviation
 _SAME = 1e-6  # ONNX against torch, relative to an action of 1 and above

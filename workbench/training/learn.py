@@ -2,36 +2,31 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
-import shutil
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import torch
 from tensordict import TensorDict
 
-from workbench.core import InputError, SimulationError
-from workbench.core.files import write_whole
-from workbench.models import Model, write_model
+from workbench.core import SimulationError
 
 from .checkpoint import load, save
 from .curve import Curve, Tally
 from .environment import Environment
+from .folder import CHECKPOINT, open_folder
 from .machine import Machine
 from .ppo import Side, make_ppo
 from .randomisation import world_fields
 from .settings import Settings, resolved
 from .situation import POLICY_S
-from .task_file import TASK_FILE
 from .tasks import Task
 from .worlds import BatchWorlds, Worlds
 
-CONFIG, CHECKPOINT, MJCF, MODEL = "config.json", "checkpoint.pt", "machine.xml", "model"
 _JUDGED, _SHORTEST = 5, 4.0  # iterations; policy steps of an episode that no policy can do anything about
 
 
@@ -107,9 +102,7 @@ def learn(
     seed = settings.seed + 1000 * rank
     config = resolved(task, machine, settings, {**(extra or {}), "processes": ranks})
     if rank == 0:
-        _open_folder(folder, config, machine, resume, force)
-        if task.source is not None:
-            write_whole(folder / MODEL / TASK_FILE, task.source, force=True)
+        open_folder(folder, config, task, machine, resume=resume, force=force)
     torch.manual_seed(seed)
     worlds = make_worlds(machine, settings, seed)
     environment = Environment(task, machine, worlds, settings.worlds, settings.randomisation, seed)
@@ -184,9 +177,9 @@ def learn(
                 )
             )
         if done % settings.save_every == 0 or done == settings.iterations:
-            keep(done)
-            if curve is not None:
+            if curve is not None:  # first: a row too many is dropped by who goes on, one too few is lost
                 curve.flush()
+            keep(done)
     if ranks > 1:
         torch.distributed.destroy_process_group()
     ppo.eval_mode()
@@ -222,55 +215,3 @@ def _join(device: str, rank: int, ranks: int) -> str:
     backend = "nccl" if device.startswith("cuda") else "gloo"
     torch.distributed.init_process_group(backend, rank=rank, world_size=ranks)
     return device
-
-
-def _open_folder(folder: Path, config: dict[str, Any], machine: Machine, resume: bool, force: bool) -> None:
-    """Write what the run is; a run is gone on with only with the same, and is lost only by force."""
-    file = folder / CONFIG
-    if resume:
-        try:
-            before = json.loads(file.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise InputError("no run to go on with", file=file, remedy="name the folder of a run") from error
-        for key in ("task", "variant", "model", "processes"):
-            if before.get(key) != config[key]:
-                raise InputError(
-                    f"the run has another {key}",
-                    file=file,
-                    column=key,
-                    remedy="resume with what it began with",
-                )
-        old, new = before.get("settings", {}), config["settings"]
-        for key in ("worlds", "seed", "learning", "randomisation"):
-            if old.get(key) != json.loads(json.dumps(new[key])):
-                raise InputError(
-                    f"the run began with {key} = {old.get(key)}", file=file, column=key,
-                    remedy="resume with the same",
-                )  # fmt: skip
-    elif force:
-        (folder / CHECKPOINT).unlink(missing_ok=True)  # or --resume would go on with it
-    elif (folder / CHECKPOINT).exists():  # a run that ended before its first one begins anew
-        raise InputError(
-            "the folder holds a run",
-            file=folder,
-            remedy="choose another, go on with --resume, or begin anew with --force",
-        )
-    write_whole(file, json.dumps(config, indent=1) + "\n", force=True)
-    write_whole(folder / MJCF, machine.xml, force=True)
-    _copy_model(machine.model, folder / MODEL)
-
-
-def _copy_model(model: Model, folder: Path) -> None:
-    """The leg's model as a file, with the files that it names, and those that they name."""
-    copied: dict[Path, Path] = {}
-    for path in replace(model, source=None).files:  # its own is written anew
-        copied[path] = folder / model.place(path)
-        copied[path].parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path, copied[path])
-    chain = model.closed_chain
-    own = replace(
-        model,
-        serial=copied[model.serial].resolve(),
-        closed_chain=chain and replace(chain, file=copied[chain.file].resolve()),
-    )
-    write_model(own, folder / "model.toml", force=True)

@@ -34,7 +34,7 @@ def run(folder: Path) -> None:
     from workbench.effects import load_model
     from workbench.training.checkpoint import save
     from workbench.training.export import export
-    from workbench.training.learn import CHECKPOINT, CONFIG, MJCF, MODEL, _copy_model
+    from workbench.training.folder import CHECKPOINT, CONFIG, MJCF, MODEL, copy_model
     from workbench.training.machine import make_machine
     from workbench.training.settings import Settings, resolved
     from workbench.training.tasks import TASKS
@@ -52,7 +52,7 @@ def run(folder: Path) -> None:
     (own / MODEL).mkdir(parents=True)
     (own / CONFIG).write_text(json.dumps(config))
     (own / MJCF).write_text(machine.xml)
-    _copy_model(machine.model, own / MODEL)
+    copy_model(machine.model, own / MODEL)
     save(own / CHECKPOINT, {"iteration": 2, "seconds": 1.0, "learner": {"actor_state_dict": state}})
     export(own, folder / "reach.zip")
     record = {
