@@ -50,14 +50,14 @@ def test_rows_for_what_may_change_and_names_for_the_rest() -> None:
         line("pair", Change("at_noise", high)),
         line("clean", Change("most_effects", more), work=1.5e6),
     ]
-    text = table(marks, ["most_effects", "at_noise", "tie", "simpler_loss"])
+    text = table(marks, ["most_effects", "at_noise", "tie", "shrunk"])
     assert text.index("| at_noise | 2 | 2/1 | 0/0 | 1/1 | 1 worse | 2.00/1.00 |") < text.index(
         "| most_effects | 2 | 0/0 | 0/1 | 0/1 | same | /1.50 |"
     )
     assert f"- at_noise {low:g}, clean, worse: verdict consistent -> unexplained" in text
     assert "Decide nothing in 2 cases: tie." in text
     assert "always with the same outcome (2 cases): tie." in text
-    assert "Never read there: simpler_loss." in text
+    assert "Never read there: shrunk." in text
     assert few < more
 
 

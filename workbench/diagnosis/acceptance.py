@@ -125,8 +125,16 @@ def at_noise_floor(found: Fit, data: Data, times: float | None = None) -> bool:
 
 
 def improves(found: Fit, current: Fit, excess: float) -> bool:
-    """Whether a fit is better by enough on what it was not fitted on."""
-    return current.test_loss - found.test_loss > POLICY.effect_gain * excess
+    """Whether a fit is better on what it was not fitted on, by enough and on most folds."""
+    # a recording that does not show the effect says neither yes nor no
+    shown = np.abs(current.fold_losses - found.fold_losses) > POLICY.recording_shows * np.mean(
+        current.fold_losses
+    )
+    better = found.fold_losses < current.fold_losses
+    agree = np.mean(better[shown]) if shown.any() else np.mean(better)
+    return bool(
+        current.test_loss - found.test_loss > POLICY.effect_gain * excess and agree > POLICY.fold_majority
+    )
 
 
 def explains_training(found: Fit, current: Fit, excess: float) -> bool:

@@ -31,23 +31,27 @@ class Policy:
     holdout_insensitive: float = 1.5  # fitted over held-out error, each / noise, so that folds judge; rarer
     holdout_unchanged: float = 0.02  # relative change of held-out rms error that is none; folds judge more
     holdout_contradicts: float = 3.0  # held-out error / noise that refutes a model; fewer models are refuted
+    recording_shows: float = 0.02  # change of a fold's error over the mean, for a vote; fewer folds vote
     period_smooth: float = 0.9  # correlation from row to row of what moves; fewer motions are seen to repeat
     period_left: float = 0.5  # distance² (1: random instants) that has left a place; longer periods
     period_back: float = 0.01  # distance² that has come back to it; more motions are seen to repeat
 
     # Accepting an effect, and dropping it again
     effect_gain: float = 0.05  # share that an effect removes on test data; small true effects are missed
+    fold_majority: float = 0.5  # share of the voting folds that are better with it; fewer effects
     later_gain: float = 0.25  # as effect_gain, for effects after the first, and refinements; fewer of them
     later_fall: float = 0.10  # share of the whole rms error that a later effect removes; fewer of them
     later_tolerance: float = 0.02  # share of the first error that weighs as noise there; fewer of them
     plain_rest_left: float = 0.15  # share that a later effect may leave of a small plain rest; more of them
     most_of_excess: float = 0.75  # share that is "most": of bold steps, pairs, sets; fewer of them
     exchange_left: float = 0.5  # share that another cause may leave, to take the place of one; more exchanges
+    cancelling: float = 5.0  # torques of effects one by one, over their sum; they may undo each other
     significant: float = 3.0  # deviations by which sizes or responses differ for certain; fewer names
     drop_ties: float = 0.3  # of a tie, that dropping a needless effect may lose; more are dropped
     drop_in_noise: float = 1.05  # test error / noise up to which dropping may lose more; more are dropped
     simpler_loss: float = 0.1  # relative loss that leaving out what may be nothing may make; simpler models
     simpler_unseen: float = 5e-4  # share of its gain that a simpler form may lose (2 % in size); simpler
+    shrunk: float = 0.2  # size of a cause over that when it was taken; more stand-ins are left out
 
     # Ties and rivals
     tie: float = 0.03  # relative difference of errors that is none; simpler models, more rivals told

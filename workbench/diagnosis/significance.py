@@ -11,7 +11,7 @@ from workbench.models import AppliedEffect, Model, Placement
 
 from .hypothesis import Fit
 from .policy import POLICY
-from .screening.sensitivity import Linearisation
+from .screening.sensitivity import Linearisation, SensitivityColumn, combine
 
 INTERVAL = 1.96  #: deviations of the 95 % interval that is reported
 
@@ -77,3 +77,15 @@ def sizes_of(applied: AppliedEffect) -> Sequence[Parameter]:
     turns = [p.name for p in there if p.upper - p.lower <= 2.0 * np.pi and p.unit == "rad"]
     sizes = [p for p in there if p.name not in (*effect.parameters.nonlinear, *turns)]
     return sizes or there
+
+
+def cancel_each_other(linearisation: Linearisation, found: Fit) -> bool:
+    """Whether effects mostly cancel each other: two smooth curves that imitate a third, not two causes."""
+    totals = [linearisation.total(a, a.values) for a in found.hypothesis.free]
+    if len(totals) < 2:
+        return False
+
+    def size(column: SensitivityColumn) -> float:
+        return float(np.sqrt(sum(np.sum(t**2) for t in column.torque)))
+
+    return sum(map(size, totals)) > POLICY.cancelling * size(combine(totals, [1.0] * len(totals)))

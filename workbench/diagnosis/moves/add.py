@@ -30,7 +30,7 @@ from ..screening.command_path import off_command_path
 from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
-from ..significance import identifiable
+from ..significance import cancel_each_other, identifiable
 from .choice import Explanation, choose, loss_ratios
 from .trial_fits import SearchState, try_in_order
 
@@ -128,7 +128,8 @@ def next_step(
         for c, f in tried
         if enough(f, current, at.excess) and lowers_error(f, current, data) and identifiable(linearisation, f)
     ]
-    return _step(helpful, tried, at, basics_first) if helpful else None
+    step = _step(helpful, tried, at, basics_first) if helpful else None
+    return None if step is None or cancel_each_other(linearisation, step.fit) else step
 
 
 def _step(

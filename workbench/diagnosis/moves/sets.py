@@ -12,7 +12,7 @@ from ..hypothesis import Fit
 from ..screening.candidate import Candidate
 from ..screening.equations import Entry, Equations, bounds_of
 from ..screening.sensitivity import Linearisation
-from ..significance import identifiable
+from ..significance import cancel_each_other, identifiable
 
 
 def solved_together(
@@ -26,9 +26,10 @@ def solved_together(
 
 
 def is_sound(found: Fit, linearisation: Linearisation, data: Data, start: Fit) -> bool:
-    """Whether effects explain most, each of them is identifiable, and none undoes the holdout."""
+    """Whether effects explain most, each of them is identifiable, and none undoes another or the holdout."""
     return (
         explains_most(found, start, data)
         and identifiable(linearisation, found)
+        and not cancel_each_other(linearisation, found)
         and not degrades_holdout(found, start, data)
     )

@@ -8,6 +8,7 @@ from itertools import combinations
 
 from workbench.core import EffectKey
 from workbench.effects import contains, effect_named
+from workbench.models import AppliedEffect
 
 from ..data import Data
 from ..fitting.fit import fit
@@ -22,7 +23,7 @@ from ..screening.candidate import Candidate
 from ..screening.screen import screen
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep
-from ..significance import is_significant
+from ..significance import is_significant, sizes_of
 from .shared_effects import needed
 
 
@@ -100,19 +101,38 @@ def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) ->
 
 
 def without(step: AcceptedStep, current: Fit, data: Data) -> Fit | None:
-    """The fit without an effect that became insignificant; None where it is needed."""
+    """The fit without an effect that became insignificant, or small and useless; None where it is needed.
+
+    An effect that shrank when another was added had mostly stood for that one; its small remainder absorbs
+    the model error of the later effect.
+    """
     applied = next((a for a in current.hypothesis.free if a.key == step.added), None)
-    if applied is None or is_significant(applied):
+    if applied is None:
+        return None
+    if not is_significant(applied):
+        most = 1.0 + POLICY.simpler_loss
+    elif _shrunk(step, applied):
+        most = 1.0 + POLICY.tie
+    else:
         return None
     (rest,) = fit([current.hypothesis.without(step.added)], data)
     if rest is None:
         return None
     rest = converged(rest, data)
-    most = 1.0 + POLICY.simpler_loss
     return (
         rest
         if rest.test_loss < most * current.test_loss and rest.training_loss < most * current.training_loss
         else None
+    )
+
+
+def _shrunk(step: AcceptedStep, applied: AppliedEffect) -> bool:
+    """Whether an effect is much smaller now than in the step that added it."""
+    taken = next((a for a in step.fit.hypothesis.free if a.key == step.added), applied)
+    sizes = sizes_of(applied)
+    return all(
+        abs(applied.values[p.name] - p.neutral) < POLICY.shrunk * abs(taken.values[p.name] - p.neutral)
+        for p in sizes
     )
 
 
