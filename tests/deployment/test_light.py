@@ -55,19 +55,25 @@ print(time.process_time() - begin)
     assert float(done.stdout) < 1.0
 
 
-def leg(folder: Path, **more: object) -> Path:
+STATED = {"axes": ["hip", "knee"], "transmission": [[1.0, 0.0], [1.0, 1.0]],
+          "limits": [[-1.6, 1.6], [0.35, 2.6]]}  # fmt: skip
+MODEL = {"axes": ["hip", "knee"], "model": "leg"}
+
+
+def leg(folder: Path, mechanism: dict = STATED, **more: object) -> Path:
     motors = [motor(axis, k + 1, limits=LIMITS, ranges=RANGES) for k, axis in enumerate(("hip", "knee"))]
-    stated = {"axes": ["hip", "knee"], "transmission": [[1.0, 0.0], [1.0, 1.0]],
-              "limits": [[-1.6, 1.6], [0.35, 2.6]]}  # fmt: skip
-    content = table(motors, mechanism=[stated], loop={"soft_start_s": 0.1}, **more)
+    content = table(motors, mechanism=[mechanism], loop={"soft_start_s": 0.1}, **more)
     content["bus"][0]["channel"] = str(folder / "can0")
     return written(folder, content)
 
 
 def test_the_program_runs_there(tmp_path: Path) -> None:
-    path, out = leg(tmp_path, bench={"time_scale": 8.0}), tmp_path / "run.json"
+    slow, out = {"time_scale": 8.0}, tmp_path / "run.json"
+    # the robot knows its transmission, the desk its model; both are on the same bus
+    desk = leg(tmp_path, MODEL, bench=slow).rename(tmp_path / "desk.toml")
+    path = leg(tmp_path, bench=slow)
     code = "from workbench.cli.app import run; run()"
-    with virtual_hardware(path):
+    with virtual_hardware(desk):
         done = light(code, "deploy", "tracker", str(path), "--yes", "--seconds", "1", "--json", str(out))
     said = json.loads(out.read_text())
     assert done.returncode == (1 if said["fault"] else 0), done.stderr

@@ -68,7 +68,8 @@ def _where_it_may_rest(
     clear = resting.squares - moving.squares > (_CHANCE * level) ** 2
     if (clear & (np.abs(moving.start[1]) > tick * np.abs(moving.bend))).any():
         return moving.start, doubt
-    return np.stack([resting.start[0], np.zeros_like(noise)]), doubt
+    # at rest the first row says as much, and no polynomial bends it
+    return np.stack([q[0], np.zeros_like(noise)]), doubt
 
 
 @dataclass(frozen=True)
