@@ -14,6 +14,7 @@ _NONE = 1e-12  # rad or m: less noise than any
 _CLEARLY = 6.0  # times its noise: what is elsewhere
 _CHANCE = 3.0  # deviations of a rate that are none
 _FEWEST, _MOST = 2, 4  # degrees of polynomials through a few rows
+_LATE = 2.0  # ticks after which a loop at rest may begin to move what it drives
 _AS_NOISE = 1.5  # times the noise, that few rows scatter by
 
 
@@ -55,8 +56,8 @@ def _where_it_may_rest(
     """Position and rate at the first row and how far off they may be, (2, n) each.
 
     The rate is none wherever that does as well: one of its own is known to its noise only. So it is where it
-    is no more than what a loop that begins a `tick` [s] late would make it seem. Where motion is no
-    polynomial, rows are too far apart to tell a rate.
+    is no more than what a loop that begins late makes it seem: a `tick` [s] to compute, and one of delay.
+    Where motion is no polynomial, rows are too far apart to tell a rate.
     """
     if not others:
         return np.stack([q[0], np.zeros_like(noise)]), np.stack([noise, noise])
@@ -66,7 +67,7 @@ def _where_it_may_rest(
     bent = np.abs(further.start - moving.start)
     doubt = moving.spread[:, None] * level + [level, np.zeros_like(level)] + bent
     clear = resting.squares - moving.squares > (_CHANCE * level) ** 2
-    if (clear & (np.abs(moving.start[1]) > tick * np.abs(moving.bend))).any():
+    if (clear & (np.abs(moving.start[1]) > _LATE * tick * np.abs(moving.bend))).any():
         return moving.start, doubt
     # at rest the first row says as much, and no polynomial bends it
     return np.stack([q[0], np.zeros_like(noise)]), doubt
