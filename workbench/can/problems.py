@@ -59,9 +59,8 @@ def _transmission_problems(mechanism: MechanismTable) -> Iterator[tuple[str, str
 
 
 def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str, str]]:
-    key, names, r, limits = f"motor '{motor.axis}'", [b.name for b in c.bus], motor.ranges, motor.limits
-    if motor.bus not in names:
-        yield f"{key}.bus", f"no bus is called '{motor.bus}'", f"buses: {', '.join(names)}"
+    key, r, limits = f"motor '{motor.axis}'", motor.ranges, motor.limits
+    yield from _unknown_bus(c, f"{key}.bus", motor.bus)
     if motor.reads_ranges and motor.protocol != "damiao":
         remedy = "give position, velocity, torque, and who says so"
         yield f"{key}.ranges.source", f"{motor.protocol} drives do not tell their ranges", remedy
@@ -134,9 +133,7 @@ def _id_problems(motors: list[MotorTable]) -> Iterator[tuple[str, str, str]]:
 def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     if c.imu is None:
         return
-    names = [bus.name for bus in c.bus]
-    if c.imu.bus not in names:
-        yield "imu.bus", f"no bus is called '{c.imu.bus}'", f"buses: {', '.join(names)}"
+    yield from _unknown_bus(c, "imu.bus", c.imu.bus)
     if c.imu.protocol not in IMUS:
         yield "imu.protocol", f"no unit is called '{c.imu.protocol}'", f"known: {', '.join(IMUS)}"
         return
@@ -153,12 +150,16 @@ def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
             yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose two that are free"
 
 
+def _unknown_bus(c: CanConfig, where: str, name: str) -> Iterator[tuple[str, str, str]]:
+    names = [bus.name for bus in c.bus]
+    if name not in names:
+        yield where, f"no bus is called '{name}'", f"buses: {', '.join(names)}"
+
+
 def _stop_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     if c.stop is None:
         return
-    names = [bus.name for bus in c.bus]
-    if c.stop.bus not in names:
-        yield "stop.bus", f"no bus is called '{c.stop.bus}'", f"buses: {', '.join(names)}"
+    yield from _unknown_bus(c, "stop.bus", c.stop.bus)
     taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in (motor.id, motor.reply_id)}
     if c.imu and c.imu.bus == c.stop.bus and c.imu.protocol in IMUS:
         taken |= {c.imu.id, c.imu.id + 1}

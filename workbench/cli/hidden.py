@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from workbench.core import InputError
+from workbench.core import EffectKey, InputError
 
 from . import complete
 from .values import parse_place, parse_values
@@ -31,36 +31,33 @@ SetOption = Annotated[
 
 
 def hidden_in(hide: str | None, values: Sequence[str] | None) -> list[HiddenIn]:
-    """The same for virtual hardware of a model, which knows its own axes.
+    """The effect to hide in virtual hardware of a model, which knows its own axes, if there is one.
 
     Raises:
         InputError: parameters of no effect, or text that names none.
     """
     from workbench.rigs import HiddenIn
 
-    if values and not hide:
-        raise InputError("--set without --hide", remedy="name the effect to hide: --hide EFFECT@AXIS")
-    if not hide:
-        return []
-    key = parse_place(hide)
-    numbers = {k: v.value for k, v in parse_values(list(values or [])).items()}
-    return [HiddenIn(key.effect, key.axis, key.location, numbers)]
+    return [HiddenIn(k.effect, k.axis, k.location, p) for k, p in _asked(hide, values)]
 
 
 def hidden_effects(hide: str | None, values: Sequence[str] | None) -> list[HiddenEffect]:
-    """The effect to hide, if there is one.
+    """The effect to hide in the reference leg, if there is one.
 
     Raises:
         InputError: an unknown effect, place or parameter, or parameters of none.
     """
     from workbench.rigs import HiddenEffect
 
+    return [HiddenEffect(k.effect, k.axis, k.location, p) for k, p in _asked(hide, values)]
+
+
+def _asked(hide: str | None, values: Sequence[str] | None) -> list[tuple[EffectKey, dict[str, float]]]:
+    """What is to be hidden, and its parameters, if anything is."""
     if values and not hide:
         raise InputError(
             "--set without --hide", remedy="name the effect to hide, e.g. --hide viscous_damping@hip"
         )
     if not hide:
         return []
-    key = parse_place(hide)
-    numbers = {k: v.value for k, v in parse_values(list(values or [])).items()}
-    return [HiddenEffect(key.effect, key.axis, key.location, numbers)]
+    return [(parse_place(hide), {k: v.value for k, v in parse_values(list(values or [])).items()})]

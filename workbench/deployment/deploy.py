@@ -108,10 +108,10 @@ def deploy(
     limits, notes = permitted(
         config, bundle, dry=network is not None, unapproved=unapproved, tested=watchdogs_tested
     )
-    if bundle is not None:
-        command.asked, clipped = trained_of(bundle).clipped(command.asked)
-        notes += [clipped] if clipped else []
     bounds = None if bundle is None else trained_of(bundle)
+    if bounds is not None:
+        command.asked, clipped = bounds.clipped(command.asked)
+        notes += [clipped] if clipped else []
 
     def clip(asked: np.ndarray) -> np.ndarray:
         return np.zeros(3) if bounds is None else bounds.clipped(asked)[0]

@@ -6,7 +6,6 @@ there. An SDF joint is at zero where the MJCF's is: positions mean the same in b
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,9 +18,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from workbench.core import Coupling, InputError, SimulationError
+from workbench.core.turns import roll_pitch_yaw
 from workbench.core.xml import parse_xml
 from workbench.mechanism.parse import GRAVITY
-from workbench.models import load_with_loops
+from workbench.models import Inertial, load_with_loops
 
 from .mjcf_bonds import across_rod, coupling, ends, torque_limit
 
@@ -188,9 +188,8 @@ class _Writer:
         inertial = ElementTree.SubElement(link, "inertial")
         about, centre = 1e-3 * _NEXT_TO_NOTHING * np.eye(3), np.zeros(3)
         if mass is None and m.body_mass[body] > 0.0:
-            own = Rotation.from_quat(m.body_iquat[body], scalar_first=True).as_matrix()
-            about, centre = own @ np.diag(m.body_inertia[body]) @ own.T, m.body_ipos[body]
-            mass = float(m.body_mass[body])
+            own = Inertial.of(m, body)
+            about, centre, mass = own.tensor, own.centre, own.mass
         ElementTree.SubElement(inertial, "pose").text = _pose(centre, Rotation.identity())
         ElementTree.SubElement(inertial, "mass").text = repr(mass or _NEXT_TO_NOTHING)
         inertia = ElementTree.SubElement(inertial, "inertia")
@@ -243,7 +242,4 @@ class _Writer:
 
 
 def _pose(at: np.ndarray, turn: Rotation) -> str:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # where two angles are one, either is right
-        angles = turn.as_euler("xyz")
-    return " ".join(repr(float(x) + 0.0) for x in (*at, *angles))
+    return " ".join(repr(float(x) + 0.0) for x in (*at, *roll_pitch_yaw(turn)))

@@ -51,7 +51,7 @@ def _mujoco(xml: str) -> Fitted:
 
 def _mujoco3(xml: str) -> Fitted:
     root = _parsed(xml)
-    lost = [*_without_delay(root), *_without_yield(root), *_linear(root)]
+    lost = _cut(root)
     tendons = any(each.get("armature") for each in root.iter("fixed"))
     reads = "MuJoCo 3 that knows inertia on tendons; not run here" if tendons else "MuJoCo 3; not run here"
     advice = ("Hold each torque back by its delay in your own loop.",) if lost else ()
@@ -60,15 +60,15 @@ def _mujoco3(xml: str) -> Fitted:
 
 def _mjlab(xml: str) -> Fitted:
     root = _parsed(xml)
-    delays = {each.get("name", ""): float(each.get("delay", 0.0)) for each in root.iter("motor")}
-    delays |= {each.get("name", ""): float(each.get("delay", 0.0)) for each in root.iter("general")}
-    lost = [*_without_delay(root), *_without_yield(root), *_linear(root)]
+    motors = [*root.iter("motor"), *root.iter("general")]
+    delays = {each.get("name", ""): float(each.get("delay", 0.0)) for each in motors}
+    lost = _cut(root)
     option = root.find("option")
     for key in ("integrator", "timestep"):
         value = option.get(key) if option is not None else None
         if value:
             lost.append(f"{key} {value}: mjlab's own configuration sets it")
-    own = " and ".join(sorted({_kind(each) for each in (*root.iter("motor"), *root.iter("general"))}))
+    own = " and ".join(sorted({_kind(each) for each in motors}))
     late = sorted({delay for delay in delays.values() if delay})
     advice = [
         f"Motors act on {own}, which have J^T in them: drive torque = J^-T joint torque. In a robot:",
@@ -92,7 +92,7 @@ def _mjlab(xml: str) -> Fitted:
 
 def _newton(xml: str) -> Fitted:
     root = _parsed(xml)
-    lost = [*_without_delay(root), *_without_yield(root), *_linear(root)]
+    lost = _cut(root)
     for tendon in (each for each in root.iter("fixed") if each.get("armature")):
         lost.append(
             f"tendon {tendon.get('name')}: armature {tendon.get('armature')}, in solvers other than MuJoCo's"
@@ -123,6 +123,11 @@ def _written(root: ElementTree.Element) -> str:
 
 def _actuators(root: ElementTree.Element) -> list[ElementTree.Element]:
     return [each for holder in root.findall("actuator") for each in holder]
+
+
+def _cut(root: ElementTree.Element) -> list[str]:
+    """Takes out what no simulator but MuJoCo 4 has; what that was, in lines."""
+    return [*_without_delay(root), *_without_yield(root), *_linear(root)]
 
 
 def _without_delay(root: ElementTree.Element) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from xml.etree import ElementTree
 
 import mujoco
@@ -10,6 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from workbench.core import InputError
+from workbench.core.turns import roll_pitch_yaw
+from workbench.models import Inertial
 
 _TYPES = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}
 
@@ -59,13 +60,12 @@ def _link(robot: ElementTree.Element, m: mujoco.MjModel, b: int, name: str) -> N
     link = ElementTree.SubElement(robot, "link", name=name)
     if m.body_mass[b] <= 0.0:
         return
-    own = Rotation.from_quat(m.body_iquat[b], scalar_first=True).as_matrix()
-    about = own @ np.diag(m.body_inertia[b]) @ own.T
+    own = Inertial.of(m, b)
     inertial = ElementTree.SubElement(link, "inertial")
-    ElementTree.SubElement(inertial, "origin", xyz=_numbers(m.body_ipos[b]))
-    ElementTree.SubElement(inertial, "mass", value=repr(float(m.body_mass[b])))
+    ElementTree.SubElement(inertial, "origin", xyz=_numbers(own.centre))
+    ElementTree.SubElement(inertial, "mass", value=repr(own.mass))
     pairs = ("xx", "yy", "zz", "xy", "xz", "yz")
-    parts = {f"i{x}{y}": repr(float(about["xyz".index(x), "xyz".index(y)])) for x, y in pairs}
+    parts = {f"i{x}{y}": repr(float(own.tensor["xyz".index(x), "xyz".index(y)])) for x, y in pairs}
     ElementTree.SubElement(inertial, "inertia", parts)
 
 
@@ -129,9 +129,7 @@ def _tip(robot: ElementTree.Element, m: mujoco.MjModel, s: int, names: list[str]
 
 
 def _origin(joint: ElementTree.Element, at: np.ndarray, quat: np.ndarray) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # where two angles are one, either is right
-        turn = Rotation.from_quat(quat, scalar_first=True).as_euler("xyz")
+    turn = roll_pitch_yaw(Rotation.from_quat(quat, scalar_first=True))
     ElementTree.SubElement(joint, "origin", xyz=_numbers(at), rpy=_numbers(turn))
 
 
