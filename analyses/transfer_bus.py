@@ -6,17 +6,14 @@ import hashlib
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from workbench.bundle import PolicyBundle
-from workbench.can import CanConfig, Wire, load_config
-from workbench.can.candump import line, read_candump
-from workbench.core import Excitation, Recording
-from workbench.deployment import Controller, Host, SimulatedNetwork, Target, joints_of
+from workbench.can import CanConfig, load_config
+from workbench.core import Recording
+from workbench.deployment import Host, SimulatedNetwork, joints_of
 from workbench.deployment.deploy import controller_of
-from workbench.deployment.from_log import Played, recording
+from workbench.deployment.kept import Kept, logged
+from workbench.deployment.record import from_run
 from workbench.rigs import HiddenEffect, MotorBank
 
 _ROBOT = """
@@ -54,25 +51,6 @@ axes = ["hip", "knee"]
 """
 
 
-class Told:
-    """A controller that remembers what it asked for once the loop ran: times (N,) and joint angles (N, n)."""
-
-    def __init__(self, controller: Controller) -> None:
-        self._controller = controller
-        self.time: list[float] = []
-        self.reference: list[np.ndarray] = []
-
-    def target(
-        self, now: float, phase: str, position: np.ndarray, velocity: np.ndarray, base: Any
-    ) -> Target | None:
-        """What the controller says."""
-        asked = self._controller.target(now, phase, position, velocity, base)
-        if phase == "run" and asked is not None:
-            self.time.append(now)
-            self.reference.append(np.array(asked.reference))
-        return asked
-
-
 def deployed(
     bundle: PolicyBundle, hidden: Sequence[HiddenEffect], seconds: float, seed: int
 ) -> tuple[Recording, str | None]:
@@ -81,23 +59,18 @@ def deployed(
         config = _configuration(bundle, Path(folder))
         network, log = (
             SimulatedNetwork(config, MotorBank(config, hidden, seed=seed)),
-            Path(folder) / "run.log",
+            Path(folder) / "policy.log",
         )
-        lines: list[str] = []
-        for name, wire in network.wires.items():
-            _listen(name, wire, lines)
         joints = joints_of(config)
-        told = Told(controller_of(bundle, config, joints, seed))
-        host = Host(config, network, told, joints)
-        host.verify()
-        host.operator.arm = True
-        host.run(seconds + 1.0, lambda at, tick: at.state.phase == "damp" or len(told.time) * 0.003 > seconds)
-        fault = host.state.fault
-        host.close()
-        log.write_text("".join(lines))
-        reference = np.array(told.reference)
-        played = Played("policy", told.time[0], reference, np.zeros_like(reference), Excitation("policy"))
-        return recording(config, read_candump(log), played), fault
+        kept = Kept(controller_of(bundle, config, joints, seed), joints, config.loop.period_s, seconds)
+        with logged(config, log, kept, network.wires):
+            host = Host(config, network, kept, joints)
+            host.verify()
+            host.operator.arm = True
+            host.run(seconds + 1.0, lambda at, tick: at.state.phase == "damp" or kept.full)
+            fault = host.state.fault
+            host.close()
+        return from_run(config, log), fault
 
 
 def _configuration(bundle: PolicyBundle, folder: Path) -> CanConfig:
@@ -105,7 +78,3 @@ def _configuration(bundle: PolicyBundle, folder: Path) -> CanConfig:
     path = folder / "robot.toml"
     path.write_text(_ROBOT.format(machine=machine))
     return load_config(str(path))
-
-
-def _listen(name: str, wire: Wire, lines: list[str]) -> None:
-    wire.attach("logger", lambda stamp, frame: lines.append(line(stamp, name, frame)))

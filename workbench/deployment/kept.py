@@ -50,6 +50,11 @@ class Kept:
                 self._rows[:, row] = self._joints.within(asked.reference), asked.feedforward
         return asked
 
+    @property
+    def full(self) -> bool:
+        """Whether it ran as long as is remembered."""
+        return bool(np.isfinite(self._rows[0, -1]).all())
+
     def write(self, log: Path, shift: float) -> None:
         """Writes the rows beside a log, the last one held where a tick was left out; nothing if none ran.
 
