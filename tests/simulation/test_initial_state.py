@@ -46,6 +46,20 @@ def test_a_jump_of_the_reference_finds_the_machine_at_rest(period: float) -> Non
     assert first == pytest.approx([-0.364, 0.0], abs=2e-4)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_loop_that_acts_late_found_the_machine_at_rest(seed: int) -> None:
+    """An encoder that errs, rows of 1 ms and ticks of 3: a jerk begins up to two ticks late."""
+    loop = Controller("pd", "joint", kp=(50.0,), kd=(1.5,), period_s=0.003)
+    t = np.arange(4000) * 0.001
+    noise = 1.1e-4 * np.random.default_rng(seed).standard_normal(len(t))
+    position = 0.5 - 40.0 * np.maximum(t - 0.004, 0.0) ** 2 * np.exp(-20.0 * t) + noise
+    reference = 0.44 + 0.1 * np.sin(3.0 * t)
+    signals = {"position": position[:, None], "position_reference": reference[:, None]}
+    recording = Recording("log", ("tilt",), "joint", t, signals, ("rad",), controller=loop)
+    first = initial_state(recording, loop, reference[:, None], np.eye(1), np.eye(1))[:, 0]
+    assert first == pytest.approx([0.5, 0.0], abs=4e-4)
+
+
 @pytest.mark.parametrize("period", [0.01, 0.001])
 def test_a_recording_that_begins_in_motion_begins_in_motion(period: float) -> None:
     rng = np.random.default_rng(2)
