@@ -64,3 +64,9 @@ def test_a_run_that_is_there_is_kept(tmp_path: Path) -> None:
     (out / "run.log").write_text("of yesterday")
     code, said = ran(tmp_path, AXES, ("-o", out), model=str(bench_arm(tmp_path)))
     assert code == 2 and "run.log" in said and (out / "run.log").read_text() == "of yesterday"
+
+
+def test_a_dry_run_is_not_steered(tmp_path: Path) -> None:
+    """It was left out in silence."""
+    code, said = ran(tmp_path, AXES, ("--teleop", "keys"), model=str(bench_arm(tmp_path)))
+    assert code == 2 and "--teleop" in said and "Traceback" not in said

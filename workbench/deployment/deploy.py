@@ -92,10 +92,16 @@ def deploy(
         punctuality, ``notes`` (what the run was held to), ``lacks`` (which budgets of time).
 
     Raises:
-        InputError: a bus that can get too full, or a bundle that does not fit or is not approved.
+        InputError: a bus that can get too full, a bundle that does not fit or is not approved, or a dry run
+            that is to be steered.
         VerifyError: a drive is not what the configuration says.
         RunError: something that nobody foresaw; the drives were damped and disabled.
     """
+    if teleop and network is not None:
+        raise InputError(
+            "a dry run is in simulated time, and nobody can steer it", column="--teleop",
+            remedy="leave it out, or give --velocity",
+        )  # fmt: skip
     for load in bus_load(config):
         if not load.fits:
             raise InputError(
