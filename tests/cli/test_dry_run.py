@@ -70,3 +70,17 @@ def test_a_dry_run_is_not_steered(tmp_path: Path) -> None:
     """It was left out in silence."""
     code, said = ran(tmp_path, AXES, ("--teleop", "keys"), model=str(bench_arm(tmp_path)))
     assert code == 2 and "--teleop" in said and "Traceback" not in said
+
+
+def test_a_run_that_is_refused_leaves_the_one_before(tmp_path: Path) -> None:
+    (out := tmp_path / "out").mkdir()
+    for name in ("run.log", "run.toml", "run.played.npz"):
+        (out / name).write_text("of yesterday")
+    file = written(tmp_path, table([motor("lift", 1)]))
+    done = run("deploy", tmp_path / "gone.zip", file, "--dry-run", "-o", out, "--force")
+    assert done.returncode == 2 and "gone.zip" in done.stderr
+    assert {f.name: f.read_text() for f in out.iterdir()} == dict.fromkeys(
+        ("run.log", "run.toml", "run.played.npz"), "of yesterday"
+    )
+    assert run("deploy", tmp_path / "gone.zip", file, "-o", tmp_path / "new").returncode == 2
+    assert not (tmp_path / "new").exists()

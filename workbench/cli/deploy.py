@@ -119,7 +119,7 @@ def _virtual(robot: CanConfig, seed: int, say: Callable[[str], object]) -> Simul
 
 
 def _new_log(folder: Path, force: bool) -> Path:
-    """Where the frames of a run go; of one before nothing is left.
+    """Where the frames of a run go. Nothing is made or removed yet: the run may be refused.
 
     Raises:
         InputError: something is there already.
@@ -128,11 +128,8 @@ def _new_log(folder: Path, force: bool) -> Path:
     from workbench.deployment.kept import PLAYED
 
     log = folder / "run.log"
-    check_free(log.with_suffix(".toml"), force=force)
-    for file in (log, *(log.with_suffix(end) for end in (".clock", PLAYED))):
+    for file in (log, *(log.with_suffix(end) for end in (".toml", ".blf", ".clock", PLAYED))):
         check_free(file, force=force)
-        file.unlink(missing_ok=True)
-    folder.mkdir(parents=True, exist_ok=True)
     return log
 
 

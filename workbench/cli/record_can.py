@@ -86,9 +86,9 @@ def virtual_motors(
         )  # fmt: skip
     models = [read_model(each.model) for each in config.mechanism]
     if config.bench.rig == "quadruped" or all(map(is_reference_leg, models)):
-        lone = "lone shafts" if len(config.motor) > 1 else "a lone shaft"
-        leg = "the reference leg on its stand" if models else lone
-        say(f"Virtual hardware: {'the reference quadruped' if config.bench.rig == 'quadruped' else leg}.")
+        what = "quadruped" if config.bench.rig == "quadruped" else "leg on its stand" if models else ""
+        if what:
+            say(f"Virtual hardware: the reference {what}.")
         effects = hidden_effects(*hidden)
         return lambda seed, row: MotorBank(config, effects, seed=seed, row=row)
     for model in models:

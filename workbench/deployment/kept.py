@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.can import CanConfig, Wire
+from workbench.core import InputError
 from workbench.core.files import write_whole
 
 from .base import BaseMotion
@@ -80,13 +81,20 @@ def logged(
 
     Args:
         config: whose buses are logged.
-        log: its frames, as candump writes them.
+        log: its frames, as candump writes them; of a run that was there before nothing is left.
         kept: the run's controller.
         wires: virtual buses; None for those of the configuration.
 
     Raises:
+        InputError: the folder cannot be written.
         RunError: the logger failed.
     """
+    try:
+        log.parent.mkdir(parents=True, exist_ok=True)
+        for file in (log, log.with_suffix(".clock"), log.with_suffix(PLAYED)):
+            file.unlink(missing_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot be written ({error.strerror})", file=log) from error
     frames = ProcessLog(config, log) if wires is None else WireLog(wires, log)
     try:
         yield frames
