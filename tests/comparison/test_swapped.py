@@ -25,7 +25,7 @@ def exchanged(recording: Recording) -> Recording:
 def test_all_columns_of_two_axes_are_exchanged(leg: Model) -> None:
     found = swapped_axes(leg, [exchanged(moved())])
     assert found is not None and set(found.axes) == {"hip", "knee"} and found.after < 0.02
-    with pytest.raises(InputError, match="is swapped"):
+    with pytest.raises(InputError, match="are swapped"):
         refuse_wrong_sign_of_torque(leg, [exchanged(moved())])
 
 

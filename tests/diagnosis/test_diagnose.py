@@ -45,7 +45,7 @@ def test_names_the_hidden_effect_and_its_size(hidden: HiddenEffect) -> None:
     assert first.holdout_error_after < 0.6 * first.holdout_error_before
     assert found.after is not None and found.after.error < 1.1 * found.noise_error
     if hidden.effect == "coulomb_friction":
-        assert any("knee goes with the sign of speed, 0.2" in line for line in first.evidence)
+        assert any("knee is proportional to the sign of speed (slope 0.2" in line for line in first.evidence)
     assert found.evidence == ()  # nothing is left to be explained
     if first.key == key:
         for name, value in hidden.parameters.items():
@@ -110,7 +110,7 @@ def test_what_follows_a_stranger_is_added_only_when_asked_for() -> None:
     assert (found.verdict, found.findings) == ("unexplained", ())
     assert found.shapes[0].share > 0.95
     assert found.shapes[0].quantities == ("position", "the position of hip")
-    assert any("a shape, not a cause" in line for line in found.evidence)
+    assert any("a description, not a cause" in line for line in found.evidence)
     assert (node.verdict, node.nearest, better.name) == ("unexplained", True, "leg_nearest")
     assert [a.key for a in better.effects[-len(node.steps) :]] == [s.key for s in node.steps]
     assert node.holdout_error_after is not None and node.holdout_error_before is not None

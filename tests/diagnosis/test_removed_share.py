@@ -69,7 +69,9 @@ def test_held_out_recordings_have_the_share_of_the_errors_beside_it(
 @pytest.mark.parametrize("by_holdout", [True, False])
 def test_every_share_names_its_data(by_holdout: bool) -> None:
     judged = (
-        "on held-out recordings" if by_holdout else "on parts of the fitted recordings that were left out"
+        "on held-out recordings"
+        if by_holdout
+        else "on parts of the recordings, each left out of the fit in turn"
     )
     step: Any = SimpleNamespace(
         by_holdout=by_holdout, folds=(1, 1), removed_share=0.93, ranking=((EffectKey("lag", "hip"), 0.5),),

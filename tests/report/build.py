@@ -148,7 +148,7 @@ def tried() -> tuple[Tried, ...]:
     )  # fmt: skip
     gap = EffectKey("backlash", "hip")
     other = Tried(
-        "a gap or soft joint that the torque shows", (FRICTION,), ((gap, ()),), (FRICTION, gap),
+        "a gap or soft joint that explains the residual torque", (FRICTION,), ((gap, ()),), (FRICTION, gap),
         (1.02, 3.4), 0.8, 3, False, "it explains 80 % of the squared error above the noise",
     )  # fmt: skip
     return first, other

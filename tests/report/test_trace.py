@@ -23,7 +23,8 @@ def test_json_has_all_that_was_tried_in_order(diagnosis: Diagnosis) -> None:
 def test_the_page_of_results_has_it_as_a_fold(diagnosis: Diagnosis) -> None:
     page = Page(render_page(diagnosis, command="workbench diagnose"))
     assert (
-        "What the search tried" in page.text and "2. A gap or soft joint that the torque shows" in page.text
+        "What the search tried" in page.text
+        and "2. A gap or soft joint that explains the residual torque" in page.text
     )
     nothing = Page(render_page(replace(diagnosis, trace=()), command="workbench diagnose"))
     assert "What the search tried" not in nothing.text
@@ -53,7 +54,7 @@ def test_the_picture_has_a_line_for_each_and_the_noise(diagnosis: Diagnosis) -> 
     (ax,) = trace_figure(diagnosis.trace).axes
     assert [t.get_text() for t in ax.get_yticklabels()] == [
         "1. one effect after the other",
-        "2. a gap or soft joint that the torque shows",
+        "2. a gap or soft joint that explains the residual torque",
     ]
     assert "noise" in ax.get_xlabel() and ax.get_xscale() == "log"
     ends = {line.get_xdata()[-1] for line in ax.lines}

@@ -35,7 +35,7 @@ def with_model(found: Inspection, model: str, recording: Recording) -> Inspectio
         return replace(found, recordings=(replace(one, remarks=(*one.remarks, problem)), *rest))
     axes = list(dict.fromkeys(turn.axis for turn in turned.turns))
     which = " or ".join(f"'{axis}'" for axis in axes)
-    text = f"{which} has the other sign than in the model: {turned}."
+    text = f"{which} has the opposite sign to that in the model: {turned}."
     both = turned.turns[0]
     value = {"axes": axes, "signal": "torque_measured" if both.torque and not both.motion else "position"}
     problem = Remark("problem", "sign", axes[0], text, value)

@@ -172,11 +172,11 @@ def near_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
     if verdict != "unexplained" or found.explained < POLICY.something or not all(map(is_significant, added)):
         return ()
     both = found.start_data.tests_on_holdout
-    data = "the fitted and the held-out recordings, the smaller of both" if both else "the fitted recordings"
+    data = "both the fitted and the held-out recordings" if both else "the fitted recordings"
     if found.explained < POLICY.near_named:
         return (
-            f"known effects take off {100 * found.explained:.0f} % of the squared error above the noise on "
-            f"{data}: too little to be named; improve --nearest adds them",
+            f"known effects explain {100 * found.explained:.0f} % of the squared error above the noise on "
+            f"{data}, not enough to name one; improve --nearest adds them",
         )
     # cut, not rounded: what is not enough must not read as if it were
     share = f"{int(100 * found.explained)} % of the squared error above the noise"
@@ -194,8 +194,8 @@ def refuting_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
         return ()
     error, floor = (data.score(ms, held_out=True) for ms in (found.start.mean_squares, data.floor))
     return (
-        f"the recordings to fit show nothing missing, the held-out ones do: error {error:.3g} there, "
-        f"{error / floor:.1f} times the noise; fit these, and hold others out",
+        f"the fitted recordings show nothing missing, but the held-out ones do: error {error:.3g}, "
+        f"{error / floor:.1f} times the noise; fit those and hold out others",
     )
 
 
@@ -212,7 +212,7 @@ def cut_short_line(found: SearchResult) -> tuple[str, ...]:
     if found.stopped != "budget":
         return ()
     return (
-        "the search ended when it had simulated as much as it may, before it had tried everything: what it "
-        "did not find may still be there; give fewer or shorter recordings, or the model that `improve` "
-        "wrote, and it looks further",
+        "the search used up its budget of simulation before it had tried everything, so effects that it did "
+        "not find may still be there; to search further, give fewer or shorter recordings, or diagnose the "
+        "model that `improve` writes",
     )

@@ -103,7 +103,7 @@ class Problem:
 
         None where loops are too large and nothing drives the machine along its measured motion.
         """
-        self.progress("asking what these recordings can tell apart")
+        self.progress("finding out which effects these recordings can tell apart")
         if not self.data.replay.simulates or self.is_expensive or is_too_large(self.linearisation):
             return None if self.inverse_dynamics is None else linear_along(self.inverse_dynamics[2])
         return linear_of(self.linearisation)

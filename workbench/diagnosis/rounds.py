@@ -40,7 +40,7 @@ def rounds(
     found, way = best_way(model, training, held_out, seed, limit, progress)
     out, rounds_at_most = [found], limit or POLICY.most_effects
     while found.jointly and not found.consistent_after and len(out) < rounds_at_most and _names(found):
-        progress("asking again, with what was found in the model")
+        progress("searching again, with what was found in the model")
         better = found.final.hypothesis.model
         try:
             again = Way.of(better, way.training, way.held_out, seed, limit, progress)

@@ -119,5 +119,5 @@ def _distinguishable(problem: Problem) -> tuple[Identifiability | None, tuple[Di
     if problem.linear is None:
         return None, units
     known = identifiability_of(problem.linear, problem.linearisation)
-    problem.progress(f"the recordings tell {len(known.separable)} of {known.count} effects from all others")
+    problem.progress(f"the recordings can tell {len(known.separable)} of {known.count} effects apart")
     return known, units or disagreements(problem.linear, [r.name for r in recordings])

@@ -102,7 +102,7 @@ def best_way(
     tried = []
     for k, way in enumerate(ways):
         if k:
-            progress(f"asking again with another way in which the loop may work, {k + 1} of {len(ways)}")
+            progress(f"searching again with another way in which the loop may work, {k + 1} of {len(ways)}")
         tried.append(way.searched())
     ties = _ties(tried)
     # a loop that reads noise otherwise leaves another level of it
@@ -121,7 +121,7 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
     """
     if len(ways) == 1:
         return ways
-    progress(f"asking in which of {len(ways)} ways the loop may work")
+    progress(f"testing which of {len(ways)} ways the loop may work")
     found = [search(way.asked, only_jointly=True) for way in ways]
     ties = [k for k in _ties(found) if _is_at_noise(found[k])]
     return [ways[k] for k in ties] or ways

@@ -23,7 +23,7 @@ def test_a_sign_a_unit_and_nothing(tmp_path: Path) -> None:
     right = moved()
     assert doubts(model, [right]) == ()
     (sign,) = doubts(model, [scaled(right, np.array([1.0, -1.0]))])
-    assert sign.startswith(f"{right.name}: ") and "has the other sign" in sign and "refuses this" in sign
+    assert sign.startswith(f"{right.name}: ") and "has the opposite sign" in sign and "refuses this" in sign
     degrees = replace(scaled(right, np.pi / 180), guessed_units=("position",))
     (unit,) = doubts(model, [degrees])
     assert "perhaps the unit" in unit and "degrees and radians" in unit

@@ -25,7 +25,7 @@ def runs(folder: Path, side: float, friction: float = 0.0) -> list[Recording]:
 def test_an_axis_that_was_turned_round_is_told(tmp_path: Path, friction: float) -> None:
     turned = runs(tmp_path, -1.0, friction)
     model = load_model(str(tmp_path / "rotor.xml"))
-    with pytest.raises(InputError, match="'m' has the other sign than in model 'rotor'") as refused:
+    with pytest.raises(InputError, match="'m' has the opposite sign to that in model 'rotor'") as refused:
         diagnose(model, turned)
     assert refused.value.column == "m"
 

@@ -216,7 +216,7 @@ def test_the_missing_torque_goes_with_its_cause(hidden: HiddenEffect, quantity: 
     assert (first.quantity, first.p <= 0.01, first.share > 0.8) == (quantity, True, True)
     assert first.size == pytest.approx(size, rel=0.12)
     assert relations(torque(hidden), "hip") == ()
-    assert f"goes with {quantity}" in relation_lines("knee", [first])[0]
+    assert f"proportional to {quantity}" in relation_lines("knee", [first])[0]
 
 
 def test_a_torque_at_the_joint_is_seen_in_joint_coordinates() -> None:

@@ -16,7 +16,7 @@ LEG = load_model("leg")
 DAMPING, FRICTION, LAW = (
     EffectKey(effect, "knee") for effect in ("viscous_damping", "coulomb_friction", "asymmetric_friction")
 )
-_SIMPLER = {"without what became needless", "a special case in place of a refinement"}
+_SIMPLER = {"without effects that are no longer needed", "a special case in place of a refinement"}
 
 
 def wanted(node: Node, problem: Problem) -> set[str]:
@@ -32,9 +32,9 @@ def test_at_the_noise_only_simpler_models_are_asked_for() -> None:
     wrong = node_with(problem, applied(LEG, FRICTION, torque=0.1), move=ONE_BY_ONE)
     starts = wanted(wrong, problem)
     assert {
-        "one cause on every axis, after all",
+        "one cause on every axis, tried again",
         "two causes at once",
-        "a gap or soft joint that the torque shows",
+        "a gap or soft joint that explains the residual torque",
     } <= starts
     assert "one cause in place of two" not in starts, "what explains less is not named"
 

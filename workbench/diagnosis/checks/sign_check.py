@@ -30,7 +30,7 @@ def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -
         if swapped := swapped_axes(model, recordings):
             first, second = swapped.axes
             raise InputError(
-                f"all of '{first}' and '{second}' is swapped, against model '{model.name}': {swapped}",
+                f"the columns of '{first}' and '{second}' are swapped for model '{model.name}': {swapped}",
                 file=recordings[0].source, column=f"{first}, {second}", remedy=_EXCHANGE,
             )  # fmt: skip
         if shifted := shifted_axes(model, recordings):
@@ -41,7 +41,7 @@ def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -
         return
     axes = list(dict.fromkeys(turn.axis for turn in found.turns))
     raise InputError(
-        f"{_named(axes)} has the other sign than in model '{model.name}': {found}",
+        f"{_named(axes)} has the opposite sign to that in model '{model.name}': {found}",
         file=recordings[0].source, column=" or ".join(axes), remedy=_REMEDY,
     )  # fmt: skip
 
@@ -72,8 +72,8 @@ def refuse_wrong_sign_in_loop(
         axes = [axis for axis, own in scores.items() if own <= POLICY.sign_alike * score]
         both = ", whichever of them is turned" if len(axes) > 1 else ""
         raise InputError(
-            f"{_named(axes)} has the other sign than in model '{model.name}': turned round, all its columns "
-            f"together, the error falls from {error:.3g} to {score:.3g}{both}",
+            f"{_named(axes)} has the opposite sign to that in model '{model.name}': with all its "
+            f"columns turned round, the error falls from {error:.3g} to {score:.3g}{both}",
             file=recordings[0].source, column=" or ".join(axes), remedy=_REMEDY,
         )  # fmt: skip
 

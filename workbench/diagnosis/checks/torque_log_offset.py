@@ -33,10 +33,12 @@ def torque_offset_lines(recordings: Sequence[Recording], delay: float) -> list[s
         left = {s: sum(_off(asked[:, index], given[:, index], s) for asked, given in pairs) for s in shifts}
         best = min(shifts, key=lambda s: left[s])
         if best and left[best] < POLICY.shift_left * left[0]:
-            rows = f"{abs(best)} row{'s' * (abs(best) > 1)} {'later' if best > 0 else 'earlier'}"
+            rows = f"{abs(best)} row{'s' * (abs(best) > 1)}"
+            verb, way = ("lags", "up") if best > 0 else ("leads", "down")
+            ms = 1000.0 * abs(best) * recordings[0].period
             lines.append(
-                f"the measured torque of {axis} is its command {rows} than the model's drives answer: if the "
-                "motion does not show that, the log is shifted"
+                f"at {axis}, the measured torque {verb} the one that the model's drive would give by {rows} "
+                f"({ms:.3g} ms): if the motion shows no such shift, the log is shifted: move the column {way}"
             )
     return lines
 

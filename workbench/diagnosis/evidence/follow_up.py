@@ -18,7 +18,7 @@ _ADVICE = {
     "speed": "pass these speeds both ways, hard and gently",
     "position": "go to and fro across there, slowly",
     "frequency": "excite this band by itself",
-    "time": "make the same run again: what comes back at that time goes with the motion, and what does not, "
+    "time": "make the same run again: what returns at the same time depends on the motion; what does not, "
     "with time itself, such as a temperature or something from outside",
 }
 

@@ -88,14 +88,14 @@ def relations(missing: Missing, axis: str) -> tuple[Relation, ...]:
 def relation_lines(axis: str, found: Sequence[Relation]) -> list[str]:
     """One line each."""
     return [
-        f"the residual torque of {axis} goes with {r.quantity}{_amount(r)}: {100 * r.share:.0f} % of "
-        f"{'its power' if k == 0 else 'what is left'} (block permutation p {_chance(r.p)})"
+        f"the residual torque at {axis} is proportional to {r.quantity}{_amount(r)}, which explains "
+        f"{100 * r.share:.0f} % of {'it' if k == 0 else 'what is left'} (p {_chance(r.p)})"
         for k, r in enumerate(found)
     ]
 
 
 def _amount(r: Relation) -> str:
-    return f", {r.size:.2g} {r.unit}" if np.isfinite(r.size) else ""
+    return f" (slope {r.size:.2g} {r.unit})" if np.isfinite(r.size) else ""
 
 
 def _chance(p: float) -> str:

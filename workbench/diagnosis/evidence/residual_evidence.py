@@ -105,8 +105,8 @@ class ResidualEvidence:
             axis = known[0] if known else _worst(self.missing)
             lines += relation_lines(axis, relations(self.missing, axis))
             lines += [
-                f"what {s.axis} lacks follows {s.name}: {100 * s.share:.0f} % of its power on blocks that "
-                "were left out; a shape, not a cause"
+                f"{s.name} predicts {100 * s.share:.0f} % of the residual torque at {s.axis} on data that "
+                "were not fitted: a description, not a cause"
                 for s in self.shapes
             ]
         return tuple(lines)
@@ -127,12 +127,12 @@ def finding_lines(
         held_out: the held-out errors that are told beside it; None where there are none.
     """
     agree, of = step.folds
-    parts = "parts of the fitted recordings that were left out in turn"
+    parts = "parts of the recordings, each left out of the fit in turn"
     judges = "held-out recordings" if step.by_holdout else parts
     lines = [] if held_out is None else [held_out.line]
     if held_out is None or not step.by_holdout:
         lines.append(removes(step.removed_share, judges))
-    lines.append(f"helps on {agree} of {of} {'held-out recordings' if step.by_holdout else 'such parts'}")
+    lines.append(f"lowers the error on {agree} of {of} {judges if step.by_holdout else 'such parts'}")
     known = {applied.key, *step.indistinguishable, *found}
     others = [(k, s) for k, s in step.ranking if k not in known]
     if others:
@@ -140,10 +140,10 @@ def finding_lines(
         beside = f"simpler than {key}, which" if share > step.removed_share else f"next best, {key},"
         theirs, own = shown(share), shown(step.removed_share)
         much = f"as much, {own}" if theirs == own else f"{theirs} where this removes {own}"
-        lines.append(f"{beside} removes {much}, on {judges}, each signal weighed by its noise")
+        lines.append(f"{beside} removes {much}, on {judges}, each signal in units of its noise")
     effect = effect_named(applied.key.effect)
     words = (s.words(step.fit.hypothesis.model) for s in effect.parameters.settles)
-    return (*lines, *filter(None, words), f"where to see it: {effect.words.shows}")
+    return (*lines, *filter(None, words), f"typical sign: {effect.words.shows}")
 
 
 def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> list[str]:
@@ -153,8 +153,8 @@ def adequacy_lines(key: EffectKey, adequacy: Mapping[EffectKey, Adequacy]) -> li
     own, found = " and ".join(kinds.depends_on(effect_named(key.effect)) or ("position",)), adequacy[key]
     share, spread = 100.0 * found.share, 100.0 * found.spread
     return [
-        f"a free smooth function of {own} explains hardly more: this law reaches {share:.0f} % of it",
-        f"its size changes by {spread:.0f} % at most beside a free function of any other quantity",
+        f"this law explains {share:.0f} % of what a free smooth curve over {own} explains on unseen data",
+        f"its value changes by at most {spread:.0f} % if a free curve over any other quantity is fitted too",
     ]
 
 
@@ -169,6 +169,6 @@ def _without_rotor(model: Model) -> list[str]:
     inertia = dict(zip(model.axes, rotors(model)[0], strict=True))
     bare = [axis for axis in model.driven if inertia[axis] == 0.0]
     advice = (
-        "move the motor's part of the inertia into the armature of its joint, and a spring behind it is tried"
+        "move the motor's part of the inertia into its joint's armature; then a spring behind it can be tried"
     )
-    return [f"the model has no inertia on the motor's side of {', '.join(bare)}: {advice}"] if bare else []
+    return [f"the model has no motor inertia at {', '.join(bare)}: {advice}"] if bare else []

@@ -38,12 +38,12 @@ class Move:
     cheap: bool = False
 
 
-ONE_BY_ONE = "one effect after the other"  #: what other starts are held against
-_ALIKE = ("one cause on every axis", "one cause on every axis, after all")
-_BESIDE_ALIKE = "what is missing beside one cause on every axis"
+ONE_BY_ONE = "add one effect at a time"  #: what other starts are held against
+_ALIKE = ("one cause on every axis", "one cause on every axis, tried again")
+_BESIDE_ALIKE = "more effects beside one cause on every axis"
 _TWO_AT_ONCE = "two causes at once"
-_LIKELY_COMPLIANCE = "a gap or soft joint that the torque may show"
-_FROM_TRAINING = "what explains most of the fitted recordings"
+_LIKELY_COMPLIANCE = "a gap or soft joint that may explain the residual torque"
+_FROM_TRAINING = "the effect that explains most of the fitted recordings"
 
 
 def _grown(node: Node, problem: Problem) -> Iterator[Node]:
@@ -153,8 +153,8 @@ MOVES = (
     Move(_ALIKE[0], restarts.on_all_axes, _alike_first),
     Move(ONE_BY_ONE, _grown, _first),
     Move("other sizes of a gap", with_refined_gap, _best_with_gap),
-    Move("a gap or soft joint that the torque shows", restarts.clear_compliance, _above_noise),
-    Move("what the fitted recordings show", restarts.on_training, _unexplained),
+    Move("a gap or soft joint that explains the residual torque", restarts.clear_compliance, _above_noise),
+    Move("the effects that the fitted recordings alone suggest", restarts.on_training, _unexplained),
     Move(_ALIKE[1], restarts.on_all_axes, _not_at_noise),
     Move(_BESIDE_ALIKE, _grown, _beside_alike),
     Move(_TWO_AT_ONCE, restarts.two_at_once, _unexplained_or_ambiguous),
@@ -164,8 +164,8 @@ MOVES = (
     Move(_FROM_TRAINING, restarts.what_training_shows, _unexplained),
     Move("another cause in place of one", replaced, _best_above_noise),
     Move("one cause in place of two", merged, _best_explains),
-    Move("without what a start had for others", without_needless_start, _best_from_set),
-    Move("without what became needless", without_needless, _best, cheap=True),
+    Move("without effects that a start had in place of others", without_needless_start, _best_from_set),
+    Move("without effects that are no longer needed", without_needless, _best, cheap=True),
     Move("a special case in place of a refinement", simplified, _best, cheap=True),
-    Move("all axes together, after all", of_all_axes, _jointly_last, cheap=True),
+    Move("all axes together, tried again", of_all_axes, _jointly_last, cheap=True),
 )  # fmt: skip

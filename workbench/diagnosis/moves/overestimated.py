@@ -58,10 +58,10 @@ class Overestimated:
             f"{key} {value:+.3g} ± {2.0 * deviation:.2g} {effect_named(key.effect).parameters[0].unit}"
             for key, value, deviation, _ in self.parts
         ]
-        share = f"{100.0 * self.share:.0f} % of the squared error above the noise on data left out of the fit"
+        share = f"{100.0 * self.share:.0f} % of the squared error above the noise on unseen data"
         return (
-            f"the model has too much of something: {', '.join(told)} would take off {share}, and less than "
-            "nothing cannot be added; check the masses, inertias and damping in its file",
+            f"the model has too much of something: {', '.join(told)} would remove {share}, but nothing "
+            "negative can be added; check the masses, inertias and damping in its file",
         )
 
 

@@ -49,7 +49,7 @@ def _replacements(step: AcceptedStep, node: Node, problem: Problem) -> tuple[Acc
     ]
     if not keys or all(a.key != step.added for a in current.hypothesis.free):
         return ()
-    problem.progress(f"trying others in place of {step.added}")
+    problem.progress(f"trying other causes in place of {step.added}")
     (rest,) = fit([current.hypothesis.without(step.added)], data, iterations=1)
     if rest is None:
         return ()

@@ -54,7 +54,7 @@ def on_training(node: Node, problem: Problem) -> Iterator[Node]:
     data, start = problem.data, problem.start
     if not holdout_insensitive(start, data):
         return
-    problem.progress("beginning with what the training recordings show")
+    problem.progress("starting from what the fitted recordings show")
     by_folds = data.cross_validated()
     screened = screen(problem.linearisation, by_folds)
     at = rescored(start, by_folds)
@@ -91,7 +91,7 @@ def along_the_motion(node: Node, problem: Problem) -> Iterator[Node]:
     blind = any(scored_torque(r) is None for r in recordings)
     if blind or all(map(_holds, recordings)) or not problem.data.replay.simulates:
         return
-    problem.progress("asking the torque along the measured motion")
+    problem.progress("reading effects from the torque along the measured motion")
     if problem.inverse_dynamics is None:
         return
     data, start, _ = problem.inverse_dynamics
@@ -125,7 +125,7 @@ def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
         better = better_refinement(step.added, step.ranking)
         if better is None or better in known or not problem.is_new("refinement", before.keys, step.added):
             continue
-        problem.progress(f"beginning again from where {step.added} was taken")
+        problem.progress(f"starting again from where {step.added} was taken")
         yield before.begun(growth=replace(_THROUGH, basics_first=False), bold=True)
         return
 
@@ -138,7 +138,7 @@ def what_training_shows(node: Node, problem: Problem) -> Iterator[Node]:
     current, by_folds = node.current, node.data.cross_validated()
     if near_noise_floor(current, node.data):
         return
-    problem.progress("trying what explains most of the training recordings")
+    problem.progress("trying the effect that explains most of the fitted recordings")
     linearisation, screened = screened_at(current, by_folds, problem)
     before, later = rescored(current, by_folds), bool(node.steps)
     step = next_step(

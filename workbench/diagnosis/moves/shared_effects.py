@@ -47,7 +47,7 @@ def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
     linearisation, data, start = problem.linearisation, problem.data, problem.start
     if linearisation.model.size < 2:
         return ()
-    problem.progress("looking for one cause on every axis")
+    problem.progress("trying one cause on every axis")
     whole = problem.linear.equations if problem.linear else None
     if whole is None:
         columns, entries = entries_of(linearisation)

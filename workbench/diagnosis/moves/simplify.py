@@ -43,7 +43,7 @@ def without_needless_start(node: Node, problem: Problem) -> Iterator[Node]:
     kept = needed(node.current, node.data, node.keys - {last.added})
     idle = sorted(node.keys - kept.hypothesis.keys, key=str)
     if idle:
-        problem.progress(f"leaving out {', '.join(map(str, idle))}, needless since {last.added}")
+        problem.progress(f"dropping {', '.join(map(str, idle))}, not needed since {last.added}")
         plain = replace(last, fit=converged(kept, node.data), dropped=(*last.dropped, *idle))
         yield with_last_step(node.begun(as_good=True), plain, problem.seed)
 
@@ -82,7 +82,7 @@ def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) ->
     special = effect_named(given_up.key.effect).search.contains if given_up else ()
     if given_up is None or len(special) <= last:
         return ()
-    problem.progress(f"asking whether less than {given_up.key} will do")
+    problem.progress(f"testing whether less than {given_up.key} will do")
     (rest,) = fit([current.hypothesis.without(given_up.key)], data, iterations=1)
     if rest is None:
         return ()
