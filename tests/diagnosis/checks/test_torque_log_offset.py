@@ -18,7 +18,7 @@ def shifted(recording: Recording, rows: int) -> Recording:
     return recording.with_signals(torque_measured=np.roll(recording.signals["torque_measured"], rows, axis=0))
 
 
-@pytest.mark.parametrize(("rows", "words"), [(1, "1 row later"), (3, "3 rows later"), (-1, "1 row earlier")])
+@pytest.mark.parametrize(("rows", "words"), [(1, "lags"), (3, "by 3 rows ("), (-1, "leads")])
 def test_a_shifted_log_is_said_to_be_one(rows: int, words: str) -> None:
     training, _ = recordings()
     lines = torque_offset_lines([shifted(r, rows) for r in training], DELAY)
