@@ -106,7 +106,7 @@ def test_a_shape_is_drawn_with_units_and_named_as_no_cause(tmp_path):
     axes = [a for a in figure.axes if a.get_visible()]
     assert [a.get_title(loc="left") for a in axes] == ["position: 97 %", "a tone of 3.7 Hz: 61 %"]
     assert [a.get_xlabel() for a in axes] == ["position [rad]", "time [s]"]
-    assert axes[0].get_ylabel() == "torque lacking on hip [N m]" and "not causes" in figure.get_suptitle()
+    assert axes[0].get_ylabel() == "missing torque at hip [N m]" and "not causes" in figure.get_suptitle()
     assert save_figure(figure, tmp_path / "shape.png").stat().st_size > 5000
     told = diagnosis_dict(result)["unexplained"]["shapes"]
     assert [t["frequency_hz"] for t in told] == [None, 3.7] and told[0]["of"] == ["position"]

@@ -39,7 +39,7 @@ def add(
         str | None,
         typer.Argument(
             metavar="EFFECT[@AXIS]",
-            help="Effect, e.g. coulomb_friction@knee; @AXIS(joint) for the pin.",
+            help="The effect, e.g. coulomb_friction@knee; coulomb_friction@knee(joint): at the joint.",
             autocompletion=complete.effects,
         ),
     ] = None,
@@ -54,7 +54,9 @@ def add(
     diagnosis: Annotated[
         str | None,
         typer.Option(
-            "--from", metavar="DIAGNOSIS", help="Take parameters (or all findings) from a diagnosis' JSON."
+            "--from",
+            metavar="DIAGNOSIS",
+            help="Take its parameters, or all findings, from the JSON of a diagnosis.",
         ),
     ] = None,
     json: JsonOption = None,
@@ -155,7 +157,7 @@ def soft(model: Any, values: list[str] | None, diagnosis: str | None) -> Any:
     from workbench.models import own_friction
 
     if values or diagnosis:
-        raise InputError(f"{_AS_IN_MJCF} has no parameters", remedy="leave out what was given beside it")
+        raise InputError(f"{_AS_IN_MJCF} has no parameters", remedy="leave out the parameters given with it")
     if not own_friction(model):
         raise InputError(
             f"model '{model.name}' has no dry friction of its own", file=model.source,
@@ -177,7 +179,7 @@ def settled(model: Any, path: str, found: Sequence[Any]) -> Any:
         return with_settled(model, own, [f.key for f in found])
     except (ValueError, TypeError, AttributeError) as error:
         raise InputError(
-            "'settled' is not what a diagnosis says", file=path, remedy="make it with 'diagnose --json'"
+            "'settled' is not as a diagnosis writes it", file=path, remedy="make it with 'diagnose --json'"
         ) from error
 
 
@@ -206,5 +208,5 @@ def read_findings(path: str) -> list[Any]:
             "not the JSON of a diagnosis", file=path, remedy="make it with 'diagnose --json'"
         ) from error
     if not found:
-        raise InputError("the diagnosis has no findings", file=path, remedy="nothing is to be added")
+        raise InputError("the diagnosis has no findings", file=path, remedy="there is nothing to add")
     return found

@@ -16,7 +16,7 @@ app = typer.Typer(
     cls=Listing,
     help=(
         "Compare a robot model with measurements, find the physical effect that is missing, add it, "
-        "and watch the error fall.\n\nBegin with: workbench demo"
+        "and watch the error fall.\n\nStart with: workbench demo"
     ),
     no_args_is_help=True,
     pretty_exceptions_enable=False,

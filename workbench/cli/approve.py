@@ -30,7 +30,9 @@ def approve(
     recordings: RecordingsArgument,
     output: Annotated[
         str | None,
-        typer.Option("--output", "-o", metavar="FILE", help="The record; else beside the model's file."),
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="The new record; default: beside the model's file."
+        ),
     ] = None,
     json: JsonOption = None,
     seed: SeedOption = 0,

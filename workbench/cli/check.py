@@ -27,9 +27,9 @@ def check(
     json: JsonOption = None,
     html: HtmlOption = None,
     samples: Annotated[
-        int, typer.Option("--samples", min=3, max=100_000, help="Random postures and speeds.")
+        int, typer.Option("--samples", min=3, max=100_000, help="Number of random postures and speeds.")
     ] = 50,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of postures and speeds.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the random postures and speeds.")] = 0,
     tolerance: Annotated[
         float,
         typer.Option(

@@ -34,7 +34,7 @@ RecordingsArgument = Annotated[list[str], typer.Argument(metavar="REC...", help=
 HoldoutOption = Annotated[
     list[str] | None,
     typer.Option(
-        "--holdout", metavar="REC", help="Recording that judges and is not fitted; may be given again."
+        "--holdout", metavar="REC", help="Recording that only tests the fit; may be given several times."
     ),
 ]
 JsonOption = Annotated[
@@ -45,9 +45,9 @@ HtmlOption = Annotated[
     str | None, typer.Option("--html", metavar="FILE", help="Write the result as a self-contained page.")
 ]
 WholeOption = Annotated[
-    bool, typer.Option("--whole", help="Fit every row of long logs, whatever memory that takes.")
+    bool, typer.Option("--whole", help="Fit every row of long logs, however much memory that takes.")
 ]
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite outputs that exist.")]
+ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite existing outputs.")]
 SeedOption = Annotated[int, typer.Option("--seed", min=0, help="Seed of the noise simulations.")]
 QuietOption = Annotated[
     bool, typer.Option("--quiet", "-q", callback=begin, is_eager=True, help="Print nothing but errors.")

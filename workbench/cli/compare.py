@@ -35,7 +35,7 @@ def compare(
     html: HtmlOption = None,
     fail_above: Annotated[
         float | None,
-        typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 where the error is larger."),
+        typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 if the error is larger than this."),
     ] = None,
     seed: SeedOption = 0,
     force: ForceOption = False,

@@ -27,18 +27,21 @@ def demo(
     ] = "demo",
     experiments: Annotated[
         list[str] | None,
-        typer.Argument(metavar="DESIGN...", help="Of a model of your own: what you plan to play."),
+        typer.Argument(metavar="DESIGN...", help="For a model of your own: the experiments you plan."),
     ] = None,
     folder_of_model: Annotated[
-        str, typer.Option("--output", "-o", metavar="FOLDER", help="Of a model of your own: where all goes.")
+        str,
+        typer.Option(
+            "--output", "-o", metavar="FOLDER", help="For a model of your own: the folder for all results."
+        ),
     ] = "demo",
     hide: HideOption = None,
     set_: SetOption = None,
     seed: Annotated[
-        int, typer.Option("--seed", min=0, help="Draws the hidden effect, its size and all noise.")
+        int, typer.Option("--seed", min=0, help="Seed of the hidden effect, its size and all noise.")
     ] = 0,
     clean: Annotated[
-        bool, typer.Option("--clean", help="Hide nothing: the answer has to be that nothing is missing.")
+        bool, typer.Option("--clean", help="Hide nothing; the right answer is then that nothing is missing.")
     ] = False,
     json: JsonOption = None,
     force: ForceOption = False,

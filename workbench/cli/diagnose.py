@@ -39,7 +39,9 @@ def diagnose(
     shape: Annotated[
         str | None,
         typer.Option(
-            "--shape", metavar="FILE", help="Draw what no effect explains as .png or .svg: a shape, no cause."
+            "--shape",
+            metavar="FILE",
+            help="Picture (.png, .svg) of what no effect explains: a shape, not a cause.",
         ),
     ] = None,
     trace: Annotated[
@@ -47,7 +49,7 @@ def diagnose(
         typer.Option(
             "--trace",
             metavar="FILE",
-            help="Write a page of what was tried, what it left, and why it was not it.",
+            help="Page of everything that was tried, what it left, and why it was rejected.",
         ),
     ] = None,
     whole: WholeOption = False,

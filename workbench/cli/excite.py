@@ -38,42 +38,45 @@ def excite(
     output: Annotated[
         str,
         typer.Option(
-            "--output", "-o", metavar="DESIGN", help="The design's TOML file; tables beside it.  [required]"
+            "--output",
+            "-o",
+            metavar="DESIGN",
+            help="The TOML file of the design; its tables go beside it.  [required]",
         ),
     ] = "",
     kind: Annotated[Literal["multisine", "chirp"], typer.Option(help="What is played.")] = "multisine",
     drive: Annotated[
-        Literal["torque", "position"], typer.Option(help="Torque on top of the feedback, or its reference.")
+        Literal["torque", "position"], typer.Option(help="Add torque to the feedback, or move its reference.")
     ] = "torque",
     amplitude: Annotated[
         list[float] | None,
         typer.Option(
-            help="Rms of a multisine, amplitude of a chirp, N m or rad; once, or once per axis. It is scaled "
-            "down to the limits."
+            help="RMS of a multisine or amplitude of a chirp [N m or rad]; one, or one per axis. Scaled down "
+            "to the limits."
         ),
     ] = None,
     f_min: Annotated[float, typer.Option(help="Lowest frequency [Hz].")] = 0.2,
     f_max: Annotated[float, typer.Option(help="Highest frequency [Hz].")] = 60.0,
     period: Annotated[float, typer.Option(help="Period, or length of a sweep [s].")] = 5.0,
-    periods: Annotated[int, typer.Option(help="Periods that count; of a chirp 1, if not said.")] = 4,
-    transient: Annotated[int, typer.Option(help="Periods before these; of a chirp 0, if not said.")] = 1,
+    periods: Annotated[int, typer.Option(help="Periods that are used; default for a chirp: 1.")] = 4,
+    transient: Annotated[
+        int, typer.Option(help="Periods before these, to settle; default for a chirp: 0.")
+    ] = 1,
     rate: Annotated[float, typer.Option(help="Rows per second.")] = 1000.0,
     grid: Annotated[
         Literal["full", "odd", "odd_random"],
-        typer.Option(help="Lines; odd_random leaves some silent, to listen for nonlinearity."),
+        typer.Option(help="Which lines; odd_random leaves some unexcited, to detect nonlinearity."),
     ] = "full",
     per_decade: Annotated[
-        int | None, typer.Option(help="Lines per decade, spaced nearly evenly in log frequency; else all.")
+        int | None, typer.Option(help="Lines per decade, nearly even in log frequency; default: all lines.")
     ] = None,
     phases: Annotated[
         Literal["schroeder", "low_crest", "random"], typer.Option(help="Phases of the lines.")
     ] = "schroeder",
-    realisations: Annotated[int, typer.Option(help="Sets with new random phases each.")] = 1,
+    realisations: Annotated[int, typer.Option(help="Number of sets, each with new random phases.")] = 1,
     mixing: Annotated[
         Literal["orthogonal", "single"],
-        typer.Option(
-            help="All axes in every experiment, or one at a time; the latter in a chirp, if not said."
-        ),
+        typer.Option(help="All axes in every experiment, or one at a time (the default for a chirp)."),
     ] = "orthogonal",
     posture: Annotated[
         list[str] | None,
@@ -86,13 +89,13 @@ def excite(
     loop: Annotated[
         str | None,
         typer.Option(
-            "--loop", metavar="REC", help="Recording whose [controller] holds the model, in place of its own."
+            "--loop", metavar="REC", help="Recording whose [controller] is used in place of the model's own."
         ),
     ] = None,
     speed_limit: Annotated[
-        list[float] | None, typer.Option(help="Largest speed, once or once per axis [rad/s or m/s].")
+        list[float] | None, typer.Option(help="Largest speed [rad/s or m/s]; one, or one per axis.")
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Draws phases and silent lines.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of phases and unexcited lines.")] = 0,
     json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -117,7 +120,7 @@ def excite(
     given = {name for name in ctx.params if _given(ctx, name)}
     if kind == "chirp" and (idle := [name for name in _OF_MULTISINES if name in given]):
         said = ", ".join(f"--{name.replace('_', '-')}" for name in idle)
-        raise InputError(f"a chirp has no {said}", remedy="leave that out, or take --kind multisine")
+        raise InputError(f"a chirp has no {said}", remedy="leave it out, or use --kind multisine")
     check_outputs(output, json, force=force)
     loaded = load_model(model).on_its_stand("an excitation of its drives")
     loaded = with_loop_of(loaded, loop) if loop else loaded

@@ -24,34 +24,38 @@ from .progress import progress
 def fleet(
     recordings: Annotated[
         list[str],
-        typer.Argument(metavar="REC...", help="Recordings, patterns of them, or folders, of any robots."),
+        typer.Argument(metavar="REC...", help="Recordings, patterns or folders, of any number of robots."),
     ],
     model: Annotated[
         list[str],
         typer.Option(
             "--model",
             metavar="[RIG=]MODEL",
-            help="Model of all robots, or of those whose rig fits a pattern; a folder has one RIG.toml each.",
+            help="Model of all robots, or of rigs that match a pattern; or a folder of RIG.toml files.",
         ),
     ],
     output: Annotated[
         str,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Results and improved models, one a robot."),
+        typer.Option(
+            "--output", "-o", metavar="FOLDER", help="Folder for results and improved models, one per robot."
+        ),
     ],
     holdout: Annotated[
         list[str] | None,
         typer.Option(
             "--holdout",
             metavar="PATTERN",
-            help="Recordings that judge, by name; else one in four of each robot with three or more.",
+            help="Names of recordings that only test; default: one in four of each robot with three or more.",
         ),
     ] = None,
     jobs: Annotated[
-        int, typer.Option("--jobs", "-j", metavar="N", help="Robots side by side; -1 for all cores.")
+        int, typer.Option("--jobs", "-j", metavar="N", help="Robots diagnosed in parallel; -1: one per core.")
     ] = -1,
     ray: Annotated[
         str | None,
-        typer.Option("--ray", metavar="ADDRESS", help="Run on this Ray cluster; 'auto' for the one around."),
+        typer.Option(
+            "--ray", metavar="ADDRESS", help="Run on this Ray cluster; 'auto': the one that is running."
+        ),
     ] = None,
     json: JsonOption = None,
     html: HtmlOption = None,

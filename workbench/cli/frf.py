@@ -31,7 +31,8 @@ def frf(
     json: JsonOption = None,
     html: HtmlOption = None,
     figure: Annotated[
-        str | None, typer.Option("--figure", metavar="FILE", help="Draw it (.png, .svg, .pdf).")
+        str | None,
+        typer.Option("--figure", metavar="FILE", help="Picture of the response (.png, .svg, .pdf)."),
     ] = None,
     force: ForceOption = False,
     quiet: QuietOption = False,

@@ -42,13 +42,14 @@ _Base = Annotated[
     typer.Option(
         "--model",
         metavar="MODEL",
-        help="The model that gets the numbers; a serial tree.",
+        help="The model that gets the numbers: a serial tree.",
         autocompletion=complete.models,
     ),
 ]
 _Output = Annotated[str, typer.Option("--output", "-o", metavar="NEW", help="The new model file (.toml).")]
 _Figure = Annotated[
-    str | None, typer.Option("--figure", metavar="FILE", help="Draw response and fit (.png, .svg, .pdf).")
+    str | None,
+    typer.Option("--figure", metavar="FILE", help="Picture of response and fit (.png, .svg, .pdf)."),
 ]
 
 
@@ -106,7 +107,7 @@ def leg(
         typer.Option(
             "--actuator",
             metavar="REC",
-            help="Recordings of the actuator alone; else the model's numbers count.",
+            help="Recordings of the actuator alone; default: the model's own numbers.",
         ),
     ] = None,
     output: _Output = "",

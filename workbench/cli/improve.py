@@ -42,7 +42,7 @@ def improve(
     html: HtmlOption = None,
     nearest: Annotated[
         bool,
-        typer.Option("--nearest", help="Where no cause can be named, add what comes nearest to one."),
+        typer.Option("--nearest", help="If no cause can be named, add the effects that come nearest."),
     ] = False,
     whole: WholeOption = False,
     seed: SeedOption = 0,

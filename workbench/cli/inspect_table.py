@@ -31,7 +31,7 @@ def inspection_table(inspection: Inspection) -> Group:
         if inspection.sound
         else "Something is wrong: see the problems above."
         if any(r.severity == "problem" for e in inspection.recordings for r in e.remarks)
-        else "Nothing is plainly wrong; look at the warnings above."
+        else "Nothing is clearly wrong; read the warnings above."
     )
     return Group(*parts, Text(sound))
 

@@ -24,7 +24,7 @@ IntoOption = Annotated[
     typer.Option(
         "--into",
         metavar="ROBOT",
-        help="Write the numbers into a copy of this .xml or .urdf, named by -o; all else in it stays.",
+        help="Write the numbers into a copy of this .xml or .urdf (-o names it); all else stays as it is.",
     ),
 ]
 _FOLDERS = {"meshdir", "texturedir", "assetdir"}

@@ -39,7 +39,7 @@ def normalize(
         typer.Option(
             "--variant",
             metavar="NAME",
-            help="kin_only, s3n_act, s3n_full or exact; else the model's own, S3N-Full for Kin-Only.",
+            help="kin_only, s3n_act, s3n_full or exact; default: the model's, or S3N-Full for Kin-Only.",
             autocompletion=complete.variants,
         ),
     ] = None,
@@ -48,7 +48,7 @@ def normalize(
         typer.Option(
             "--allow-error",
             min=0.0,
-            help="Where the transmission depends on the posture: how far the fitted inertia may be off.",
+            help="If the transmission depends on the posture: largest error allowed for the fitted inertia.",
         ),
     ] = 0.05,
     for_: Annotated[

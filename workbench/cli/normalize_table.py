@@ -30,7 +30,7 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
         last = entry.element
     parts: list[RenderableType] = [table]
     if tree.left_out:
-        parts.append(Text(f"Not in the file, plain MJCF has no such thing: {', '.join(tree.left_out)}."))
+        parts.append(Text(f"Not in the file, as plain MJCF cannot state it: {', '.join(tree.left_out)}."))
     parts += [Text(f"Left out: {line}.") for line in tree.removed]
     if note := limits_left_out(tree.model):
         parts.append(Text(f"Note: {note}."))

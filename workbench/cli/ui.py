@@ -29,9 +29,11 @@ def ui(
         list[str] | None, typer.Argument(metavar="[REC...]", help="Recording files (.toml).")
     ] = None,
     holdout: Annotated[
-        str | None, typer.Option("--holdout", metavar="REC", help="Recording that judges and is not fitted.")
+        str | None, typer.Option("--holdout", metavar="REC", help="Recording that only tests the fit.")
     ] = None,
-    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="0: any free one.")] = 0,
+    port: Annotated[
+        int, typer.Option("--port", min=0, max=65535, help="Port of the page; 0: any free one.")
+    ] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
     seed: SeedOption = 0,
 ) -> None:

@@ -25,8 +25,8 @@ def trace_sheet(result: Diagnosis) -> Sheet:
     """The page of a trace: a drawing, a table of what was tried, and the rivals of every effect added."""
     trace = result.trace
     first = (
-        "Each line begins with a model and adds effects. It takes the place of the best so far where it "
-        "explains what that does not, leaves less than half of its excess error, or is simpler and as good."
+        "Each line starts from a model and adds effects. It replaces the best so far if it explains what "
+        "that does not, leaves less than half of its excess error, or is as good and simpler."
         if trace
         else "Nothing was searched: the model explains the recordings as it is."
     )
@@ -89,8 +89,8 @@ def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:
     if not rows:
         return ()
     caption = "Share of the squared error above the noise there that each removes by itself, best first"
-    table = SheetTable(caption, ("Effect added", "What else was fitted for its place"), tuple(rows))
-    return (Section("rivals", "What each effect was chosen from", tables=(table,)),)
+    table = SheetTable(caption, ("Effect added", "Other effects that were fitted in its place"), tuple(rows))
+    return (Section("rivals", "The candidates for each effect", tables=(table,)),)
 
 
 def _words(trace: Sequence[Tried]) -> str:

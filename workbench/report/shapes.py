@@ -46,11 +46,11 @@ def shape_figure(result: Diagnosis) -> Figure:
             a.plot(shape.grid, shape.seen, "o", ms=3, color=COLOURS["measured"][0])
             a.plot(shape.grid, shape.torque, **LINES["before"].drawn())
             a.set_xlabel(_along(shape))
-            a.set_ylabel(f"torque lacking on {plain(shape.axis)} [{shape.torque_unit}]")
+            a.set_ylabel(f"missing torque at {plain(shape.axis)} [{shape.torque_unit}]")
             a.set_title(f"{_titled(shape)}: {percent(shape.share)}")
         for a in grid.flat[len(shown) :]:
             a.set_visible(False)
-        figure.suptitle("Of what no effect explains; shapes, not causes", fontsize=10)
+        figure.suptitle("What no effect explains: shapes, not causes", fontsize=10)
     return figure
 
 
@@ -73,7 +73,7 @@ def shape_rows(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
                 "x": f"{along} [{shape.units[0]}]",
                 "y": f"torque lacking [{shape.torque_unit}]",
                 "unit": shape.torque_unit,
-                "about": f"Torque lacking on {plain(shape.axis)} against {along}{held}: {_ends(shape)}.",
+                "about": f"Missing torque at {plain(shape.axis)} against {along}{held}: {_ends(shape)}.",
                 **curve,
                 **edges,
             }

@@ -17,7 +17,9 @@ def told_apart(known: Identifiability | None) -> list[str]:
     if known is None:
         return []
     counts = f"{len(known.separable)} of {known.count} effects"
-    lines = [f"These recordings can tell {counts} from all others, at 2 % of the drives' torque."]
+    lines = [
+        f"These recordings can tell {counts} from all others, if the effect is 2 % of the drives' torque."
+    ]
     lines += [
         f"They cannot tell apart: {w.any_of([w.effect_phrase(k) for k in group], 'and')}."
         for group in known.groups
@@ -34,7 +36,7 @@ def disagreement_lines(found: Iterable[Disagreement]) -> list[str]:
         lines.append(
             f"The recordings disagree: {w.effect_phrase(d.key)} explains each of them, but is "
             f"{w.any_of(pairs, 'and')}{meaning}. Look for what "
-            "was another in them: a load, a gain, a unit, the day."
+            "differed between them: a load, a gain, a unit, the day."
         )
     return lines
 

@@ -214,7 +214,7 @@ def lookalike_sentence(keys: Sequence[EffectKey]) -> str:
     """What the data cannot tell apart, or nothing."""
     if not keys:
         return ""
-    return f"This data cannot tell it from {any_of([effect_phrase(k) for k in keys])}."
+    return f"These data cannot tell it from {any_of([effect_phrase(k) for k in keys])}."
 
 
 def holdout_sentence(before: float | None, after: float | None) -> str:

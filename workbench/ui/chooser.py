@@ -20,11 +20,11 @@ class Chooser:
         shelf = live.bench.shelf
         self.model = widget(pn.widgets.Select, name="Model", options=list(shelf.models))
         self.recordings = widget(pn.widgets.CheckBoxGroup, options=list(shelf.recordings))
-        self.held_out = widget(pn.widgets.Select, name="Held out, to judge", options=[_NONE])
+        self.held_out = widget(pn.widgets.Select, name="Held out, to test", options=[_NONE])
         hint = "" if shelf.recordings else _no_recordings()
         if shelf.unreadable:
             names = ", ".join(map(safe, shelf.unreadable[:3]))
-            hint += f"<p class=quiet>Not offered, as they are no TOML: {names}</p>"
+            hint += f"<p class=quiet>Not offered, because they are not TOML: {names}</p>"
         many = {"scroll": True, "max_height": 230} if len(shelf.recordings) > 9 else {}
         boxes = column(self.recordings, **many) if shelf.recordings else None
         parts: list[Any] = [

@@ -52,7 +52,7 @@ class Saving:
         result = self._result()
         self._waits = result is None and self.live.bench.history is not None
         if self._waits:
-            self.live.say("The report is saved as soon as the comparison is there.")
+            self.live.say("The report is saved once the comparison is done.")
             return
 
         def save() -> str:

@@ -153,6 +153,6 @@ def _free(port: int) -> int:
             probe.bind((_HOST, port))
         except OSError as error:
             raise InputError(
-                f"port {port} cannot be had: {error.strerror}", remedy="give another one: --port"
+                f"port {port} cannot be used: {error.strerror}", remedy="give another one: --port"
             ) from error
         return probe.getsockname()[1]
