@@ -108,7 +108,11 @@ def written(figure: Figure, new: dict[str, str]) -> None:
     for stand in figure.get("stands", ()):
         page = (ROOT / stand["file"]).read_text(encoding="utf-8")
         first = stated(stand, page)[0]
-        old, then = (f"| {first} | {filled(figure, stand['text'], v)} |" for v in (None, new))
+        texts = [stand[cell] for cell in ("text", "peer") if cell in stand]
+        old, then = (
+            "".join(f"| {c} " for c in (first, *(filled(figure, t, v) for t in texts))) + "|"
+            for v in (None, new)
+        )
         write_whole(ROOT / stand["file"], page.replace(old, then), force=True)
     table = TABLE.read_text(encoding="utf-8")
     start = table.index(f'id = "{figure["id"]}"')

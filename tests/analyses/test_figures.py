@@ -1,4 +1,4 @@
-"""The README states what the table of figures has, and `make figures` finds it in what commands make."""
+"""README and results state what the table of figures has, and `make figures` finds it in what runs."""
 
 from __future__ import annotations
 
@@ -14,20 +14,25 @@ from figure_table import NUMBER, NotFoundError, filled, measured, stated, table_
 from matplotlib.image import imsave
 
 ROOT = Path(__file__).resolve().parents[2]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-RESULTS = README.split("## Results")[1].split("\n## ")[0]
+RESULTS = {
+    name: (ROOT / name).read_text(encoding="utf-8").split("\n## Results")[1].split("\n## ")[0]
+    for name in ("README.md", "docs/results.md")
+}
 
 
-def test_every_row_of_the_results_is_a_figure_and_every_number_in_it_the_table_s() -> None:
-    stands = [(f, s) for f in figure_table.figures() for s in f.get("stands", ())]
-    rows = list(table_rows(RESULTS))[2:]
+@pytest.mark.parametrize("page", RESULTS)
+def test_every_row_of_the_results_is_a_figure_and_every_number_in_it_the_table_s(page: str) -> None:
+    stands = [(f, s) for f in figure_table.figures() for s in f.get("stands", ()) if s["file"] == page]
+    rows = list(table_rows(RESULTS[page]))[2:]
     assert len(rows) == len(stands)
-    for what, result, *_ in rows:
+    for what, result, theirs, _ in rows:
         [(figure, stand)] = [(f, s) for f, s in stands if what.startswith(s["row"])]
         assert result == filled(figure, stand["text"]), what
         fixed = set(figure.get("fixed", ()))
+        peer = stand.get("peer")
+        assert theirs == filled(figure, peer) if peer else set(NUMBER.findall(theirs)) <= fixed, what
         assert set(NUMBER.findall(what)) <= fixed, what
-        nameless = stand["text"].format_map({v["name"]: "" for v in figure["values"]})
+        nameless = (stand["text"] + (peer or "")).format_map({v["name"]: "" for v in figure["values"]})
         assert set(NUMBER.findall(nameless)) <= fixed, f"{what}: a number that no command makes"
 
 
@@ -35,7 +40,7 @@ def test_every_value_stands_somewhere_and_every_file_is_there() -> None:
     known = figure_table.figures()
     assert len({f["id"] for f in known}) == len(known)
     for figure in known:
-        text = "".join(s["text"] for s in figure.get("stands", ()))
+        text = "".join(s["text"] + s.get("peer", "") for s in figure.get("stands", ()))
         names = [v["name"] for v in figure.get("values", ())]
         assert len(set(names)) == len(names) and all(f"{{{n}}}" in text for n in names), figure["id"]
         for command in figure["commands"]:
