@@ -15,7 +15,7 @@ from matplotlib.image import imsave
 
 ROOT = Path(__file__).resolve().parents[2]
 RESULTS = {
-    name: (ROOT / name).read_text(encoding="utf-8").split("\n## Results")[1].split("\n## ")[0]
+    name: (ROOT / name).read_text(encoding="utf-8").split("# Results\n", 1)[1].split("\n## ")[0]
     for name in ("README.md", "docs/results.md")
 }
 
