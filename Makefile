@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test check docs figures uncompile format clean
+.PHONY: setup training demo test check docs figures notebooks uncompile format clean
 
 setup: $(STAMP)
 
@@ -49,6 +49,10 @@ docs: setup
 # DATA=: folder of the measured data; WRITE=1: into the pages.
 figures: training
 	$(BIN)/python analyses/figures.py $(if $(ALL),--all) $(if $(ONLY),--only $(ONLY)) $(if $(DATA),--data $(DATA)) $(if $(WRITE),--write)
+
+# The notebooks run anew, with what they show.
+notebooks: setup
+	$(BIN)/python analyses/run_notebooks.py
 
 # numba keeps machine code beside its file and does not see that a function of another file has changed.
 uncompile:

@@ -26,8 +26,9 @@ DISTRIBUTIONS = {
 EXTRA = PROJECT["optional-dependencies"]["training"]
 PAGES = PROJECT["optional-dependencies"]["ui"]
 CLUSTER = PROJECT["optional-dependencies"]["ray"]
+NOTEBOOKS = PROJECT["optional-dependencies"]["notebook"]
 #: What some commands use where it is there.
-OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES, *CLUSTER]
+OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES, *CLUSTER, *NOTEBOOKS]
 
 
 def third_party(folder: str, *, guarded: bool = True) -> set[str]:

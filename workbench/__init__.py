@@ -20,12 +20,14 @@ if TYPE_CHECKING:
     from .diagnosis import diagnose, improve
     from .effects import load_model
     from .inspection import inspect
+    from .proposing import import_table
     from .recordings import load_recording, load_recordings, save_recording
     from .simulation import simulate
 
 __all__ = [
     "compare",
     "diagnose",
+    "import_table",
     "improve",
     "inspect",
     "load_model",
@@ -38,6 +40,7 @@ __all__ = [
 _HOME = {
     "compare": "comparison",
     "diagnose": "diagnosis",
+    "import_table": "proposing",
     "improve": "diagnosis",
     "inspect": "inspection",
     "load_model": "effects",
@@ -53,3 +56,8 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    """The public names, which a shell's Tab offers; they are imported on first use."""
+    return list(__all__)

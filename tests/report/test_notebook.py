@@ -5,7 +5,8 @@ from itertools import pairwise
 
 from matplotlib.figure import Figure
 
-from workbench import load_model
+from workbench import inspect, load_model
+from workbench.core import Recordings
 
 from .browser import NASTY, Page
 
@@ -59,3 +60,25 @@ def test_numbers_of_a_model_s_picture_stand_apart_and_inside_it() -> None:
         boxes = [label.get_window_extent() for label in [*shown, axis.label]]
         assert all(figure.bbox.x0 <= b.x0 and b.x1 <= figure.bbox.x1 and b.y0 >= 0 for b in boxes)
         assert not any(a.overlaps(b) for a, b in pairwise(boxes[:-1]))
+
+
+def test_a_shell_prints_a_few_lines_and_no_arrays(comparison, diagnosis, improvement) -> None:
+    recordings = Recordings(c.recording for c in comparison.recordings)
+    model = load_model("leg")
+    for value in (comparison, diagnosis, improvement, recordings, recordings[0], model, inspect(recordings)):
+        text = repr(value)
+        assert "array(" not in text and text.count("\n") < 25
+        assert Page(value._repr_html_()).text.startswith(text.splitlines()[0])
+        assert isinstance(value.plot(), Figure)
+    assert "Coulomb friction" in repr(improvement) and "0.254 ± 0.003 N m" in repr(diagnosis)
+
+
+def test_a_model_s_lines_have_what_its_file_states(tmp_path) -> None:
+    file = tmp_path / "arm.xml"
+    file.write_text(
+        """<mujoco><worldbody><body><joint name="lift" axis="0 1 0" armature="0.087" damping="0.8"
+        frictionloss="0.9"/><geom type="capsule" size="0.03" fromto="0 0 0 0 0 0.3"/></body></worldbody>
+        </mujoco>"""
+    )
+    text = repr(load_model(file))
+    assert "0.087 kg m²" in text and "0.8 N m s/rad" in text and "0.9 N m" in text and "0 kg m²" not in text

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from workbench.core import InputError
 
 from .common import echo, named_values, write_result
@@ -16,7 +14,6 @@ if TYPE_CHECKING:
     from workbench.inspection import Inspection
     from workbench.proposing import Answers, Proposal
 
-_NUMBERS = ("rate", "counts")  # without an answer, a proposal does not hold the likeliest of these
 _ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
 
 
@@ -41,7 +38,7 @@ def import_table(
     from workbench.effects import load_model
     from workbench.inspection import inspect
     from workbench.models import read_model
-    from workbench.proposing import by_weight, complete, open_table, propose, write
+    from workbench.proposing import NUMBERS, by_weight, complete, open_table, propose, write
 
     from .import_check import with_model
 
@@ -54,7 +51,7 @@ def import_table(
         proposal = propose(table, answers)
     for _ in range(_ROUNDS):
         # a proposal holds the likeliest units, axes and run already, and says that they are guesses
-        asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key not in _NUMBERS))
+        asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key not in NUMBERS))
         if not asked:
             break
         silent = quiet or json == "-"
@@ -112,14 +109,14 @@ def read_answers(
     Raises:
         InputError: an option that is not of its form, or a model that cannot be read.
     """
-    from workbench.proposing import Answers
+    from workbench.effects import load_model
+    from workbench.proposing import Answers, said_by
 
     if coordinates not in ("", "actuator", "joint"):
         raise InputError(f"--coordinates '{coordinates}' is neither 'actuator' nor 'joint'")
     for value, option in ((rate, "--rate"), (counts, "--counts"), (period, "--period")):
         if value is not None and not 0 < value < float("inf"):
             raise InputError(f"{option} must be positive", remedy="give a finite number above zero")
-    names, linear, transmission, loop, floats = _model_axes(model)
     columns = {k: tuple(v.split(",")) for k, v in named_values(column, "--column", "position=q1,q2").items()}
     return Answers(
         axes=tuple(axis or ()),
@@ -131,28 +128,9 @@ def read_answers(
         kp=tuple(kp or ()),
         kd=tuple(kd or ()),
         period_s=period,
-        model_axes=names,
-        linear=linear,
-        transmission=transmission,
-        loop=loop,
-        floats=floats,
         episode=episode,
+        **({} if model is None else said_by(load_model(model))),
     )
-
-
-def _model_axes(
-    model: str | None,
-) -> tuple[tuple[str, ...], tuple[bool, ...], np.ndarray | None, bool, bool]:
-    """Axes, which slide, the transmission if not the identity, whether a loop is stated, a base floats."""
-    if model is None:
-        return (), (), None, False, False
-    from workbench.effects import axis_units, load_model
-
-    loaded = load_model(model)
-    n = len(loaded.driven)
-    slides, transmission = tuple(unit == "m" for unit in axis_units(loaded)[:n]), loaded.transmission[:n, :n]
-    turned = None if np.array_equal(transmission, np.eye(n)) else transmission
-    return loaded.driven, slides, turned, loaded.controller.kind != "unknown", loaded.floats
 
 
 def proposal_dict(proposal: Proposal, written: list[Path], found: Inspection) -> dict[str, Any]:

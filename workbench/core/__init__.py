@@ -17,7 +17,7 @@ from .diagnosis import (
 )
 from .errors import InputError, SimulationError, WorkbenchError
 from .mechanism import Mechanism
-from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Timing
+from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Recordings, Timing
 from .results import (
     FORMAT,
     HOPELESS,
@@ -52,6 +52,7 @@ __all__ = [
     "Outlier",
     "Recording",
     "RecordingError",
+    "Recordings",
     "Shape",
     "Share",
     "SimulationError",

@@ -77,7 +77,7 @@ class Finding:
     total: Estimate | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis(Shown):
     """Which physical effect is missing, how sure, what else it could be, what to measure next.
 
@@ -217,8 +217,8 @@ class Step:
     removed: tuple[EffectKey, ...] = ()
 
 
-@dataclass(frozen=True)
-class Improvement:
+@dataclass(frozen=True, repr=False)
+class Improvement(Shown):
     """The whole way from a model to one that explains the data; what its diagnosis has too is as there.
 
     Attributes:

@@ -92,7 +92,7 @@ class Timing:
     reference_held: bool | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recording(Shown):
     """One experiment, SI units, uniform clock, N rows and n axes.
 
@@ -195,3 +195,7 @@ def _readonly(array: FloatArray) -> FloatArray:
     out = np.asarray(array).view()
     out.flags.writeable = False
     return out
+
+
+class Recordings(Shown, list[Recording]):
+    """Several recordings: a list that shells and notebooks show in a few lines."""

@@ -99,7 +99,7 @@ class Outlier:
     limit: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison(Shown):
     """A model held against recordings.
 

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from workbench.core.shown import Shown
 from workbench.recordings.noise import NoiseLevels
 
 Severity = Literal["ok", "note", "warning", "problem"]
@@ -70,9 +71,11 @@ class RecordingInspection:
     excited: tuple[Excited, ...]
 
 
-@dataclass(frozen=True)
-class Inspection:
+@dataclass(frozen=True, repr=False)
+class Inspection(Shown):
     """Everything said about all recordings, in the order given."""
+
+    _shown_by = "workbench.inspection.notebook"
 
     recordings: tuple[RecordingInspection, ...]
 

@@ -106,7 +106,7 @@ class AppliedEffect:
         return {name: estimate.value for name, estimate in self.parameters.items()}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Model(Shown):
     """A machine as we believe it to be.
 

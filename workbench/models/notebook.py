@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 from typing import Any
 
 import mujoco
@@ -12,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from workbench.core.palette import LINES
 from workbench.core.picture import Picture
+from workbench.core.shown import Summary
 
 from .model import Model
 from .serial import joint_kinds
@@ -23,8 +23,8 @@ _SLIM = 0.5  # least width of the box of links over its largest: numbers on a sl
 _UNITS = {"hinge": ("kg m²", "N m s/rad", "N m"), "slide": ("kg", "N s/m", "N")}
 
 
-def as_html(model: Model) -> str:
-    """Drives and effects in two tables; strangers' strings are escaped."""
+def summary(model: Model) -> Summary:
+    """Drives, what the file states of its joints, and effects."""
     a = model.actuators
     kinds = joint_kinds(model)
     units = [_UNITS[kinds[int(row.argmax())]] for row in np.abs(model.transmission)]
@@ -37,11 +37,33 @@ def as_html(model: Model) -> str:
         for e in model.effects
     ]
     head = ("drive", "inertia", "damping", "limit")
-    first = _table(head, [(name, *map(_number, numbers, of)) for name, numbers, of in drives])
-    second = _table(("effect", "parameters"), effects) if effects else "<p>No effects.</p>"
-    told = f"{model.serial.name}, delay {1e3 * a.delay_s:.3g} ms, loop: {model.controller.kind}"
-    title = f"<p><strong>{html.escape(model.name)}</strong> ({html.escape(told)})</p>"
-    return f"<div>{title}{first}{second}</div>"
+    tables = [
+        (head, [(name, *map(_number, numbers, of)) for name, numbers, of in drives if _says(numbers)]),
+        (("joint of the file", "armature", "damping", "dry friction"), _stated(model)),
+        (("effect", "parameters"), effects),
+    ]
+    told = (
+        f"{model.serial.name} with axes {', '.join(model.axes)}; delay {1e3 * a.delay_s:.3g} ms; "
+        f"loop: {model.controller.kind}"
+    )
+    return Summary(model.name, told if effects else f"{told}; no effects", tables)
+
+
+def _says(numbers: tuple[float, ...]) -> bool:
+    """Whether a drive has something: an inertia, damping or limit."""
+    return any(0.0 < x < np.inf for x in numbers)
+
+
+def _stated(model: Model) -> list[tuple[str, ...]]:
+    """What the MJCF or URDF itself has of a joint beside its links, where it has something."""
+    tree = Skeleton.of(model.serial).spec
+    rows = []
+    for joint, kind in zip(model.joints, joint_kinds(model), strict=True):
+        dof = tree.jnt_dofadr[tree.joint(joint).id]
+        numbers = [float(x[dof]) for x in (tree.dof_armature, tree.dof_damping, tree.dof_frictionloss)]
+        if any(numbers):
+            rows.append((joint, *map(_number, numbers, _UNITS[kind])))
+    return rows
 
 
 def as_figure(model: Model) -> Figure:
@@ -83,9 +105,3 @@ def _number(value: float, unit: str) -> str:
 def _printed(unit: str) -> str:
     """``"kg*m^2"`` as it is read."""
     return "" if unit == "1" else unit.replace("^2", "²").replace("^3", "³").replace("*", " ")
-
-
-def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
-    top = "".join(f"<th>{html.escape(h)}</th>" for h in head)
-    body = "".join(f"<tr>{''.join(f'<td>{html.escape(c)}</td>' for c in row)}</tr>" for row in rows)
-    return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"

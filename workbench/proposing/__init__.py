@@ -2,12 +2,14 @@
 
 from .by_weight import by_weight
 from .files import open_table
+from .import_table import NUMBERS, import_table, said_by
 from .proposal import Answers, Assumption, Proposal, Question
 from .propose import propose
 from .table import Table
 from .write import complete, write
 
 __all__ = [
+    "NUMBERS",
     "Answers",
     "Assumption",
     "Proposal",
@@ -15,7 +17,9 @@ __all__ = [
     "Table",
     "by_weight",
     "complete",
+    "import_table",
     "open_table",
     "propose",
+    "said_by",
     "write",
 ]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.core import Controller, Excitation, InputError, Recording, Timing
+from workbench.core import Controller, Excitation, InputError, Recording, Recordings, Timing
 
 from .checks import check_alive, check_excitation, check_finite
 from .clock import Clock, read_clock
@@ -153,7 +153,7 @@ def _steps(signals: Mapping[str, np.ndarray], good: np.ndarray) -> dict[str, np.
     }
 
 
-def load_recordings(paths: str | Path | Iterable[str | Path]) -> list[Recording]:
+def load_recordings(paths: str | Path | Iterable[str | Path]) -> Recordings:
     """Read several recordings.
 
     Args:
@@ -162,7 +162,7 @@ def load_recordings(paths: str | Path | Iterable[str | Path]) -> list[Recording]
     Raises:
         InputError: as `load_recording`, or a pattern that finds nothing.
     """
-    return [load_recording(file) for file in recording_files(paths)]
+    return Recordings(load_recording(file) for file in recording_files(paths))
 
 
 def recording_files(paths: str | Path | Iterable[str | Path]) -> list[Path]:

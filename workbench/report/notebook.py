@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import html
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import singledispatch
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from workbench.core import Comparison, Diagnosis, Recording
+from workbench.core import Comparison, Diagnosis, Estimate, Improvement, Recording, Recordings
 from workbench.core.palette import LINES
 from workbench.core.picture import Picture
+from workbench.core.shown import Row, Summary
 from workbench.core.units import torque_unit
 
 from . import wording as w
-from .answer import diagnosis_sentence
+from .answer import diagnosis_sentence, improvement_sentence
 from .figures import house_style, ladder_figure, overlay_figure
 from .numbers import interval, number, percent, plain, quantity
 from .pack import worst_view
@@ -26,9 +26,9 @@ _TRACES = (("position", "position"), ("torque_measured", "torque"))
 
 
 @singledispatch
-def as_html(value: Any) -> str:
-    """A value in a few lines of HTML; strangers' strings are escaped."""
-    return f"<pre>{html.escape(repr(value))}</pre>"
+def summary(value: Any) -> Summary:
+    """A value in a few lines; strangers' strings are plain."""
+    return Summary(type(value).__name__, "")
 
 
 @singledispatch
@@ -37,8 +37,8 @@ def as_figure(value: Any, **options: Any) -> Figure:
     raise TypeError(f"there is no picture of a {type(value).__name__}")
 
 
-@as_html.register
-def _(value: Comparison) -> str:
+@summary.register
+def _(value: Comparison) -> Summary:
     rows = [
         (
             e.recording.name if k == 0 else "",
@@ -52,41 +52,51 @@ def _(value: Comparison) -> str:
         for k, axis in enumerate(e.recording.axes)
     ]  # fmt: skip
     head = ("recording", "axis", "position RMSE (noise)", "torque RMSE (noise)")
-    numbers = f"error {number(value.error)}, noise floor {number(value.noise_error)}"
-    return _block(w.comparison_sentence(value), numbers, head, rows)
+    return _plain(w.comparison_sentence(value), _error(value.error, value.noise_error), head, rows)
 
 
-@as_html.register
-def _(value: Diagnosis) -> str:
+@summary.register
+def _(value: Diagnosis) -> Summary:
     rows = [
         (
             w.capital(w.effect_phrase(f.key)),
-            "; ".join(f"{w.parameter_name(n)} {interval(e)}" for n, e in f.parameters.items()),
+            _parameters(f.parameters),
             percent(f.probability),
             number(f.error_after),
             "; ".join(w.effect_phrase(k) for k in f.indistinguishable_from) or "–",
         )
         for f in value.findings
     ]
-    numbers = f"error {number(value.error)}, noise floor {number(value.noise_error)}"
+    told = _error(value.error, value.noise_error)
     if value.next_experiment:
-        numbers += f". Measure next: {value.next_experiment}"
+        told += f". Measure next: {value.next_experiment}"
     head = ("effect", "parameters (95 %)", "probable", "error with it", "looks the same")
-    return _block(diagnosis_sentence(value), numbers, head, rows)
+    return _plain(diagnosis_sentence(value), told, head, rows)
 
 
-@as_html.register
-def _(value: Recording) -> str:
-    rows = [
-        (axis, f"{number(float(np.nanmin(q)))} to {number(float(np.nanmax(q)))} {unit}")
-        for axis, unit, q in zip(value.axes, value.units, value.position.T, strict=True)
-    ]
+@summary.register
+def _(value: Improvement) -> Summary:
+    rows = [(f"+ {w.effect_phrase(s.key)}", _parameters(s.parameters), number(s.error)) for s in value.kept]
+    told = _error(value.error_after, value.noise_error)
+    return _plain(improvement_sentence(value), told, ("effect", "parameters (95 %)", "error with it"), rows)
+
+
+@summary.register
+def _(value: Recording) -> Summary:
     measured = ", ".join(s.replace("_", " ") for s in value.signals if s not in value.derived)
     told = (
-        f"{number(value.duration)} s at {number(1.0 / value.period)} Hz, {value.coordinates} coordinates, "
-        f"loop: {value.controller.kind}. Measured: {measured}."
+        f"{_length(value)}, {value.coordinates} coordinates, loop: {value.controller.kind}. "
+        f"Measured: {measured}."
     )
-    return _block(value.name, told, ("axis", "range"), rows)
+    return _plain(value.name, told, ("axis", "range"), [(axis, text) for axis, text in _ranges(value)])
+
+
+@summary.register
+def _(value: Recordings) -> Summary:
+    rows = [(r.name, _length(r), "; ".join(f"{axis} {text}" for axis, text in _ranges(r))) for r in value]
+    total = number(sum(r.duration for r in value))
+    title = f"{len(value)} recording{'s' * (len(value) != 1)}, {total} s"
+    return _plain(title, "", ("recording", "length", "ranges"), rows)
 
 
 @as_figure.register
@@ -103,6 +113,18 @@ def _(value: Comparison, *, axis: str | None = None, recording: int | None = Non
 def _(value: Diagnosis) -> Figure:
     """The error falling with every finding."""
     return ladder_figure(value)
+
+
+@as_figure.register
+def _(value: Improvement) -> Figure:
+    """The error falling with every effect that was added."""
+    return ladder_figure(value)
+
+
+@as_figure.register
+def _(value: Recordings, *, recording: int = 0) -> Figure:
+    """One of them, the first if not said."""
+    return as_figure(value[recording])
 
 
 @as_figure.register
@@ -130,12 +152,24 @@ def _beside(size: float, noise: float, unit: str) -> str:
     return f"{quantity(float(size), unit)} ({quantity(float(noise), unit)})"
 
 
-def _block(title: str, told: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    body = "".join(f"<tr>{''.join(f'<td>{_safe(c)}</td>' for c in row)}</tr>" for row in rows)
-    top = "".join(f"<th>{_safe(h)}</th>" for h in head)
-    table = f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>" if body else ""
-    return f"<div><p><strong>{_safe(title)}</strong><br>{_safe(told)}</p>{table}</div>"
+def _plain(title: str, told: str, head: Row, rows: Iterable[Row]) -> Summary:
+    table = [tuple(plain(cell) for cell in row) for row in rows]
+    return Summary(plain(title), plain(told), [(head, table)])
 
 
-def _safe(text: str) -> str:
-    return html.escape(plain(text))
+def _error(error: float, floor: float) -> str:
+    return f"error {number(error)}, noise floor {number(floor)}"
+
+
+def _parameters(parameters: Mapping[str, Estimate]) -> str:
+    return "; ".join(f"{w.parameter_name(n)} {interval(e)}" for n, e in parameters.items())
+
+
+def _length(recording: Recording) -> str:
+    return f"{number(recording.duration)} s at {number(1.0 / recording.period)} Hz"
+
+
+def _ranges(recording: Recording) -> Iterator[tuple[str, str]]:
+    """Every axis with its lowest and highest position."""
+    for axis, unit, q in zip(recording.axes, recording.units, recording.position.T, strict=True):
+        yield axis, f"{number(float(np.nanmin(q)))} to {number(float(np.nanmax(q)))} {unit}"
