@@ -166,7 +166,9 @@ class Policy:
     related: float = 0.5  # correlation of responses from which two effects are held apart; fewer groups
     disagreement: float = 0.25  # relative difference of sizes by which recordings disagree; fewer do
     told_apart: float = 1.2  # rms error / noise with which an experiment tells two models apart; fewer do
-    resolved: float = 0.2  # of the rows a second, the highest frequency that a log shows; faster experiments
+    resolved: float = (
+        0.2  # of the rows a second, the highest frequency that a log shows; faster experiments
+    )
 
     # Effort: with more of it more is found, and it takes longer
     most_effects: int = 6  # effects that are added one by one; what needs more needs a better model first
@@ -186,6 +188,7 @@ class Policy:
     pairs_solved: int = 300  # pairs that are solved within bounds
     pairs_simulated: int = 6  # pairs that are simulated
     sets_simulated: int = 4  # sets on every axis that are simulated
+    doubted_singly: int = 3  # least certain effects that are left out one at a time, beside many at once
     replacements: int = 3  # others that are tried in place of a cause
     merge_candidates: int = 2  # effects that are tried in place of two
     check_recordings: int = 2  # recordings in which wrong signs and units are looked for

@@ -10,6 +10,7 @@ import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import EFFECTS, SignalStage, kinds
+from workbench.models import AppliedEffect
 
 from ..acceptance import explains_most, holdout_insensitive, improves_an_axis, near_noise_floor
 from ..data import Data
@@ -25,6 +26,7 @@ from ..screening.equations import Entry, Equations, equations
 from ..screening.screen import entries_of
 from ..screening.sensitivity import Linearisation
 from ..search_result import AcceptedStep, steps_through
+from ..significance import significance
 from .choice import loss_ratios, simplest_first
 from .sets import is_sound, solved_together
 
@@ -41,7 +43,7 @@ def shared_effects(problem: Problem) -> tuple[AcceptedStep, ...]:
     fit as well without are left out again.
 
     Returns:
-        One step an effect and axis, the largest first; without their own data and runs.
+        One step per effect and axis, the largest first; without their own data and runs.
         Empty where nothing explains much.
     """
     linearisation, data, start = problem.linearisation, problem.data, problem.start
@@ -79,14 +81,14 @@ def _other_causes(names: Sequence[str], than: Sequence[str]) -> bool:
 def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None) -> Fit:
     """The fit with only those effects whose removal raises the loss.
 
+    What is least certain goes first, as many at once as do no harm: one by one, a dozen axes with three
+    effects each would take hundreds of fits.
+
     `doubted`: the effects to test; by default all.
     """
     found = whole
     while len(found.hypothesis.free) > 1:
-        free = found.hypothesis.free
-        asked = [a for a in free if doubted is None or a.key in doubted]
-        others = [tuple(b for b in free if b is not a) for a in asked]
-        without = fit([replace(found.hypothesis, free=rest) for rest in others], data, iterations=3)
+        without = fit([replace(found.hypothesis, free=f) for f in _fewer(found, doubted)], data, iterations=3)
         idle = [
             f
             for f in without
@@ -96,8 +98,18 @@ def needed(whole: Fit, data: Data, doubted: Collection[EffectKey] | None = None)
         ]
         if not idle:
             break
-        found = min(idle, key=lambda f: f.test_loss)
+        found = min(idle, key=lambda f: (len(f.hypothesis.free), f.test_loss))
     return found
+
+
+def _fewer(found: Fit, doubted: Collection[EffectKey] | None) -> Iterator[tuple[AppliedEffect, ...]]:
+    """Its effects without each of the least certain ones, and without as many of them as double each time."""
+    free = found.hypothesis.free
+    certain = {a.key: significance(a) for a in free}
+    order = sorted((a.key for a in free if doubted is None or a.key in doubted), key=certain.__getitem__)
+    out = [{key} for key in order[: POLICY.doubted_singly]]
+    out += [set(order[: 2**k]) for k in range(1, len(free)) if 2**k <= len(order) and 2**k < len(free)]
+    return (tuple(a for a in free if a.key not in some) for some in out)
 
 
 def _promising(
