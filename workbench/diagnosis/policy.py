@@ -166,9 +166,7 @@ class Policy:
     related: float = 0.5  # correlation of responses from which two effects are held apart; fewer groups
     disagreement: float = 0.25  # relative difference of sizes by which recordings disagree; fewer do
     told_apart: float = 1.2  # rms error / noise with which an experiment tells two models apart; fewer do
-    resolved: float = (
-        0.2  # of the rows a second, the highest frequency that a log shows; faster experiments
-    )
+    resolved: float = 0.2  # of the log's rate, the highest frequency that it shows; faster experiments
 
     # Effort: with more of it more is found, and it takes longer
     most_effects: int = 6  # effects that are added one by one; what needs more needs a better model first
