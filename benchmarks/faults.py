@@ -13,16 +13,22 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from workbench.can import CanConfig, Feedback, Frame, Setpoint, load_config
+from workbench.can import CanConfig, Feedback, Frame, Setpoint, load_config, make_drive
 from workbench.can.imu import WorkbenchImu
 from workbench.deployment import Host, SimulatedNetwork, Target, joints_of
 from workbench.deployment.limits import limits_of
 from workbench.deployment.network import Arrival
 from workbench.rigs import VirtualMotor
 
-PROTOCOLS = "mit", "damiao", "robstride"
+PROTOCOLS = "mit", "damiao", "robstride", "moteus", "odrive"
 POSTURE, IMU = np.array([-0.55, np.pi / 3] * 2), 0x60
 _RANGES = {"position": 12.5, "velocity": 45.0, "torque": 25.0, "source": "of the virtual drives"}
+#: What drives of a protocol have that others have not; a moteus damps with all of its kd.
+_OWN = {
+    "robstride": {"reply_id": 0xFD},
+    "moteus": {"ranges": {**_RANGES, "kd": 1.0}},
+    "odrive": {"endpoints": {"watchdog_timeout": 481, "enable_watchdog": 482}},
+}
 _LIMITS = {"position": [-1.7, 4.0], "velocity": 40.0, "torque": 24.0}
 _AT = 0.35  # s after the drives were first told to move
 _NONE = 0.02  # N m: no more than the two steps about zero of a frame
@@ -33,12 +39,13 @@ def robot(folder: Path, protocol: str) -> CanConfig:
     motors = [
         {
             "axis": f"{side}_{name}", "bus": side, "protocol": protocol, "id": k + 1, "ranges": _RANGES,
-            "reply_id": 0xFD if protocol == "robstride" else 17 + k, "limits": _LIMITS,
-            "watchdog_source": "of the virtual drives",
+            "limits": _LIMITS, "watchdog_source": "of the virtual drives", **_OWN.get(protocol, {"reply_id": 17 + k}),
         }
         for side in ("left", "right") for k, name in enumerate(("hip", "knee"))
     ]  # fmt: skip
     buses = [{"name": s, "interface": "workbench", "channel": f"{s}.sock"} for s in ("left", "right")]
+    if protocol == "moteus":
+        buses = [{**bus, "data_bitrate": 5_000_000} for bus in buses]
     legs = [{"model": "leg", "axes": [f"{s}_hip", f"{s}_knee"]} for s in ("left", "right")]
     content = {"format": 1, "bus": buses, "motor": motors, "mechanism": legs,
                "loop": {"soft_start_s": 0.1}, "imu": {"bus": "left", "id": IMU, "tilt": 0.9}}  # fmt: skip
@@ -75,6 +82,7 @@ class Bench:
         self.damped: float | None = None
         self.ran_on, self.say = False, lambda line: None
         self._told: list[tuple[float, int, float]] = []
+        self._listens = [make_drive(motor) for motor in self.config.motor]
         for k, motor in enumerate(self.motors):
             motor.hear = partial(self._hear, k, motor, motor.hear)
         self.network.every_row = self._row
@@ -96,7 +104,7 @@ class Bench:
         return max((x for at, _, x in self._told if at > (np.inf if gone is None else gone)), default=0.0)
 
     def _hear(self, k: int, motor: VirtualMotor, hear: Callable[[Frame], None], frame: Frame) -> None:
-        asked = motor.drive.asked(frame)
+        asked = self._listens[k].asked(frame)
         if isinstance(asked, Setpoint) and self.begun is not None:
             now, most = self.network.now() - self.begun, max(abs(asked.torque), asked.kp)
             self._told.append((now, k, most))
@@ -149,17 +157,19 @@ def _tamper(change: Callable[[Bench, Arrival], list[tuple[float, Arrival]]]) -> 
 def _says(**more: float) -> Callable[[Bench], None]:
     """The first drive says something else than it has to."""
 
-    def change(bench: Bench, a: Arrival) -> list[tuple[float, Arrival]]:
+    def happen(bench: Bench) -> None:
         drive = bench.motors[0].drive
-        said = drive.decode(a.frame) if a.bus == "left" else None
-        if not isinstance(said, Feedback):
-            return [(a.stamp, a)]
-        shift = more.get("shift", 0.0)
         own = {key: value for key, value in more.items() if key != "shift"}
-        said = said._replace(enabled=True, position=said.position + shift)._replace(**own)
-        return [(a.stamp, a._replace(frame=drive.answer(said)))]
 
-    return _tamper(change)
+        def wrong(says: Callable[..., object], said: Feedback, *when: float) -> object:
+            shifted = said._replace(enabled=True, position=said.position + more.get("shift", 0.0))
+            return says(shifted._replace(**own), *when)
+
+        for name in ("answer", "unasked"):
+            if says := getattr(drive, name, None):
+                setattr(drive, name, partial(wrong, says))
+
+    return happen
 
 
 def _unit(frames: list[Frame]) -> Callable[[Bench], None]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from workbench.can import CanConfig, Frame, make_drive
+from workbench.can import CanConfig, Frame
 from workbench.can.imu import Triple, WorkbenchImu
 from workbench.core import InputError
 
@@ -14,6 +14,7 @@ from .hidden import HiddenEffect
 from .live import ROW, LiveLeg, LiveShaft, Plant
 from .quadruped import GRAVITY_NOISE, GYRO_NOISE, LiveQuadruped
 from .quadruped import ROW as QUADRUPED_ROW
+from .speaking import side_of
 from .virtual_leg import Sensors
 from .virtual_motor import VirtualMotor
 
@@ -58,7 +59,7 @@ class MotorBank:
         quadruped = config.bench.rig == "quadruped"
         self.row = row or (QUADRUPED_ROW if quadruped else ROW)
         self.motors = {
-            m.axis: VirtualMotor(m.axis, make_drive(m, _OWN if m.reads_ranges else None), m.sign, m.offset)
+            m.axis: VirtualMotor(m.axis, side_of(m, _OWN if m.reads_ranges else None), m.sign, m.offset)
             for m in config.motor
         }
         for m in config.motor:
