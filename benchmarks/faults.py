@@ -39,7 +39,8 @@ def robot(folder: Path, protocol: str) -> CanConfig:
     motors = [
         {
             "axis": f"{side}_{name}", "bus": side, "protocol": protocol, "id": k + 1, "ranges": _RANGES,
-            "limits": _LIMITS, "watchdog_source": "of the virtual drives", **_OWN.get(protocol, {"reply_id": 17 + k}),
+            "limits": _LIMITS, "watchdog_source": "of the virtual drives",
+            **_OWN.get(protocol, {"reply_id": 17 + k}),
         }
         for side in ("left", "right") for k, name in enumerate(("hip", "knee"))
     ]  # fmt: skip
@@ -189,6 +190,14 @@ def _frozen(bench: Bench) -> None:
     _tamper(change)(bench)
 
 
+def _let_go(bench: Bench) -> None:
+    """A drive is off by itself; a moteus follows again what it is told, unless something is wrong with it."""
+    motor = bench.motors[1]
+    motor.enabled = False
+    if motor.drive.name == "moteus":
+        motor.fault = 33
+
+
 def _raises(error: BaseException) -> Callable[..., None]:
     def fails(*args: object) -> None:
         raise error
@@ -234,7 +243,7 @@ def _noise(bench: Bench, now: float) -> None:
     generator, wire = np.random.default_rng(round(1e6 * now)), bench.network.wires["right"]
     node = wire.attach("noise", lambda stamp, frame: None)
     wire.send(
-        node, Frame(int(generator.integers(0x20, 0x7FF)), generator.bytes(int(generator.integers(8)))), now
+        node, Frame(int(generator.integers(0x60, 0x7FF)), generator.bytes(int(generator.integers(8)))), now
     )
 
 
@@ -278,7 +287,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("a speed beyond its limit", _says(velocity=42.0)),
     Fault("a temperature beyond its limit", _says(temperature=90.0)),
     Fault("a drive reports a fault (voltage, current, encoder ...)", _says(fault=9)),
-    Fault("a drive lets go by itself", lambda b: setattr(b.motors[1], "enabled", False)),
+    Fault("a drive lets go by itself", _let_go),
     Fault("the inertial unit is silent", _tamper(lambda b, a: [] if a.frame.id == IMU else [(a.stamp, a)])),
     Fault("the inertial unit is frozen", _unit(_STILL)),
     Fault("the robot is tilted beyond its limit", _unit(_TILTED)),

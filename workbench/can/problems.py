@@ -92,7 +92,7 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
     try:
         make_drive(motor)
     except FrameError as error:
-        yield key, str(error), "correct the identifiers"
+        yield key, str(error), "correct identifiers or ranges"
     yield from range_problems(motor, (r.position, r.velocity, r.torque), c)
 
 

@@ -109,8 +109,14 @@ class MoteusDrive:
 
     def _frame(self, wanted: list[tuple[int, int]], values: dict[int, float]) -> Frame:
         data = bytearray()
-        for register, kind in wanted:
-            data += bytes([0x21 | kind << 2, register]) + _value(register, kind, values.get(register, 0.0))
+        while wanted:
+            first, kind = wanted[0]
+            run = [at for k, at in enumerate(wanted) if at == (first + k, kind)]
+            wanted = wanted[len(run) :]
+            few = len(run) if len(run) < 4 else 0
+            data += bytes([0x20 | kind << 2 | few, *([] if few else [len(run)]), first])
+            for register, _ in run:
+                data += _value(register, kind, values.get(register, 0.0))
         for length in (*range(9), 12, 16, 20, 24, 32, 48, 64):
             if length >= len(data):
                 data += b"\x50" * (length - len(data))

@@ -1,4 +1,4 @@
-"""An ODrive as its bus sees it: messages of a node, its cascade, and endpoints; written from its documentation.
+"""An ODrive as its bus sees it: messages of a node, its cascade, endpoints; from its documentation.
 
 It shares no code and no table with the codec of the host; see `moteus_drive`.
 """
@@ -105,7 +105,7 @@ class OdriveDrive:
         return []
 
     def _setpoint(self, p: float, v: float, t: float) -> Setpoint:
-        """What its cascade makes of an input, in radians; nothing in another mode than by position, at once."""
+        """What its cascade makes of an input, in radians; nothing in a mode other than position, at once."""
         if self._mode != (3, 1):
             return Setpoint(0.0, 0.0, 0.0, 0.0, 0.0)
         kd = self._damped / _TURN
