@@ -56,17 +56,25 @@ def robot(folder: Path, protocol: str) -> CanConfig:
 
 
 class Swing:
-    """Swings the legs; what it answers can be spoilt, late, or nothing at all."""
+    """Swings the legs; what it answers can be spoilt, late, or nothing at all.
+
+    Attributes:
+        since: when it begins to swing [s].
+        spoil: is added to its answer [rad].
+        stuck: when its answer was made, if it goes on giving the same [s].
+    """
 
     def __init__(self) -> None:
-        self.spoil, self.stuck = 0.0, None
+        self.spoil, self.stuck, self.since = 0.0, None, 0.0
         self.before: Callable[[], object] = lambda: None
 
     def target(self, now: float, phase: str, position, velocity, base) -> Target:
         """See `Controller`."""
         self.before()
         made = now if self.stuck is None else self.stuck
-        return Target(POSTURE + 0.2 * np.sin(6.0 * now) + self.spoil, np.zeros(4), made)
+        return Target(
+            POSTURE + 0.2 * np.sin(6.0 * max(0.0, now - self.since)) + self.spoil, np.zeros(4), made
+        )
 
 
 class Bench:
@@ -88,11 +96,17 @@ class Bench:
             motor.hear = partial(self._hear, k, motor, motor.hear)
         self.network.every_row = self._row
         self._since = np.inf
+        fault.before(self)
 
     @property
     def longest(self) -> float:
         """The longest that a drive drove without a command [s]."""
         return max(motor.longest for motor in self.motors)
+
+    @property
+    def rests(self) -> bool:
+        """Whether it has had the time to come to rest."""
+        return self.network.now() >= self._since + 0.6 * _AT
 
     def gone(self) -> float | None:
         """From the fault until the last drive had no torque any more [s]."""
@@ -136,6 +150,7 @@ class Fault:
     Attributes:
         about: in words.
         happen: does it.
+        before: what is so from the beginning.
         every_row: goes on doing it.
         harmless: the run is to go on.
         fatal: nobody is left to notice.
@@ -143,6 +158,7 @@ class Fault:
 
     about: str
     happen: Callable[[Bench], object] = lambda bench: None
+    before: Callable[[Bench], object] = lambda bench: None
     every_row: Callable[[Bench, float], object] = lambda bench, now: None
     harmless: bool = False
     fatal: bool = False
@@ -175,7 +191,7 @@ def _says(**more: float) -> Callable[[Bench], None]:
 
 def _unit(frames: list[Frame]) -> Callable[[Bench], None]:
     """The inertial unit says this."""
-    own = {frame.id: frame for frame in frames}
+    own = {frame.id: frame for frame in frames}  # what it says besides these goes on
     return _tamper(lambda bench, a: [(a.stamp, a._replace(frame=own.get(a.frame.id, a.frame)))])
 
 
@@ -183,11 +199,24 @@ def _frozen(bench: Bench) -> None:
     last: dict[tuple[str, int], Frame] = {}
 
     def change(bench: Bench, a: Arrival) -> list[tuple[float, Arrival]]:
-        if a.frame.id in (IMU, IMU + 1):
+        if a.frame.id in WorkbenchImu(IMU).ids:
             return [(a.stamp, a)]
         return [(a.stamp, a._replace(frame=last.setdefault((a.bus, a.frame.id), a.frame)))]
 
     _tamper(change)(bench)
+
+
+def _begins(bench: Bench) -> None:
+    bench.controller.since = bench.network.now()
+
+
+def _at_rest(bench: Bench) -> None:
+    """Nothing moves; after some time the drives of one bus go on saying the same."""
+    bench.controller.since = np.inf
+    _frozen(bench)
+    change = bench.network.tamper
+    assert change is not None
+    bench.network.tamper = lambda a: change(a) if bench.rests and a.bus == "left" else [(a.stamp, a)]
 
 
 def _let_go(bench: Bench) -> None:
@@ -273,8 +302,10 @@ def _wall_clock(bench: Bench) -> None:
     _once(lambda b: setattr(time, "time", real))(bench)
 
 
-_TILTED = WorkbenchImu(IMU).encode((0.0, 0.0, 0.0), (0.0, -np.sin(1.1), -np.cos(1.1)))
-_STILL = WorkbenchImu(IMU).encode((0.01, 0.0, 0.0), (0.0, 0.0, -1.0))
+_SIDE, _COS = np.sin(1.1), np.cos(1.1)
+_TILTED = WorkbenchImu(IMU).encode((0.0, 0.0, 0.0), (0.0, -_SIDE, -_COS), (0.0, _SIDE, _COS))
+_STILL = WorkbenchImu(IMU).encode((0.01, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
+_FALLS = WorkbenchImu(IMU).encode((0.01, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 0.0, 0.02))[2:]
 _LATE = 0.012
 
 FAULTS: tuple[Fault, ...] = (
@@ -283,6 +314,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("a drive is dead", lambda b: setattr(b.motors[3], "dead", True)),
     Fault("all feedback is 12 ms late", _tamper(lambda b, a: [(a.stamp + _LATE, a)])),
     Fault("feedback is frozen, the robot moves", _frozen),
+    Fault("feedback freezes at rest, then the robot is to move", _begins, before=_at_rest),
     Fault("a position jumps by 1 rad and stays", _says(shift=1.0)),
     Fault("a speed beyond its limit", _says(velocity=42.0)),
     Fault("a temperature beyond its limit", _says(temperature=90.0)),
@@ -291,6 +323,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("the inertial unit is silent", _tamper(lambda b, a: [] if a.frame.id == IMU else [(a.stamp, a)])),
     Fault("the inertial unit is frozen", _unit(_STILL)),
     Fault("the robot is tilted beyond its limit", _unit(_TILTED)),
+    Fault("the robot falls without tilting", _unit(_FALLS)),
     Fault("an action is no number", lambda b: setattr(b.controller, "spoil", np.nan)),
     Fault("an action is huge", lambda b: setattr(b.controller, "spoil", 60.0)),
     Fault("a policy repeats its last action", lambda b: setattr(b.controller, "stuck", b.network.now())),

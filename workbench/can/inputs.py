@@ -17,6 +17,7 @@ class ImuTable(Table):
         protocol: a name in `workbench.can.imu.IMUS`.
         id: of its first frame.
         period_s: from one sample to the next [s].
+        fall_s: over which what carries the base is averaged [s]: so long a free fall damps.
         tilt: of the base against gravity, beyond which everything damps [rad]; else the policy's.
     """
 
@@ -24,6 +25,7 @@ class ImuTable(Table):
     protocol: str = "workbench"
     id: int
     period_s: Annotated[float, Field(ge=0.0005, le=0.02)] = 0.003
+    fall_s: Annotated[float, Field(ge=0.05, le=1.0)] = 0.12
     tilt: Annotated[float, Field(gt=0.0, le=3.2)] | None = None
 
 

@@ -24,6 +24,7 @@ _TO_POSITION, _TO_VELOCITY, _TO_TORQUE, _KP, _KD, _MOST, _WATCHDOG = 0x20, 0x21,
 _OUTPUT = 0x130  # what its position is to be from now on
 _STOPPED, _FAULTY, _FOLLOWS, _TIMEOUT, _DAMPS = 0, 1, 10, 11, 12  # modes
 _ANSWER = 0x8000  # is wanted
+_ROUNDING = 1e-9  # of two parts that are meant to be the same
 #: Register -> what a step of int8, int16, int32 and float is worth, SI.
 _STEPS: Steps = {
     **dict.fromkeys((_POSITION, _TO_POSITION, _OUTPUT), (1e-2 * tau, 1e-4 * tau, 1e-5 * tau, tau)),
@@ -104,7 +105,7 @@ class Moteus:
         patience = packed(WRITE, {_WATCHDOG: self.watchdog_s}, self._kind, _STEPS)
         if s.kp == s.torque == s.velocity == 0.0 and damped == 1.0:
             return self._to_drive(packed(WRITE, {_MODE: _DAMPS}, 0, _STEPS) + patience + self._query)
-        if damped > stiff:
+        if damped > stiff * (1 + _ROUNDING):
             raise FrameError(f"kd of {s.kd:g} is a larger part of {r.kd:g} than kp of {s.kp:g} of {r.kp:g}")
         values = {_TO_POSITION: s.position, _TO_VELOCITY: s.velocity, _TO_TORQUE: s.torque, _KP: stiff,
                   _KD: damped, _MOST: r.torque}  # fmt: skip

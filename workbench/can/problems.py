@@ -135,7 +135,7 @@ def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
         taken |= dict.fromkeys(claimed(motor), f"'{motor.axis}'")
     for id in ids:
         if id in taken:
-            yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose two that are free"
+            yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose some that are free"
 
 
 def _unknown_bus(c: CanConfig, where: str, name: str) -> Iterator[tuple[str, str, str]]:
@@ -150,6 +150,6 @@ def _stop_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     yield from _unknown_bus(c, "stop.bus", c.stop.bus)
     taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in claimed(motor)}
     if c.imu and c.imu.bus == c.stop.bus and c.imu.protocol in IMUS:
-        taken |= {c.imu.id, c.imu.id + 1}
+        taken |= set(IMUS[c.imu.protocol](c.imu.id).ids)
     if c.stop.id in taken:
         yield "stop.id", f"id {c.stop.id:#x} is used by another", "choose one that is free"

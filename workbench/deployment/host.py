@@ -217,7 +217,7 @@ class Host:
         seen = Seen(
             now, f.position, f.velocity, f.temperature, f.age(now), f.faulty, drives.took,
             self.operator.stop, self.operator.arm and self._enabling == 0, self._verified, f.base.age(now),
-            failed, drives.gap, f.base.same(now), f.torque, f.base.motion.gravity,
+            failed, drives.gap, f.base.same(now), f.base.carried, f.torque, f.base.motion.gravity,
         )  # fmt: skip
         drives.took, drives.gap = True, 0.0
         self.state, out = step(self._limits, self.state, seen, wanted)
