@@ -30,14 +30,20 @@ class ImuTable(Table):
 
 
 class StopTable(Table):
-    """``[stop]``: an emergency stop that says on a bus that motion is permitted: first byte 1, standard id.
+    """``[stop]``: an emergency stop on a bus, on a line of the computer, or on both.
+
+    On a bus it says that motion is permitted: first byte 1, standard id. The line is high for that.
 
     Attributes:
-        bus: name of its bus.
+        bus: name of its bus; empty without one.
         id: of its frame.
-        silent_s: how long it may say nothing before that is a press [s].
+        silent_s: how long it may say nothing there before that is a press [s].
+        chip: of its line, as ``/dev/gpiochip0``; empty without one.
+        line: its number.
     """
 
-    bus: str
-    id: Annotated[int, Field(ge=0, le=0x7FF)]
+    bus: str = ""
+    id: Annotated[int, Field(ge=0, le=0x7FF)] | None = None
+    chip: str = ""
+    line: Annotated[int, Field(ge=0)] = 0
     silent_s: Annotated[float, Field(ge=0.01, le=1.0)] = 0.1

@@ -147,6 +147,15 @@ def _unknown_bus(c: CanConfig, where: str, name: str) -> Iterator[tuple[str, str
 def _stop_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     if c.stop is None:
         return
+    if not (c.stop.bus or c.stop.chip):
+        yield "stop", "names no button", "give bus and id, or chip and line"
+    if c.stop.chip and "line" not in c.stop.model_fields_set:
+        yield "stop.line", "is missing", "give the number of the line on its chip"
+    if not c.stop.bus:
+        return
+    if c.stop.id is None:
+        yield "stop.id", "is missing", "give the identifier of the button's frame"
+        return
     yield from _unknown_bus(c, "stop.bus", c.stop.bus)
     taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in claimed(motor)}
     if c.imu and c.imu.bus == c.stop.bus and c.imu.protocol in IMUS:
