@@ -196,9 +196,10 @@ def test_a_line_of_the_computer_stops_when_it_is_low_or_gone(tmp_path: Path, pul
         "pulled down, if it can be"
     )
     table["line"] = 3
-    with pytest.raises(InputError, match=r"line 3 of .*gpiochip0 cannot be had \(Invalid argument\)"):
-        with stop_line(config(tmp_path, [motor("m", 1)], stop=table), kernel):
-            pass
+    said = r"line 3 of .*gpiochip0 cannot be had \(Invalid argument\)"
+    other = config(tmp_path, [motor("m", 1)], stop=table)
+    with pytest.raises(InputError, match=said), stop_line(other, kernel):
+        pass
     with pytest.raises(InputError, match="No such file"):
         Line(str(tmp_path / "none"), 17)
     with stop_line(config(tmp_path, [motor("m", 1)]), kernel) as watches:

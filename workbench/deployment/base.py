@@ -11,6 +11,7 @@ from workbench.can import CanConfig, Frame, FrameError
 from workbench.can.imu import IMUS, Quantity
 
 _WHOLE = 0.9  # of a window, which samples have to span
+_UNKNOWN = np.full(3, np.nan)
 
 
 class BaseMotion(NamedTuple):
@@ -24,7 +25,7 @@ class BaseMotion(NamedTuple):
 
     angular: np.ndarray
     gravity: np.ndarray
-    force: np.ndarray
+    force: np.ndarray = _UNKNOWN
 
 
 class BaseFeedback:
