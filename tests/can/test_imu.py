@@ -63,3 +63,29 @@ def test_what_is_not_known_is_old_and_what_is_not_there_is_not_missed(tmp_path) 
     loaded = config(tmp_path, [motor("hip", 1)], imu={"bus": "can0", "id": 0x60})
     assert BaseFeedback(loaded, 0.009).age(5.0) == float("inf")
     assert BaseFeedback(loaded.model_copy(update={"imu": None}), 0.009).age(5.0) == 0.0
+
+
+def test_what_carries_a_base_is_averaged_over_the_time_that_it_may_fall(tmp_path) -> None:
+    loaded = config(tmp_path, [motor("hip", 1)], imu={"bus": "can0", "id": 0x60, "fall_s": 0.1})
+    base, now = BaseFeedback(loaded, 0.009), 5.0
+
+    def sample(force: float, sideways: float = 0.0) -> float:
+        nonlocal now
+        now += 0.002
+        for frame in UNIT.encode((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (sideways, 0.0, force)):
+            base.take(frame, now, now)
+        return base.carried
+
+    early = [sample(1.0) for _ in range(46)]
+    assert np.isnan(early).all(), "not before nine tenths of the time are known"
+    assert [sample(1.0) for _ in range(50)] == pytest.approx([1.0] * 50, abs=1e-3)
+    falls = [sample(0.0) for _ in range(50)]
+    assert np.all(np.diff(falls) < 0.0) and falls[24] == pytest.approx(0.5, abs=0.02) and falls[-1] < 0.03
+    for k in range(60):  # legs that swing pull to and fro, and carry nothing
+        pulled = sample(0.0, 0.9 * (-1) ** k)
+    assert pulled < 0.05
+    for k in range(60):  # steps: nothing for a while, then twice the weight
+        stepping = sample(2.0 if k % 20 < 10 else 0.0)
+    assert 0.7 < stepping < 1.3
+    still = config(tmp_path, [motor("hip", 1)])
+    assert np.isnan(BaseFeedback(still, 0.009).carried)

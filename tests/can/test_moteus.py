@@ -203,3 +203,52 @@ def test_random_frames_raise_nothing_unexpected(data: bytes) -> None:
         FLOAT.decode(Frame(0x100, data))
     except FrameError:
         return
+
+
+def test_every_fault_that_is_published_has_its_name() -> None:
+    named = {
+        11: "no command within its watchdog", 32: "calibration", 33: "motor driver", 34: "over-voltage",
+        35: "encoder", 36: "not configured", 37: "PWM overrun", 38: "hot", 39: "outside its limits",
+        40: "under-voltage", 41: "configuration changed", 42: "commutation encoder", 43: "output encoder",
+        44: "driver enable", 45: "stop position", 46: "timing", 47: "feedforward without acceleration",
+        48: "invalid limits",
+    }  # fmt: skip
+    assert {number: FLOAT.explain(number) for number in named} == named and FLOAT.explain(7) == "number 7"
+
+
+@pytest.mark.parametrize("kind", range(4), ids=["int8", "int16", "int32", "float"])
+def test_answers_of_every_type_mean_the_same(kind: int) -> None:
+    # 0.25 turns, 0.5 turns a second, -1.5 N m, 31 degrees, as the registers' table has their steps
+    steps = ((0.01, 1e-4, 1e-5, 1.0), (0.1, 2.5e-4, 1e-5, 1.0), (0.5, 0.01, 1e-3, 1.0), (1.0, 0.1, 1e-3, 1.0))
+    values, letter = (0.25, 0.5, -1.5, 31.0), "bhif"[kind]
+    raw = [value / step[kind] for value, step in zip(values, steps, strict=True)]
+    p, v, t, hot = (struct.pack("<" + letter, each if kind == 3 else round(each)) for each in raw)
+    mode = struct.pack("<" + letter, 10)
+    data = bytes([0x20 | kind << 2, 4, 0]) + mode + p + v + t + bytes([0x20 | kind << 2 | 1, 14]) + hot
+    got = FLOAT.decode(Frame(0x100, data, fd=True))
+    assert got == (pytest.approx(0.25 * math.tau), pytest.approx(0.5 * math.tau), -1.5, 31.0, True, 0)
+
+
+@pytest.mark.parametrize("kind", range(4), ids=["int8", "int16", "int32", "float"])
+def test_commands_of_every_type_are_read_in_a_log(kind: int) -> None:
+    steps = (
+        (0.01, 1e-4, 1e-5, 1.0), (0.1, 2.5e-4, 1e-5, 1.0), (0.5, 0.01, 1e-3, 1.0),
+        (1 / 127, 1 / 32767, 1 / 2147483647, 1.0), (1 / 127, 1 / 32767, 1 / 2147483647, 1.0),
+    )  # fmt: skip
+    values, letter = (0.25, 0.5, -1.5, 1.0, 0.5), "bhif"[kind]
+    raw = [value / step[kind] for value, step in zip(values, steps, strict=True)]
+    body = b"".join(struct.pack("<" + letter, each if kind == 3 else round(each)) for each in raw)
+    frame = Frame(0x8001, bytes([0x01, 0, 10, kind << 2, 5, 0x20]) + body, True, fd=True)
+    wanted = (0.25 * math.tau, 0.5 * math.tau, 60.0, 1.0, -1.5)
+    assert FLOAT.asked(frame) == pytest.approx(wanted, rel=0.02)
+    [_, _, setpoint] = virtual().asked(frame)
+    assert setpoint == pytest.approx(wanted, rel=0.02)
+
+
+def test_its_exchange_is_as_long_as_its_frames() -> None:
+    assert [(c.length, c.extended, c.fd) for c in FLOAT.exchange] == [(48, True, True), (24, False, True)]
+    assert [(c.length, c.extended, c.fd) for c in INT16.exchange] == [(32, True, True), (16, False, True)]
+    assert Moteus(8, 0, RANGES).exchange[1].extended and not Moteus(7, 0x7F, RANGES).exchange[1].extended
+    assert FLOAT.claims == {(0x8001, True), (0x100, False)}
+    assert Moteus(8, 1, RANGES).claims == {(0x8108, True), (0x801, True)}
+    assert FLOAT.torque_step < INT16.torque_step == 0.01

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workbench.can import Feedback, Frame, FrameError, Parameter, Ranges, Setpoint
+from workbench.can import Feedback, Frame, FrameError, Parameter, Ranges, Read, Setpoint
+from workbench.can.messages import Action
 from workbench.can.odrive import Endpoints, Odrive
 from workbench.rigs.odrive_drive import OdriveDrive
 
@@ -17,6 +18,7 @@ RANGES = Ranges(12.0, 40.0, 20.0, 60.0, 2.0, "its configuration")
 ENDS = Endpoints(481, 482)
 NODE = 5
 PART = st.floats(-1.0, 1.0)
+ACTIONS: tuple[Action, ...] = ("enable", "disable", "zero", "clear")
 
 
 def drive(ends: Endpoints | None = ENDS) -> Odrive:
@@ -211,3 +213,40 @@ def test_random_frames_raise_nothing_unexpected(id: int, data: bytes, remote: bo
         codec.decode(frame)
     except FrameError:
         return
+
+
+def test_every_error_that_is_published_has_its_name() -> None:
+    named = {
+        1: "not started", 1 << 1: "system", 1 << 2: "timing", 1 << 3: "no estimate",
+        1 << 4: "bad configuration",
+        1 << 5: "gate driver", 1 << 6: "no input", 1 << 8: "over-voltage", 1 << 9: "under-voltage",
+        1 << 10: "over-current of the supply", 1 << 11: "too much current fed back", 1 << 12: "over-current",
+        1 << 13: "hot motor", 1 << 14: "hot MOSFET", 1 << 15: "too fast", 1 << 16: "outside its limits",
+        1 << 24: "no command within its watchdog", 1 << 25: "emergency stop", 1 << 26: "encoder slipped",
+        1 << 27: "brake resistor", 1 << 28: "no thermistor", 1 << 30: "calibration",
+    }  # fmt: skip
+    assert {bit: drive().explain(bit) for bit in named} == named
+
+
+def test_its_exchange_and_what_a_log_shows_of_actions() -> None:
+    lengths = [len(frame.data) for frame in drive().command(Setpoint(0, 0, 0, 0, 0))]
+    once = [each.length for each in drive().exchange if not each.hz]
+    assert once == [8, 8, 8, 0, 0, 8, 8] and sorted(lengths) == [0, 0, 8, 8, 8]
+    assert [(each.length, each.hz) for each in drive().exchange if each.hz] == [(8, 100.0), (8, 10.0)]
+    codec = drive()
+    shown = [codec.asked(codec.act(action)[-1 if action == "enable" else 0]) for action in ACTIONS]
+    assert shown == list(ACTIONS)
+    assert [codec.asked(frame) for frame in codec.read("watchdog")] == [Read("watchdog")] * 2
+    assert Odrive(0, RANGES).claims == {(k, False) for k in range(32)}
+
+
+def test_four_hundred_feedbacks_may_lack_a_temperature_and_no_more() -> None:
+    said = Feedback(0.1, 0.2, 0.3, 30.0, True)
+    codec, other = drive(), virtual()
+    beat, warm = other.unasked(said, 0.0)
+    codec.decode(warm)
+    heard = []
+    for _ in range(401):
+        codec.decode(beat)
+        heard.append(answers(codec, other, said) is not None)
+    assert heard == [True] * 400 + [False]

@@ -74,7 +74,7 @@ class Moteus:
         """Frames of one exchange."""
         sent = self.command(Setpoint(0.0, 0.0, 0.0, 0.0, 0.0))
         answer = self.id << 8 | self.host_id
-        said = 2 + 4 * (2, 4)[self._kind == 3] + 2 + 3  # heads, four registers, three of a byte
+        said = 3 + 4 * (2, 4)[self._kind == 3] + 2 + 3  # heads, four registers, three of a byte
         return Carried(len(sent.data), True, True), Carried(len(padded(bytes(said))), answer > 0x7FF, True)
 
     @property
