@@ -79,6 +79,25 @@ def test_a_flexible_frame_takes_the_bits_of_both_its_rates(frame: Frame) -> None
     assert seconds(frame, 1e6, 5e6) <= worst * (1 + 1e-12)
 
 
+@pytest.mark.parametrize("length", FD_LENGTHS)
+def test_every_length_of_a_flexible_frame_takes_its_bits(length: int) -> None:
+    for id, extended in ((0, False), (0x7FF, False), (0, True), (0x1FFFFFFF, True)):
+        for byte in (b"\0", b"\xff", b"\x0f", b"\x83"):
+            frame = Frame(id, byte * length, extended, fd=True)
+            slow, fast = both_rates(frame)
+            assert seconds(frame, 1e6, 5e6) == pytest.approx(slow / 1e6 + fast / 5e6, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("length", "extended", "slow", "fast"),
+    [(8, False, 17 + 4 + 12, 5 + 64 + 17 + 28), (64, True, 36 + 8 + 12, 5 + 512 + 130 + 33)],
+)
+def test_the_longest_flexible_frames_by_hand(length: int, extended: bool, slow: int, fast: int) -> None:
+    # slow: what arbitrates, its stuffing, what follows the checksum; fast: length and data, the checksum with
+    # its own stuffing and delimiter, stuffing
+    assert worst_seconds(length, extended, True, 1e6, 5e6) == pytest.approx(slow * 1e-6 + fast * 2e-7)
+
+
 def test_the_worst_flexible_frame_can_be_reached() -> None:
     # zeros all along: the most stuffing that there is, but for the ones of FDF and BRS
     frame = Frame(0, bytes(64), False, fd=True)

@@ -130,6 +130,9 @@ def test_a_gamepad_asks_by_its_sticks_and_any_button_stops(tmp_path: Path) -> No
     assert pad.watch() is None and command.asked == pytest.approx([0.5, 0.0, -0.5], abs=1e-3)
     os.write(hand, event(2, 0, -9830) + event(2, 5, 32767))
     assert pad.watch() is None and command.asked == pytest.approx([0.5, 0.15, -0.5], abs=1e-3)
+    for axis, asked in ((1, (0.25, 0.0, 0.0)), (0, (0.0, 0.125, 0.0)), (3, (0.0, 0.0, 0.25))):
+        os.write(hand, b"".join(event(2, k, -8192 if k == axis else 0) for k in (0, 1, 3)))
+        assert pad.watch() is None and command.asked == pytest.approx(asked, abs=1e-4)
     os.write(hand, event(2, 0, 3000) + event(2, 1, -3000) + event(2, 3, 0))
     assert pad.watch() is None and not command.asked.any(), "sticks that are let go are not quite at zero"
     os.write(hand, event(1, 4, 0))
