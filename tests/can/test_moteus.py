@@ -252,3 +252,16 @@ def test_its_exchange_is_as_long_as_its_frames() -> None:
     assert FLOAT.claims == {(0x8001, True), (0x100, False)}
     assert Moteus(8, 1, RANGES).claims == {(0x8108, True), (0x801, True)}
     assert FLOAT.torque_step < INT16.torque_step == 0.01
+
+
+@pytest.mark.parametrize("kind", range(3), ids=["int8", "int16", "int32"])
+def test_the_most_negative_integer_is_no_number_and_the_next_is_one(kind: int) -> None:
+    least, letter = -(2 ** (8 << kind) // 2), "bhi"[kind]
+
+    def velocity(raw: int) -> float:
+        words = b"".join(struct.pack("<" + letter, each) for each in (10, 0, raw, 0))
+        got = FLOAT.decode(Frame(0x100, bytes([0x20 | kind << 2, 4, 0]) + words, fd=True))
+        assert isinstance(got, Feedback)
+        return got.velocity
+
+    assert math.isnan(velocity(least)) and velocity(least + 1) < 0.0
