@@ -55,6 +55,13 @@ def test_a_dbc_is_written(tmp_path: Path) -> None:
     assert names == {"command_hip", "command_knee", "feedback_11", "feedback_12"}
 
 
+def test_an_odrive_may_close_its_own_loop_and_a_moteus_stand_beside_another(tmp_path: Path) -> None:
+    load_config(written(tmp_path, table([ODRIVE], loop={"pd": "drive", "kd": 0.5})))
+    load_config(written(tmp_path, flexible([MOTEUS, {**MOTEUS, "axis": "toe", "id": 2}])))
+    load_config(written(tmp_path, flexible([MOTEUS], rate=1_000_000)))
+    load_config(written(tmp_path, table([ODRIVE, {**HIP, "axis": "toe", "id": 2, "reply_id": 0x40}])))
+
+
 def test_a_dbc_of_an_odrive_is_that_of_its_node_and_a_moteus_has_none(tmp_path: Path) -> None:
     content = table([ODRIVE, {**ODRIVE, "axis": "toe", "id": 3}, {**MOTEUS, "bus": "fd", "axis": "heel"}])
     content["bus"].append({**content["bus"][0], "name": "fd", "channel": "fd", "data_bitrate": 5_000_000})
