@@ -57,6 +57,10 @@ def test_a_dbc_is_written(tmp_path: Path) -> None:
 
 def test_an_odrive_may_close_its_own_loop_and_a_moteus_stand_beside_another(tmp_path: Path) -> None:
     load_config(written(tmp_path, table([ODRIVE], loop={"pd": "drive", "kd": 0.5})))
+    load_config(written(tmp_path, table([motor(a, k, protocol="robstride") for k, a in enumerate("ab")])))
+    load_config(
+        written(tmp_path, table([motor(a, k, protocol="mit", reply_id=9) for k, a in enumerate("ab")]))
+    )
     load_config(written(tmp_path, flexible([MOTEUS, {**MOTEUS, "axis": "toe", "id": 2}])))
     load_config(written(tmp_path, flexible([MOTEUS], rate=1_000_000)))
     load_config(written(tmp_path, table([ODRIVE, {**HIP, "axis": "toe", "id": 2, "reply_id": 0x40}])))
@@ -104,6 +108,11 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
             table([{**HIP, "endpoints": ENDS}]),
             "damiao drive has none",
         ),
+        (
+            table([HIP, motor("toe", 2, protocol="mit", reply_id=0x11)]),
+            "drives of damiao and mit answer on 0x11",
+        ),
+        (table([motor(axis, 1, protocol="robstride") for axis in ("hip", "toe")]), "id 0x1 is used twice"),
         (table([ODRIVE | {"watchdog_source": ""}]), "this odrive drive cannot be read back"),
         (table([ODRIVE, {**HIP, "axis": "toe", "id": 2, "reply_id": 0x21}]), "'toe' uses 0x21 too"),
         (table([ODRIVE, {**ODRIVE, "axis": "toe"}]), "'toe' uses 0x20 too"),

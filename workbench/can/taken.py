@@ -36,7 +36,7 @@ def id_problems(motors: list[MotorTable]) -> Iterator[tuple[str, str, str]]:
             continue
         others = [m for m in motors if m is not motor]
         for other in others:
-            shared = claimed(motor) & (claimed(other) | ({REGISTERS_ID} if other in standard else set()))
+            shared = claimed(motor) & claimed(other)
             if shared:
                 problem = f"'{other.axis}' uses {min(shared):#x} too"
                 yield f"motor '{motor.axis}'.id", problem, "give each drive of a bus its own"
