@@ -40,6 +40,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
     result = tracker(arguments.seconds, arguments.time_scale, arguments.seed)
+    for line in result["lacks"]:
+        print(f"said before it began: lacks time: {line}")
     trip = result["round_trip_ms"]
     print("                 round trip p50 / p99    missed ticks")
     _line("over CAN", trip["p50"], trip["p99"], result["missed_share"])

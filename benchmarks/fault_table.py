@@ -105,7 +105,11 @@ def _each(cells: Sequence[str]) -> str:
     """One cell for all protocols, or one each."""
     if all(cell.startswith("none after ") for cell in cells):
         return f"none after {_each([cell.removeprefix('none after ') for cell in cells])}"
-    return cells[0] if len(set(cells)) == 1 else " / ".join(cells)
+    if len(set(cells)) == 1:
+        return cells[0]
+    if all(cell.endswith(" ms") for cell in cells):
+        return " / ".join(cell.removesuffix(" ms") for cell in cells) + " ms"
+    return " / ".join(cells)
 
 
 def table(cells: Sequence[Sequence[str]]) -> str:

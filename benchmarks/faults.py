@@ -13,16 +13,22 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from workbench.can import CanConfig, Feedback, Frame, Setpoint, load_config
+from workbench.can import CanConfig, Feedback, Frame, Setpoint, load_config, make_drive
 from workbench.can.imu import WorkbenchImu
 from workbench.deployment import Host, SimulatedNetwork, Target, joints_of
 from workbench.deployment.limits import limits_of
 from workbench.deployment.network import Arrival
 from workbench.rigs import VirtualMotor
 
-PROTOCOLS = "mit", "damiao", "robstride"
+PROTOCOLS = "mit", "damiao", "robstride", "moteus", "odrive"
 POSTURE, IMU = np.array([-0.55, np.pi / 3] * 2), 0x60
 _RANGES = {"position": 12.5, "velocity": 45.0, "torque": 25.0, "source": "of the virtual drives"}
+#: What drives of a protocol have that others have not; a moteus damps with all of its kd.
+_OWN = {
+    "robstride": {"reply_id": 0xFD},
+    "moteus": {"ranges": {**_RANGES, "kd": 1.0}},
+    "odrive": {"endpoints": {"watchdog_timeout": 481, "enable_watchdog": 482}},
+}
 _LIMITS = {"position": [-1.7, 4.0], "velocity": 40.0, "torque": 24.0}
 _AT = 0.35  # s after the drives were first told to move
 _NONE = 0.02  # N m: no more than the two steps about zero of a frame
@@ -33,12 +39,14 @@ def robot(folder: Path, protocol: str) -> CanConfig:
     motors = [
         {
             "axis": f"{side}_{name}", "bus": side, "protocol": protocol, "id": k + 1, "ranges": _RANGES,
-            "reply_id": 0xFD if protocol == "robstride" else 17 + k, "limits": _LIMITS,
-            "watchdog_source": "of the virtual drives",
+            "limits": _LIMITS, "watchdog_source": "of the virtual drives",
+            **_OWN.get(protocol, {"reply_id": 17 + k}),
         }
         for side in ("left", "right") for k, name in enumerate(("hip", "knee"))
     ]  # fmt: skip
     buses = [{"name": s, "interface": "workbench", "channel": f"{s}.sock"} for s in ("left", "right")]
+    if protocol == "moteus":
+        buses = [{**bus, "data_bitrate": 5_000_000} for bus in buses]
     legs = [{"model": "leg", "axes": [f"{s}_hip", f"{s}_knee"]} for s in ("left", "right")]
     content = {"format": 1, "bus": buses, "motor": motors, "mechanism": legs,
                "loop": {"soft_start_s": 0.1}, "imu": {"bus": "left", "id": IMU, "tilt": 0.9}}  # fmt: skip
@@ -48,17 +56,25 @@ def robot(folder: Path, protocol: str) -> CanConfig:
 
 
 class Swing:
-    """Swings the legs; what it answers can be spoilt, late, or nothing at all."""
+    """Swings the legs; what it answers can be spoilt, late, or nothing at all.
+
+    Attributes:
+        since: when it begins to swing [s].
+        spoil: is added to its answer [rad].
+        stuck: when its answer was made, if it goes on giving the same [s].
+    """
 
     def __init__(self) -> None:
-        self.spoil, self.stuck = 0.0, None
+        self.spoil, self.stuck, self.since = 0.0, None, 0.0
         self.before: Callable[[], object] = lambda: None
 
     def target(self, now: float, phase: str, position, velocity, base) -> Target:
         """See `Controller`."""
         self.before()
         made = now if self.stuck is None else self.stuck
-        return Target(POSTURE + 0.2 * np.sin(6.0 * now) + self.spoil, np.zeros(4), made)
+        return Target(
+            POSTURE + 0.2 * np.sin(6.0 * max(0.0, now - self.since)) + self.spoil, np.zeros(4), made
+        )
 
 
 class Bench:
@@ -75,15 +91,22 @@ class Bench:
         self.damped: float | None = None
         self.ran_on, self.say = False, lambda line: None
         self._told: list[tuple[float, int, float]] = []
+        self._listens = [make_drive(motor) for motor in self.config.motor]
         for k, motor in enumerate(self.motors):
             motor.hear = partial(self._hear, k, motor, motor.hear)
         self.network.every_row = self._row
         self._since = np.inf
+        fault.before(self)
 
     @property
     def longest(self) -> float:
         """The longest that a drive drove without a command [s]."""
         return max(motor.longest for motor in self.motors)
+
+    @property
+    def rests(self) -> bool:
+        """Whether it has had the time to come to rest."""
+        return self.network.now() >= self._since + 0.6 * _AT
 
     def gone(self) -> float | None:
         """From the fault until the last drive had no torque any more [s]."""
@@ -96,7 +119,7 @@ class Bench:
         return max((x for at, _, x in self._told if at > (np.inf if gone is None else gone)), default=0.0)
 
     def _hear(self, k: int, motor: VirtualMotor, hear: Callable[[Frame], None], frame: Frame) -> None:
-        asked = motor.drive.asked(frame)
+        asked = self._listens[k].asked(frame)
         if isinstance(asked, Setpoint) and self.begun is not None:
             now, most = self.network.now() - self.begun, max(abs(asked.torque), asked.kp)
             self._told.append((now, k, most))
@@ -127,6 +150,7 @@ class Fault:
     Attributes:
         about: in words.
         happen: does it.
+        before: what is so from the beginning.
         every_row: goes on doing it.
         harmless: the run is to go on.
         fatal: nobody is left to notice.
@@ -134,6 +158,7 @@ class Fault:
 
     about: str
     happen: Callable[[Bench], object] = lambda bench: None
+    before: Callable[[Bench], object] = lambda bench: None
     every_row: Callable[[Bench, float], object] = lambda bench, now: None
     harmless: bool = False
     fatal: bool = False
@@ -149,22 +174,24 @@ def _tamper(change: Callable[[Bench, Arrival], list[tuple[float, Arrival]]]) -> 
 def _says(**more: float) -> Callable[[Bench], None]:
     """The first drive says something else than it has to."""
 
-    def change(bench: Bench, a: Arrival) -> list[tuple[float, Arrival]]:
+    def happen(bench: Bench) -> None:
         drive = bench.motors[0].drive
-        said = drive.decode(a.frame) if a.bus == "left" else None
-        if not isinstance(said, Feedback):
-            return [(a.stamp, a)]
-        shift = more.get("shift", 0.0)
         own = {key: value for key, value in more.items() if key != "shift"}
-        said = said._replace(enabled=True, position=said.position + shift)._replace(**own)
-        return [(a.stamp, a._replace(frame=drive.answer(said)))]
 
-    return _tamper(change)
+        def wrong(says: Callable[..., object], said: Feedback, *when: float) -> object:
+            shifted = said._replace(enabled=True, position=said.position + more.get("shift", 0.0))
+            return says(shifted._replace(**own), *when)
+
+        for name in ("answer", "unasked"):
+            if says := getattr(drive, name, None):
+                setattr(drive, name, partial(wrong, says))
+
+    return happen
 
 
 def _unit(frames: list[Frame]) -> Callable[[Bench], None]:
     """The inertial unit says this."""
-    own = {frame.id: frame for frame in frames}
+    own = {frame.id: frame for frame in frames}  # what it says besides these goes on
     return _tamper(lambda bench, a: [(a.stamp, a._replace(frame=own.get(a.frame.id, a.frame)))])
 
 
@@ -172,11 +199,32 @@ def _frozen(bench: Bench) -> None:
     last: dict[tuple[str, int], Frame] = {}
 
     def change(bench: Bench, a: Arrival) -> list[tuple[float, Arrival]]:
-        if a.frame.id in (IMU, IMU + 1):
+        if a.frame.id in WorkbenchImu(IMU).ids:
             return [(a.stamp, a)]
         return [(a.stamp, a._replace(frame=last.setdefault((a.bus, a.frame.id), a.frame)))]
 
     _tamper(change)(bench)
+
+
+def _begins(bench: Bench) -> None:
+    bench.controller.since = bench.network.now()
+
+
+def _at_rest(bench: Bench) -> None:
+    """Nothing moves; after some time the drives of one bus go on saying the same."""
+    bench.controller.since = np.inf
+    _frozen(bench)
+    change = bench.network.tamper
+    assert change is not None
+    bench.network.tamper = lambda a: change(a) if bench.rests and a.bus == "left" else [(a.stamp, a)]
+
+
+def _let_go(bench: Bench) -> None:
+    """A drive is off by itself; a moteus follows again what it is told, unless something is wrong with it."""
+    motor = bench.motors[1]
+    motor.enabled = False
+    if motor.drive.name == "moteus":
+        motor.fault = 33
 
 
 def _raises(error: BaseException) -> Callable[..., None]:
@@ -224,7 +272,7 @@ def _noise(bench: Bench, now: float) -> None:
     generator, wire = np.random.default_rng(round(1e6 * now)), bench.network.wires["right"]
     node = wire.attach("noise", lambda stamp, frame: None)
     wire.send(
-        node, Frame(int(generator.integers(0x20, 0x7FF)), generator.bytes(int(generator.integers(8)))), now
+        node, Frame(int(generator.integers(0x60, 0x7FF)), generator.bytes(int(generator.integers(8)))), now
     )
 
 
@@ -254,8 +302,10 @@ def _wall_clock(bench: Bench) -> None:
     _once(lambda b: setattr(time, "time", real))(bench)
 
 
-_TILTED = WorkbenchImu(IMU).encode((0.0, 0.0, 0.0), (0.0, -np.sin(1.1), -np.cos(1.1)))
-_STILL = WorkbenchImu(IMU).encode((0.01, 0.0, 0.0), (0.0, 0.0, -1.0))
+_SIDE, _COS = np.sin(1.1), np.cos(1.1)
+_TILTED = WorkbenchImu(IMU).encode((0.0, 0.0, 0.0), (0.0, -_SIDE, -_COS), (0.0, _SIDE, _COS))
+_STILL = WorkbenchImu(IMU).encode((0.01, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
+_FALLS = WorkbenchImu(IMU).encode((0.01, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 0.0, 0.02))[2:]
 _LATE = 0.012
 
 FAULTS: tuple[Fault, ...] = (
@@ -264,14 +314,16 @@ FAULTS: tuple[Fault, ...] = (
     Fault("a drive is dead", lambda b: setattr(b.motors[3], "dead", True)),
     Fault("all feedback is 12 ms late", _tamper(lambda b, a: [(a.stamp + _LATE, a)])),
     Fault("feedback is frozen, the robot moves", _frozen),
+    Fault("feedback freezes at rest, then the robot is to move", _begins, before=_at_rest),
     Fault("a position jumps by 1 rad and stays", _says(shift=1.0)),
     Fault("a speed beyond its limit", _says(velocity=42.0)),
     Fault("a temperature beyond its limit", _says(temperature=90.0)),
     Fault("a drive reports a fault (voltage, current, encoder ...)", _says(fault=9)),
-    Fault("a drive lets go by itself", lambda b: setattr(b.motors[1], "enabled", False)),
+    Fault("a drive lets go by itself", _let_go),
     Fault("the inertial unit is silent", _tamper(lambda b, a: [] if a.frame.id == IMU else [(a.stamp, a)])),
     Fault("the inertial unit is frozen", _unit(_STILL)),
     Fault("the robot is tilted beyond its limit", _unit(_TILTED)),
+    Fault("the robot falls without tilting", _unit(_FALLS)),
     Fault("an action is no number", lambda b: setattr(b.controller, "spoil", np.nan)),
     Fault("an action is huge", lambda b: setattr(b.controller, "spoil", 60.0)),
     Fault("a policy repeats its last action", lambda b: setattr(b.controller, "stuck", b.network.now())),

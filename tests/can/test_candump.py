@@ -9,14 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.can.test_frame import FRAMES
+from tests.can.test_frame import FLEXIBLE, FRAMES
 from workbench.can import Frame
 from workbench.can.candump import Logged, archive, line, read_candump
 from workbench.core import InputError
 
 LOGGED = st.lists(
     st.builds(
-        Logged, st.integers(0, 10**15).map(lambda us: us / 1e6), st.sampled_from(["can0", "can1"]), FRAMES
+        Logged,
+        st.integers(0, 10**15).map(lambda us: us / 1e6),
+        st.sampled_from(["can0", "can1"]),
+        st.one_of(FRAMES, FLEXIBLE),
     ),
     max_size=8,
 )
@@ -36,12 +39,13 @@ def test_a_log_comes_back_to_its_last_whole_line(tmp_path_factory, frames, cut) 
 
 def test_python_can_reads_the_log_and_the_archive(tmp_path: Path) -> None:
     frames = [Logged(100.0 + k, f"can{k % 2}", Frame(k << 20 | 7, bytes([k]) * k, k > 0)) for k in range(8)]
+    frames.append(Logged(110.0, "can0", Frame(0x8001, bytes(range(48)), True, fd=True)))
     path, blf = tmp_path / "a.log", tmp_path / "a.blf"
     path.write_text("".join(line(*entry) for entry in frames))
-    assert archive(path, blf) == 8
+    assert archive(path, blf) == 9
     for reader in (can.CanutilsLogReader(path), can.BLFReader(blf)):
-        got = [(m.arbitration_id, m.is_extended_id, bytes(m.data)) for m in reader]
-        assert got == [(e.frame.id, e.frame.extended, e.frame.data) for e in frames]
+        got = [(m.arbitration_id, m.is_extended_id, bytes(m.data), m.is_fd) for m in reader]
+        assert got == [(e.frame.id, e.frame.extended, e.frame.data, e.frame.fd) for e in frames]
 
 
 def test_what_is_no_log_is_named(tmp_path: Path) -> None:

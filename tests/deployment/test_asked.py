@@ -1,10 +1,11 @@
-"""What people ask of a running robot: an emergency stop on a bus, keys, datagrams."""
+"""What people ask of a running robot: an emergency stop on a bus or a line, keys, a gamepad, datagrams."""
 
 from __future__ import annotations
 
 import json
 import os
 import socket
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,8 @@ from workbench.core import InputError
 from workbench.deployment import Host, SimulatedNetwork, joints_of
 from workbench.deployment.command import Command
 from workbench.deployment.deploy import run_host
+from workbench.deployment.gamepad import Gamepad
+from workbench.deployment.gpio import Line, stop_line
 from workbench.deployment.teleop import SILENCE_S, Datagrams, Keys, teleoperated
 
 BUTTON, SILENT = 0x70, 0.05
@@ -109,6 +112,111 @@ def test_keys_ask_step_by_step_and_every_other_key_stops() -> None:
     assert keys.watch() == "a key"
     os.close(ours)
     os.close(theirs)
+
+
+def event(kind: int, number: int, value: int) -> bytes:
+    return struct.pack("=IhBB", 1234, value, kind, number)
+
+
+def test_a_gamepad_asks_by_its_sticks_and_any_button_stops(tmp_path: Path) -> None:
+    device, command = tmp_path / "js0", Command()
+    os.mkfifo(device)
+    pad = Gamepad(command, half, str(device))
+    hand = os.open(device, os.O_WRONLY)
+    begin = b"".join(event(0x81, k, 0) + event(0x82, k, 0) for k in range(8))
+    os.write(hand, begin)
+    assert pad.watch() is None and not command.asked.any(), "what is so when it is opened is no press"
+    os.write(hand, event(2, 1, -16384) + event(2, 3, 32767))
+    assert pad.watch() is None and command.asked == pytest.approx([0.5, 0.0, -0.5], abs=1e-3)
+    os.write(hand, event(2, 0, -9830) + event(2, 5, 32767))
+    assert pad.watch() is None and command.asked == pytest.approx([0.5, 0.15, -0.5], abs=1e-3)
+    for axis, asked in ((1, (0.25, 0.0, 0.0)), (0, (0.0, 0.125, 0.0)), (3, (0.0, 0.0, 0.25))):
+        os.write(hand, b"".join(event(2, k, -8192 if k == axis else 0) for k in (0, 1, 3)))
+        assert pad.watch() is None and command.asked == pytest.approx(asked, abs=1e-4)
+    os.write(hand, event(2, 0, 3000) + event(2, 1, -3000) + event(2, 3, 0))
+    assert pad.watch() is None and not command.asked.any(), "sticks that are let go are not quite at zero"
+    os.write(hand, event(1, 4, 0))
+    assert pad.watch() is None, "a button that is let go is no press"
+    os.write(hand, event(1, 4, 1))
+    assert pad.watch() == "a button of the gamepad"
+    os.close(hand)
+    assert pad.watch() == "the end of the gamepad"
+    pad.close()
+    with pytest.raises(InputError, match=r"no gamepad at .*none \(No such file or directory\)") as caught:
+        Gamepad(command, half, str(tmp_path / "none"))
+    assert caught.value.exit_code == 2 and "\n" not in str(caught.value)
+
+
+def test_ways_to_steer_are_closed_again(tmp_path: Path) -> None:
+    device, command = tmp_path / "js1", Command()
+    os.mkfifo(device)
+    with teleoperated(f"pad:{device}", command, half, lambda: 0.0) as [watch]:
+        hand = os.open(device, os.O_WRONLY)
+        os.write(hand, event(2, 1, -32767))
+        assert watch() is None and command.asked[0] == 0.5
+    with pytest.raises(BrokenPipeError):
+        os.write(hand, b"x")
+    os.close(hand)
+    for how in ("paddle", "pad:/nowhere", "udp:0", "udp:x"):
+        with pytest.raises(InputError), teleoperated(how, command, half, lambda: 0.0):
+            pass
+
+
+class Kernel:
+    """A chip with a button on line 17, by linux/gpio.h: sizes and offsets as compiled C has them."""
+
+    def __init__(self, pulls: bool = True) -> None:
+        self.high, self.gone, self.pulls, self.asked = True, False, pulls, list[int]()
+
+    def __call__(self, file: int, number: int, data: bytearray) -> None:
+        if number == 0xC250B407:
+            assert len(data) == 592 and data[256:270] == b"workbench stop"
+            line, flags = struct.unpack_from("=I", data)[0], struct.unpack_from("=Q", data, 288)[0]
+            lines = struct.unpack_from("=I", data, 560)[0]
+            self.asked.append(flags)
+            if line != 17 or lines != 1 or (flags & 1 << 9 and not self.pulls):
+                raise OSError(22, "Invalid argument")
+            struct.pack_into("=i", data, 588, os.dup(file))
+        else:
+            assert number == 0xC010B40E and len(data) == 16 and struct.unpack_from("=Q", data, 8)[0] == 1
+            if self.gone:
+                raise OSError(19, "No such device")
+            struct.pack_into("=Q", data, 0, int(self.high))
+
+
+@pytest.mark.parametrize("pulls", [True, False])
+def test_a_line_of_the_computer_stops_when_it_is_low_or_gone(tmp_path: Path, pulls: bool) -> None:
+    chip, kernel = tmp_path / "gpiochip0", Kernel(pulls)
+    chip.touch()
+    table = {"chip": str(chip), "line": 17}
+    with stop_line(config(tmp_path, [motor("m", 1)], stop=table), kernel) as [watch]:
+        assert watch() is None
+        kernel.high = False
+        assert watch() == "the line of the button"
+        kernel.high, kernel.gone = True, True
+        assert watch() == "the line of the button, which is gone"
+    assert kernel.asked == ([1 << 2 | 1 << 9] if pulls else [1 << 2 | 1 << 9, 1 << 2]), (
+        "pulled down, if it can be"
+    )
+    table["line"] = 3
+    said = r"line 3 of .*gpiochip0 cannot be had \(Invalid argument\)"
+    other = config(tmp_path, [motor("m", 1)], stop=table)
+    with pytest.raises(InputError, match=said), stop_line(other, kernel):
+        pass
+    with pytest.raises(InputError, match="No such file"):
+        Line(str(tmp_path / "none"), 17)
+    with stop_line(config(tmp_path, [motor("m", 1)]), kernel) as watches:
+        assert watches == []
+
+
+@pytest.mark.parametrize(
+    ("stop", "said"),
+    [({}, "names no button"), ({"chip": "/dev/gpiochip0"}, "stop.line': is missing"),
+     ({"bus": "can0"}, "stop.id': is missing"), ({"chip": "c", "line": -1}, "greater than or equal to 0")],
+)  # fmt: skip
+def test_a_button_that_is_named_by_half_is_refused(tmp_path: Path, stop: dict, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        config(tmp_path, [motor("m", 1)], stop=stop)
 
 
 def test_datagrams_ask_and_who_falls_silent_lets_it_stand() -> None:

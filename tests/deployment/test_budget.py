@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import time
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from tests.deployment.robot import TICK, Robot
 from workbench.deployment import Punctuality
 from workbench.deployment.budget import REHEARSAL_S, budget, lacking, takes
 from workbench.deployment.deploy import run_host
+from workbench.deployment.processors import Crowd
 
 
 def punctual(**more: object) -> Punctuality:
@@ -61,6 +64,41 @@ def test_drives_that_answer_late_are_told_of(tmp_path: Path) -> None:
     assert budget(robot.host, robot.config, robot.controller, said.append, ["realtime"])[0].endswith(
         "realtime"
     )
+
+
+class Full(Crowd):
+    def lacking(self) -> list[str]:
+        return ["full"]
+
+
+def test_processors_that_others_want_are_lacking(tmp_path: Path) -> None:
+    file = tmp_path / "cpu"
+
+    def counted(seconds: float) -> None:
+        file.write_text(f"some avg10=1.00 avg60=1.00 avg300=1.00 total={1e6 * seconds:.0f}\nfull total=9\n")
+
+    counted(100.0)
+    crowd, begin = Crowd(file), time.monotonic()
+    time.sleep(0.2)
+    counted(100.0 + 0.2 * (time.monotonic() - begin))
+    assert crowd.lacking() == [], "our own processes wait for each other"
+    counted(100.0 + 0.8 * (time.monotonic() - begin))
+    [line] = crowd.lacking()
+    assert 70 < int(re.findall(r"(\d+) % of the time", line)[0]) <= 80
+    robot = Robot(tmp_path)
+    robot.host.verify()
+    said = budget(robot.host, robot.config, robot.controller, lambda line: None, (), Full(file))
+    assert said == ["full"]
+
+
+@pytest.mark.parametrize(("load", "lacks"), [(0.0, 0), (1e3, 1)])
+def test_where_the_kernel_counts_no_waiting_its_load_is_taken(
+    tmp_path: Path, monkeypatch, load, lacks
+) -> None:
+    monkeypatch.setattr(os, "getloadavg", lambda: (load, 0.0, 0.0))
+    assert len(Crowd(tmp_path / "none").lacking()) == lacks
+    (tmp_path / "odd").write_text("nothing of the kind\n")
+    assert len(Crowd(tmp_path / "odd").lacking()) == lacks
 
 
 def test_a_policy_is_timed() -> None:

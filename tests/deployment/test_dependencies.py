@@ -3,40 +3,18 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import sys
-import tomllib
-from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
+import pytest
 from packaging.requirements import Requirement
+from packaging.tags import parse_tag
+from wheels import EXTRA, ROOT, TABLE, closure, plain, supported
 
-from tests.deployment.test_light import ABSENT, ROOT, light
+from tests.deployment.test_light import ABSENT, light
 from tests.test_packaging import DISTRIBUTIONS
-
-EXTRA = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]["deploy"]
-#: Compiled ones. Each has manylinux wheels for aarch64 on PyPI; whoever adds one looks for them there first.
-COMPILED = {"ml-dtypes", "numpy", "onnx", "onnxruntime", "protobuf", "pydantic-core", "wrapt"}
-
-
-def plain(name: str) -> str:
-    return re.sub(r"[-_.]+", "-", name).lower()
-
-
-def closure(wanted: list[str]) -> dict[str, Distribution]:
-    """Everything that comes with these requirements, by name; extras that nobody asked for do not."""
-    found: dict[str, Distribution] = {}
-    todo = [Requirement(each) for each in wanted]
-    while todo:
-        want = todo.pop()
-        if plain(want.name) in found:
-            continue
-        found[plain(want.name)] = distribution(want.name)
-        for each in map(Requirement, distribution(want.name).requires or ()):
-            extras = want.extras or {""}
-            if each.marker is None or any(each.marker.evaluate({"extra": extra}) for extra in extras):
-                todo.append(each)
-    return found
 
 
 def test_all_that_comes_with_the_runner_is_pinned_as_it_was_tested() -> None:
@@ -52,13 +30,50 @@ def test_nothing_heavy_comes_with_it() -> None:
     assert not heavy & set(closure(EXTRA))
 
 
-def test_what_is_compiled_is_known_to_have_wheels_for_aarch64() -> None:
-    compiled = {
-        name
-        for name, found in closure(EXTRA).items()
-        if not re.search(r"^Tag: \S+-none-any$", found.read_text("WHEEL") or "", re.MULTILINE)
-    }
-    assert compiled == COMPILED
+def runs(tags: str, python: str) -> bool:
+    """Whether a wheel of these tags runs on a Python of an aarch64 system with glibc 2.28."""
+    for tag in parse_tag(tags):
+        glibc = re.fullmatch(r"manylinux_(\d+)_(\d+)_aarch64", tag.platform)
+        here = tag.platform in ("any", "manylinux2014_aarch64")
+        here = here or (glibc is not None and (int(glibc[1]), int(glibc[2])) <= (2, 28))
+        own = "cp" + python.replace(".", "")
+        stable = (
+            tag.abi == "abi3" and tag.interpreter[:3] == "cp3" and int(tag.interpreter[3:]) <= int(own[3:])
+        )
+        if here and (tag.interpreter in (own, "py3", f"py{own[2:]}") or stable):
+            return True
+    return False
+
+
+def test_whatever_comes_with_it_has_a_wheel_for_aarch64() -> None:
+    table, pythons = json.loads(TABLE.read_text()), supported()
+    assert len(pythons) >= 3
+    come = {name: found.version for name, found in closure(EXTRA).items()}
+    asked = {name: row["version"] for name, row in table.items()}
+    assert asked == come, "python benchmarks/wheels.py --write"
+    for name, row in table.items():
+        for python in pythons:
+            assert runs(row["wheels"][python], python), f"{name} for Python {python}"
+
+
+def test_what_is_compiled_here_is_compiled_there() -> None:
+    table = json.loads(TABLE.read_text())
+    for name, found in closure(EXTRA).items():
+        pure = re.search(r"^Tag: \S+-none-any$", found.read_text("WHEEL") or "", re.MULTILINE)
+        assert bool(pure) == all(tags.endswith("-any") for tags in table[name]["wheels"].values()), name
+
+
+@pytest.mark.parametrize(
+    ("tags", "python", "fits"),
+    [("cp312-cp312-manylinux_2_28_aarch64", "3.12", True),
+     ("cp312-cp312-manylinux_2_28_aarch64", "3.11", False),
+     ("cp310-abi3-manylinux2014_aarch64", "3.13", True), ("cp313-abi3-manylinux2014_aarch64", "3.11", False),
+     ("cp312-cp312-manylinux_2_34_aarch64", "3.12", False),
+     ("cp312-cp312-manylinux_2_28_x86_64", "3.12", False),
+     ("py3-none-any", "3.11", True), ("py2-none-any", "3.11", False)],
+)  # fmt: skip
+def test_a_wheel_of_another_machine_or_python_is_none(tags: str, python: str, fits: bool) -> None:
+    assert runs(tags, python) is fits
 
 
 def test_what_the_runner_imports_only_when_it_needs_it_is_there_too() -> None:

@@ -121,7 +121,9 @@ def test_a_policy_sees_what_it_was_trained_to_see() -> None:
         assert goal.position(time) == pytest.approx(angle[0]) and goal.velocity(time) == pytest.approx(
             speed[0]
         )
-    sight = Sight(HOLD, np.ones(2), HOLD, np.ones(2), goal, 0.1, 0.018, *STILL, np.zeros(3))
+    sight = Sight(
+        HOLD, np.ones(2), HOLD, np.ones(2), goal, 0.1, 0.018, STILL.angular, STILL.gravity, np.zeros(3)
+    )
     ahead = [
         reach_reference(np, command[None], np.array([0.1 + k * 0.018]))[0][0] - HOLD for k in (0, 1, 2, 4)
     ]

@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ABSENT = (
     "pydrake", "mujoco", "torch", "pinocchio", "scipy", "numba", "llvmlite", "pyarrow", "pandas",
     "matplotlib", "plotly", "control", "joblib", "pint", "jinja2",
-    "threadpoolctl", "asammdf", "cantools", "rsl_rl", "warp",
+    "threadpoolctl", "asammdf", "rsl_rl", "warp",
 )  # fmt: skip
 LIGHT = f"""
 import sys, time
@@ -123,9 +123,14 @@ def test_the_extra_names_what_the_runner_imports_and_nothing_that_is_absent_ther
     code = """
 import workbench.deployment.deploy, workbench.cli.deploy, workbench.bundle
 import onnx, onnxruntime
+before = "cantools" in sys.modules
+from workbench.can import Ranges
+from workbench.can.odrive import Odrive
+Odrive(1, Ranges(1.0, 1.0, 1.0, 1.0, 1.0, "x")).act("clear")
+assert not before and "cantools" in sys.modules, "only robots that have such drives wait for it"
 print(" ".join({name.partition(".")[0] for name in sys.modules if sys.modules[name] is not None}))
 """
     loaded = set(light(code).stdout.split())
     home = {"can": "python-can", "google": "protobuf"}
-    ours = {"numpy", "pydantic", "can", "typer", "onnx", "onnxruntime", "google"} & loaded
+    ours = {"numpy", "pydantic", "can", "typer", "onnx", "onnxruntime", "google", "cantools"} & loaded
     assert {home.get(name, name) for name in ours} == named

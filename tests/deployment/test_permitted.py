@@ -111,21 +111,32 @@ def test_a_robot_that_may_do_more_is_held_to_what_was_trained(tmp_path: Path) ->
     assert lines[0].endswith("trained with: hip")
 
 
-def mit(folder: Path, **more: object):
-    motors = [motor("hip", 1, protocol="mit", limits=LIMITS, ranges=RANGES, **more),
+def mit(folder: Path, protocol: str = "mit", **more: object):
+    told = {"watchdog_source": "the vendor's tool", **more}
+    motors = [motor("hip", 1, protocol=protocol, limits=LIMITS, ranges=RANGES, **told),
               motor("knee", 2, limits=LIMITS, ranges=RANGES)]  # fmt: skip
     return load_config(written(folder, table(motors)))
 
 
-def test_a_watchdog_that_nobody_can_read_or_has_seen_leaves_a_tenth_of_the_torque(tmp_path: Path) -> None:
-    config = mit(tmp_path)
+def test_an_odrive_tells_its_watchdog_where_its_endpoints_are_known(tmp_path: Path) -> None:
+    ends = {"watchdog_timeout": 481, "enable_watchdog": 482}
+    known = mit(tmp_path, "odrive", endpoints=ends)
+    assert not permitted(known, None, dry=False, unapproved=False, tested=False)[1]
+    refuse_untested(known)
+
+
+@pytest.mark.parametrize("protocol", ["mit", "odrive"])
+def test_a_watchdog_that_nobody_can_read_or_has_seen_leaves_a_tenth_of_the_torque(
+    tmp_path: Path, protocol: str
+) -> None:
+    config = mit(tmp_path, protocol)
     limits, [line] = permitted(config, None, dry=False, unapproved=False, tested=False)
     assert limits.torque == pytest.approx([2.4, 24.0]) and "for hip: no watchdog can be read" in line
     assert limits_of(config).torque.tolist() == [24.0, 24.0]
     with pytest.raises(InputError, match="watchdog_tested"):
         refuse_untested(config)
     assert not permitted(config, None, dry=False, unapproved=False, tested=True)[1]
-    seen = mit(tmp_path, watchdog_tested=date(2026, 5, 1))
+    seen = mit(tmp_path, protocol, watchdog_tested=date(2026, 5, 1))
     assert not permitted(seen, None, dry=False, unapproved=False, tested=False)[1]
     refuse_untested(seen)
     with pytest.raises(InputError, match="has not come yet"):

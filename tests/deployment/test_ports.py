@@ -113,6 +113,37 @@ def test_every_interface_that_needs_no_hardware(tmp_path: Path, interface: str, 
             network.close()
 
 
+@pytest.mark.parametrize(
+    ("interface", "channel"),
+    [("virtual", "flexible"), ("udp_multicast", GROUP), ("socketcan", "vcan0")],
+    ids=["virtual", "udp_multicast", "socketcan"],
+)
+def test_flexible_frames_and_questions_on_every_interface(
+    tmp_path: Path, interface: str, channel: str
+) -> None:
+    in_this_kernel(interface)
+    config = on(interface, channel, tmp_path)
+    bus = config.bus[0].model_copy(update={"data_bitrate": 5_000_000})
+    config = config.model_copy(update={"bus": [bus]})
+    host, drive = PortNetwork(config), PortNetwork(config)
+    frames = [
+        Frame(0x8001, bytes(range(48)), True, fd=True),
+        Frame(0x29, b"", remote=True),
+        Frame(0x7, b"\1"),
+    ]
+    try:
+        for frame in frames:
+            assert host.send("can0", frame)
+        for network, own in ((host, True), (drive, False)):
+            got, end = [], network.now() + 5.0
+            while len(got) < 3 and network.now() < end:
+                got += network.receive(network.now() + 0.1)
+            assert [(a.frame, a.sent) for a in got] == [(frame, own) for frame in frames]
+    finally:
+        host.close()
+        drive.close()
+
+
 def test_a_frame_of_another_is_not_taken_for_one_of_ours_that_was_lost(tmp_path: Path) -> None:
     in_this_kernel("udp_multicast")
     config = on("udp_multicast", GROUP, tmp_path)

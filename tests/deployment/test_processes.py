@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -46,8 +47,21 @@ def running_at_last(host: Host, moves: Callable[[], None]) -> bool:
     return host.state.phase == "run"
 
 
-def test_a_leg_runs_across_processes(robot: Path) -> None:
-    config = load_config(robot)
+#: What a drive of another protocol has that a damiao has not.
+OTHERS = {
+    "damiao": {},
+    "moteus": {"protocol": "moteus", "reply_id": 0, "ranges": {**RANGES, "kd": 1.0}},
+    "odrive": {"protocol": "odrive", "endpoints": {"watchdog_timeout": 481, "enable_watchdog": 482}},
+}
+
+
+@pytest.mark.parametrize("protocol", OTHERS)
+def test_a_leg_runs_across_processes(robot: Path, protocol: str) -> None:
+    content = tomllib.loads(robot.read_text())
+    content["motor"] = [{**each, **OTHERS[protocol]} for each in content["motor"]]
+    if protocol == "moteus":
+        content["bus"][0]["data_bitrate"] = 5_000_000
+    config = load_config(written(robot.parent, content))
     with virtual_hardware(robot) as running:
         network = PortNetwork(config)
         host = Host(config, network, Swing(2), joints_of(config))

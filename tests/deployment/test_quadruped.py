@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +13,14 @@ import pytest
 from virtual_robot import four_legs
 
 from workbench.bundle import PolicyBundle, read_bundle
-from workbench.can import CanConfig, Setpoint, bus_load, load_config
+from workbench.can import CanConfig, Frame, Setpoint, bus_load, load_config
 from workbench.core import InputError
 from workbench.deployment import Host, SimulatedNetwork, joints_of
 from workbench.deployment.deploy import controller_of, deploy
-from workbench.rigs import MotorBank
+from workbench.deployment.drives import CALM
+from workbench.deployment.stopping import exit_code
+from workbench.rigs import MotorBank, VirtualMotor
+from workbench.rigs.quadruped import LiveQuadruped
 from workbench.training.environment import STEEPEST
 from workbench.training.evaluate import evaluate
 from workbench.training.tasks import CIRCLE, PITCH_HZ, TASKS
@@ -38,7 +43,7 @@ def moved(config: CanConfig, bundle: PolicyBundle, seed: int) -> tuple[np.ndarra
     before = config.loop.soft_start_s + config.loop.hold_s + 0.02
     result = deploy(config, bundle, before + RUN_S, seed=seed, network=network, twist=CIRCLE)
     assert result["fault"] is None and result["missed_share"] == 0.0
-    assert result["frames"]["base"] > 2 * (before + RUN_S) / config.imu.period_s - 20  # type: ignore[union-attr]
+    assert result["frames"]["base"] > 3 * (before + RUN_S) / config.imu.period_s - 20  # type: ignore[union-attr]
     wanted = round((RUN_S - 1.0) / network.bank.row)
     calm = round(0.52 / network.bank.row)  # it damps before it is switched off
     return tuple(np.array([row[k] for row in rows[-wanted - calm : -calm]]) for k in range(3))  # type: ignore[return-value]
@@ -98,8 +103,8 @@ def test_tasks_and_deployment_mean_the_same() -> None:
 def test_the_unit_counts_in_the_load_of_its_bus(tmp_path: Path) -> None:
     bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
     first, second, *_ = bus_load(robot(tmp_path, bundle))
-    assert first.frames - second.frames == pytest.approx(2 / 0.003)
-    assert 0.06 < first.share - second.share < 0.09
+    assert first.frames - second.frames == pytest.approx(3 / 0.003)
+    assert 0.09 < first.share - second.share < 0.13
 
 
 def overturned(network: SimulatedNetwork, at: float, degrees: float) -> None:
@@ -108,7 +113,7 @@ def overturned(network: SimulatedNetwork, at: float, degrees: float) -> None:
     assert trunk is not None
     feel, roll = trunk.feel, math.radians(degrees)
     down = np.array([0.0, -math.sin(roll), -math.cos(roll)])
-    trunk.feel = lambda: (feel()[0], down) if network.now() > at else feel()
+    trunk.feel = lambda: (feel()[0], down, -down) if network.now() > at else feel()
 
 
 @pytest.mark.parametrize("degrees", [55.0, 90.0, 180.0])
@@ -122,18 +127,94 @@ def test_a_robot_that_fell_damps_and_says_so(tmp_path: Path, degrees: float) -> 
     assert result["ticks"] * 0.003 < 1.4 + 0.6 and not any(m.enabled for m in network.bank.motors.values())
 
 
+def heard(motor: VirtualMotor) -> list[Setpoint]:
+    """Setpoints of torque or stiffness that a motor hears from now on."""
+    told, hear = list[Setpoint](), motor.hear
+
+    def listen(frame: Frame) -> None:
+        asked = motor.drive.asked(frame)
+        if isinstance(asked, Setpoint) and (abs(asked.torque) > 0.01 or asked.kp):
+            told.append(asked)
+        hear(frame)
+
+    motor.hear = listen  # type: ignore[method-assign]
+    return told
+
+
 def test_a_robot_that_lies_on_its_back_is_never_armed(tmp_path: Path) -> None:
     bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
     config = robot(tmp_path, bundle)
     network = SimulatedNetwork(config, MotorBank(config))
     overturned(network, -1.0, 170.0)
-    told: list[Setpoint] = []
-    motor = next(iter(network.bank.motors.values()))
-    hear = motor.hear
-    motor.hear = lambda frame: (told.append(motor.drive.asked(frame)), hear(frame))[1]  # type: ignore[arg-type]
+    told = heard(next(iter(network.bank.motors.values())))
     result = deploy(config, bundle, 1.0, network=network)
     assert result["fault"] == "tilted by 170 degrees, beyond 53"
-    assert all(abs(s.torque) < 0.01 and not s.kp for s in told if isinstance(s, Setpoint))
+    assert not told
+
+
+def pushed(network: SimulatedNetwork, at: float, push: Callable[[LiveQuadruped, float], None]) -> list[float]:
+    """Somebody pushes the trunk in its world, row by row; how far it is truly tilted since then [rad]."""
+    trunk, tilts = network.bank.robot, list[float]()
+    assert trunk is not None
+
+    def row(now: float) -> None:
+        if now >= at:
+            push(trunk, now - at)
+            tilts.append(math.acos(np.clip(-trunk.motion[0][2], -1.0, 1.0)))
+
+    network.every_row = row
+    return tilts
+
+
+def test_a_robot_that_is_pushed_over_damps_while_it_goes_over(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "pitch-in-place_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    network = SimulatedNetwork(config, MotorBank(config))
+    trunk = network.bank.robot
+    tilts = pushed(network, 2.2, lambda t, _: t.push(0.05, -0.005) if -t.motion[0][2] > 0.4 else None)
+    result = deploy(config, bundle, 4.0, network=network)
+    assert re.fullmatch(r"tilted by 5[34] degrees, beyond 53", result["fault"] or ""), result["fault"]
+    assert exit_code(result) == 1
+    damped = len(tilts) - round((CALM + 0.012) / network.bank.row)  # and three times disabled
+    assert tilts[damped] == pytest.approx(math.acos(0.6), abs=0.15)
+    assert tilts[-1] > math.radians(70.0), "it does lie in its world"
+    assert trunk and not any(m.enabled for m in network.bank.motors.values())
+
+
+def test_a_robot_that_stumbles_goes_on(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    network = SimulatedNetwork(config, MotorBank(config))
+    pushed(network, 2.2, lambda t, since: t.push(2.5) if since < network.bank.row else None)
+    result = deploy(config, bundle, 3.2, network=network, twist=CIRCLE)
+    assert result["fault"] is None and exit_code(result) == 0
+
+
+def test_a_robot_that_falls_without_tilting_damps(tmp_path: Path) -> None:
+    bundle = read_bundle(POLICIES / "pitch-in-place_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    network = SimulatedNetwork(config, MotorBank(config))
+    # thrown up it is as weightless as over an edge
+    tilts = pushed(network, 2.2, lambda t, since: t.push(0.0, 2.0) if since < network.bank.row else None)
+    result = deploy(config, bundle, 4.0, network=network)
+    assert result["fault"] == "falls freely" and exit_code(result) == 1
+    after = result["ticks"] * config.loop.period_s - CALM - 2.2
+    assert 0.05 < after < 0.13 and max(tilts[: round(after / network.bank.row)]) < math.radians(45.0)
+
+
+@pytest.mark.parametrize("degrees", [90.0, 180.0])
+def test_a_robot_that_was_laid_down_is_never_armed(tmp_path: Path, degrees: float) -> None:
+    bundle = read_bundle(POLICIES / "circular_s3n_full.zip")
+    config = robot(tmp_path, bundle)
+    network = SimulatedNetwork(config, MotorBank(config))
+    trunk = network.bank.robot
+    assert trunk is not None
+    trunk.lay(math.radians(degrees), 0.3)
+    motions = [heard(motor) for motor in network.bank.motors.values()]
+    result = deploy(config, bundle, 1.0, network=network)
+    said = re.fullmatch(r"tilted by (\d+) degrees, beyond 53", result["fault"])
+    assert said and abs(float(said[1]) - degrees) < 2.0 and exit_code(result) == 1
+    assert all(not told for told in motions), "no drive was told to do anything"
 
 
 def test_by_itself_it_is_asked_to_stand(tmp_path: Path) -> None:

@@ -5,9 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from faults import robot as virtual_robot
 
-from tests.deployment.robot import Robot
-from workbench.deployment import VerifyError
+from tests.deployment.robot import Robot, Swing
+from workbench.can import Parameter
+from workbench.can.messages import burst
+from workbench.deployment import Host, SimulatedNetwork, VerifyError, joints_of
+
+WATCHDOG = Parameter("watchdog", 0.02)
 
 
 @pytest.mark.parametrize(
@@ -30,6 +35,28 @@ def test_a_watchdog_that_cannot_be_set_is_refused(tmp_path: Path) -> None:
     robot.motors[1].parameters = Stubborn(robot.motors[1].parameters)
     with pytest.raises(VerifyError, match="watchdog"):
         robot.host.verify()
+
+
+@pytest.mark.parametrize("lost", ["nothing", "time", "switch"])
+@pytest.mark.parametrize("protocol", ["moteus", "odrive"])
+def test_a_watchdog_that_was_told_in_vain_is_refused(tmp_path: Path, protocol: str, lost: str) -> None:
+    config = virtual_robot(tmp_path, protocol)
+    network = SimulatedNetwork(config)
+    host = Host(config, network, Swing(4), joints_of(config))
+    send, written = network.send, {"time": host.feedback.drives[0].write(WATCHDOG)}
+    if protocol == "odrive":
+        time, switch = burst(written["time"])
+        written = {"time": time, "switch": switch}
+    elif lost == "switch":
+        return  # a moteus has none
+
+    network.send = lambda bus, frame: frame == written.get(lost) or send(bus, frame)  # type: ignore[method-assign]
+    if lost == "nothing":
+        assert [told.told["watchdog"] for told in host.verify()] == pytest.approx([0.02] * 4)
+        return
+    with pytest.raises(VerifyError, match="the watchdog of 'left_hip' reads 0 ms after 20 ms were written"):
+        host.verify()
+    assert not any(motor.enabled and motor.longest for motor in network.bank.motors.values())
 
 
 class Stubborn(dict):

@@ -160,7 +160,15 @@ FAULTS = {
     "velocity": {"velocity": np.array([0.0, -20.1])},
     "temperature": {"temperature": np.array([80.5, 20.0])},
     "tilt": {"gravity": np.array([0.0, 0.9, 0.3])},
+    "fall": {"carried": 0.29},
 }
+
+
+@pytest.mark.parametrize("carried", [0.3, 1.0, 3.0, math.nan])
+def test_a_base_that_something_carries_or_nobody_knows_of_is_no_fall(carried: float) -> None:
+    state, now = running()
+    state, _ = step(LIMITS, state, seen(now + TICK, carried=carried), wanted())
+    assert state.phase == "run" and state.fault is None
 
 
 @pytest.mark.parametrize("fault", FAULTS.values(), ids=FAULTS.keys())

@@ -14,9 +14,13 @@ from workbench.core.files import write_whole
 from .frame import Frame
 
 _LINE = re.compile(
-    r"^\((\d{1,12}\.\d{1,12})\) (\S+) ([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})#((?:[0-9A-Fa-f]{2}){0,8})(?: [RT])?$",
+    r"^\((\d{1,12}\.\d{1,12})\) (\S+) ([0-9A-Fa-f]{3}|[0-9A-Fa-f]{8})"
+    r"#(?:((?:[0-9A-Fa-f]{2}){0,8})|#[0-9A-Fa-f]((?:[0-9A-Fa-f]{2}){0,64})|(R)[0-8]?)(?: [RT])?$",
     re.ASCII,
 )
+
+
+_SWITCHED = "#1"  # CAN-FD, its rate switched
 
 
 class Logged(NamedTuple):
@@ -30,7 +34,8 @@ class Logged(NamedTuple):
 def line(stamp: float, bus: str, frame: Frame) -> str:
     """One line of a log, newline included."""
     id = f"{frame.id:08X}" if frame.extended else f"{frame.id:03X}"
-    return f"({stamp:.6f}) {bus} {id}#{frame.data.hex().upper()}\n"
+    content = "R" if frame.remote else (_SWITCHED if frame.fd else "") + frame.data.hex().upper()
+    return f"({stamp:.6f}) {bus} {id}#{content}\n"
 
 
 def read_candump(path: str | Path) -> Iterator[Logged]:
@@ -49,12 +54,14 @@ def read_candump(path: str | Path) -> Iterator[Logged]:
     for number, text in enumerate(lines[:-1], 1):
         found = _LINE.match(text)
         if found is None:
-            if "##" in text or text.endswith("#R") or not text.strip():
-                continue  # CAN FD, remote frames and empty lines
+            if not text.strip():
+                continue
             raise InputError(f"is no line of a candump log: '{text[:40]}'", file=path, row=number,
                              remedy="record with 'candump -L'")  # fmt: skip
-        stamp, bus, id, data = found.groups()
-        yield Logged(float(stamp), bus, Frame(int(id, 16), bytes.fromhex(data), len(id) == 8))
+        stamp, bus, id, data, flexible, remote = found.groups()
+        content, extended = bytes.fromhex(flexible or data or ""), len(id) == 8
+        frame = Frame(int(id, 16), content, extended, flexible is not None, remote is not None)
+        yield Logged(float(stamp), bus, frame)
 
 
 def archive(log: str | Path, blf: str | Path) -> int:
@@ -72,6 +79,8 @@ def packed(log: str | Path) -> tuple[int, bytes]:
     """
     import can  # takes seconds to load, and only an archive needs it
 
+    from .messages_of_can import to_message
+
     count, channels = 0, {}
     try:
         with TemporaryDirectory() as folder:
@@ -79,7 +88,7 @@ def packed(log: str | Path) -> tuple[int, bytes]:
             with can.BLFWriter(str(part)) as writer:
                 for stamp, bus, frame in read_candump(log):
                     channel = channels.setdefault(bus, len(channels))
-                    writer(can.Message(stamp, frame.id, frame.extended, data=frame.data, channel=channel))
+                    writer(to_message(frame, timestamp=stamp, channel=channel))
                     count += 1
             return count, part.read_bytes()
     except OSError as error:

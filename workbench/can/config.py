@@ -19,6 +19,7 @@ from .tables import (
     BenchTable,
     BusTable,
     CanConfig,
+    EndpointsTable,
     LimitsTable,
     LoopTable,
     MechanismTable,
@@ -64,7 +65,7 @@ def _explain(error: ValidationError, path: Path, table: dict[str, Any]) -> Input
         tables: dict[Any, type[Table]] = {
             "bus": BusTable, "motor": MotorTable, "mechanism": MechanismTable, "loop": LoopTable,
             "ranges": RangesTable, "limits": LimitsTable, "bench": BenchTable, "imu": ImuTable,
-            "stop": StopTable,
+            "stop": StopTable, "endpoints": EndpointsTable,
         }  # fmt: skip
         inside = [part for part in loc[:-1] if part in tables]
         known = tuple((tables[inside[-1]] if inside else CanConfig).model_fields)

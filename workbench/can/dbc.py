@@ -2,19 +2,23 @@
 
 Answers on one identifier are told apart by the drive's id in their first byte (a multiplexer). A Robstride
 command has its torque in the identifier, which no DBC expresses; of its feedback there is the healthy one.
+No DBC expresses the registers of a moteus either, whose frames hold now these, now those.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from .damiao import Damiao
 from .imu import Imu, WorkbenchImu
 from .mit import Mit
+from .moteus import Moteus
+from .odrive import TABLE, Odrive
 from .robstride import Robstride
 from .span import Span
 
-Drive = Mit | Damiao | Robstride
+Drive = Mit | Damiao | Robstride | Moteus | Odrive
 _EXTENDED = 1 << 31  # marks a 29-bit identifier
 _UNITS = {"position": "rad", "velocity": "rad/s", "torque": "N*m", "kp": "N*m/rad", "kd": "N*m*s/rad"}
 _MOTION = (("position", 8, 16), ("velocity", 24, 12), ("torque", 36, 12))
@@ -28,8 +32,16 @@ def dbc(drives: Mapping[str, Drive], imu: Imu | None = None) -> str:
         imu: the inertial unit, as far as its frames are ours.
     """
     messages: list[str] = []
+    types: list[str] = []
     answers: dict[int, list[str]] = {}
     for axis, drive in drives.items():
+        if isinstance(drive, Moteus):
+            continue
+        if isinstance(drive, Odrive):
+            own, more = _of_odrive(axis, drive.id)
+            messages.append(own)
+            types.append(more)
+            continue
         if isinstance(drive, Robstride):
             id = 2 << 24 | 2 << 22 | drive.id << 8 | drive.reply_id
             signals = [
@@ -58,7 +70,19 @@ def dbc(drives: Mapping[str, Drive], imu: Imu | None = None) -> str:
                 for k, axis in enumerate("xyz")
             ]
             messages.append(_message(id, f"imu_{quantity}", signals, 6))
-    return "\n".join(['VERSION ""', "", "NS_ :", "", "BS_:", "", "BU_: host", "", *messages])
+    return "\n".join(['VERSION ""', "", "NS_ :", "", "BS_:", "", "BU_: host drive", "", *messages, *types])
+
+
+def _of_odrive(axis: str, id: int) -> tuple[str, str]:
+    """Messages of a node by the drives' table, and the lines that say which of their signals are floats."""
+
+    def placed(found: re.Match[str]) -> str:
+        return f"BO_ {id << 5 | int(found[1])} {found[2]}_{axis}:"
+
+    text = re.sub(r"^BO_ (\d+) (\w+):", placed, TABLE.read_text(encoding="ascii"), flags=re.MULTILINE)
+    types = re.findall(r"^SIG_VALTYPE_ (\d+) (.*)$", text, re.MULTILINE)
+    begin, end = text.index("BO_ "), text.index("SIG_VALTYPE_")
+    return text[begin:end], "\n".join(f"SIG_VALTYPE_ {id << 5 | int(at)} {rest}" for at, rest in types)
 
 
 def _heads(drive: Mit) -> list[str]:

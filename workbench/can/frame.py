@@ -1,4 +1,4 @@
-"""A classical CAN frame, and how many bits it is on the wire."""
+"""A CAN frame, and how many bits it is on the wire; how long CAN-FD takes is in `flexible`."""
 
 from __future__ import annotations
 
@@ -13,26 +13,32 @@ class FrameError(WorkbenchError):
 
 
 class Frame(NamedTuple):
-    """A data frame.
+    """A frame.
 
     Attributes:
         id: arbitration identifier, 11 bits, or 29 where `extended`.
-        data: 0 to 8 bytes.
+        data: 0 to 8 bytes; of CAN-FD one of `FD_LENGTHS`.
         extended: whether the identifier has 29 bits.
+        fd: whether it is a CAN-FD frame, its data at the bus's faster rate.
+        remote: whether it has no data, and asks for the frame of this identifier.
     """
 
     id: int
     data: bytes
     extended: bool = False
+    fd: bool = False
+    remote: bool = False
 
     @property
     def priority(self) -> tuple[int, int, int]:
         """Sorts frames as arbitration does: lowest first, and a standard frame before its extended like."""
         if self.extended:
-            return self.id >> 18, 1, self.id & 0x3FFFF
-        return self.id, 0, 0
+            return self.id >> 18, 1, (self.id & 0x3FFFF) << 1 | self.remote
+        return self.id, 0, self.remote << 19
 
 
+#: Bytes that a CAN-FD frame can have.
+FD_LENGTHS = (*range(9), 12, 16, 20, 24, 32, 48, 64)
 _AFTER = 13  # bits behind the checksum: its delimiter, acknowledge and delimiter, end of frame, intermission
 _POLYNOMIAL = 0x4599  # CRC-15-CAN
 
@@ -48,19 +54,24 @@ def worst_bits(length: int, extended: bool = False) -> int:
 
 
 def frame_bits(frame: Frame) -> int:
-    """Bits that this very frame takes on the wire, stuffing and intermission included."""
+    """Bits that this very classical frame takes on the wire, stuffing and intermission included."""
     length = len(frame.data)
     data = int.from_bytes(frame.data, "big")
     if frame.extended:
         base, rest = frame.id >> 18, frame.id & 0x3FFFF
         head, size = (
-            ((base << 2 | 0b11) << 18 | rest) << 7 | length,
+            ((base << 2 | 0b11) << 18 | rest) << 7 | frame.remote << 6 | length,
             39,
         )  # SOF 0, id, SRR 1, IDE 1, id, RTR r1 r0
     else:
-        head, size = frame.id << 7 | length, 19  # start, identifier, RTR, IDE and r0 0, length
+        head, size = frame.id << 7 | frame.remote << 6 | length, 19  # start, id, RTR, IDE and r0 0, length
     content, bits = head << 8 * length | data, size + 8 * length
     content, bits = content << 15 | _checksum(content, bits), bits + 15
+    return bits + stuffing(content, bits) + _AFTER
+
+
+def stuffing(content: int, bits: int) -> int:
+    """How many bits are stuffed into so many bits of content, its first one behind an idle bus."""
     # bits before the start of frame that end in 1 change no run of equal bits
     spare = -bits % 8
     content |= (0x55 & ((1 << spare) - 1)) << bits
@@ -68,7 +79,7 @@ def frame_bits(frame: Frame) -> int:
     for byte in content.to_bytes((bits + spare) // 8, "big"):
         state, more = table[state << 8 | byte]
         stuffed += more
-    return bits + stuffed + _AFTER
+    return stuffed
 
 
 def _checksum(content: int, bits: int) -> int:

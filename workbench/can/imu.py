@@ -1,4 +1,4 @@
-"""Inertial units on a bus: how the base turns, and where down is.
+"""Inertial units on a bus: how the base turns, where down is, and, if they tell it, what it is carried with.
 
 A unit of another make is one more class with these three members, under its name in `IMUS`; what it measures
 in other quantities (a quaternion, an acceleration) it turns into these itself.
@@ -14,7 +14,7 @@ from .span import Span
 
 #: x, y and z in the base's frame.
 Triple = tuple[float, float, float]
-Quantity = Literal["angular", "gravity"]
+Quantity = Literal["angular", "gravity", "force"]
 
 
 class Imu(Protocol):
@@ -23,13 +23,18 @@ class Imu(Protocol):
     Attributes:
         lengths: bytes of each frame of one sample.
         ids: standard identifiers that it sends on.
+        tells: the quantities of one sample; without ``force`` a fall without tilt is not seen.
     """
 
     lengths: tuple[int, ...]
     ids: tuple[int, ...]
+    tells: tuple[Quantity, ...]
 
     def decode(self, frame: Frame) -> tuple[Quantity, Triple] | None:
-        """Angular velocity [rad/s] or direction of gravity (unit vector); None where it is not its frame.
+        """Angular velocity [rad/s], direction of gravity (unit vector) or force per weight.
+
+        What an accelerometer shows is that force: as long as the weight, and up, at rest; zero in free fall.
+        None where it is not its frame.
 
         Raises:
             FrameError: its identifier, and nothing that it sends.
@@ -38,26 +43,28 @@ class Imu(Protocol):
 
 
 class WorkbenchImu:
-    """The virtual unit: angular velocity on `id`, direction of gravity on the next, 16 bits each, big-endian.
+    """The virtual unit: angular velocity, direction of gravity, force per weight; 16 bits each, big-endian.
 
     Args:
-        id: of the first of its two frames.
+        id: of the first of its three frames, which follow each other.
     """
 
-    lengths: tuple[int, ...] = (6, 6)
+    lengths: tuple[int, ...] = (6, 6, 6)
+    tells: tuple[Quantity, ...] = ("angular", "gravity", "force")
     spans: tuple[tuple[Quantity, Span], ...] = (
         ("angular", Span(-35.0, 35.0, 16)), ("gravity", Span(-1.2, 1.2, 16)),
+        ("force", Span(-16.0, 16.0, 16)),
     )  # fmt: skip
 
     def __init__(self, id: int) -> None:
-        if not 0 <= id < 0x7FF:
-            raise FrameError(f"id {id:#x} is outside 0x0 to 0x7fe")
-        self.ids: tuple[int, ...] = (id, id + 1)
+        if not 0 <= id < 0x7FE:
+            raise FrameError(f"id {id:#x} is outside 0x0 to 0x7fd")
+        self.ids: tuple[int, ...] = (id, id + 1, id + 2)
 
-    def encode(self, angular: Triple, gravity: Triple) -> list[Frame]:
+    def encode(self, angular: Triple, gravity: Triple, force: Triple) -> list[Frame]:
         """One sample; what is beyond its range is at the end of it."""
         frames = []
-        for id, values, (_, span) in zip(self.ids, (angular, gravity), self.spans, strict=True):
+        for id, values, (_, span) in zip(self.ids, (angular, gravity, force), self.spans, strict=True):
             raw = [span.encode(min(max(value, span.low), span.high)) for value in values]
             frames.append(Frame(id, b"".join(each.to_bytes(2, "big") for each in raw)))
         return frames

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .frame import worst_bits
+from .flexible import worst_seconds
 from .imu import IMUS
+from .messages import Carried
 from .tables import CanConfig, make_drive
 
 MOST = 0.7  # of a bus; the rest is for errors, parameters and frames that come late
@@ -19,7 +20,7 @@ class BusLoad:
         bus: its name.
         motors: how many drives are on it.
         frames: a second.
-        bits: a second, stuffing and intermission included.
+        bits: a second, stuffing and intermission included; as long as so many at the slower rate.
         share: of its bit rate.
     """
 
@@ -39,15 +40,15 @@ def bus_load(config: CanConfig) -> list[BusLoad]:
     """The load of every bus, each motor commanded and answering in every exchange."""
     loads, rate = [], config.loop.polls / config.loop.period_s
     for bus in config.bus:
-        bits = 0
-        for motor in config.on(bus.name):
-            drive = make_drive(motor)
-            bits += worst_bits(8, drive.extended) + worst_bits(drive.length, drive.extended)
-        count = len(config.on(bus.name))
-        frames, second = 2 * count * rate, bits * rate
+        motors = config.on(bus.name)
+        carried = [frame for motor in motors for frame in make_drive(motor).exchange]
         if config.imu and config.imu.bus == bus.name:
             lengths = IMUS[config.imu.protocol](config.imu.id).lengths
-            frames += len(lengths) / config.imu.period_s
-            second += sum(worst_bits(length) for length in lengths) / config.imu.period_s
-        loads.append(BusLoad(bus.name, count, frames, second, second / bus.bitrate))
+            carried += [Carried(length, hz=1.0 / config.imu.period_s) for length in lengths]
+        frames = share = 0.0
+        for length, extended, fd, hz in carried:
+            frames += hz or rate
+            takes = worst_seconds(length, extended, fd, bus.bitrate, bus.data_bitrate or bus.bitrate)
+            share += takes * (hz or rate)
+        loads.append(BusLoad(bus.name, len(motors), frames, share * bus.bitrate, share))
     return loads

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from .frame import Frame
 from .span import Span
 
 
@@ -80,6 +81,25 @@ class Read(NamedTuple):
     """A parameter is asked for."""
 
     name: ParameterName
+
+
+class Carried(NamedTuple):
+    """A frame that a drive's exchange puts on the bus, for the bus's load.
+
+    Attributes:
+        length: bytes. extended, fd: as of `Frame`.
+        hz: how often it comes by itself; 0 for once an exchange.
+    """
+
+    length: int
+    extended: bool = False
+    fd: bool = False
+    hz: float = 0.0
+
+
+def burst(frames: Frame | tuple[Frame, ...]) -> tuple[Frame, ...]:
+    """The frames of one command: most protocols need one."""
+    return (frames,) if isinstance(frames, Frame) else frames
 
 
 class Fields(NamedTuple):

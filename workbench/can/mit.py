@@ -9,7 +9,18 @@ first byte, then position 16, velocity 12, torque 12, and by firmware temperatur
 from __future__ import annotations
 
 from .frame import Frame, FrameError
-from .messages import Action, Feedback, Fields, Parameter, ParameterName, Ranges, Read, Setpoint, fields
+from .messages import (
+    Action,
+    Carried,
+    Feedback,
+    Fields,
+    Parameter,
+    ParameterName,
+    Ranges,
+    Read,
+    Setpoint,
+    fields,
+)
 
 _BITS = (16, 12, 12, 12, 12)
 _SPECIAL: dict[Action, int] = {"enable": 0xFC, "disable": 0xFD, "zero": 0xFE, "clear": 0xFB}
@@ -46,6 +57,16 @@ class Mit:
         self.id, self.reply_id, self.ranges = id, reply_id, ranges
         self.length, self.temperature_offset = length, temperature_offset
         self.fields = fields(ranges, _BITS, kept=1)
+
+    @property
+    def torque_step(self) -> float:
+        """What a frame's torque cannot tell apart [N m]."""
+        return self.fields.torque.step
+
+    @property
+    def exchange(self) -> tuple[Carried, ...]:
+        """Frames of one exchange."""
+        return Carried(8, self.extended), Carried(self.length, self.extended)
 
     # What a host needs.
 

@@ -7,8 +7,7 @@ quantity in steps of their own; the most negative integer stands for no number. 
 Gains are scales from 0 to 1 of those that the drive is configured with (``kp``, ``kd`` of the ranges), and it
 limits the scale of kd to that of kp. So what damps without stiffness is a mode of its own, with the whole kd.
 
-A codec, tried on the published examples and on itself, on no hardware. No loop runs it: buses, their load and
-the virtual bus carry classical frames of 8 bytes so far.
+Tried on the published examples and on a virtual drive of other code, on no hardware.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from math import isfinite, tau
 from typing import Literal
 
 from .frame import Frame, FrameError
-from .messages import Action, Feedback, Parameter, ParameterName, Ranges, Read, Setpoint
+from .messages import Action, Carried, Feedback, Parameter, ParameterName, Ranges, Read, Setpoint
 from .multiplex import READ, REPLY, WRITE, Steps, head, packed, padded, subframes
 
 _MODE, _POSITION, _VELOCITY, _TORQUE, _VOLTAGE, _TEMPERATURE, _FAULT = 0, 1, 2, 3, 13, 14, 15
@@ -25,6 +24,7 @@ _TO_POSITION, _TO_VELOCITY, _TO_TORQUE, _KP, _KD, _MOST, _WATCHDOG = 0x20, 0x21,
 _OUTPUT = 0x130  # what its position is to be from now on
 _STOPPED, _FAULTY, _FOLLOWS, _TIMEOUT, _DAMPS = 0, 1, 10, 11, 12  # modes
 _ANSWER = 0x8000  # is wanted
+_ROUNDING = 1e-9  # of two parts that are meant to be the same
 #: Register -> what a step of int8, int16, int32 and float is worth, SI.
 _STEPS: Steps = {
     **dict.fromkeys((_POSITION, _TO_POSITION, _OUTPUT), (1e-2 * tau, 1e-4 * tau, 1e-5 * tau, tau)),
@@ -66,7 +66,22 @@ class Moteus:
             raise FrameError(f"a watchdog of {watchdog_s:g} s: 0.001 to 30")
         self.id, self.host_id, self.ranges, self.watchdog_s = id, host_id, ranges, watchdog_s
         self._kind = {"int16": 1, "float": 3}[registers]
+        self.torque_step = _STEPS[_TO_TORQUE][1] if registers == "int16" else 1e-5
         self._query = head(READ, self._kind, _MODE, 4) + head(READ, 0, _VOLTAGE, 3)
+
+    @property
+    def exchange(self) -> tuple[Carried, ...]:
+        """Frames of one exchange."""
+        sent = self.command(Setpoint(0.0, 0.0, 0.0, 0.0, 0.0))
+        answer = self.id << 8 | self.host_id
+        said = 3 + 4 * (2, 4)[self._kind == 3] + 2 + 3  # heads, four registers, three of a byte
+        return Carried(len(sent.data), True, True), Carried(len(padded(bytes(said))), answer > 0x7FF, True)
+
+    @property
+    def claims(self) -> frozenset[tuple[int, bool]]:
+        """Identifiers that are this drive's, and whether they have 29 bits."""
+        answer = self.id << 8 | self.host_id
+        return frozenset({(_ANSWER | self.host_id << 8 | self.id, True), (answer, answer > 0x7FF)})
 
     # What a host needs.
 
@@ -90,7 +105,7 @@ class Moteus:
         patience = packed(WRITE, {_WATCHDOG: self.watchdog_s}, self._kind, _STEPS)
         if s.kp == s.torque == s.velocity == 0.0 and damped == 1.0:
             return self._to_drive(packed(WRITE, {_MODE: _DAMPS}, 0, _STEPS) + patience + self._query)
-        if damped > stiff:
+        if damped > stiff * (1 + _ROUNDING):
             raise FrameError(f"kd of {s.kd:g} is a larger part of {r.kd:g} than kp of {s.kp:g} of {r.kp:g}")
         values = {_TO_POSITION: s.position, _TO_VELOCITY: s.velocity, _TO_TORQUE: s.torque, _KP: stiff,
                   _KD: damped, _MOST: r.torque}  # fmt: skip
@@ -115,6 +130,17 @@ class Moteus:
             raise FrameError(f"moteus drives do not tell their {name}")
         return self._to_drive(head(READ, 3, _WATCHDOG, 1))
 
+    def write(self, parameter: Parameter) -> Frame:
+        """Stops the drive, and sets its watchdog; every command brings it anew.
+
+        Raises:
+            FrameError: another parameter, or another watchdog than the commands'.
+        """
+        if parameter != ("watchdog", self.watchdog_s):
+            raise FrameError(f"this moteus cannot be told a {parameter.name} of {parameter.value:g}")
+        patience = packed(WRITE, {_WATCHDOG: self.watchdog_s}, self._kind, _STEPS)
+        return self._to_drive(packed(WRITE, {_MODE: _STOPPED}, 0, _STEPS) + patience)
+
     def decode(self, frame: Frame) -> Feedback | Parameter | None:
         """What this drive says; None where the frame is another's, or tells neither motion nor watchdog.
 
@@ -135,10 +161,8 @@ class Moteus:
         motion = said[_POSITION], said[_VELOCITY], said[_TORQUE]
         return Feedback(*motion, said.get(_TEMPERATURE), mode in (_FOLLOWS, _DAMPS), fault)
 
-    # What a drive needs.
-
     def asked(self, frame: Frame) -> Setpoint | Action | Read | None:
-        """What the host asks of this drive; None where the frame is none of its."""
+        """What the host asks of this drive, as a log shows it; None where the frame is none of its."""
         if frame.id & ~_ANSWER != self.host_id << 8 | self.id:
             return None
         try:
@@ -159,29 +183,8 @@ class Moteus:
             return "disable"
         return Read("watchdog") if (READ, _WATCHDOG) in {(what, at) for what, at, _ in found} else None
 
-    def answer(self, feedback: Feedback) -> Frame:
-        """The frame of feedback; numbers that its type cannot hold are sent as the ends of it."""
-        mode = _FOLLOWS if feedback.enabled else _STOPPED
-        mode = (_TIMEOUT if feedback.fault == _TIMEOUT else _FAULTY) if feedback.fault else mode
-        motion = {
-            _MODE: mode,
-            _POSITION: feedback.position,
-            _VELOCITY: feedback.velocity,
-            _TORQUE: feedback.torque,
-        }
-        rest = {_VOLTAGE: 24.0, _TEMPERATURE: feedback.temperature or 0.0, _FAULT: feedback.fault}
-        return self._from_drive(packed(REPLY, motion, self._kind, _STEPS) + packed(REPLY, rest, 0, _STEPS))
-
-    def tell(self, parameter: Parameter) -> Frame:
-        """The answer to a parameter that was asked for."""
-        return self._from_drive(packed(REPLY, {_WATCHDOG: parameter.value}, 3, _STEPS))
-
     def _to_drive(self, data: bytes) -> Frame:
-        return Frame(_ANSWER | self.host_id << 8 | self.id, padded(data), True)
-
-    def _from_drive(self, data: bytes) -> Frame:
-        id = self.id << 8 | self.host_id
-        return Frame(id, padded(data), id > 0x7FF)
+        return Frame(_ANSWER | self.host_id << 8 | self.id, padded(data), True, fd=True)
 
 
 def _answers(what: int, register: int, value: float) -> bool:

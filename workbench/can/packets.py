@@ -10,17 +10,17 @@ import struct
 
 from .frame import Frame
 
-_LAYOUT = struct.Struct("<cdIB8s")
-_EXTENDED = 1 << 31
-SIZE = _LAYOUT.size
+_HEAD = struct.Struct("<cdI")
+_EXTENDED, _FD, _REMOTE = 1 << 31, 1 << 30, 1 << 29
+SIZE = _HEAD.size + 64
 
 
 def pack(kind: bytes, stamp: float = 0.0, frame: Frame | None = None) -> bytes:
     """A packet; `stamp` is monotonic time [s]."""
     if frame is None:
-        return _LAYOUT.pack(kind, stamp, 0, 0, b"")
-    id = frame.id | (_EXTENDED if frame.extended else 0)
-    return _LAYOUT.pack(kind, stamp, id, len(frame.data), frame.data)
+        return _HEAD.pack(kind, stamp, 0)
+    flags = frame.extended * _EXTENDED | frame.fd * _FD | frame.remote * _REMOTE
+    return _HEAD.pack(kind, stamp, frame.id | flags) + frame.data
 
 
 def unpack(packet: bytes) -> tuple[bytes, float, Frame]:
@@ -29,7 +29,10 @@ def unpack(packet: bytes) -> tuple[bytes, float, Frame]:
     Raises:
         ValueError: no packet of this kind.
     """
-    if len(packet) != SIZE:
+    if not _HEAD.size <= len(packet) <= SIZE:
         raise ValueError(f"a packet of {len(packet)} bytes")
-    kind, stamp, id, length, data = _LAYOUT.unpack(packet)
-    return kind, stamp, Frame(id & 0x1FFFFFFF, data[: min(length, 8)], bool(id & _EXTENDED))
+    kind, stamp, id = _HEAD.unpack_from(packet)
+    data, fd = packet[_HEAD.size :], bool(id & _FD)
+    if not fd and len(data) > 8:
+        raise ValueError(f"a classical frame of {len(data)} bytes")
+    return kind, stamp, Frame(id & 0x1FFFFFFF, data, bool(id & _EXTENDED), fd, bool(id & _REMOTE))

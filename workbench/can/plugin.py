@@ -11,7 +11,7 @@ import can
 from can.exceptions import CanInitializationError, CanOperationError
 
 from .clock import Clock
-from .frame import Frame
+from .messages_of_can import from_message, to_message
 from .packets import SIZE, pack, unpack
 
 
@@ -33,7 +33,7 @@ class WorkbenchBus(can.BusABC):
     def __init__(
         self, channel: str, receive_own_messages: bool = False, time_scale: float = 1.0, **kwargs: Any
     ) -> None:  # fmt: skip
-        self._can_protocol = can.CanProtocol.CAN_20
+        self._can_protocol = can.CanProtocol.CAN_FD
         self.channel_info = f"workbench bus {channel}"
         self._off, self._refused = False, 0
         self.shift = time.time() - Clock(time_scale).now()
@@ -76,7 +76,7 @@ class WorkbenchBus(can.BusABC):
         """
         if self._off:
             raise CanOperationError("off the bus")
-        frame = Frame(msg.arbitration_id, bytes(msg.data), msg.is_extended_id)
+        frame = from_message(msg)
         self._packet(pack(b"S", 0.0, frame))
 
     def fileno(self) -> int:
@@ -121,11 +121,5 @@ class WorkbenchBus(can.BusABC):
             self._off |= kind == b"O"
             self._refused += 1
             return None
-        return can.Message(
-            timestamp=stamp + self.shift,
-            arbitration_id=frame.id,
-            is_extended_id=frame.extended,
-            data=frame.data,
-            is_rx=kind == b"R",
-            channel=self.channel_info,
-        )
+        told = {"timestamp": stamp + self.shift, "is_rx": kind == b"R", "channel": self.channel_info}
+        return to_message(frame, **told)

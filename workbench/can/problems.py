@@ -8,9 +8,11 @@ from datetime import date
 import numpy as np
 
 from .damiao import REGISTERS_ID
+from .flexible_bus import flexible_problems
 from .frame import FrameError
 from .imu import IMUS
 from .tables import CanConfig, MechanismTable, MotorTable, make_drive
+from .taken import claimed, id_problems
 
 
 def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
@@ -23,7 +25,8 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for motor in c.motor:
         yield from _motor_problems(motor, c)
     for bus in names:
-        yield from _id_problems(c.on(bus))
+        yield from id_problems(c.on(bus))
+    yield from flexible_problems(c)
     yield from _imu_problems(c)
     yield from _stop_problems(c)
     n = len(c.motor)
@@ -67,9 +70,16 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
     for name in ("position", "velocity", "torque"):
         if getattr(r, name) is None and not motor.reads_ranges:
             yield f"{key}.ranges.{name}", "is missing", 'give it and its source, or source = "drive"'
-    if motor.protocol == "mit" and not motor.watchdog_source:
+    if motor.protocol in ("mit", "damiao", "robstride") and "reply_id" not in motor.model_fields_set:
+        yield f"{key}.reply_id", "is missing", "give the identifier of its answers (robstride: the host's id)"
+    if motor.endpoints and motor.protocol != "odrive":
+        yield f"{key}.endpoints", f"a {motor.protocol} drive has none", "remove them"
+    if not motor.tells_watchdog and not motor.watchdog_source:
         remedy = "set it with the vendor's tool and say where from: watchdog_source"
-        yield f"{key}.watchdog_source", "an mit drive's watchdog cannot be read back", remedy
+        if motor.protocol == "odrive":
+            remedy += "; or give its firmware's endpoints"
+        problem = f"the watchdog of this {motor.protocol} drive cannot be read back"
+        yield f"{key}.watchdog_source", problem, remedy
     if motor.watchdog_tested and motor.watchdog_tested > date.today():
         problem = f"{motor.watchdog_tested} has not come yet"
         yield f"{key}.watchdog_tested", problem, "write the day on which it was seen to stop"
@@ -82,7 +92,7 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
     try:
         make_drive(motor)
     except FrameError as error:
-        yield key, str(error), "correct the identifiers"
+        yield key, str(error), "correct identifiers or ranges"
     yield from range_problems(motor, (r.position, r.velocity, r.torque), c)
 
 
@@ -108,28 +118,6 @@ def range_problems(
             yield f"loop.{name}", f"{wanted:g} is beyond the {room:g} of '{motor.axis}'", "lower it"
 
 
-def _id_problems(motors: list[MotorTable]) -> Iterator[tuple[str, str, str]]:
-    """Identifiers on one bus that two drives, or a drive and the host, would both use."""
-    standard = [m for m in motors if m.protocol != "robstride"]
-    commands: dict[int, str] = {REGISTERS_ID: "the registers"} if standard else {}
-    for motor in standard:
-        if motor.id in commands:
-            problem = f"id {motor.id:#x} is used by {commands[motor.id]} too"
-            yield f"motor '{motor.axis}'.id", problem, "give each drive of a bus its own"
-        commands[motor.id] = f"'{motor.axis}'"
-    for motor in standard:
-        if motor.reply_id in commands:
-            problem = f"{motor.reply_id:#x} is also where {commands[motor.reply_id]} is commanded"
-            yield f"motor '{motor.axis}'.reply_id", problem, "no drive's answer may look like a command"
-        mixed = {m.protocol for m in standard if m.reply_id == motor.reply_id}
-        if len(mixed) > 1:
-            problem = f"drives of {' and '.join(sorted(mixed))} answer on {motor.reply_id:#x}"
-            yield f"motor '{motor.axis}'.reply_id", problem, "give each protocol its own"
-    others = [m.id for m in motors if m.protocol == "robstride"]
-    for id in sorted({i for i in others if others.count(i) > 1}):
-        yield "motor.id", f"id {id:#x} is used twice", "give each drive of a bus its own"
-
-
 def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     if c.imu is None:
         return
@@ -144,10 +132,10 @@ def _imu_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
         return
     taken = {REGISTERS_ID: "the registers"}
     for motor in c.on(c.imu.bus):
-        taken |= {motor.id: f"'{motor.axis}'", motor.reply_id: f"'{motor.axis}'"}
+        taken |= dict.fromkeys(claimed(motor), f"'{motor.axis}'")
     for id in ids:
         if id in taken:
-            yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose two that are free"
+            yield "imu.id", f"id {id:#x} is used by {taken[id]} too", "choose some that are free"
 
 
 def _unknown_bus(c: CanConfig, where: str, name: str) -> Iterator[tuple[str, str, str]]:
@@ -159,9 +147,18 @@ def _unknown_bus(c: CanConfig, where: str, name: str) -> Iterator[tuple[str, str
 def _stop_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     if c.stop is None:
         return
+    if not (c.stop.bus or c.stop.chip):
+        yield "stop", "names no button", "give bus and id, or chip and line"
+    if c.stop.chip and "line" not in c.stop.model_fields_set:
+        yield "stop.line", "is missing", "give the number of the line on its chip"
+    if not c.stop.bus:
+        return
+    if c.stop.id is None:
+        yield "stop.id", "is missing", "give the identifier of the button's frame"
+        return
     yield from _unknown_bus(c, "stop.bus", c.stop.bus)
-    taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in (motor.id, motor.reply_id)}
+    taken = {REGISTERS_ID} | {id for motor in c.on(c.stop.bus) for id in claimed(motor)}
     if c.imu and c.imu.bus == c.stop.bus and c.imu.protocol in IMUS:
-        taken |= {c.imu.id, c.imu.id + 1}
+        taken |= set(IMUS[c.imu.protocol](c.imu.id).ids)
     if c.stop.id in taken:
         yield "stop.id", f"id {c.stop.id:#x} is used by another", "choose one that is free"

@@ -140,7 +140,7 @@ def serve(
     servers: list[BusServer] = []
     clock = config.clock
     try:
-        servers += [BusServer(bus.channel, Wire(bus.bitrate)) for bus in own]
+        servers += [BusServer(bus.channel, Wire(bus.bitrate, data_bitrate=bus.data_bitrate)) for bus in own]
         ready()
         while not stop():
             now = clock.now()

@@ -13,10 +13,12 @@ from .damiao import Damiao
 from .inputs import ImuTable, StopTable
 from .messages import Ranges
 from .mit import Mit
+from .moteus import Moteus
+from .odrive import Endpoints, Odrive
 from .robstride import Robstride
 from .table import NotNegative, Positive, Table
 
-Drive = Mit | Damiao | Robstride
+Drive = Mit | Damiao | Robstride | Moteus | Odrive
 
 
 def _listed(value: Any) -> Any:
@@ -52,6 +54,17 @@ class LimitsTable(Table):
     temperature: Positive = 80.0
 
 
+class EndpointsTable(Table):
+    """``endpoints`` of an odrive: their numbers in its firmware's ``flat_endpoints.json``.
+
+    Attributes:
+        watchdog_timeout, enable_watchdog: of ``axis0.config``.
+    """
+
+    watchdog_timeout: Annotated[int, Field(ge=0, le=0xFFFF)]
+    enable_watchdog: Annotated[int, Field(ge=0, le=0xFFFF)]
+
+
 class MotorTable(Table):
     """``[[motor]]``: one drive; q = sign (its position) + offset.
 
@@ -59,20 +72,22 @@ class MotorTable(Table):
         axis: name of the axis it turns.
         bus: name of its bus.
         protocol: which.
-        id, reply_id: of its commands and its answers (robstride: the host's id).
+        id, reply_id: of its commands and its answers (robstride, moteus: the host's id; odrive: none).
         ranges, limits: see there.
         watchdog_s: after which silence the drive stops itself [s]; read back where the protocol allows.
         watchdog_source: who says so, where it cannot be read.
         watchdog_tested: the day on which a person saw it stop without its host, where it cannot be read.
         sign, offset: of the axis over the drive.
         temperature_offset, length: of MIT answers.
+        registers: what a moteus is told and asked in.
+        endpoints: of an odrive; without them its watchdog cannot be read back.
     """
 
     axis: Annotated[str, Field(min_length=1)]
     bus: str
-    protocol: Literal["mit", "damiao", "robstride"]
+    protocol: Literal["mit", "damiao", "robstride", "moteus", "odrive"]
     id: int
-    reply_id: int
+    reply_id: int = 0
     ranges: RangesTable
     limits: LimitsTable
     watchdog_s: Annotated[float, Field(ge=0.010, le=0.025)] = 0.020
@@ -82,6 +97,13 @@ class MotorTable(Table):
     offset: FiniteFloat = 0.0
     temperature_offset: FiniteFloat = -40.0
     length: Literal[6, 7, 8] = 8
+    registers: Literal["int16", "float"] = "float"
+    endpoints: EndpointsTable | None = None
+
+    @property
+    def tells_watchdog(self) -> bool:
+        """Whether its watchdog can be read back."""
+        return self.protocol != "mit" and (self.protocol != "odrive" or self.endpoints is not None)
 
     @property
     def reads_ranges(self) -> bool:
@@ -90,12 +112,16 @@ class MotorTable(Table):
 
 
 class BusTable(Table):
-    """``[[bus]]``: a bus as python-can opens it; ``interface = "workbench"`` is the one between processes."""
+    """``[[bus]]``: a bus as python-can opens it; ``interface = "workbench"`` is the one between processes.
+
+    ``data_bitrate`` makes it a bus of CAN-FD frames, whose data are sent at that rate [bit/s].
+    """
 
     name: Annotated[str, Field(min_length=1)]
     interface: str
     channel: str
     bitrate: Annotated[int, Field(ge=10_000, le=1_000_000)] = 1_000_000
+    data_bitrate: Annotated[int, Field(ge=10_000, le=8_000_000)] | None = None
     options: dict[str, Any] = Field(default_factory=dict)
 
 
@@ -206,3 +232,9 @@ def make_drive(motor: MotorTable, read: tuple[float, float, float] | None = None
             return Damiao(motor.id, motor.reply_id, ranges)
         case "robstride":
             return Robstride(motor.id, motor.reply_id, ranges)
+        case "moteus":
+            return Moteus(motor.id, motor.reply_id, ranges, motor.watchdog_s, motor.registers)
+        case "odrive":
+            ends = motor.endpoints
+            numbers = Endpoints(ends.watchdog_timeout, ends.enable_watchdog) if ends else None
+            return Odrive(motor.id, ranges, numbers)

@@ -11,7 +11,8 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from .frame import Frame, frame_bits
+from .flexible import seconds
+from .frame import Frame
 
 _ERROR_BITS = 23  # flag 6 to 12, delimiter 8, intermission 3
 _WARN, _OFF = 127, 255  # transmit errors above which a node is passive, or off
@@ -57,6 +58,7 @@ class Wire:
 
     Args:
         bitrate: [bit/s].
+        data_bitrate: of the data of CAN-FD frames [bit/s]; None for the same.
         damaged: whether a frame from a node is hit by an error; asked at each attempt.
         lost: whether a node misses a frame, though all is well on the bus.
     """
@@ -66,7 +68,9 @@ class Wire:
         bitrate: float = 1e6,
         damaged: Callable[[Node, Frame], bool] | None = None,
         lost: Callable[[Node, Frame], bool] | None = None,
+        data_bitrate: float | None = None,
     ) -> None:
+        self._data_bitrate = data_bitrate or bitrate
         self.bitrate, self.damaged, self.lost = bitrate, damaged, lost
         self.nodes: list[Node] = []
         self.busy = 0.0  # seconds of bus time used
@@ -100,7 +104,7 @@ class Wire:
         if winner is None:
             return None
         start, node = winner
-        return start + frame_bits(node.queue[0][1]) / self.bitrate
+        return start + self._takes(node.queue[0][1])
 
     def advance(self, until: float) -> None:
         """Everything that happens up to a time [s]."""
@@ -134,11 +138,15 @@ class Wire:
         frame = node.queue[0][1]
         # without another node nobody acknowledges
         damaged = len(self.nodes) < 2 or bool(self.damaged and self.damaged(node, frame))
-        bits = frame_bits(frame)
-        bits = bits // 2 + _ERROR_BITS if damaged else bits
-        self.busy += bits / self.bitrate
-        self._under_way = (start + bits / self.bitrate, node, frame, damaged)
+        takes = self._takes(frame)
+        takes = 0.5 * takes + _ERROR_BITS / self.bitrate if damaged else takes
+        self.busy += takes
+        self._under_way = (start + takes, node, frame, damaged)
         return True
+
+    def _takes(self, frame: Frame) -> float:
+        """How long a frame takes [s]."""
+        return seconds(frame, self.bitrate, self._data_bitrate)
 
     def _hit(self, node: Node) -> None:
         if len(self.nodes) < 2 and node.errors > _WARN:

@@ -105,7 +105,9 @@ def dbc(
         made = {"format": 1, "file": output, "drives": list(drives), "imu": imu is not None}
         write_result(made, json, files=[Path(config)], force=force)
     if not quiet and json != "-":
-        echo(f"Wrote {output}: the frames of {len(drives)} drive(s).")
+        without = [motor.axis for motor in loaded.motor if motor.protocol == "moteus"]
+        none = f" No DBC expresses a moteus: nothing of {', '.join(without)}." if without else ""
+        echo(f"Wrote {output}: the frames of {len(drives) - len(without)} drive(s).{none}")
 
 
 @can.command()

@@ -44,7 +44,7 @@ def deploy(
         bool, typer.Option("--watchdogs-tested", help="I saw each drive stop without its host: full torque.")
     ] = False,
     teleop: Annotated[
-        str, typer.Option(metavar="HOW", help="Ask for other speeds: keys (w s q e a d x), or udp:PORT.")
+        str, typer.Option(metavar="HOW", help="Ask for other speeds: keys (w s q e a d x), pad, or udp:PORT.")
     ] = "",
     output: Annotated[
         str | None,

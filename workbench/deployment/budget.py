@@ -12,6 +12,7 @@ from workbench.can import CanConfig
 from .controller import Controller
 from .host import Host
 from .policies import PolicyController
+from .processors import Crowd
 from .statistics import Punctuality
 
 REHEARSAL_S = 1.0  # of exchanges with drives that are still disabled
@@ -22,12 +23,13 @@ _MISSED = 0.01  # of the ticks
 
 def budget(
     host: Host, config: CanConfig, controller: Controller, say: Callable[[str], None],
-    refused: Sequence[str] = (),
+    refused: Sequence[str] = (), crowd: Crowd | None = None,
 ) -> list[str]:  # fmt: skip
     """Rehearses with drives that are still off; says which budgets of time are not kept, and returns them.
 
-    What is counted here is not counted in the run. What the operating system `refused` is lacking too: a
-    rehearsal cannot see what a busy machine does a few times a minute.
+    What is counted here is not counted in the run. What the operating system `refused` is lacking too, and
+    processors that a `crowd` of others wants: a rehearsal cannot see what a busy machine does a few times a
+    minute.
     """
     loop, spent = config.loop, 0.0
     if isinstance(controller, PolicyController):
@@ -36,6 +38,7 @@ def budget(
     host.count_anew()
     host.run(REHEARSAL_S, lambda each, _: each.operator.stop)
     lacks = [f"not permitted: {what}" for what in refused]
+    lacks += crowd.lacking() if crowd else []
     lacks += lacking(host.count_anew(), loop.period_s, 3 * loop.period_s, spent)
     for line in lacks:
         say(f"lacks time: {line}")

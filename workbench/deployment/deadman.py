@@ -15,9 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from math import ceil
 
-from workbench.can import Frame
-
-from .drives import CALM, Drives
+from .drives import CALM, Drives, Frames
 
 _PATIENCE = 1.0  # s that a controller may take before the program is ended
 
@@ -44,7 +42,7 @@ class Deadman:
         self._period, self._late = period, ceil(after / period)
         self._lock, self._over = threading.Lock(), threading.Event()
         self._calls, self._inside = 0, False
-        self._damping: Sequence[Frame] = ()
+        self._damping: Sequence[Frames] = ()
         self._thread = threading.Thread(target=self._watch, name="deadman", daemon=True)
         self.acted = 0
 
@@ -59,7 +57,7 @@ class Deadman:
             self._thread.join()
 
     @contextmanager
-    def over(self, damping: Sequence[Frame]) -> Iterator[None]:
+    def over(self, damping: Sequence[Frames]) -> Iterator[None]:
         """While a controller is asked: what is sent if it does not answer."""
         with self._lock:
             self._damping, self._inside, self._calls = damping, True, self._calls + 1

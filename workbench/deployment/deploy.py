@@ -25,6 +25,7 @@ from .kept import Kept, logged
 from .network import Network
 from .permitted import permitted
 from .policies import PolicyController, Tracker, check_bundle, reach_between
+from .processors import Crowd
 from .stopping import brought_down, on_hardware
 from .teleop import teleoperated
 from .trained import trained_of
@@ -192,7 +193,7 @@ def _rehearse(
     lacks: list[str], config: CanConfig, controller: Controller, say: Callable[[str], None],
     refused: Sequence[str], host: Host,
 ) -> None:  # fmt: skip
-    lacks += budget(host, config, controller, say, refused)
+    lacks += budget(host, config, controller, say, refused, Crowd())
 
 
 def status(host: Host) -> str:

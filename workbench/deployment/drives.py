@@ -10,13 +10,15 @@ from math import ceil
 import numpy as np
 
 from workbench.can import CanConfig, Frame, Setpoint
-from workbench.can.messages import Action
+from workbench.can.messages import Action, burst
 
 from .feedback import Feedback
 from .network import Network
 from .seen import Setpoints
 from .statistics import Punctuality
 
+#: What one drive is told at once; most protocols need one frame.
+Frames = tuple[Frame, ...]
 _ASK_AGAIN, _GIVE_UP = 0.6, 0.85  # parts of an exchange
 _AWAY = 1.5  # periods without a look, after which the loop itself was held up
 CALM = 0.5  # s of damping before drives are disabled
@@ -24,7 +26,7 @@ _REPEATS = 3  # of what must arrive: frames get lost
 
 
 class Drives:
-    """One frame a drive and exchange, in the drives' own coordinates.
+    """The frames of one exchange, in the drives' own coordinates.
 
     Args:
         config: buses and drives.
@@ -50,8 +52,8 @@ class Drives:
         self.took, self.away, self.looked, self.gap = True, False, -np.inf, 0.0
         self._told = np.inf  # when all were last commanded [s]
 
-    def encode(self, out: Setpoints) -> list[Frame]:
-        """One frame a drive.
+    def encode(self, out: Setpoints) -> list[Frames]:
+        """The frames of one setpoint a drive.
 
         Raises:
             FrameError: a number that no frame can carry.
@@ -61,13 +63,14 @@ class Drives:
             self._sign * out.torque,
         )  # fmt: skip
         rows = np.column_stack(columns).tolist()
-        return [d.command(Setpoint(*row)) for d, row in zip(self.feedback.drives, rows, strict=True)]
+        return [burst(d.command(Setpoint(*row))) for d, row in zip(self.feedback.drives, rows, strict=True)]
 
-    def send(self, frames: Sequence[Frame], only: np.ndarray | None = None) -> None:
-        """Sends one frame a drive; of all, or of those in `only` (n,)."""
-        for index, frame in enumerate(frames):
+    def send(self, frames: Sequence[Frames], only: np.ndarray | None = None) -> None:
+        """Sends its frames to each drive; to all, or to those in `only` (n,)."""
+        for index, each in enumerate(frames):
             if only is None or only[index]:
-                self.took &= self._network.send(self.bus[index], frame)
+                for frame in each:
+                    self.took &= self._network.send(self.bus[index], frame)
         if only is None and frames:
             now = self._network.now()
             self.gap, self._told = max(self.gap, now - self._told), now
@@ -76,7 +79,8 @@ class Drives:
         """Has every drive do something."""
         for index, drive in enumerate(self.feedback.drives):
             for action in actions:
-                self._network.send(self.bus[index], drive.act(action))
+                for frame in burst(drive.act(action)):
+                    self._network.send(self.bus[index], frame)
 
     def flush(self) -> None:
         """Forgets what is queued on every bus."""
@@ -104,7 +108,9 @@ class Drives:
         self._take(self._network.now())
         return self._old()
 
-    def collect(self, frames: Sequence[Frame], sent: float, gap: float, watched: bool, patient: bool) -> None:
+    def collect(
+        self, frames: Sequence[Frames], sent: float, gap: float, watched: bool, patient: bool
+    ) -> None:
         """Takes what comes until every drive has answered; asks those once more that are late.
 
         Args:
@@ -140,7 +146,7 @@ class Drives:
         self.away |= now - self.looked > _AWAY * self._period
         return self.away
 
-    def let_down(self, damping: Sequence[Frame], seconds: float) -> None:
+    def let_down(self, damping: Sequence[Frames], seconds: float) -> None:
         """Sends damping for some time, whatever fails on the way: nothing but the buses is relied upon."""
         for _ in range(ceil(seconds / self._period)):
             self._tell(damping)
@@ -148,13 +154,14 @@ class Drives:
     def disable(self) -> None:
         """Disables every drive, whatever fails on the way."""
         for _ in range(_REPEATS):
-            self._tell([drive.act("disable") for drive in self.feedback.drives])
+            self._tell([burst(drive.act("disable")) for drive in self.feedback.drives])
 
-    def _tell(self, frames: Sequence[Frame]) -> None:
-        """One frame a drive, and a period to hear what they say; raises nothing."""
-        for bus, frame in zip(self.bus, frames, strict=True):
-            with suppress(Exception):
-                self._network.send(bus, frame)
+    def _tell(self, frames: Sequence[Frames]) -> None:
+        """Its frames to each drive, and a period to hear what they say; raises nothing."""
+        for bus, each in zip(self.bus, frames, strict=True):
+            for frame in each:
+                with suppress(Exception):
+                    self._network.send(bus, frame)
         try:
             until = self._network.now() + self._period
             with suppress(Exception):

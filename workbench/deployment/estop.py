@@ -22,8 +22,8 @@ class StopInput:
     """
 
     def __init__(self, config: CanConfig) -> None:
-        self._table = config.stop
-        self.bus = config.stop.bus if config.stop else ""
+        self._table = config.stop if config.stop and config.stop.bus else None
+        self.bus = self._table.bus if self._table else ""
         self._heard = float("-inf")  # when motion was last permitted [s]
         self._refused = False
 

@@ -16,7 +16,8 @@ A drive that has let go without a word (its watchdog, a fault that its protocol 
 same report: for a tenth of a second it makes less than a quarter of the torque that it is told.
 
 What these cannot see is a drive that freezes at rest, with nothing new to do: until it is told something
-else, nothing tells it from one that rests.
+else, nothing tells it from one that rests. It would take a counter in its frames, or torque for no other
+reason.
 """
 
 from __future__ import annotations

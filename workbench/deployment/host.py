@@ -12,11 +12,12 @@ from math import ceil
 
 import numpy as np
 
-from workbench.can import CanConfig, Frame, FrameError
+from workbench.can import CanConfig, FrameError
+from workbench.can.messages import burst
 
 from .controller import Controller
 from .deadman import Deadman
-from .drives import CALM, Drives
+from .drives import CALM, Drives, Frames
 from .feedback import Feedback
 from .joints import Joints
 from .limits import Limits, limits_of
@@ -71,8 +72,8 @@ class Host:
         self.deadman: Deadman | None = None
         self._verified, self._asked, self._enabling = False, False, 0
         self.time = 0.0
-        self._frames: list[Frame] = []
-        self._next: list[Frame] = []
+        self._frames: list[Frames] = []
+        self._next: list[Frames] = []
 
     def verify(self) -> list[Verified]:
         """Asks every drive who it is; nothing can be armed before.
@@ -164,7 +165,7 @@ class Host:
     def _moving(self) -> bool:
         return self.state.phase in ("arm", "soft_start", "run")
 
-    def _calm(self, damping: list[Frame], seconds: float) -> None:
+    def _calm(self, damping: list[Frames], seconds: float) -> None:
         try:
             self.drives.send(damping)
             self.run(seconds)
@@ -173,7 +174,7 @@ class Host:
             if not isinstance(error, Exception):
                 raise
 
-    def _damp(self) -> list[Frame]:
+    def _damp(self) -> list[Frames]:
         """From now on everything damps; returns the frames that say so."""
         phase, zero = self.state.phase, np.zeros_like(self.state.torque)
         since = self.state.since if phase == "damp" else self._time()
@@ -216,7 +217,7 @@ class Host:
         seen = Seen(
             now, f.position, f.velocity, f.temperature, f.age(now), f.faulty, drives.took,
             self.operator.stop, self.operator.arm and self._enabling == 0, self._verified, f.base.age(now),
-            failed, drives.gap, f.base.same(now), f.torque, f.base.motion.gravity,
+            failed, drives.gap, f.base.same(now), f.base.carried, f.torque, f.base.motion.gravity,
         )  # fmt: skip
         drives.took, drives.gap = True, 0.0
         self.state, out = step(self._limits, self.state, seen, wanted)
@@ -224,7 +225,7 @@ class Host:
             self._next = drives.encode(out)
         except FrameError:
             # safety keeps every number where a frame can carry it; should it not, nobody drives
-            self._next = [drive.act("disable") for drive in f.drives]
+            self._next = [burst(drive.act("disable")) for drive in f.drives]
         if moving and not self._moving:
             drives.flush()
             self._frames = self._next

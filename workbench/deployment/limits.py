@@ -60,7 +60,7 @@ def limits_of(config: CanConfig) -> Limits:
 
     period = config.loop.period_s
     steps = [
-        0.0 if motor.reads_ranges else drive.fields.torque.step
+        0.0 if motor.reads_ranges else drive.torque_step
         for motor in config.motor
         if (drive := make_drive(motor))
     ]

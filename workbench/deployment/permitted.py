@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.bundle import PolicyBundle, objections
-from workbench.can import CanConfig, make_drive
+from workbench.can import CanConfig
 from workbench.core import InputError
 
 from .limits import Limits, limits_of
@@ -19,9 +19,7 @@ UNTESTED = 0.1  # of a torque limit, where nobody has seen the drive stop by its
 def untested(config: CanConfig) -> list[str]:
     """Axes whose drive cannot be asked for its watchdog, and that no person has seen stop by itself."""
     return [
-        motor.axis
-        for motor in config.motor
-        if "watchdog" not in make_drive(motor).parameters and motor.watchdog_tested is None
+        motor.axis for motor in config.motor if not motor.tells_watchdog and motor.watchdog_tested is None
     ]
 
 

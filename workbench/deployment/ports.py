@@ -9,6 +9,7 @@ from collections import deque
 import can
 
 from workbench.can import CanConfig, Frame
+from workbench.can.messages_of_can import from_message, to_message
 from workbench.can.plugin import WorkbenchBus
 from workbench.can.tables import BusTable
 from workbench.core import InputError
@@ -62,11 +63,8 @@ class PortNetwork:
 
     def send(self, bus: str, frame: Frame) -> bool:
         """Queues a frame; never waits."""
-        message = can.Message(
-            arbitration_id=frame.id, data=frame.data, is_extended_id=frame.extended, check=False
-        )
         try:
-            self._buses[bus].send(message, timeout=0.0)
+            self._buses[bus].send(to_message(frame), timeout=0.0)
         except (can.CanError, OSError):
             return False
         if bus in self._own:
@@ -138,9 +136,7 @@ class PortNetwork:
                 if message.arbitration_id & _BUS_OFF:
                     self._off.add(name)
                 continue
-            if message.is_remote_frame or message.is_fd:
-                continue
-            frame = Frame(message.arbitration_id, bytes(message.data), message.is_extended_id)
+            frame = from_message(message)
             sent = not message.is_rx or self._came_back(name, frame)
             arrivals.append(Arrival(name, self._stamp(port, message), frame, sent))
 
@@ -182,10 +178,16 @@ def open_bus(bus: BusTable, config: CanConfig, echo: bool = True) -> tuple[can.B
     """
     where = {"file": config.source, "column": f"bus.{bus.name}"}
 
+    flexible = {}
+    if bus.data_bitrate:
+        flexible = {"fd": True, "data_bitrate": bus.data_bitrate}
+        if bus.interface == "virtual":  # has another name for it
+            flexible = {"protocol": can.CanProtocol.CAN_FD}
+
     def opened(echo: bool) -> can.BusABC:
         return can.Bus(
             interface=bus.interface, channel=bus.channel, bitrate=bus.bitrate, receive_own_messages=echo,
-            **bus.options,
+            **flexible, **bus.options,
         )  # fmt: skip
 
     try:

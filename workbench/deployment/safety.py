@@ -19,6 +19,7 @@ from .seen import Seen, Setpoints, Wanted
 #: What is wrong, and with which axes by number; nothing where it is None.
 Problem = tuple[str | None, tuple[int, ...]]
 Phase = Literal["off", "arm", "soft_start", "run", "damp"]
+_CARRIED = 0.3  # of its weight: less holds no robot up, with all that its legs pull at it
 _HUGE = 10.0  # times the limit: no controller that works asks for this
 
 
@@ -135,6 +136,7 @@ def _sight(limits: Limits, state: SafetyState, seen: Seen) -> Problem | None:
             tilt > limits.tilt,
             f"tilted by {np.degrees(tilt):.0f} degrees, beyond {np.degrees(limits.tilt):.0f}",
         ),
+        (seen.carried < _CARRIED, "falls freely"),
         ((seen.position < limits.low - over) | (seen.position > limits.high + over), "position limit"),
         (np.abs(seen.velocity) > limits.velocity, "velocity limit"),
         (seen.temperature > limits.temperature, "temperature limit"),

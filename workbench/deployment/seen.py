@@ -24,6 +24,7 @@ class Seen:
         gravity: its direction in the base's frame (3,); NaN where there is no base to know of.
         gap: longest time between two commands since the last tick [s].
         base_same: since how long what is known of the base has not changed [s].
+        carried: part of its weight that has carried the base on average; NaN where that is not known.
         torque: that drives report (n,) [N m].
         failed: what the controller failed with; None where it did not.
     """
@@ -42,6 +43,7 @@ class Seen:
     failed: str | None = None
     gap: float = 0.0
     base_same: float = 0.0
+    carried: float = float("nan")
     torque: np.ndarray = field(default_factory=lambda: np.array(np.nan))
     gravity: np.ndarray = field(default_factory=lambda: np.full(3, np.nan))
 

@@ -30,7 +30,7 @@ class SimulatedNetwork:
 
     def __init__(self, config: CanConfig, bank: MotorBank | None = None) -> None:
         self.bank = bank or MotorBank(config)
-        self.wires = {bus.name: Wire(bus.bitrate) for bus in config.bus}
+        self.wires = {bus.name: Wire(bus.bitrate, data_bitrate=bus.data_bitrate) for bus in config.bus}
         self.tamper: Callable[[Arrival], list[tuple[float, Arrival]]] | None = None
         self.every_row: Callable[[float], None] | None = None
         self._motors = {

@@ -12,6 +12,7 @@ from workbench.can import CanConfig
 from workbench.core import WorkbenchError
 
 from .deadman import Deadman
+from .gpio import stop_line
 from .host import Host
 
 #: What asks a program to end, or would keep it from commanding its drives: each presses the emergency stop.
@@ -62,11 +63,16 @@ def brought_down(host: Host) -> Iterator[None]:
 
 @contextmanager
 def on_hardware(host: Host, config: CanConfig) -> Iterator[None]:
-    """What only the machine's own clock needs: a thread beside the policy, and an eye on the parent."""
+    """What only the machine itself has: a thread beside the policy, an eye on the parent, a button's line.
+
+    Raises:
+        InputError: the button's line cannot be had.
+    """
     host.operator.watches.append(orphaned())
     loop = config.loop
     host.deadman = Deadman(host.drives, loop.period_s, 3 * loop.period_s, config.clock.machine)
-    with host.deadman.watching():
+    with stop_line(config) as watches, host.deadman.watching():
+        host.operator.watches += watches
         yield
 
 

@@ -1,4 +1,4 @@
-"""Asks a walking policy for velocities while it runs: by keys, or by datagrams of another program."""
+"""Asks a walking policy for velocities while it runs: by keys, a gamepad, or datagrams of another program."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ import numpy as np
 from workbench.core import InputError
 
 from .command import Command
+from .gamepad import DEVICE, Gamepad
+from .steering import Clip
 
-#: A velocity (3,) within what may be asked for.
-Clip = Callable[[np.ndarray], np.ndarray]
 #: Key -> change of forward, sideward and turning speed [m/s, m/s, rad/s].
 STEPS = {
     "w": (0.1, 0.0, 0.0), "s": (-0.1, 0.0, 0.0), "q": (0.0, 0.05, 0.0), "e": (0.0, -0.05, 0.0),
@@ -131,16 +131,16 @@ class Datagrams:
 def teleoperated(
     how: str, command: Command, clip: Clip, now: Callable[[], float]
 ) -> Iterator[list[Callable[[], str | None]]]:
-    """What the loop has to look at, by ``keys``, ``udp:PORT`` or nothing.
+    """What the loop has to look at, by ``keys``, ``pad``, ``pad:DEVICE``, ``udp:PORT`` or nothing.
 
     Raises:
-        InputError: neither of these, no terminal, or a port that is taken.
+        InputError: none of these, no terminal, no gamepad, or a port that is taken.
     """
     if not how:
         yield []
     elif how == "keys":
         if not sys.stdin.isatty():
-            raise InputError("keys need a terminal", column="--teleop", remedy="give udp:PORT")
+            raise InputError("keys need a terminal", column="--teleop", remedy="give pad, or udp:PORT")
         import termios
         import tty
 
@@ -151,6 +151,12 @@ def teleoperated(
             yield [Keys(command, clip, file).watch]
         finally:
             termios.tcsetattr(file, termios.TCSADRAIN, before)
+    elif how.partition(":")[0] == "pad":
+        pad = Gamepad(command, clip, how.partition(":")[2] or DEVICE)
+        try:
+            yield [pad.watch]
+        finally:
+            pad.close()
     elif how.startswith("udp:") and how[4:].isdigit() and 0 < int(how[4:]) < 65536:
         socket_ = Datagrams(command, clip, int(how[4:]), now)
         try:
@@ -158,4 +164,4 @@ def teleoperated(
         finally:
             socket_.close()
     else:
-        raise InputError(f"'{how}' is no way to ask", column="--teleop", remedy="give keys, or udp:PORT")
+        raise InputError(f"'{how}' is no way to ask", column="--teleop", remedy="give keys, pad, or udp:PORT")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from workbench.can import CanConfig, Frame, Parameter, make_drive, range_problems
-from workbench.can.messages import ParameterName
+from workbench.can.messages import ParameterName, burst
 from workbench.core import WorkbenchError
 
 from .feedback import Feedback
@@ -62,9 +62,9 @@ def _verify(index: int, config: CanConfig, network: Network, feedback: Feedback)
         )
     told: dict[str, float] = {}
 
-    def read(name: ParameterName, frame: Frame | None = None) -> float:
+    def read(name: ParameterName) -> float:
         feedback.forget(index, name)
-        request = frame or drive.read(name)
+        request = drive.read(name)
         if not _ask(
             network, feedback, motor.bus, request, lambda: feedback.parameter(index, name) is not None
         ):
@@ -79,7 +79,8 @@ def _verify(index: int, config: CanConfig, network: Network, feedback: Feedback)
             f"'{motor.axis}' is in mode {told['mode']:g}: set mode 1, in which it follows setpoints"
         )
     if "watchdog" in drive.parameters:
-        network.send(motor.bus, drive.write(Parameter("watchdog", motor.watchdog_s)))
+        for frame in burst(drive.write(Parameter("watchdog", motor.watchdog_s))):
+            network.send(motor.bus, frame)
         if abs(read("watchdog") - motor.watchdog_s) > 1e-4:
             raise VerifyError(
                 f"the watchdog of '{motor.axis}' reads {1e3 * told['watchdog']:.4g} ms after "
@@ -108,10 +109,17 @@ def _check_ranges(index: int, config: CanConfig, read: tuple[float, float, float
         raise VerifyError(f"{key}: {problem}; {remedy}")
 
 
-def _ask(network: Network, feedback: Feedback, bus: str, frame: Frame, answered: Callable[[], bool]) -> bool:
+def _ask(
+    network: Network,
+    feedback: Feedback,
+    bus: str,
+    frames: Frame | tuple[Frame, ...],
+    answered: Callable[[], bool],
+) -> bool:
     """Sends until there is an answer."""
     for _ in range(_TRIES):
-        network.send(bus, frame)
+        for frame in burst(frames):
+            network.send(bus, frame)
         until = network.now() + _PATIENCE
         while network.now() < until - 1e-9:
             for arrival in network.receive(until):

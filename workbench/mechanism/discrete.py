@@ -124,6 +124,14 @@ class DiscreteChain:
         plant.SetVelocities(self._context, velocities)
         self._simulator.Initialize()
 
+    def kick(self, more: np.ndarray) -> None:
+        """Changes the floating base's speed at once, by (6,): angular [rad/s], linear [m/s], in the world."""
+        [body] = self.plant.GetFloatingBaseBodies()
+        start = self.plant.get_body(body).floating_velocities_start_in_v()
+        velocities = self.plant.GetVelocities(self._context)
+        velocities[start : start + 6] += more
+        self.plant.SetVelocities(self._context, velocities)
+
     def advance(self, torque: np.ndarray) -> None:
         """One step with drive torques (n,) [N m]."""
         forces = np.zeros(self.plant.num_velocities())

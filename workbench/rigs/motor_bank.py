@@ -6,14 +6,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from workbench.can import CanConfig, Frame, make_drive
+from workbench.can import CanConfig, Frame
 from workbench.can.imu import Triple, WorkbenchImu
 from workbench.core import InputError
 
 from .hidden import HiddenEffect
 from .live import ROW, LiveLeg, LiveShaft, Plant
-from .quadruped import GRAVITY_NOISE, GYRO_NOISE, LiveQuadruped
+from .quadruped import FORCE_NOISE, GRAVITY_NOISE, GYRO_NOISE, LiveQuadruped
 from .quadruped import ROW as QUADRUPED_ROW
+from .speaking import side_of
 from .virtual_leg import Sensors
 from .virtual_motor import VirtualMotor
 
@@ -58,7 +59,7 @@ class MotorBank:
         quadruped = config.bench.rig == "quadruped"
         self.row = row or (QUADRUPED_ROW if quadruped else ROW)
         self.motors = {
-            m.axis: VirtualMotor(m.axis, make_drive(m, _OWN if m.reads_ranges else None), m.sign, m.offset)
+            m.axis: VirtualMotor(m.axis, side_of(m, _OWN if m.reads_ranges else None), m.sign, m.offset)
             for m in config.motor
         }
         for m in config.motor:
@@ -158,13 +159,15 @@ class MotorBank:
         if self._imu is None or now < self._sample - 0.5 * self.row:
             return []
         self._sample = max(self._sample, now - self._period) + self._period
-        angular, gravity = robot.feel() if robot else self._rest()
-        return [(IMU, frame) for frame in self._imu.encode(_triple(angular), _triple(gravity))]
+        felt = robot.feel() if robot else self._rest()
+        angular, gravity, force = map(_triple, felt)
+        return [(IMU, frame) for frame in self._imu.encode(angular, gravity, force)]
 
-    def _rest(self) -> tuple[np.ndarray, np.ndarray]:
+    def _rest(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """What a unit on a stand shows: its noise."""
-        noise = self._noise.standard_normal((2, 3))
-        return GYRO_NOISE * noise[0], _DOWN + GRAVITY_NOISE * noise[1]
+        noise = self._noise.standard_normal((3, 3))
+        turn, fall, push = GYRO_NOISE * noise[0], GRAVITY_NOISE * noise[1], FORCE_NOISE * noise[2]
+        return turn, _DOWN + fall, push - _DOWN
 
 
 def _triple(values: np.ndarray) -> Triple:

@@ -22,7 +22,8 @@ ROW = 0.5e-3  # s, one step of Drake
 _FOOT, _FRICTION = 0.02, 0.8  # m; dry, with the ground
 _STAND = (0.0, -0.75, 0.45)  # rad, of a leg's drives, in which it stands
 _DROP = 0.005  # m that it is let down from
-GYRO_NOISE, GRAVITY_NOISE = 0.02, 0.005  # rad/s and share of g: noise of a common inertial unit
+GYRO_NOISE, GRAVITY_NOISE, FORCE_NOISE = 0.02, 0.005, 0.01  # rad/s and shares of g: of a common unit
+_G = 9.81  # m/s^2
 
 
 def quadruped_mechanism() -> Mechanism:
@@ -50,7 +51,7 @@ class LiveQuadruped:
     axes = 12
 
     def __init__(self, seed: int = 0, sensors: Sensors | None = None, row: float = ROW) -> None:
-        self.held, self._sensors = True, sensors or Sensors()
+        self.held, self._sensors, self._row = True, sensors or Sensors(), row
         self._generator = np.random.default_rng([seed, 43])
         ground = Ground(tuple(f"{leg}_foot" for leg in LEGS), _FOOT, _FRICTION)
         inertia, damping = [ACTUATOR_INERTIA] * 12, [ACTUATOR_DAMPING] * 12
@@ -60,7 +61,7 @@ class LiveQuadruped:
         lowest = min(float(self._chain.place(foot)[2]) for foot in ground.feet)
         level[6] = 1.0 - lowest + _FOOT + _DROP
         self._chain.reset(np.tile(_STAND, 4), base=level)
-        self._torque = np.zeros(12)
+        self._torque, self._rows, self._speed = np.zeros(12), 0, np.zeros(3)
 
     @property
     def pose(self) -> np.ndarray:
@@ -87,11 +88,33 @@ class LiveQuadruped:
         w, t = self._chain.velocity + s.velocity_noise * noise[0], self._torque + s.torque_noise * noise[1]
         return list(zip(q.tolist(), w.tolist(), t.tolist(), strict=True))
 
-    def feel(self) -> tuple[np.ndarray, np.ndarray]:
-        """What the inertial unit shows now (3,): angular velocity [rad/s], direction of gravity."""
+    def feel(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What the inertial unit shows now (3,): angular velocity [rad/s], where down is, force per weight.
+
+        The force is the mean since it was last asked, as of a unit that filters for its own rate.
+        """
         gravity, _, angular = self.motion
         noise = self._generator.standard_normal((2, 3))
-        return angular + GYRO_NOISE * noise[0], gravity + GRAVITY_NOISE * noise[1]
+        return angular + GYRO_NOISE * noise[0], gravity + GRAVITY_NOISE * noise[1], self._carried(gravity)
+
+    def push(self, roll: float, lift: float = 0.0) -> None:
+        """Somebody hits it: the trunk rolls at once by so much more [rad/s], and leaves the ground [m/s]."""
+        self._chain.kick(np.array([roll, 0.0, 0.0, 0.0, 0.0, lift]))
+
+    def lay(self, roll: float, height: float) -> None:
+        """Puts it down otherwise: its trunk rolled [rad], so high above the ground [m], at rest."""
+        half = 0.5 * roll
+        pose = np.array([np.cos(half), np.sin(half), 0.0, 0.0, 0.0, 0.0, height])
+        self._chain.reset(self._chain.position, base=pose)
+
+    def _carried(self, gravity: np.ndarray) -> np.ndarray:
+        """Force on the trunk per its weight, in its frame (3,), and its noise."""
+        quaternion: Any = self._chain.base[:4] / np.linalg.norm(self._chain.base[:4])
+        speed, rows = self._chain.base_velocity[3:], max(1, self._rows)
+        faster = (speed - self._speed) / (rows * self._row)
+        self._speed, self._rows = speed, 0
+        turned = RotationMatrix(Quaternion(quaternion)).matrix().T @ faster
+        return turned / _G - gravity + FORCE_NOISE * self._generator.standard_normal(3)
 
     def command(self, torque: Sequence[float]) -> None:
         """The torques of the row that begins [N m]."""
@@ -106,5 +129,6 @@ class LiveQuadruped:
         if self.held:
             return
         self._chain.advance(self._torque)
+        self._rows += 1
         if not np.abs(self._chain.velocity).max() < 1e3:
             raise SimulationError("the quadruped ran away")

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from workbench.can import Drive, Feedback, Frame, FrameError, Parameter, Read, Setpoint
+from workbench.can import Feedback, Frame, FrameError, Parameter, Read, Setpoint
+from workbench.can.messages import burst
 
 from .live import Look
+from .speaking import Speaker, things, unasked
 
 _AMBIENT, _WARMING, _COOLING = 25.0, 0.01, 60.0  # deg C, K/(s (N m)^2), s
 _HOT = 110.0  # deg C, where it gives up
 _LOST, _OVERHEATED = 0xD, 0xC  # as Damiao numbers them
+_TELL_FAULTS = ("damiao", "moteus", "odrive")  # as virtual drives go
 
 
 class VirtualMotor:
@@ -28,7 +31,7 @@ class VirtualMotor:
         longest: the longest it drove without one [s].
     """
 
-    def __init__(self, axis: str, drive: Drive, sign: int = 1, offset: float = 0.0) -> None:
+    def __init__(self, axis: str, drive: Speaker, sign: int = 1, offset: float = 0.0) -> None:
         self.axis, self.drive, self._sign, self._offset = axis, drive, sign, offset
         ranges = drive.ranges
         self.parameters: dict[str, float] = {
@@ -50,10 +53,7 @@ class VirtualMotor:
 
     def obey(self, now: float) -> None:
         """Does what it was told since the last row, unless that is too long ago."""
-        for frame in self._inbox:
-            asked = self.drive.asked(frame)
-            if asked is None:
-                continue
+        for asked in [each for frame in self._inbox for each in things(self.drive.asked(frame))]:
             if isinstance(asked, Setpoint):
                 self._setpoint, self.heard = asked, now
             elif isinstance(asked, Read):
@@ -64,7 +64,7 @@ class VirtualMotor:
                 self._confirmed.append(asked)
                 if self.drive.confirm(asked):
                     continue
-            else:
+            elif asked != "look":
                 self._act(asked, now)
             self._speak = True
         self._inbox.clear()
@@ -109,12 +109,13 @@ class VirtualMotor:
             except FrameError:
                 continue
         self._answers.clear()
+        fault = self.fault if self.drive.name in _TELL_FAULTS else 0
+        q, w, t = self._sign * (look[0] - self._offset), self._sign * look[1], self._sign * look[2]
+        own = Feedback(q, w, t, self.temperature, self.enabled, fault)
         if self._speak:
             self._speak = False
-            q, w, t = self._sign * (look[0] - self._offset), self._sign * look[1], self._sign * look[2]
-            fault = self.fault if self.drive.name == "damiao" else 0
-            said.append(self.drive.answer(Feedback(q, w, t, self.temperature, self.enabled, fault)))
-        return said
+            said += burst(self.drive.answer(own))
+        return said + (unasked(self.drive, own, now) if row else [])
 
     def _act(self, action: str, now: float) -> None:
         if action == "enable" and not self.fault:

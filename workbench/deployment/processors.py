@@ -1,0 +1,43 @@
+"""How much other programs want of the processors, as the kernel counts it."""
+
+from __future__ import annotations
+
+import os
+import re
+import time
+from pathlib import Path
+
+PRESSURE = Path("/proc/pressure/cpu")
+_MOST = 0.3  # of the time: three processes of a loop and its virtual drives wait for each other less
+
+
+class Crowd:
+    """From now on: how much of the time somebody waited for a processor.
+
+    Args:
+        pressure: the kernel's file (Linux 4.20); without one the load of the last minute is taken.
+    """
+
+    def __init__(self, pressure: Path = PRESSURE) -> None:
+        self._file, self._begin, self._waited = pressure, time.monotonic(), _waited(pressure)
+
+    def lacking(self) -> list[str]:
+        """A line where the processors are wanted by others; else none."""
+        held = "a loop that is held up for some milliseconds ends its run: stop other programs"
+        waited, elapsed = _waited(self._file), time.monotonic() - self._begin
+        if waited is not None and self._waited is not None:
+            share = (waited - self._waited) / max(elapsed, 1e-3)
+            if share <= _MOST:
+                return []
+            return [f"somebody waited for a processor {100 * min(share, 1.0):.0f} % of the time, and {held}"]
+        load, there = os.getloadavg()[0], os.cpu_count() or 1
+        return [f"{load:.1f} programs want {there} processor(s), and {held}"] if load > there else []
+
+
+def _waited(file: Path) -> float | None:
+    """For how long somebody has waited since the kernel began [s]; None where it does not count that."""
+    try:
+        found = re.search(r"^some .*total=(\d+)", file.read_text(), re.MULTILINE)
+    except OSError:
+        return None
+    return 1e-6 * int(found[1]) if found else None
