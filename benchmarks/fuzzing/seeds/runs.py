@@ -70,7 +70,7 @@ def played(folder: Path) -> None:
     design(folder)
     from workbench.can import Feedback, load_config, make_drive
     from workbench.can.candump import line
-    from workbench.can.messages import Setpoint
+    from workbench.can.messages import Setpoint, burst
     from workbench.deployment import joints_of
     from workbench.deployment.player import Player
     from workbench.frf import load_design
@@ -83,7 +83,8 @@ def played(folder: Path) -> None:
         seen = np.zeros((2, len(config.motor)))
         for i, motor in enumerate(config.motor):
             drive, stamp = make_drive(motor), 1e9 + 0.003 * k + 3e-4 * i
-            lines.append(line(stamp, "can0", drive.command(Setpoint(0.0, 0.0, 0.0, 0.0, torque[i]))))
+            asked = burst(drive.command(Setpoint(0.0, 0.0, 0.0, 0.0, torque[i])))
+            lines += [line(stamp, "can0", frame) for frame in asked]
             q = float(player.reference[0, i]) + 0.02 * float(np.sin(0.05 * k + i))
             answer = drive.answer(Feedback(q, 0.0, 0.0, 30.0, True))
             lines.append(line(stamp + 2e-4, "can0", answer))
