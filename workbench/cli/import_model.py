@@ -37,6 +37,7 @@ class MechanismOptions:
     kd: list[float] | None = None
     period: float | None = None
     coordinates: str = ""
+    hold_rest: bool = False
 
 
 def refuse_model(path: Path) -> None:
@@ -126,8 +127,9 @@ def import_mechanism(
         _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
     )
-    made = import_model(mechanism, drives, output, axes=axes, controller=_loop(asked, count), force=force)
+    made = import_model(mechanism, drives, output, axes=axes, controller=_loop(asked, count), hold_rest=asked.hold_rest, force=force)
     assert made.closed_chain is not None
+    held = [c for c in made.closed_chain.couplings if c not in (*mechanism.couplings, *contents.couplings)]
     ways = assemblies(made.closed_chain)
     if json:
         content = {
@@ -149,6 +151,8 @@ def import_mechanism(
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
     for line in contents.bonds:
         echo(f"{line[0].upper()}{line[1:]}.")
+    if held:
+        echo(f"Held are {', '.join(f'{c.joint} = {c.polynomial[0]:.3g}' for c in held)}.")
     lost = {name: value for name, value in contents.damping.items() if value and name not in names}
     if lost:
         said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())

@@ -11,10 +11,10 @@ import numpy as np
 
 from workbench.core import Controller, InputError, Mechanism
 from workbench.core.files import check_free, write_all
-from workbench.mechanism import ClosedChain, constant_transmission
+from workbench.mechanism import ClosedChain, constant_transmission, held_rest
 from workbench.models import Actuators, Model, model_text
 
-from .from_mjcf import opened
+from .opened import opened
 from .linkage import parallelogram_linkage
 from .serial_tree import serial_mjcf
 
@@ -56,6 +56,7 @@ def import_model(
     *,
     axes: Sequence[str] | None = None,
     controller: Controller | None = None,
+    hold_rest: bool = False,
     force: bool = False,
 ) -> Model:
     """Write ``output`` (TOML) and the serial tree beside it (MJCF), from a mechanism with loops.
@@ -70,6 +71,7 @@ def import_model(
             its loops are cut open.
         axes: names of the axes; the drives' joints if not given.
         controller: the loop that it usually runs in, if that is known.
+        hold_rest: hold every joint that neither drives nor loops move.
         force: overwrite.
 
     Raises:
@@ -96,9 +98,16 @@ def import_model(
                 loops=(*converted.loops, *mechanism.loops),
                 couplings=(*converted.couplings, *mechanism.couplings),
             )
-            kept = target.with_suffix(".sdf")
+            named = {name for name, _ in mechanism.start}
+            cut = replace(
+                cut, start=(*mechanism.start, *(e for e in converted.start.items() if e[0] not in named))
+            )
+            kept = target.with_suffix(converted.suffix)
             _check_written(kept, mechanism.file, force)
-            texts[kept] = converted.sdf
+            texts[kept] = converted.text
+        if hold_rest:
+            first = (*converted.motors, *converted.springs) if converted else ()
+            cut = replace(cut, couplings=(*cut.couplings, *held_rest(cut, first)))
         chain = ClosedChain(cut)
         transmission = constant_transmission(chain)
         mjcf = serial_mjcf(cut, target.stem)
