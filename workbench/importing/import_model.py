@@ -18,6 +18,8 @@ from .opened import opened
 from .linkage import parallelogram_linkage
 from .serial_tree import serial_mjcf
 
+_STRAYED = 0.2  # rad or m between a start posture and that which was assembled
+
 
 @dataclass(frozen=True)
 class Drives:
@@ -109,6 +111,7 @@ def import_model(
             first = (*converted.motors, *converted.springs) if converted else ()
             cut = replace(cut, couplings=(*cut.couplings, *held_rest(cut, first)))
         chain = ClosedChain(cut)
+        cut = _begun(cut, chain)
         transmission = constant_transmission(chain)
         mjcf = serial_mjcf(cut, target.stem)
         model = Model(
@@ -130,6 +133,19 @@ def import_model(
         model = replace(model, linkage=linkage)
     write_all({tree: mjcf, target: model_text(model, target), **texts}, force=force)
     return model
+
+
+def _begun(mechanism: Mechanism, chain: ClosedChain) -> Mechanism:
+    """The mechanism with the posture that it was assembled in as its start, where that is far from the stated one.
+
+    Whoever closes the loops next begins there, and finds the same way to put it together.
+    """
+    stated = dict(mechanism.start)
+    found = chain.tree_position(chain.start[0])
+    named = dict(zip(chain.coordinates, map(float, found), strict=True))
+    if all(abs(value - stated.get(name, 0.0)) < _STRAYED for name, value in named.items()):
+        return mechanism
+    return replace(mechanism, start=tuple((name, round(value, 6)) for name, value in named.items()))
 
 
 def _check_written(file: Path, source: Path, force: bool) -> None:

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from workbench.core import InputError, Mechanism
 from workbench.mechanism.parse import GRAVITY, finished, parse
+from workbench.s3n.loop import solid
 
 _KINDS = {"revolute": "hinge", "prismatic": "slide", "weld": "fixed"}
 _THIN = 0.008  # m, radius of the bars that are drawn
@@ -144,7 +145,7 @@ def _add_inertia(out: ElementTree.Element, body: Any) -> None:
     if spatial.get_mass() == 0.0:
         return
     centre = spatial.get_com()
-    about = spatial.Shift(centre).CalcRotationalInertia().CopyToFullMatrix3()
+    about = solid(spatial.Shift(centre).CalcRotationalInertia().CopyToFullMatrix3())
     full = (about[0, 0], about[1, 1], about[2, 2], about[0, 1], about[0, 2], about[1, 2])
     ElementTree.SubElement(
         out, "inertial", pos=_numbers(centre), mass=repr(float(spatial.get_mass())),

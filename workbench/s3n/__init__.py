@@ -1,5 +1,6 @@
 """Simulator-Side System Normalization: closed forms, every variant, and the normalised tree as plain MJCF."""
 
+from .drive_map import drive_map
 from .dynamics import Dynamics, compiled_dynamics, reduced, variant_dynamics
 from .explicit import explicit_spectral_radius
 from .floating_base import FloatingBaseError, floating_base_error
@@ -30,6 +31,7 @@ __all__ = [
     "ScheduledWorld",
     "VariantRun",
     "compiled_dynamics",
+    "drive_map",
     "cost_per_step",
     "explicit_spectral_radius",
     "fit_native",

@@ -140,20 +140,18 @@ def _run(
     begin(plant, machine)
     waiting = [np.zeros((1, n))] * machine.delay_steps
     action, target = np.zeros((1, n)), machine.posture[None].copy()
-    to_serial = np.linalg.inv(machine.transmission).T
     ticks = log.policy_from + round(seconds / STEP_S)
     for tick in range(ticks):
         true = plant.state()
         position, velocity = _measured(true, sensors, generator)
+        joints, speeds = machine.joint_motion(position, velocity)
         since = tick - log.policy_from
         if since >= 0 and since % POLICY_STEPS == 0:
-            now = _situation(
-                c, true, position @ to_serial, velocity @ to_serial, action, command, since, generator
-            )
+            now = _situation(c, true, joints, speeds, action, command, since, generator)
             seen = np.concatenate([e.scale * e.function(now) for e in task.observations], -1)
             action = policy(seen)
             target = action_target(c, action, task.action_scale)
-        asked = drive_torque(c, target, (position @ to_serial)[None], (velocity @ to_serial)[None])
+        asked = drive_torque(c, target, joints[None], speeds[None])
         waiting.append(asked)
         acting = waiting.pop(0)[0]
         log.add(
@@ -166,7 +164,7 @@ def _run(
         if task.name == "reach":
             log.add(
                 goal=reach_reference(np, command, np.array([since * STEP_S]))[0],
-                joints=true.position @ to_serial,
+                joints=machine.joint_motion(true.position, true.velocity)[0],
             )
         if machine.floating:
             gravity, linear, angular = body_frame(true)

@@ -13,14 +13,14 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from workbench.core import InputError
+from workbench.core import DriveMap, InputError
 from workbench.core.paths import models_folder
 from workbench.models import Model, load_mjcf, load_tree
-from workbench.s3n import normalise
+from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
 from workbench.s3n.mjcf import exact_xml
 
 from .floor import lay_floor
-from .rotors import Rotors, rotors_of
+from .rotors import Rotors, no_rotors, rotors_of
 
 LEGS = ("fl", "fr", "rl", "rr")
 STEP_S = 0.003  # simulation and control
@@ -47,7 +47,7 @@ class Machine:
         mujoco: the same, compiled.
         joints: names of the serial joints, length n.
         places, dofs: where they are in qpos and in qvel, both (n,).
-        transmission: J (n, n) (paper, Eq. 1).
+        transmission: J (n, n) (paper, Eq. 1), of one posture where `map` is.
         kp, kd: gains of the joints' PD loop (n,) [N m/rad, N m s/rad].
         torque_limit: of the drives (n,) [N m].
         delay_steps: control steps from reading to torque.
@@ -56,6 +56,7 @@ class Machine:
         height: of the base's origin over the ground in this posture [m]; 0 for a leg.
         rotors: joints on the motors' sides of what is soft or has play.
         left_out: effects of the model that plain MJCF cannot hold; the policy does not see them.
+        map: the drives' positions where the transmission changes with the posture; None where it is constant.
     """
 
     kind: str
@@ -75,6 +76,19 @@ class Machine:
     height: float
     rotors: Rotors
     left_out: tuple[str, ...]
+    map: DriveMap | None = None
+
+    def drive_position(self, joints: np.ndarray) -> np.ndarray:
+        """Drive positions (..., n) at joint positions (..., n)."""
+        return joints @ self.transmission.T if self.map is None else self.map.drives(joints)
+
+    def joint_motion(self, drives: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Joint positions and speeds (n,) of those of the drives (n,)."""
+        if self.map is not None:
+            joints = self.map.joints(drives)
+            return joints, self.map.joint_speed(joints, speeds)
+        back = np.linalg.inv(self.transmission).T
+        return drives @ back, speeds @ back
 
     @property
     def size(self) -> int:
@@ -115,11 +129,11 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
             "policies act through a PD loop in joint coordinates", file=model.source, column="controller",
             remedy='give kind = "pd", coordinates = "joint", kp and kd',
         )  # fmt: skip
-    if model.posture_dependent:
+    if model.posture_dependent and (kind != "leg" or variant not in (None, model.variant)):
         raise InputError(
-            "its transmission changes with the posture, and policies act through a constant one",
+            "its transmission changes with the posture: it has no variants, and no quadruped is made of it",
             file=model.source, column="transmission.posture_dependent",
-            remedy="train in what 'workbench normalize' writes, in a simulation loop of your own",
+            remedy="train it as the limb that it is, without --variant",
         )  # fmt: skip
     steps = model.actuators.delay_s / STEP_S
     if abs(steps - round(steps)) > 1e-6:
@@ -130,7 +144,8 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
     # four legs under a trunk stand on the task's floor; what is known of the leg's is put there later
     ground = model.ground if kind == "leg" else None
     prompt = replace(model, actuators=replace(model.actuators, delay_s=0.0), ground=ground)
-    tree = normalise(prompt, variant)
+    chain = PostureDependent(prompt) if model.posture_dependent else None
+    tree = normalise(prompt, variant) if chain is None else fit_native(prompt, chain=chain)
     leg = mujoco.MjSpec.from_string(tree.xml)
     leg.option.timestep = STEP_S
     leg.option.iterations, leg.option.ls_iterations = _SOLVER
@@ -169,8 +184,9 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
         posture=np.tile([0.0] * first + posture.tolist(), legs),
         limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
         height=0.0 if kind == "leg" else _height(compiled, joints, posture, legs),
-        rotors=rotors_of(compiled, joints),
+        rotors=rotors_of(compiled, joints) if chain is None else no_rotors(len(joints)),
         left_out=(*tree.left_out, *floor),
+        map=None if chain is None else drive_map(prompt, chain),
     )
 
 

@@ -113,6 +113,7 @@ def control_table(task: Task, machine: Machine) -> dict[str, Any]:
     return {
         "joints": list(machine.joints),
         "transmission": machine.transmission.tolist(),
+        "drive_map": None if machine.map is None else machine.map.table(),
         "posture": machine.posture.tolist(),
         "action_scale": task.action_scale,
         "kp": machine.kp.tolist(),
