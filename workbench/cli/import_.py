@@ -120,7 +120,9 @@ def import_(
     ] = None,
     hold_rest: Annotated[
         bool,
-        typer.Option("--hold-rest", help="Hold what neither drives nor loops move: one limb of a whole robot."),
+        typer.Option(
+            "--hold-rest", help="Hold what neither drives nor loops move: one limb of a whole robot."
+        ),
     ] = False,
     gear: Annotated[
         list[float] | None, typer.Option("--gear", help="Gear ratio, one for all drives or one each.")

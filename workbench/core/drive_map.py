@@ -81,7 +81,10 @@ class DriveMap:
         return np.linalg.solve(self.jacobian(joints), drives[..., None])[..., 0]
 
     def _inside(self, joints: Array, xp: Any) -> Array:
-        low, high = self._put(self.middle - self.half, joints, xp), self._put(self.middle + self.half, joints, xp)
+        low, high = (
+            self._put(self.middle - self.half, joints, xp),
+            self._put(self.middle + self.half, joints, xp),
+        )
         return xp.minimum(xp.maximum(joints, low), high)
 
     def _terms(self, joints: Array, xp: Any) -> tuple[Array, Array]:
@@ -98,7 +101,9 @@ class DriveMap:
         slopes = []
         for k in range(n):
             own = self.powers[:, k]
-            lower = xp.stack([ladder[max(p - 1, 0)][..., k] for p in own], -1) * self._put(1.0 * own, joints, xp)
+            lower = xp.stack([ladder[max(p - 1, 0)][..., k] for p in own], -1) * self._put(
+                1.0 * own, joints, xp
+            )
             others = [lower if i == k else part for i, part in enumerate(parts)]
             slopes.append((_product(others) @ factors.T) / half[k])
         return value, xp.stack(slopes, -1)

@@ -113,7 +113,11 @@ def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> Non
     inside = 0.5 * (own.joint_limits[:, 0] + own.joint_limits[:, 1]), own.posture
     theirs = [q @ own.transmission.T if own.map is None else own.map.drives(q) for q in inside]
     wanted = (
-        *(() if own.map or joints.maps else (("transmission", own.transmission, joints.matrix, "mechanism"),)),
+        *(
+            ()
+            if own.map or joints.maps
+            else (("transmission", own.transmission, joints.matrix, "mechanism"),)
+        ),
         ("drives' positions", theirs, [joints.axes(q) for q in inside], "mechanism"),
         ("kp", own.kp, np.array(kp), "loop.kp"),
         ("kd", own.kd, np.array(kd), "loop.kd"),

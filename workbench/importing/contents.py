@@ -75,7 +75,16 @@ def contents_of(file: Path) -> Contents:
         found = _contents(source, converted.closed if converted else len(declared_loops(source)))
         if converted is None:
             return replace(found, couplings=declared_couplings(source))
-        own = ("couplings", "round_rods", "armature", "damping", "torque_limit", "motors", "springs", "said_by")
+        own = (
+            "couplings",
+            "round_rods",
+            "armature",
+            "damping",
+            "torque_limit",
+            "motors",
+            "springs",
+            "said_by",
+        )
         return replace(found, **{name: getattr(converted, name) for name in own})
 
 

@@ -14,8 +14,8 @@ from workbench.core.files import check_free, write_all
 from workbench.mechanism import ClosedChain, constant_transmission, held_rest
 from workbench.models import Actuators, Model, model_text
 
-from .opened import opened
 from .linkage import parallelogram_linkage
+from .opened import opened
 from .serial_tree import serial_mjcf
 
 _STRAYED = 0.2  # rad or m between a start posture and that which was assembled

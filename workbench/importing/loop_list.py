@@ -80,7 +80,9 @@ def loop_list(file: Path) -> LoopList | None:
         said = " ".join(str(error).split())
         raise InputError(f"is no YAML: {said}", file=own, remedy="correct what it names") from error
     except (ValidationError, RecursionError) as error:
-        first = error.errors()[0] if isinstance(error, ValidationError) else {"loc": (), "msg": "nests too deep"}
+        first = (
+            error.errors()[0] if isinstance(error, ValidationError) else {"loc": (), "msg": "nests too deep"}
+        )
         raise InputError(
             str(first["msg"]).lower(), file=own, column=".".join(map(str, first["loc"])),
             remedy="give closed_loop, a list of pairs of frames, and type, 3d or 6d each",
@@ -103,7 +105,9 @@ def with_list(file: Path, listed: LoopList) -> Converted:
     Raises:
         InputError: the file is no URDF, or has no joint or frame of a name in the list.
     """
-    root = parse_xml(file.read_bytes(), file, prefixes=False, problem="not an XML file", remedy="give a URDF file")
+    root = parse_xml(
+        file.read_bytes(), file, prefixes=False, problem="not an XML file", remedy="give a URDF file"
+    )
     for link in root.iter("link"):
         for shape in (*link.findall("visual"), *link.findall("collision")):
             link.remove(shape)
@@ -153,7 +157,11 @@ def _text(file: Path) -> str | None:
 
 def _axes(kind: str, file: Path) -> str:
     name = kind.upper()
-    axes = name.removeprefix("UJOINT_") if name.startswith("UJOINT_") else {"SPHERICAL": "XYZ", "FIXED": ""}.get(name)
+    axes = (
+        name.removeprefix("UJOINT_")
+        if name.startswith("UJOINT_")
+        else {"SPHERICAL": "XYZ", "FIXED": ""}.get(name)
+    )
     if axes is None or any(axis not in _AXES for axis in axes) or (name.startswith("U") and len(axes) != 2):
         raise InputError(
             f"a joint of type '{kind}'", file=file, column="joint_type",
@@ -201,4 +209,3 @@ def _turn(root: ElementTree.Element, joint: ElementTree.Element, axes: str) -> N
             ElementTree.SubElement(inertial, "mass", value=_MASS)
             zero = dict.fromkeys(("ixy", "ixz", "iyz"), "0")
             ElementTree.SubElement(inertial, "inertia", zero | dict.fromkeys(("ixx", "iyy", "izz"), _INERTIA))
-

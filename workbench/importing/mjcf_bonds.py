@@ -94,7 +94,9 @@ def resting(m: mujoco.MjModel, joints: Sequence[int]) -> dict[str, float]:
 
 def motors_of(m: mujoco.MjModel, j: int) -> np.ndarray:
     """The actuators that turn a joint itself."""
-    return np.flatnonzero((m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (m.actuator_trnid[:, 0] == j))
+    return np.flatnonzero(
+        (m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (m.actuator_trnid[:, 0] == j)
+    )
 
 
 def torque_limit(m: mujoco.MjModel, j: int) -> float:

@@ -64,6 +64,7 @@ def generic_jacobian(tree: Tree, theta: np.ndarray, passive: Sequence[int]) -> n
     Of the whole, then of the passive coordinates alone: a crank in line with its rod is a dead point of a drive
     at the far end, where the loops are as good as anywhere.
     """
+
     def ranks(jacobian: np.ndarray) -> tuple[int, int]:
         return rank(jacobian), rank(jacobian[:, passive])
 

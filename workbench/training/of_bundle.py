@@ -74,9 +74,7 @@ def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(f"MuJoCo cannot read {MACHINE}: {error}", file=bundle.source) from error
     return replace(
-        make_machine(
-            task.machine, model if model.posture_dependent else with_variant(model, bundle.variant)
-        ),
+        make_machine(task.machine, model if model.posture_dependent else with_variant(model, bundle.variant)),
         # the world that the policy was trained in, whatever this version would make of the model
         xml=bundle.machine,
         mujoco=compiled,
