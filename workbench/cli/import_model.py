@@ -83,6 +83,7 @@ def import_mechanism(
         InputError: an option that is not of its form, or a mechanism that cannot be made of the file.
     """
     from workbench.core import Coupling, Mechanism
+    from workbench.mechanism import ClosedChain, constant_transmission
     from workbench.importing import Drives, assemblies, contents_of, import_model
     from workbench.models import linkage_table
 
@@ -155,6 +156,8 @@ def import_mechanism(
     if quiet or json == "-":
         return
     kind = "changes with the posture" if made.posture_dependent else "is constant"
+    if made.posture_dependent and constant_transmission(ClosedChain(made.closed_chain)).constant:
+        kind = "is constant, but what hangs on the loops turns otherwise in each posture"
     beside = " and ".join(file.name for file in _beside(made, path, output))
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
     for line in contents.bonds:

@@ -1,8 +1,8 @@
 """A mechanism whose transmission changes with the posture, run round the loop of a recording.
 
 The equation of motion is the closed chain's own, as series over its limits (`s3n.PostureDependent`), and not a
-fitted file. Loops are PD in joint or in drive coordinates, or none. Time goes in substeps of a row (Runge-Kutta,
-fourth order); a torque that comes late acts in its share of a substep. Several runs of one recording go side by
+fitted file. Loops are PD in joint or in drive coordinates, or none. Time goes in pieces of half a
+millisecond at most; a torque that comes late acts in its share of a piece. Several runs of one recording go side by
 side: without noise, and with draws of it.
 """
 
@@ -22,6 +22,7 @@ from workbench.simulation.initial_state import initial_state
 
 _BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
 _FASTEST = 1e4  # rad/s
+_PIECE = 0.5e-3  # s
 
 
 class PosturePlant:
@@ -81,7 +82,9 @@ def run_posture(
     rows, n = recording.position.shape
     sensors = _Sensors(noise, recording)
     q, v = (np.tile(x, (count, 1)) for x in _start(plant, e))
-    steps = (e.delay(plant.model.actuators.delay_s, plant.model) + late) / e.step
+    pieces = max(1, round(e.step / _PIECE))
+    h, mover = e.step / pieces, _Mover(plant, e.step / pieces)
+    steps = (e.delay(plant.model.actuators.delay_s, plant.model) + late) / h
     whole = int(np.floor(steps + 1e-9))
     share = steps - whole if steps - whole > 1e-9 else 0.0
     waiting = [np.tile(_before(e), (count, 1))] * (whole + 2)
@@ -90,14 +93,14 @@ def run_posture(
     for row in range(rows):
         read, rate = sensors.read(row, plant.map.drives(q), _along(plant, q, v))
         if row in ticks:
-            asked = sensors.sent(np.clip(_asked(plant, e, row, read, rate), -limit, limit))
-        for k in range(e.stride):
+            asked = sensors.sent(np.clip(_asked(plant, e, row, read, rate, q), -limit, limit))
+        for k in range(e.stride * pieces):
             waiting = [*waiting[1:], asked]
             if k == 0:  # a sensor of torque shows what acts as the row begins
                 logged[:, :, row] = read, rate, asked, sensors.torque(row, waiting[0 if share else 1])
             if row < rows - 1:
                 acting = share * waiting[0] + (1.0 - share) * waiting[1]
-                q, v = _step(plant, q, v, acting, e.step)
+                q, v = mover.step(q, v, acting)
         if not np.abs(v).max() < _FASTEST:
             raise SimulationError(f"model '{plant.model.name}' runs away in the loop of '{recording.name}'")
     names = ("position", "velocity", "torque_command", "torque_measured")
@@ -153,15 +156,17 @@ def _refuse(e: Experiment, recording: Recording) -> None:
         )  # fmt: skip
 
 
-def _asked(plant: PosturePlant, e: Experiment, row: int, q: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """Torques asked of the drives (B, n), of what sensors show of them (B, n)."""
+def _asked(
+    plant: PosturePlant, e: Experiment, row: int, q: np.ndarray, w: np.ndarray, near: np.ndarray
+) -> np.ndarray:
+    """Torques asked of the drives (B, n), of what sensors show of them; `near`: where the joints are (B, n)."""
     if e.replayed is not None:
         return np.broadcast_to(e.replayed[row], q.shape)
     kp, kd = np.array(e.controller.kp), np.array(e.controller.kd)
     wanted, rate = e.reference[row], e.reference_rate[row]
     if e.controller.coordinates == "actuator":
         return kp * (wanted - q) + kd * (rate - w) + e.feedforward[row]
-    joints = plant.map.joints(q)
+    joints = plant.map.joints(q, near)
     asked = kp * (wanted - joints) + kd * (rate - plant.map.joint_speed(joints, w))
     return plant.map.drive_torque(joints, asked) + e.feedforward[row]
 
@@ -191,15 +196,17 @@ def _along(plant: PosturePlant, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     return np.einsum("bij,bj->bi", plant.map.jacobian(q), v)
 
 
-def _step(
-    plant: PosturePlant, q: np.ndarray, v: np.ndarray, torque: np.ndarray, h: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """One step of Runge-Kutta."""
-    a1 = plant.acceleration(q, v, torque)
-    v2 = v + 0.5 * h * a1
-    a2 = plant.acceleration(q + 0.5 * h * v, v2, torque)
-    v3 = v + 0.5 * h * a2
-    a3 = plant.acceleration(q + 0.5 * h * v2, v3, torque)
-    v4 = v + h * a3
-    a4 = plant.acceleration(q + h * v3, v4, torque)
-    return q + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4), v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+class _Mover:
+    """Steps of equal length: mass and forces are taken in the middle of each (second order)."""
+
+    def __init__(self, plant: PosturePlant, h: float) -> None:
+        self._plant, self._h = plant, h
+        self._last: np.ndarray | float = 0.0
+
+    def step(self, q: np.ndarray, v: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """On from joint positions and speeds (B, n) under torques of the drives (B, n)."""
+        h = self._h
+        middle = v + 0.5 * h * self._last
+        a = self._plant.acceleration(q + 0.5 * h * middle, middle, torque)
+        self._last = a
+        return q + h * (v + 0.5 * h * a), v + h * a

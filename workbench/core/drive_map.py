@@ -16,7 +16,7 @@ import numpy as np
 
 Array = Any
 _NEWTON = 12
-_THERE = 1e-12  # rad
+_THERE = 1e-9  # rad; the step before the last is its square root
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +56,16 @@ class DriveMap:
         value, slope = self._terms(inside, xp)
         return value + (slope @ (joints - inside)[..., None])[..., 0]
 
-    def joints(self, drives: np.ndarray) -> np.ndarray:
-        """Joint positions (..., n) at drive positions (..., n), by Newton's method from the middle of the box.
+    def joints(self, drives: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
+        """Joint positions (..., n) at drive positions (..., n), by Newton's method.
 
         Where the drives are where no joint can bring them, the best that the steps came to.
+
+        Args:
+            drives: positions.
+            near: where to begin (..., n); the middle of the box if not given.
         """
-        q = np.broadcast_to(self.middle, np.shape(drives)).astype(float)
+        q = np.broadcast_to(self.middle if near is None else near, np.shape(drives)).astype(float)
         for _ in range(_NEWTON):
             inside = self._inside(q, np)
             value, slope = self._terms(inside, np)
@@ -95,15 +99,13 @@ class DriveMap:
         ladder = [xp.ones_like(x)]
         for _ in range(most):
             ladder.append(ladder[-1] * x)
-        n, factors = len(self.half), self._put(self.factors, joints, xp)
-        parts = [xp.stack([ladder[p][..., k] for p in self.powers[:, k]], -1) for k in range(n)]
+        n, factors, table = len(self.half), self._put(self.factors, joints, xp), xp.stack(ladder, -1)
+        own = self.powers if xp is np else xp.as_tensor(self.powers, device=joints.device)
+        parts = [table[..., k, own[:, k]] for k in range(n)]
         value = _product(parts) @ factors.T
         slopes = []
         for k in range(n):
-            own = self.powers[:, k]
-            lower = xp.stack([ladder[max(p - 1, 0)][..., k] for p in own], -1) * self._put(
-                1.0 * own, joints, xp
-            )
+            lower = table[..., k, (own[:, k] - 1).clip(0)] * own[:, k]
             others = [lower if i == k else part for i, part in enumerate(parts)]
             slopes.append((_product(others) @ factors.T) / half[k])
         return value, xp.stack(slopes, -1)

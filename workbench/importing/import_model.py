@@ -14,7 +14,7 @@ from workbench.core.files import check_free, write_all
 from workbench.mechanism import ClosedChain, constant_transmission, held_rest
 from workbench.models import Actuators, Model, model_text
 
-from .linkage import parallelogram_linkage
+from .linkage import is_all, parallelogram_linkage
 from .opened import opened
 from .serial_tree import serial_mjcf
 
@@ -128,9 +128,13 @@ def import_model(
         )
         with TemporaryDirectory() as folder:
             (Path(folder) / tree.name).write_text(mjcf)
-            linkage = parallelogram_linkage(chain, replace(model, serial=Path(folder) / tree.name))
+            whole = replace(model, serial=Path(folder) / tree.name)
+            linkage = parallelogram_linkage(chain, whole)
+            lacks = transmission.constant and linkage is None and not is_all(chain, whole)
     if linkage is not None:
         model = replace(model, linkage=linkage)
+    if lacks:  # what hangs on the loops turns otherwise in each posture, though the drives do not
+        model = replace(model, posture_dependent=True)
     write_all({tree: mjcf, target: model_text(model, target), **texts}, force=force)
     return model
 
