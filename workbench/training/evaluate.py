@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.bundle import Policy, PolicyBundle
-from workbench.core import Controller, Excitation, InputError, Recording
+from workbench.core import Controller, Excitation, InputError, Recording, Timing
 from workbench.models import Model
 from workbench.rigs import HiddenEffect, Sensors
 
@@ -89,7 +89,7 @@ def evaluate(
     task = task_of(bundle)
     log = _run(Policy(bundle), task, machine, plant, seconds, seed, sensors or Sensors(), tell)
     name = f"{task.name}_{bundle.variant}_{'hardware' if hardware else 'simulation'}"
-    return Evaluation(log.recording(name, machine), scores(task, log), log.fell_s)
+    return Evaluation(log.recording(name, machine, hardware), scores(task, log), log.fell_s)
 
 
 class Log:
@@ -110,9 +110,11 @@ class Log:
         """A signal since the policy began (N, k)."""
         return np.array(self.rows[name])[self.policy_from :]
 
-    def recording(self, name: str, machine: Machine) -> Recording:
+    def recording(self, name: str, machine: Machine, hardware: bool) -> Recording:
         """The run as a recording in actuator coordinates."""
         rows = {key: np.array(values) for key, values in self.rows.items()}
+        if "ground_force" in rows:  # a recording has it of the row that begins, a plant of the one that ended
+            rows["ground_force"] = np.vstack([rows["ground_force"][1:], rows["ground_force"][-1:]])
         logged = ("position", "velocity", "torque_command", "torque_measured", "position_reference")
         own = machine.joints if machine.floating else machine.model.axes
         return Recording(
@@ -124,6 +126,7 @@ class Log:
             units=("rad",) * machine.size,
             controller=Controller("pd", "joint", kp=tuple(machine.kp), kd=tuple(machine.kd), period_s=STEP_S),
             excitation=Excitation("policy"),
+            timing=Timing(stepped=machine.floating and not hardware),
             rig=machine.kind,
             extra={key: rows[key] for key in rows if key.startswith(("ground_", "base_"))},
         )
