@@ -83,8 +83,8 @@ def import_mechanism(
         InputError: an option that is not of its form, or a mechanism that cannot be made of the file.
     """
     from workbench.core import Coupling, Mechanism
-    from workbench.mechanism import ClosedChain, constant_transmission
     from workbench.importing import Drives, assemblies, contents_of, import_model
+    from workbench.mechanism import ClosedChain, constant_transmission
     from workbench.models import linkage_table
 
     path, serial = asked.file, tuple(asked.joints)

@@ -13,7 +13,7 @@ from .draws import Draws
 from .machine import POLICY_STEPS, Machine
 from .randomisation import Randomisation
 from .situation import POLICY_S, Array, Constants, Situation, base_state
-from .tasks import Task
+from .task import Task
 from .terms import CONTACT_N, Observation
 from .worlds import Worlds
 

@@ -14,7 +14,7 @@ from .environment import STEEPEST
 from .machine import POLICY_STEPS, STEP_S, Machine
 from .randomisation import LEG_RANDOMISATION, Randomisation
 from .situation import POLICY_S
-from .tasks import Task
+from .task import Task
 
 _PACKAGES = "mujoco", "mujoco-warp", "numpy", "rsl-rl-lib", "torch", "warp-lang", "workbench"
 
