@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test check docs figures uncompile format clean
+.PHONY: setup training demo test check docs figures interop uncompile format clean
 
 setup: $(STAMP)
 
@@ -49,6 +49,13 @@ docs: setup
 # DATA=: folder of the measured data; WRITE=1: into the pages.
 figures: training
 	$(BIN)/python analyses/figures.py $(if $(ALL),--all) $(if $(ONLY),--only $(ONLY)) $(if $(DATA),--data $(DATA)) $(if $(WRITE),--write)
+
+# Files of `normalize --for` in the simulators that read them, one environment each. MUJOCO3=: which MuJoCo 3.
+MUJOCO3 ?= 3.3.7
+interop: setup
+	test -x build/interop/mujoco3/bin/python || $(PYTHON) -m venv build/interop/mujoco3
+	build/interop/mujoco3/bin/python -m pip install --quiet --disable-pip-version-check mujoco==$(MUJOCO3) numpy
+	$(BIN)/python benchmarks/interop.py mujoco3 --python build/interop/mujoco3/bin/python
 
 # numba keeps machine code beside its file and does not see that a function of another file has changed.
 uncompile:
