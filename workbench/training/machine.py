@@ -111,13 +111,16 @@ class Machine:
         return hashlib.sha256(self.xml.encode()).hexdigest()
 
 
-def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine:
+def make_machine(
+    kind: str, model: Model, variant: str | None = None, fitted: tuple[str, DriveMap] | None = None
+) -> Machine:
     """The machine of this kind from the model of a leg.
 
     Args:
         kind: ``leg`` or ``quadruped``.
         model: a leg with two drives, hip and knee, and a PD loop in joint coordinates.
         variant: a plain variant of S3N in place of the model's own.
+        fitted: MJCF and drives' positions of a limb whose transmission changes, where that was done before.
 
     Raises:
         InputError: the model has another loop, a delay that is no whole number of control steps, no foot, or
@@ -144,9 +147,13 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
     # four legs under a trunk stand on the task's floor; what is known of the leg's is put there later
     ground = model.ground if kind == "leg" else None
     prompt = replace(model, actuators=replace(model.actuators, delay_s=0.0), ground=ground)
-    chain = PostureDependent(prompt) if model.posture_dependent else None
-    tree = normalise(prompt, variant) if chain is None else fit_native(prompt, chain=chain)
-    leg = mujoco.MjSpec.from_string(tree.xml)
+    if model.posture_dependent:
+        left_out = tuple(str(e.key) for e in model.effects)
+        own, text, drives = prompt, *(fitted or _fitted(prompt))
+    else:
+        tree, drives = normalise(prompt, variant), None
+        own, text, left_out = tree.model, tree.xml, tree.left_out
+    leg = mujoco.MjSpec.from_string(text)
     leg.option.timestep = STEP_S
     leg.option.iterations, leg.option.ls_iterations = _SOLVER
     spec = leg if kind == "leg" else _quadruped(leg, model)
@@ -156,12 +163,12 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
         floor = lay_floor(spec, model, [f"{leg}_sphere" for leg in LEGS], "ground")
     xml = exact_xml(spec)
     compiled = mujoco.MjModel.from_xml_string(xml)
-    own = model.joints if kind == "leg" else ("abduction", *model.joints)
-    joints = own if kind == "leg" else tuple(f"{leg}_{name}" for leg in LEGS for name in own)
+    names = model.joints if kind == "leg" else ("abduction", *model.joints)
+    joints = names if kind == "leg" else tuple(f"{leg}_{name}" for leg in LEGS for name in names)
     first = 0 if kind == "leg" else 1
-    block = np.eye(len(own))
+    block = np.eye(len(names))
     block[first:, first:] = model.transmission
-    legs = len(joints) // len(own)
+    legs = len(joints) // len(names)
 
     def per_joint(values: tuple[float, ...]) -> np.ndarray:
         return np.tile([*values[:first], *values], legs).astype(float)
@@ -170,7 +177,7 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
     limits = _limits(model)
     return Machine(
         kind=kind,
-        model=tree.model,
+        model=own,
         xml=xml,
         mujoco=compiled,
         joints=joints,
@@ -184,10 +191,18 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
         posture=np.tile([0.0] * first + posture.tolist(), legs),
         limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
         height=0.0 if kind == "leg" else _height(compiled, joints, posture, legs),
-        rotors=rotors_of(compiled, joints) if chain is None else no_rotors(len(joints)),
-        left_out=(*tree.left_out, *floor),
-        map=None if chain is None else drive_map(prompt, chain),
+        rotors=rotors_of(compiled, joints) if drives is None else no_rotors(len(joints)),
+        left_out=(*left_out, *floor),
+        map=drives,
     )
+
+
+def _fitted(model: Model) -> tuple[str, DriveMap]:
+    """MJCF and drives' positions of a model whose transmission changes with the posture; takes some seconds."""
+    chain = PostureDependent(model)
+    found = drive_map(model, chain)
+    assert found is not None
+    return fit_native(model, chain=chain).xml, found
 
 
 def _posture(model: Model) -> np.ndarray:
