@@ -13,7 +13,7 @@ from workbench.bundle.bundle import MACHINE
 from workbench.core import InputError
 from workbench.core.paths import models_folder
 from workbench.importing import described
-from workbench.models import read_model
+from workbench.models import Model, read_model
 from workbench.models.mjcf import check_mjcf_text
 from workbench.s3n import with_variant
 
@@ -84,7 +84,7 @@ def machine_of(bundle: PolicyBundle, folder: Path, file: Path | None = None) -> 
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(f"MuJoCo cannot read {MACHINE}: {error}", file=bundle.source) from error
     return replace(
-        make_machine(task.machine, model if model.posture_dependent else with_variant(model, bundle.variant)),
+        _made(task.machine, model, bundle),
         # the world that the policy was trained in, whatever this version would make of the model
         xml=bundle.machine,
         mujoco=compiled,
@@ -96,6 +96,14 @@ def machine_of(bundle: PolicyBundle, folder: Path, file: Path | None = None) -> 
         torque_limit=own.torque_limit,
         delay_steps=own.delay_steps,
     )
+
+
+def _made(kind: str, model: Model, bundle: PolicyBundle) -> Machine:
+    if not model.posture_dependent:
+        return make_machine(kind, with_variant(model, bundle.variant))
+    if bundle.control.map is None:
+        raise InputError("its drive_map is missing", file=bundle.source, remedy="train and export it again")
+    return make_machine(kind, model, fitted=(bundle.machine, bundle.control.map))
 
 
 def robot_files(bundle: PolicyBundle, folder: Path, file: Path | None = None) -> dict[Path, str]:
