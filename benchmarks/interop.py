@@ -1,6 +1,7 @@
 """What `normalize --for` writes, loaded by what reads it: one torque trace replayed there and in MuJoCo 4.
 
-python benchmarks/interop.py mujoco3 --python build/interop/mujoco3/bin/python    # `make interop` makes that environment
+python benchmarks/interop.py mujoco3 --python build/interop/mujoco3/bin/python    # `make interop` makes
+that environment
 
 The other environment needs the simulator and numpy alone; this script runs itself there (``--replay``).
 """
@@ -56,7 +57,9 @@ def compare(target: str, python: str) -> bool:
             file, trace, made = (Path(folder) / f"{name}{end}" for end in (".xml", ".npy", "_there.npy"))
             file.write_text(fitted.text)
             time = _STEP * np.arange(_ROWS)
-            torque = np.stack([0.8 * np.sin(2 * np.pi * (1.0 + 0.7 * k) * time) for k in range(model.size)], axis=1)
+            torque = np.stack(
+                [0.8 * np.sin(2 * np.pi * (1.0 + 0.7 * k) * time) for k in range(model.size)], axis=1
+            )
             np.save(trace, torque)
             words = [python, str(Path(__file__).resolve()), "--replay", str(file), str(trace), str(made)]
             done = subprocess.run(words, capture_output=True, text=True, check=False)
@@ -78,7 +81,9 @@ def compare(target: str, python: str) -> bool:
 
 def main() -> None:
     """Compares, or replays for another process that does."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("target", nargs="?", default="mujoco3")
     parser.add_argument("--python", default=sys.executable, help="of the environment that has the simulator")
     parser.add_argument("--replay", nargs=3, type=Path, metavar=("FILE", "TORQUE", "OUT"))

@@ -2,11 +2,15 @@
 
 python benchmarks/throughput.py                          # on the CPU, MuJoCo's batch
 python benchmarks/throughput.py --write DIR              # the machines as plain MJCF, to be carried elsewhere
-python benchmarks/throughput.py --machines DIR --gpu     # there: needs mujoco, mujoco_warp, warp and numpy alone
+python benchmarks/throughput.py --machines DIR --gpu     # there: needs mujoco, mujoco_warp, warp and numpy
+alone
 
-All machines are timed one after the other in each round, in an order that is drawn, so that what slows a computer
-down slows them all; what is told is the median over rounds with a 95 % interval of it (by resampling rounds), and the
-same of the ratio to kin-only within rounds. All stand, held by the torques that a PD loop came to, and are put there
+All machines are timed one after the other in each round, in an order that is drawn, so that what slows a
+computer
+down slows them all; what is told is the median over rounds with a 95 % interval of it (by resampling
+rounds), and the
+same of the ratio to kin-only within rounds. All stand, held by the torques that a PD loop came to, and are
+put there
 again every 50 steps: contacts are alike in all of them.
 """
 
@@ -49,7 +53,12 @@ def machines() -> dict[str, tuple[str, Standing]]:
 
 
 def _settled(
-    m: mujoco.MjModel, qpos: np.ndarray, places: np.ndarray, dofs: np.ndarray, target: np.ndarray, back: np.ndarray
+    m: mujoco.MjModel,
+    qpos: np.ndarray,
+    places: np.ndarray,
+    dofs: np.ndarray,
+    target: np.ndarray,
+    back: np.ndarray,
 ) -> Standing:
     """Where a machine comes to rest under a PD loop, and the torques there."""
     data = mujoco.MjData(m)
@@ -127,6 +136,9 @@ def gpu(xml: str, stands: Standing, worlds: int, steps: int) -> Callable[[], flo
         for _ in range(10):
             mjw.step(m, d)
 
+    graph = capture.graph
+    assert graph is not None
+
     def run() -> float:
         spent = 0.0
         for k in range(0, steps, 10):
@@ -135,7 +147,7 @@ def gpu(xml: str, stands: Standing, worlds: int, steps: int) -> Callable[[], flo
                 wp.copy(d.qvel, still)
             wp.synchronize()
             begun = time.perf_counter()
-            wp.capture_launch(capture.graph)
+            wp.capture_launch(graph)
             wp.synchronize()
             spent += time.perf_counter() - begun
         return worlds * steps / spent
@@ -143,7 +155,9 @@ def gpu(xml: str, stands: Standing, worlds: int, steps: int) -> Callable[[], flo
     return run
 
 
-def measured(runs: dict[str, Callable[[], float]], rounds: int, tell: Callable[[str], object]) -> dict[str, np.ndarray]:
+def measured(
+    runs: dict[str, Callable[[], float]], rounds: int, tell: Callable[[str], object]
+) -> dict[str, np.ndarray]:
     """Steps a second by machine (rounds,), after one round that does not count."""
     generator, out = np.random.default_rng(0), {name: [] for name in runs}
     for number in range(rounds + 1):
@@ -164,7 +178,9 @@ def interval(values: np.ndarray) -> tuple[float, float, float]:
 
 def main() -> None:
     """Times all machines."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--worlds", type=int, default=0, help="256 on the CPU, 4096 on a GPU")
     parser.add_argument("--steps", type=int, default=200, help="of all worlds, a machine and round")
     parser.add_argument("--rounds", type=int, default=15)
@@ -176,28 +192,37 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.machines:
         found = json.loads((asked.machines / "machines.json").read_text())
-        made = {name: ((asked.machines / f"{name}.xml").read_text(), stands) for name, stands in found.items()}
+        made = {
+            name: ((asked.machines / f"{name}.xml").read_text(), stands) for name, stands in found.items()
+        }
     else:
         made = machines()
     if asked.write:
         asked.write.mkdir(parents=True, exist_ok=True)
         for name, (xml, _) in made.items():
             (asked.write / f"{name}.xml").write_text(xml)
-        (asked.write / "machines.json").write_text(json.dumps({name: stands for name, (_, stands) in made.items()}))
+        (asked.write / "machines.json").write_text(
+            json.dumps({name: stands for name, (_, stands) in made.items()})
+        )
         return
     worlds = asked.worlds or (4096 if asked.gpu else 256)
     chosen = {name: each for name, each in made.items() if not asked.only or name in asked.only}
     make = gpu if asked.gpu else cpu
     runs = {name: make(xml, stands, worlds, asked.steps) for name, (xml, stands) in chosen.items()}
     rates = measured(runs, asked.rounds, lambda text: print(text, end="\r", flush=True))
-    print(f"{worlds} worlds, {asked.rounds} rounds of {asked.steps} steps, {'GPU' if asked.gpu else 'one core'}")
+    print(
+        f"{worlds} worlds, {asked.rounds} rounds of {asked.steps} steps, {'GPU' if asked.gpu else 'one core'}"
+    )
     print(f"{'machine':14s} {'thousand steps/s':>32s} {'over kin_only':>28s}")
     told = {}
     for name, values in rates.items():
         rate = [x / 1e3 for x in interval(values)]
         ratio = interval(values / rates["kin_only"]) if "kin_only" in rates else (np.nan,) * 3
         told[name] = {"steps_per_s": interval(values), "over_kin_only": ratio}
-        print(f"{name:14s} {rate[0]:10.1f} ({rate[1]:8.1f} to {rate[2]:8.1f}) {ratio[0]:10.3f} ({ratio[1]:.3f} to {ratio[2]:.3f})")
+        print(
+            f"{name:14s} {rate[0]:10.1f} ({rate[1]:8.1f} to {rate[2]:8.1f}) "
+            f"{ratio[0]:10.3f} ({ratio[1]:.3f} to {ratio[2]:.3f})"
+        )
     if asked.json:
         asked.json.write_text(json.dumps(told, indent=1) + "\n")
 

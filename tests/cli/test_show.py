@@ -15,7 +15,9 @@ _LEG = Path(__file__).parents[2] / "policies" / "reach_s3n_full.zip"
 
 
 def _data(page: Path) -> dict:
-    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page.read_text(), re.DOTALL)
+    found = re.search(
+        r'<script type="application/json" id="data">(.*?)</script>', page.read_text(), re.DOTALL
+    )
     assert found
     return json.loads(found[1])
 

@@ -1,4 +1,4 @@
-"""Drive positions as polynomials: J is their slope, joints come back, and beyond the box all goes on straight."""
+"""Drive positions as polynomials: J is their slope, and joints come back from drives, beyond the box too."""
 
 import numpy as np
 import torch

@@ -189,7 +189,12 @@ def test_demo_of_a_machine_whose_transmission_changes(tmp_path: Path) -> None:
         done = run("demo", "four_bar.toml", "plan.toml", "-o", "out", "--force", *more, cwd=folder)
         assert done.returncode == 0, done.stderr
         assert said in " ".join(done.stdout.split()) and "cannot be looked for" in done.stdout
-    assert run("diagnose", "four_bar.toml", *(folder / "out" / "recordings").glob("*.toml"), cwd=folder).returncode == 2
+    assert (
+        run(
+            "diagnose", "four_bar.toml", *(folder / "out" / "recordings").glob("*.toml"), cwd=folder
+        ).returncode
+        == 2
+    )
 
 
 _RUBS = ["--hide", "coulomb_friction@knee", "--set", "torque=0.3"]

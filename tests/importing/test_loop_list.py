@@ -28,9 +28,11 @@ def _robot(folder: Path, text: str, name: str = "robot") -> Path:
     for link, parent, joint, at, axis, mass, about in _LINKS:
         parts += [
             f'<link name="{link}"><visual><geometry><mesh filename="package://gone.stl"/></geometry></visual>'
-            f'<inertial><origin xyz="0 0 -0.1"/><mass value="{mass}"/>{_INERTIA.format(i=about)}</inertial></link>',
+            f'<inertial><origin xyz="0 0 -0.1"/><mass value="{mass}"/>{_INERTIA.format(i=about)}</inertial>',
+            "</link>",
             f'<joint name="{joint}" type="revolute"><parent link="{parent}"/><child link="{link}"/>'
-            f'<origin xyz="{at}"/><axis xyz="{axis}"/><limit effort="1" velocity="20" lower="-2" upper="2"/></joint>',
+            f'<origin xyz="{at}"/><axis xyz="{axis}"/><limit effort="1" velocity="20" lower="-2" upper="2"/>',
+            "</joint>",
         ]
     for joint, link, z in (("loop_A", "rod", -0.2), ("loop_B", "shank", 0.05), ("sole", "shank", -0.24)):
         parts.append(

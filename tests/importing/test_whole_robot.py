@@ -38,7 +38,9 @@ def _biped(folder: Path, base: str = "<freejoint/>") -> Path:
         f'<connect body1="{s}_rod" body2="{s}_foot" anchor="0 0 -0.2"/>' for s in ("left", "right")
     )
     motors = "".join(
-        f'<motor joint="{s}_{j}" gear="10" ctrlrange="-2 2"/>' for s in ("left", "right") for j in ("hip", "ankle")
+        f'<motor joint="{s}_{j}" gear="10" ctrlrange="-2 2"/>'
+        for s in ("left", "right")
+        for j in ("hip", "ankle")
     )
     file = folder / "biped.xml"
     file.write_text(
@@ -55,7 +57,16 @@ def test_an_ankle_of_a_whole_biped(tmp_path: Path, base: str) -> None:
     told = contents_of(file)
     assert told.motors == ("left_hip", "left_ankle", "right_hip", "right_ankle") and told.loops == 2
     assert told.springs == ("left_leaf", "right_leaf")
-    words = ["--drive", "left_ankle", "--joint", "left_ankle", "--start", "left_ankle=0.4", "-o", tmp_path / "own.toml"]
+    words = [
+        "--drive",
+        "left_ankle",
+        "--joint",
+        "left_ankle",
+        "--start",
+        "left_ankle=0.4",
+        "-o",
+        tmp_path / "own.toml",
+    ]
     bare = run("import", file, *words)
     assert bare.returncode == 2 and "still move" in bare.stderr
     done = run("import", file, *words, "--hold-rest")
@@ -73,7 +84,9 @@ def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path:
     follows = '<joint joint1="left_leaf" joint2="left_hip" polycoef="0 0.5 0 0 0"/></equality>'
     file.write_text(file.read_text().replace("</equality>", follows))
     words = [w for n in ("left_hip", "left_ankle") for w in ("--drive", n, "--joint", n)]
-    done = run("import", file, *words, "--start", "left_ankle=0.4", "--hold-rest", "-o", tmp_path / "own.toml")
+    done = run(
+        "import", file, *words, "--start", "left_ankle=0.4", "--hold-rest", "-o", tmp_path / "own.toml"
+    )
     assert done.returncode == 2
     assert "one joint a drive" in done.stderr and "leave out left_ankle and its drive" in done.stderr
 
@@ -81,7 +94,9 @@ def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path:
 def test_a_keyframe_is_where_assembly_begins(tmp_path: Path) -> None:
     file = _biped(tmp_path)
     qpos = "0 0 0.7 1 0 0 0 0.1 0 0.4 -0.3 0.5 -0.1 0 0.3 -0.2 0.6"
-    file.write_text(file.read_text().replace("</mujoco>", f'<keyframe><key qpos="{qpos}"/></keyframe></mujoco>'))
+    file.write_text(
+        file.read_text().replace("</mujoco>", f'<keyframe><key qpos="{qpos}"/></keyframe></mujoco>')
+    )
     words = ["--drive", "left_ankle", "--joint", "left_ankle", "--hold-rest", "-o", tmp_path / "own.toml"]
     assert run("import", file, *words).returncode == 0
     model = read_model(tmp_path / "own.toml")

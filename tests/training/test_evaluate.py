@@ -159,7 +159,7 @@ def test_the_quadruped_s_legs_are_the_reference_leg() -> None:
 
 
 def test_a_quadrupeds_own_simulation_is_explained(tmp_path: Path) -> None:
-    """Run in the steps that made it, with the contact that its priorities name: it was 13.5 times its noise."""
+    """Run in the steps that made it, with the contact that priorities name: it was 13.5 times its noise."""
     bundle = read_bundle(POLICIES / "pitch-in-place_s3n_full.zip")
     log = evaluate(bundle, seconds=1.5, hardware=False).recording
     assert log.timing.stepped

@@ -1,4 +1,4 @@
-"""A limb whose transmission changes with the posture goes the whole way: task, policy, its closed chain, and back."""
+"""A limb whose transmission changes with the posture goes the whole way: task, policy, closed chain, and back."""
 
 from __future__ import annotations
 
@@ -61,7 +61,9 @@ def test_its_policy_runs_in_its_closed_chain_and_compare_takes_the_recording(tra
     done = run("evaluate", "run/bundle.zip", "-o", "evaluated", "--seconds", 1.5, cwd=trained)
     assert done.returncode == 0, done.stderr
     assert "the closed chain of ankle.sdf" in done.stdout
-    result = compare(load_model(trained / "ankle.toml"), load_recordings([trained / "evaluated" / "hardware.toml"]))
+    result = compare(
+        load_model(trained / "ankle.toml"), load_recordings([trained / "evaluated" / "hardware.toml"])
+    )
     assert result.consistent and result.error < 1.1 * result.noise_error
 
 
@@ -74,9 +76,13 @@ def test_it_is_deployed_over_the_virtual_bus_and_the_run_comes_back_as_a_recordi
     from hashlib import sha256
 
     digest = sha256(bundle.machine.encode()).hexdigest()[:16]
-    mechanism = [{"axes": list(_AXES), "joints": list(bundle.control.joints), "model": str(trained / "ankle.toml")}]
+    mechanism = [
+        {"axes": list(_AXES), "joints": list(bundle.control.joints), "model": str(trained / "ankle.toml")}
+    ]
     written(trained, table(motors, loop=loop, mechanism=mechanism, machine=digest))
-    done = run("deploy", "run/bundle.zip", "robot.toml", "--dry-run", "--seconds", 3, "-o", "kept", cwd=trained)
+    done = run(
+        "deploy", "run/bundle.zip", "robot.toml", "--dry-run", "--seconds", 3, "-o", "kept", cwd=trained
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     (log,) = load_recordings([trained / "kept" / "run.toml"])
     result = compare(load_model(trained / "ankle.toml"), [log])
@@ -85,8 +91,26 @@ def test_it_is_deployed_over_the_virtual_bus_and_the_run_comes_back_as_a_recordi
 
 def test_what_is_missing_is_seen_and_not_looked_for(trained: Path) -> None:
     words = ["--hide", "viscous_damping@left", "--set", "damping=0.2"]
-    assert run("excite", "ankle.toml", "-o", "plan.toml", "--period", 0.9, "--periods", 1, "--amplitude", 2, cwd=trained).returncode == 0
-    assert run("record", "ankle.toml", "plan.toml", "-o", "data", "--virtual", *words, cwd=trained).returncode == 0
+    assert (
+        run(
+            "excite",
+            "ankle.toml",
+            "-o",
+            "plan.toml",
+            "--period",
+            0.9,
+            "--periods",
+            1,
+            "--amplitude",
+            2,
+            cwd=trained,
+        ).returncode
+        == 0
+    )
+    assert (
+        run("record", "ankle.toml", "plan.toml", "-o", "data", "--virtual", *words, cwd=trained).returncode
+        == 0
+    )
     files = sorted((trained / "data").glob("*.toml"))
     result = compare(load_model(trained / "ankle.toml"), load_recordings(files))
     assert not result.consistent and result.error > 1.5 * result.noise_error

@@ -32,7 +32,7 @@ TASK = replace(
     REACH, name="swing", about="It swings.",
     observations=(*REACH.observations[:2], Observation("miss", miss)),
     rewards=(Reward("near", 1.0, near),),
-    command=lambda draws, worlds, machine: draws.uniform((0.05,) * machine.size, (0.1,) * machine.size, (worlds, machine.size)),
+    command=lambda draws, worlds, m: draws.uniform((0.05,) * m.size, (0.1,) * m.size, (worlds, m.size)),
     numbers=lambda joints: joints, goal=swing, scores=lambda log: {"rows": float(len(log.get("joints")))},
 )
 '''

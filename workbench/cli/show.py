@@ -27,26 +27,33 @@ if TYPE_CHECKING:
 @app.command()
 def show(
     shown: Annotated[
-        str, typer.Argument(metavar="BUNDLE|RECORDING", help="A policy bundle (.zip), or a recording (.toml).")
+        str,
+        typer.Argument(metavar="BUNDLE|RECORDING", help="A policy bundle (.zip), or a recording (.toml)."),
     ],
     output: Annotated[
         str, typer.Option("--output", "-o", metavar="PAGE", help="The page (.html).  [required]")
     ] = "",
     model: Annotated[
         str | None,
-        typer.Option("--model", metavar="MODEL", help="Of a recording: its machine.", autocompletion=complete.models),
+        typer.Option(
+            "--model", metavar="MODEL", help="Of a recording: its machine.", autocompletion=complete.models
+        ),
     ] = None,
     seconds: Annotated[
         float, typer.Option("--seconds", min=1.5, max=60.0, help="Of a bundle: how long it runs.")
     ] = 4.0,
     task: Annotated[
-        str | None, typer.Option("--task", metavar="FILE", help="Of a bundle: its task's file, where it is Python.")
+        str | None,
+        typer.Option("--task", metavar="FILE", help="Of a bundle: its task's file, where it is Python."),
     ] = None,
-    mp4: Annotated[str | None, typer.Option("--mp4", metavar="FILE", help="A film too; needs ffmpeg.")] = None,
+    mp4: Annotated[
+        str | None, typer.Option("--mp4", metavar="FILE", help="A film too; needs ffmpeg.")
+    ] = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Write a page with the robot moving and its curves beside it; a bundle runs in the world it was trained in.
+    """Write a page with the robot moving and its curves beside it; a bundle runs in the world it was
+    trained in.
 
     Example: workbench show runs/reach/bundle.zip -o reach.html
 

@@ -105,7 +105,7 @@ def refuse_search(model: Model) -> None:
 
 def _no_search(model: Model) -> InputError:
     return InputError(
-        f"the transmission of '{model.name}' changes with the posture; effects are looked for through a constant "
-        "one", file=model.source, column="transmission.posture_dependent",
-        remedy="compare says how far such a model is from its recordings; diagnose and improve do not yet say why",
+        f"the transmission of '{model.name}' changes with the posture; effects are looked for through a "
+        "constant one", file=model.source, column="transmission.posture_dependent",
+        remedy="compare says how far it is from its recordings; diagnose and improve cannot say why yet",
     )  # fmt: skip

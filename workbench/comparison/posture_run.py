@@ -1,8 +1,9 @@
 """A mechanism whose transmission changes with the posture, run round the loop of a recording.
 
-The equation of motion is the closed chain's own, as series over its limits (`s3n.PostureDependent`), and not a
-fitted file. Loops are PD in joint or in drive coordinates, or none. Time goes in pieces of half a
-millisecond at most; a torque that comes late acts in its share of a piece. Several runs of one recording go side by
+The equation of motion is the closed chain's own, as series over its limits (`s3n.PostureDependent`), and
+not a fitted file. Loops are PD in joint or in drive coordinates, or none. Time goes in pieces of half a
+millisecond at most; a torque that comes late acts in its share of a piece. Several runs of one recording go
+side by
 side: without noise, and with draws of it.
 """
 
@@ -38,7 +39,7 @@ class PosturePlant:
     def __init__(self, model: Model) -> None:
         if model.effects:
             raise InputError(
-                f"its transmission changes with the posture, and runs of such a model have no effects yet, as "
+                "its transmission changes with the posture, and runs of such a model have no effects yet, as "
                 f"{model.effects[0].key}", file=model.source, column="effects", remedy="compare it without",
             )  # fmt: skip
         self.model, self.chain = model, PostureDependent(model)
@@ -159,7 +160,7 @@ def _refuse(e: Experiment, recording: Recording) -> None:
 def _asked(
     plant: PosturePlant, e: Experiment, row: int, q: np.ndarray, w: np.ndarray, near: np.ndarray
 ) -> np.ndarray:
-    """Torques asked of the drives (B, n), of what sensors show of them; `near`: where the joints are (B, n)."""
+    """Torques asked of the drives (B, n), of what sensors show; `near`: where the joints are (B, n)."""
     if e.replayed is not None:
         return np.broadcast_to(e.replayed[row], q.shape)
     kp, kd = np.array(e.controller.kp), np.array(e.controller.kd)

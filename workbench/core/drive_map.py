@@ -2,7 +2,8 @@
 
     q_p = f(q_s),   J(q_s) = d f / d q_s,   q_p' = J q_s',   tau_p = J^-T tau_s
 
-in place of the constant J of the paper's Eq. 1. Beyond the box that the polynomials are of they go on straight,
+in place of the constant J of the paper's Eq. 1. Beyond the box that the polynomials are of they go on
+straight,
 so that a loop that strays still gets torques and angles that make sense. ``xp`` is `numpy` or `torch`.
 """
 

@@ -22,7 +22,8 @@ class Joints:
         names: of the joints (n,).
         matrix: J (n, n); the identity for mechanisms in `maps`.
         low, high: limits of the joints (n,) [rad]; infinite where none is stated.
-        maps: mechanisms whose transmission changes with the posture: which axes, and how they follow the joints.
+        maps: mechanisms whose transmission changes with the posture: which axes, and how they follow the
+            joints.
     """
 
     names: tuple[str, ...]

@@ -140,7 +140,8 @@ def import_model(
 
 
 def _begun(mechanism: Mechanism, chain: ClosedChain) -> Mechanism:
-    """The mechanism with the posture that it was assembled in as its start, where that is far from the stated one.
+    """The mechanism with the posture that it was assembled in as its start, where that is far from the
+    stated one.
 
     Whoever closes the loops next begins there, and finds the same way to put it together.
     """

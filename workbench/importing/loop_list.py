@@ -2,8 +2,8 @@
 
 ``closed_loop`` has pairs of frames (names of links, or of joints, which mean the link behind them), ``type``
 whether points coincide (``3d``) or whole frames (``6d``, where nothing is said), ``name_mot`` the joints that
-motors turn, and ``joint_name`` with ``joint_type`` those that a URDF cannot have: ``SPHERICAL``, ``UJOINT_XY``
-and its like, ``FIXED``.
+motors turn, and ``joint_name`` with ``joint_type`` those that a URDF cannot have: ``SPHERICAL``,
+``UJOINT_XY`` and its like, ``FIXED``.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from .converted import Converted
 _AXES = {"X": "1 0 0", "Y": "0 1 0", "Z": "0 0 1"}
 _ARM = 0.1  # m between the points that hold two frames together
 _MASS, _INERTIA = "1e-9", "1e-12"  # kg, kg m^2 of a link between two turns of one joint
+_SIDES = "ixx", "iyy", "izz", "ixy", "ixz", "iyz"
 _LARGEST = 1 << 20  # bytes
 
 
@@ -100,7 +101,8 @@ def loop_list(file: Path) -> LoopList | None:
 
 
 def with_list(file: Path, listed: LoopList) -> Converted:
-    """The URDF with the joints that the list gives it and frames where its loops close; its shapes are left out.
+    """The URDF with the joints that the list gives it and frames where its loops close; its shapes are left
+    out.
 
     Raises:
         InputError: the file is no URDF, or has no joint or frame of a name in the list.
@@ -207,5 +209,5 @@ def _turn(root: ElementTree.Element, joint: ElementTree.Element, axes: str) -> N
         if end != last:
             inertial = ElementTree.SubElement(ElementTree.SubElement(root, "link", name=end), "inertial")
             ElementTree.SubElement(inertial, "mass", value=_MASS)
-            zero = dict.fromkeys(("ixy", "ixz", "iyz"), "0")
-            ElementTree.SubElement(inertial, "inertia", zero | dict.fromkeys(("ixx", "iyy", "izz"), _INERTIA))
+            sizes = {key: _INERTIA if key[1] == key[2] else "0" for key in _SIDES}
+            ElementTree.SubElement(inertial, "inertia", sizes)

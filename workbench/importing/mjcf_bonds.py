@@ -74,7 +74,7 @@ def across_rod(m: mujoco.MjModel, j: int, file: Path) -> np.ndarray:
 
 
 def free_joints(m: mujoco.MjModel) -> set[int]:
-    """Joints by which a base hangs free: a free joint, or three slides and a ball of one body of the world."""
+    """Joints by which a base hangs free: a free joint, or three slides and a ball of one body."""
     free, ball, slide = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_SLIDE
     out: set[int] = set()
     for body in np.flatnonzero(m.body_parentid[1:] == 0) + 1:

@@ -69,8 +69,8 @@ def _ways(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
         extra = [joint for joint in way if joint.name() in set(moving) - set(mechanism.joints)]
         beyond = [name for name in mechanism.joints if extra and _behind(plant, model, name, extra[0])]
         limb = (
-            f"; or, where loops move {extra[0].name()}, end the limb before it (leave out {', '.join(beyond)} and "
-            "its drive, with --hold-rest) and take what lies beyond as a limb of its own"
+            f"; or, where loops move {extra[0].name()}, end the limb before it (leave out "
+            f"{', '.join(beyond)} and its drive, with --hold-rest) and take what is beyond as a limb by itself"
             if beyond
             else ""
         )

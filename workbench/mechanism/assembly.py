@@ -61,8 +61,8 @@ def _count_freedoms(tree: Tree, drives: Sequence[int], theta: np.ndarray) -> Non
 def generic_jacobian(tree: Tree, theta: np.ndarray, passive: Sequence[int]) -> np.ndarray:
     """The gaps' Jacobian of highest rank among closed postures near `theta`, which may be a dead point.
 
-    Of the whole, then of the passive coordinates alone: a crank in line with its rod is a dead point of a drive
-    at the far end, where the loops are as good as anywhere.
+    Of the whole, then of the passive coordinates alone: a crank in line with its rod is a dead point of a
+    drive at the far end, where the loops are as good as anywhere.
     """
 
     def ranks(jacobian: np.ndarray) -> tuple[int, int]:

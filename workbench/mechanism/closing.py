@@ -1,7 +1,7 @@
 """Loops closed for the first time, as near the start posture as that allows.
 
-Loops that share no coordinate are closed one group after the other: of both legs of a robot each finds its way
-however the other begins.
+Loops that share no coordinate are closed one group after the other: of both legs of a robot each finds its
+way however the other begins.
 """
 
 from __future__ import annotations
@@ -98,6 +98,7 @@ def _group_near_start(
     own = [i for i in group.coordinates if i in stated]
     ease = np.ones(len(start))
     ease[own] = _HELD
+    plain = None
     for given in (ease, 1.0) if own else (1.0,):
         plain = close(tree, start, given, group)
         if plain is not None and np.abs(plain - start)[own].max(initial=0.0) < _STRAYED:
@@ -120,7 +121,7 @@ def _group_near_start(
 
 
 def _approached(tree: Tree, theta: np.ndarray, ease: np.ndarray, group: _Group) -> np.ndarray:
-    """A posture (N,) in which the gaps are least, downhill from `theta` in steps that are damped as needed."""
+    """A posture (N,) in which the gaps are least, downhill from `theta` in damped steps."""
     theta = theta.copy()
     rows, columns = _of(tree, group)
     give, damping = ease[columns], 1e-2

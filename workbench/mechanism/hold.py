@@ -1,4 +1,4 @@
-"""Joints that have to be held where a limb is taken out of a whole robot: what neither drives nor loops move."""
+"""Joints to hold where a limb is taken out of a whole robot: what neither drives nor loops move."""
 
 from __future__ import annotations
 

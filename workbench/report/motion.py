@@ -58,7 +58,13 @@ def motion_page(
         "panels": [_panel(each) for each in panels],
     }
     return template("motion.html.j2").render(
-        kind="motion", model=title, tone="", sentence=title, lines=list(lines), key_numbers=[], data=data,
+        kind="motion",
+        model=title,
+        tone="",
+        sentence=title,
+        lines=list(lines),
+        key_numbers=[],
+        data=data,
         reproduce=reproduce(command, None, inputs),
     )
 

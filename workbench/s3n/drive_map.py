@@ -35,6 +35,7 @@ def drive_map(model: Model, chain: PostureDependent | None = None) -> DriveMap |
     nodes = np.cos(np.pi * (np.arange(_SAMPLES[n]) + 0.5) / _SAMPLES[n])
     x = np.array(list(product(*[nodes] * n)))
     wanted = chain.at(middle + half * x).drives
+    powers, factors, error = np.zeros((1, n), int), np.zeros((1, n)), np.inf
     for degree in _DEGREES[n]:
         powers = np.array([p for p in product(range(degree + 1), repeat=n) if sum(p) <= degree])
         columns = np.prod(x[:, None, :] ** powers, axis=2)

@@ -188,7 +188,7 @@ def _grow(spec: mujoco.MjSpec, tree: SdfTree, base: mujoco.MjsBody, parent: str 
 
 
 def solid(inertia: np.ndarray) -> np.ndarray:
-    """An inertia (3, 3) that MuJoCo takes: of a point of next to no mass, as frames are in some files, a little."""
+    """An inertia (3, 3) that MuJoCo takes: of a point, as frames are in some files, a little."""
     if np.linalg.eigvalsh(inertia)[0] > 0.0:
         return inertia
     return inertia + (_POINT - min(0.0, np.linalg.eigvalsh(inertia)[0])) * np.eye(3)

@@ -16,7 +16,6 @@ from .curve_file import FILE, draw, read_curve
 from .situation import POLICY_S
 
 
-
 class Tally:
     """Counts rewards over steps and episodes, without waiting for a GPU before a row is asked for.
 

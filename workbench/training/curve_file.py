@@ -34,7 +34,10 @@ def draw(file: Path, rows: Sequence[Mapping[str, float]]) -> None:
     over = [row["iteration"] for row in rows]
     terms = sorted({name for row in rows for name in row if name.startswith("term_")})
     for plot, names, label in zip(
-        plots, (["reward"], ["episode_s"], terms), ("reward a second", "episode [s]", "terms a second"), strict=True
+        plots,
+        (["reward"], ["episode_s"], terms),
+        ("reward a second", "episode [s]", "terms a second"),
+        strict=True,
     ):
         for k, name in enumerate(names):
             dash = "-" if k < len(_ORDER) else "--"

@@ -3,8 +3,8 @@
     env = gymnasium.make_vec("workbench/reach-v0", num_envs=256)          # a shipped task, the reference leg
     env = vector_environment("my_task.py", "my_leg.toml", num_envs=256)   # one's own
 
-It is the simulation that `train` learns in: the same observations, noise, rewards and draws. Gymnasium is not a
-dependency; where it is installed, its entry point registers the tasks.
+It is the simulation that `train` learns in: the same observations, noise, rewards and draws. Gymnasium is
+not a dependency; where it is installed, its entry point registers the tasks.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class WorkbenchVectorEnv(VectorEnv):
         made = self._worlds.step(np.asarray(actions, float))
         info: dict[str, Any] = {"privileged": made.privileged, "terms": made.terms}
         ended = np.asarray(made.ended)
-        if ended.any():
+        if ended.any() and self._worlds.final is not None:
             final = np.empty(self.num_envs, object)
             for k in np.flatnonzero(ended):
                 final[k] = np.asarray(self._worlds.final[k], np.float32)
@@ -124,7 +124,9 @@ def vector_environment(
 
     del options
     if not task.endswith((".toml", ".py")) and task not in TASKS:
-        raise InputError(f"no task is called '{task}'", remedy=f"choose one of {', '.join(TASKS)}, or give a file")
+        raise InputError(
+            f"no task is called '{task}'", remedy=f"choose one of {', '.join(TASKS)}, or give a file"
+        )
     wanted = TASKS[task] if task in TASKS else load_task(Path(task))
     machine = posed(wanted, make_machine(wanted.machine, load_model(model), variant))
     return WorkbenchVectorEnv(wanted, machine, num_envs, seed)

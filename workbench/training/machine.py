@@ -198,7 +198,7 @@ def make_machine(
 
 
 def _fitted(model: Model) -> tuple[str, DriveMap]:
-    """MJCF and drives' positions of a model whose transmission changes with the posture; takes some seconds."""
+    """MJCF and drives' positions of a model whose transmission changes; takes some seconds."""
     chain = PostureDependent(model)
     found = drive_map(model, chain)
     assert found is not None

@@ -50,8 +50,8 @@ class Task:
         suffix: of that file, ``.toml`` or ``.py``.
         numbers: of a command, by the number of joints; 1 if left out.
         trial: command of an evaluation, ``trial(machine) -> (1, c)``; drawn where it is left out.
-        goal: joint angles and speeds to follow, ``goal(xp, command, time) -> (W, n), (W, n)`` [rad, rad/s]; None
-            where the task is no motion of the joints.
+        goal: joint angles and speeds to follow, ``goal(xp, command, time) -> (W, n), (W, n)`` [rad, rad/s];
+            None where the task is no motion of the joints.
         scores: what an evaluation is judged by, of its log; nothing where it is left out.
     """
 

@@ -1,6 +1,7 @@
 """A task of one's own as a Python file that makes it: ``TASK = Task(...)``.
 
-The file is run as any Python is: it is for those who wrote it. A bundle carries its text to be read, and nobody runs
+The file is run as any Python is: it is for those who wrote it. A bundle carries its text to be read, and
+    nobody runs
 that: whoever evaluates names the file himself, and it has to be the same.
 """
 
@@ -58,6 +59,8 @@ def same_code(text: str, file: Path | None, bundle: Path | None) -> Task:
         raise InputError(f"cannot be read: {error}", file=file, remedy="name the task's file") from error
     if own != text:
         raise InputError(
-            "is not the file that the policy was trained with", file=file, remedy="take that of the run's folder"
+            "is not the file that the policy was trained with",
+            file=file,
+            remedy="take that of the run's folder",
         )
     return task_from_code(own, file)
