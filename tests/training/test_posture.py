@@ -1,4 +1,4 @@
-"""A limb whose transmission changes with the posture goes the whole way: task, policy, closed chain, and back."""
+"""A limb whose transmission changes goes the whole way: task, policy, its closed chain, the bus, and back."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def deploy(
             "--output",
             "-o",
             metavar="FOLDER",
-            help="Where the run is kept, its frames and a recording; of hardware deployed/DATE, or '' for nowhere.",
+            help="Where the run is kept, its frames and a recording; of hardware else deployed/DATE.",
         ),
     ] = None,
     seed: SeedOption = 0,
