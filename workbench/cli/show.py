@@ -72,9 +72,9 @@ def show(
             title, lines, scene, panels = _of_recording(Path(shown), model)
         command = shlex.join(["workbench", *sys.argv[1:]])
         page = motion_page(title, lines, scene.time, scene.ends, panels, command, [shown])
-        write_whole(output, page, force=force)
-        if mp4:
+        if mp4:  # first: where there is no ffmpeg, nothing is written
             film(Path(mp4), scene.time, scene.ends, force=force)
+        write_whole(output, page, force=force)
     if not quiet:
         echo(f"Wrote {output}{f' and {mp4}' if mp4 else ''}.")
 
