@@ -75,7 +75,8 @@ def _closed() -> tuple[str, Standing]:
     from workbench.models import read_model
     from workbench.s3n.loop import ConstraintSettings, close_loops, loop_spec
     from workbench.s3n.mjcf import exact_xml
-    from workbench.training.machine import LEGS, STEP_S, closed_quadruped, make_machine
+    from workbench.training.machine import LEGS, STEP_S, make_machine
+    from workbench.training.quadruped import closed_quadruped
 
     model = read_model("leg")
     own = make_machine("quadruped", model, "exact")

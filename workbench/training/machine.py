@@ -14,20 +14,17 @@ import mujoco
 import numpy as np
 
 from workbench.core import DriveMap, InputError
-from workbench.core.paths import models_folder
-from workbench.models import Model, load_mjcf, load_tree
+from workbench.models import Model, load_tree
 from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
 from workbench.s3n.mjcf import exact_xml
 
 from .floor import lay_floor
+from .quadruped import LEGS, base_height, quadruped
 from .rotors import Rotors, no_rotors, rotors_of
 
-LEGS = ("fl", "fr", "rl", "rr")
 STEP_S = 0.003  # simulation and control
 POLICY_STEPS = 6  # control steps a policy step: 18 ms
-FOOT_RADIUS = 0.02  # m
 ABDUCTION_LIMIT = 0.6  # rad
-HIP_MASS, HIP_INERTIA = 1e-3, 1e-6  # kg, kg m^2: of the hip bracket, which the reference leaves out
 # under a trunk the hold posture of the single leg falls over backwards: Kp = 50 gives way, this one stands
 _STAND = np.array([-0.75, 1.2])  # rad
 _LOWEST = 0.4943  # of the height in its posture
@@ -156,7 +153,7 @@ def make_machine(
     leg = mujoco.MjSpec.from_string(text)
     leg.option.timestep = STEP_S
     leg.option.iterations, leg.option.ls_iterations = _SOLVER
-    spec = leg if kind == "leg" else _quadruped(leg, model)
+    spec = leg if kind == "leg" else quadruped(leg, model)
     spec.compile()
     floor: tuple[str, ...] = ()
     if kind == "quadruped":
@@ -190,7 +187,7 @@ def make_machine(
         delay_steps=round(steps),
         posture=np.tile([0.0] * first + posture.tolist(), legs),
         limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
-        height=0.0 if kind == "leg" else _height(compiled, joints, posture, legs),
+        height=0.0 if kind == "leg" else base_height(compiled, joints, posture, legs),
         rotors=rotors_of(compiled, joints) if drives is None else no_rotors(len(joints)),
         left_out=(*left_out, *floor),
         map=drives,
@@ -221,74 +218,3 @@ def _limits(model: Model) -> tuple[tuple[float, float], ...]:
     ranges = [tree.joint(name) for name in model.joints]
     whole = (-float(np.pi), float(np.pi))
     return tuple((float(j.range[0]), float(j.range[1])) if tree.jnt_limited[j.id] else whole for j in ranges)
-
-
-def _quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
-    """Trunk and hips of the reference quadruped, each hip with a bracket that swings out and one leg."""
-    if model.size != 2 or model.payload_site is None:
-        raise InputError(
-            "a quadruped needs a leg with two drives and a foot", file=model.source, column="payload.site",
-            remedy="name the foot's site in [payload]",
-        )  # fmt: skip
-    spec = load_mjcf(models_folder() / "serial" / "quadruped.xml")
-    for key in ("timestep", "integrator", "iterations", "ls_iterations"):
-        setattr(spec.option, key, getattr(leg.option, key))
-    trunk = spec.body("trunk")
-    hips = {name: spec.body(f"{name}_thigh").pos.copy() for name in LEGS}
-    for name in LEGS:
-        spec.delete(spec.body(f"{name}_thigh"))
-    inertia, damping, limit = (
-        getattr(model.actuators, key)[0] for key in ("inertia", "damping", "torque_limit")
-    )
-    for name in LEGS:
-        hip = trunk.add_body(name=f"{name}_bracket", pos=hips[name])
-        hip.mass, hip.inertia, hip.explicitinertial = HIP_MASS, [HIP_INERTIA] * 3, True
-        hip.ipos, hip.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]  # MuJoCo's writer needs them said
-        hip.add_joint(name=f"{name}_abduction", axis=[1, 0, 0], armature=inertia, damping=[damping, 0, 0])
-        motor = spec.add_actuator(name=f"{name}_abduction")
-        motor.set_to_motor()
-        motor.trntype, motor.target = mujoco.mjtTrn.mjTRN_JOINT, f"{name}_abduction"
-        motor.ctrllimited, motor.ctrlrange = 1, (-limit, limit)
-        spec.attach(leg.copy(), frame=hip.add_frame(), prefix=f"{name}_")
-        site = spec.site(f"{name}_{model.payload_site}")
-        site.parent.add_geom(
-            name=f"{name}_sphere", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[FOOT_RADIUS, 0, 0], pos=site.pos,
-            mass=0.0, contype=0, conaffinity=1, friction=[0.8, 0.005, 0.0001], priority=1,
-        )  # fmt: skip
-        for kind, entry in (
-            ("touch", mujoco.mjtSensor.mjSENS_TOUCH),
-            ("speed", mujoco.mjtSensor.mjSENS_FRAMELINVEL),
-        ):
-            spec.add_sensor(
-                name=f"{name}_{kind}", type=entry, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site.name
-            )
-    spec.worldbody.add_geom(
-        name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=1, conaffinity=0
-    )
-    return spec
-
-
-def closed_quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
-    """The quadruped of legs whose loops are closed by constraints, for comparison with what trains.
-
-    Args:
-        leg: of `s3n.loop.loop_spec`.
-        model: whose drives turn the leg's joints.
-    """
-    assert model.closed_chain is not None
-    for name, limit in zip(model.closed_chain.drives, model.actuators.torque_limit, strict=True):
-        motor = leg.add_actuator(name=name)
-        motor.set_to_motor()
-        motor.trntype, motor.target = mujoco.mjtTrn.mjTRN_JOINT, name
-        motor.ctrllimited, motor.ctrlrange = 1, (-limit, limit)
-    return _quadruped(leg, model)
-
-
-def _height(m: mujoco.MjModel, joints: tuple[str, ...], posture: np.ndarray, legs: int) -> float:
-    """Of the base's origin where the feet just touch the ground [m]."""
-    data = mujoco.MjData(m)
-    for name, value in zip(joints, np.tile([0.0, *posture], legs), strict=True):
-        data.qpos[m.joint(name).qposadr[0]] = value
-    data.qpos[:3] = 0.0
-    mujoco.mj_kinematics(m, data)
-    return float(FOOT_RADIUS - data.geom_xpos[m.geom("fl_sphere").id][2])

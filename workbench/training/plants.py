@@ -15,7 +15,8 @@ from workbench.mechanism import DiscreteChain, Ground
 from workbench.rigs import DriveSide, DriveTrain, HiddenEffect, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
-from .machine import FOOT_RADIUS, LEGS, STEP_S, Machine
+from .machine import LEGS, STEP_S, Machine
+from .quadruped import FOOT_RADIUS
 from .situation import base_state
 
 _SUBSTEPS = 6  # of Drake in a control step: 0.5 ms
