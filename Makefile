@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test check docs figures notebooks uncompile format clean
+.PHONY: setup training demo test check docs figures notebooks uncompile format clean interop
 
 setup: $(STAMP)
 
@@ -53,6 +53,13 @@ figures: training
 # The notebooks run anew, with what they show.
 notebooks: setup
 	$(BIN)/python analyses/run_notebooks.py
+
+# Files of `normalize --for` in the simulators that read them, one environment each. MUJOCO3=: which MuJoCo 3.
+MUJOCO3 ?= 3.3.7
+interop: setup
+	test -x build/interop/mujoco3/bin/python || $(PYTHON) -m venv build/interop/mujoco3
+	build/interop/mujoco3/bin/python -m pip install --quiet --disable-pip-version-check mujoco==$(MUJOCO3) numpy
+	$(BIN)/python benchmarks/interop.py mujoco3 --python build/interop/mujoco3/bin/python
 
 # numba keeps machine code beside its file and does not see that a function of another file has changed.
 uncompile:

@@ -119,6 +119,7 @@ ASKED: dict[str, list[list[Any]]] = {
     "import": [["arm.csv", "--model", "arm.xml", "-y"], ["arm.urdf"]],
     "normalize": [[m] for m in MODELS],
     "record": [["leg", "slow"]],
+    "show": [["arm.toml", "--model", "arm.xml"]],
     "train": [["reach", "--variant", "kin_only", "--iterations", "1", "--envs", "4", "--threads", "1",
                "--unverified"]],
     "deploy": [["tracker", "can.toml", "--dry-run", "--seconds", "1"]],
@@ -136,7 +137,7 @@ READ: dict[str, Callable[[Path], object]] = {
     "import": lambda p: load_recordings([p]),
     "fleet": lambda p: [strictly(each.read_text()) for each in p.glob("*.json")],
 }
-SUFFIX = {"normalize": ".xml", "can dbc": ".dbc", "approve": ".json"}
+SUFFIX = {"normalize": ".xml", "can dbc": ".dbc", "approve": ".json", "show": ".html"}
 SUFFIX |= dict.fromkeys(("record", "fleet", "train", "evaluate"), "")
 ENDINGS = {
     "--json": ".json",

@@ -74,7 +74,8 @@ def test_the_program_runs_there(tmp_path: Path) -> None:
     path = leg(tmp_path, bench=slow)
     code = "from workbench.cli.app import run; run()"
     with virtual_hardware(desk):
-        done = light(code, "deploy", "tracker", str(path), "--yes", "--seconds", "1", "--json", str(out))
+        words = "tracker", str(path), "--yes", "--seconds", "1", "-o", "", "--json", str(out)
+        done = light(code, "deploy", *words)
     said = json.loads(out.read_text())
     assert done.returncode == (1 if said["fault"] else 0), done.stderr
     assert said["ticks"] > 20 and "Traceback" not in done.stderr

@@ -194,7 +194,7 @@ def test_a_program_that_is_told_to_end_damps_and_disables_first(robot: Path) -> 
     config, log = load_config(robot), robot.parent / "run.log"
     with virtual_hardware(robot):
         logger = start("can", "log", str(robot), "-o", str(log))
-        words = ["deploy", "tracker", str(robot), "--yes", "--seconds", "60"]
+        words = ["deploy", "tracker", str(robot), "--yes", "--seconds", "60", "-o", ""]
         run = subprocess.Popen(
             [sys.executable, "-m", "workbench.cli", *words],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,

@@ -32,7 +32,7 @@ BLOCK = re.compile(r"^```(?P<kind>\w+)(?: (?P<name>\S+))?\n(?P<text>.*?)^```$", 
 
 def blocks(page: Path) -> list[tuple[str, str | None, str]]:
     found = [(b["kind"], b["name"], b["text"]) for b in BLOCK.finditer(page.read_text(encoding="utf-8"))]
-    return [b for b in found if b[0] == "console" or (b[0] in ("toml", "xml") and b[1])]
+    return [b for b in found if b[0] == "console" or (b[0] in ("toml", "xml", "python") and b[1])]
 
 
 @pytest.mark.parametrize(

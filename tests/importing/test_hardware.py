@@ -178,8 +178,26 @@ def test_demo_of_a_machine_of_ones_own(tmp_path: Path) -> None:
     assert told["truth"][0]["effect"] == "viscous_damping" and told["truth"][0]["axis"] == "axle"
     assert "found" in done.stdout and "0.12" not in done.stdout.split("hidden in it")[0]
     assert (tmp_path / "out" / "report.html").is_file() and (tmp_path / "out" / "improved.toml").is_file()
-    changing = run("demo", "four_bar.toml", "-o", "no", cwd=_four_bar(tmp_path))
-    assert changing.returncode == 2 and "changes with the posture" in changing.stderr
+
+
+def test_demo_of_a_machine_whose_transmission_changes(tmp_path: Path) -> None:
+    """Whether something is missing is said; what it is cannot be looked for."""
+    folder = _four_bar(tmp_path)
+    excite = ["excite", "four_bar.toml", "-o", "plan.toml", "--period", 1, "--periods", 1, "--amplitude", 2]
+    assert run(*excite, cwd=folder).returncode == 0
+    for more, said in ((["--clean"], "do not show"), (_RUBS, "experiments show that something is missing")):
+        done = run("demo", "four_bar.toml", "plan.toml", "-o", "out", "--force", *more, cwd=folder)
+        assert done.returncode == 0, done.stderr
+        assert said in " ".join(done.stdout.split()) and "cannot be looked for" in done.stdout
+    assert (
+        run(
+            "diagnose", "four_bar.toml", *(folder / "out" / "recordings").glob("*.toml"), cwd=folder
+        ).returncode
+        == 2
+    )
+
+
+_RUBS = ["--hide", "coulomb_friction@knee", "--set", "torque=0.3"]
 
 
 def _four_bar(folder: Path) -> Path:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from workbench.core import InputError
+from workbench.core import DriveMap, InputError
 from workbench.core.files import write_whole
 from workbench.core.formats import check_format
 
@@ -46,7 +46,7 @@ class Control:
 
     Attributes:
         joints: names of the serial joints.
-        transmission: J (n, n), q_p = J q_s.
+        transmission: J (n, n), q_p = J q_s; that of one posture where `map` is.
         posture: [rad].
         action_scale: [rad].
         kp, kd: gains in joint coordinates [N m/rad, N m s/rad].
@@ -56,6 +56,7 @@ class Control:
         tilt_limit: of the base against gravity, at which an episode ended [rad]; None as above.
         command_range: lowest and highest forward, sideward and turning speed that it was asked for (3, 2)
             [m/s, m/s, rad/s]; None as above.
+        map: the drives' positions where the transmission changes with the posture; None where it is constant.
     """
 
     joints: tuple[str, ...]
@@ -72,6 +73,7 @@ class Control:
     velocity_limit: float | None = None
     tilt_limit: float | None = None
     command_range: np.ndarray | None = None
+    map: DriveMap | None = None
 
 
 @dataclass(frozen=True)
@@ -190,6 +192,7 @@ def _bundle(
         velocity_limit=c.velocity_limit,
         tilt_limit=c.tilt_limit,
         command_range=None if c.command_range is None else np.array(c.command_range),
+        map=None if c.drive_map is None else DriveMap.of(c.drive_map.model_dump()),
         **{name: np.array(getattr(c, name), float) for name in arrays},
     )
     return PolicyBundle(

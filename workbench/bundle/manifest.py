@@ -26,6 +26,23 @@ class ObservationTable(_Table):
     about: str
 
 
+class DriveMapTable(_Table):
+    """See `DriveMap`."""
+
+    middle: _Numbers
+    half: list[Annotated[float, Field(gt=0.0)]]
+    powers: Annotated[list[list[Annotated[int, Field(ge=0, le=30)]]], Field(min_length=1, max_length=10_000)]
+    factors: list[_Numbers]
+
+    @model_validator(mode="after")
+    def _one_a_joint(self) -> DriveMapTable:
+        n, terms = len(self.middle), len(self.powers)
+        fits = len(self.half) == len(self.factors) == n and all(len(row) == n for row in self.powers)
+        if not fits or any(len(row) != terms for row in self.factors):
+            raise ValueError("the drive_map's rows are not one a joint and a term")
+        return self
+
+
 class ControlTable(_Table):
     """What its actions mean; see `Control`."""
 
@@ -42,6 +59,7 @@ class ControlTable(_Table):
     delay_steps: Annotated[int, Field(ge=0, le=1000)]
     velocity_limit: Annotated[float, Field(gt=0.0)] | None = None
     tilt_limit: Annotated[float, Field(gt=0.0)] | None = None
+    drive_map: DriveMapTable | None = None
     command_range: Annotated[list[list[FiniteFloat]], Field(min_length=3, max_length=3)] | None = None
 
     @model_validator(mode="after")
@@ -52,6 +70,8 @@ class ControlTable(_Table):
                 raise ValueError(f"{name} has {len(getattr(self, name))} entries for {n} joints")
         if any(len(row) != n for row in self.transmission):
             raise ValueError("the transmission is not square")
+        if self.drive_map is not None and len(self.drive_map.middle) != n:
+            raise ValueError(f"drive_map is of {len(self.drive_map.middle)} joints, not {n}")
         if any(len(row) != 2 or row[0] > row[1] for row in self.command_range or []):
             raise ValueError("a command_range is lowest and highest")
         return self

@@ -86,6 +86,7 @@ def load_commands() -> None:
         inspect,
         normalize,
         record,
+        show,
         train,
         ui,
     )

@@ -66,17 +66,10 @@ def _as_its_mechanism(model: Model, say: Callable[[str], Any]) -> Model:
     """The model whose structure is the mechanism's, so that nothing but what is hidden is missing.
 
     Raises:
-        InputError: its transmission changes with the posture, which no replay of recordings follows, or it
-            has no loop.
+        InputError: it has no loop.
     """
     from workbench.s3n.variants import with_variant
 
-    if model.posture_dependent:
-        raise InputError(
-            "its transmission changes with the posture, and compare and diagnose replay recordings through a "
-            "constant one", file=model.source,
-            remedy="record it with 'workbench record MODEL DESIGN --virtual'; a search in it is not possible",
-        )  # fmt: skip
     if model.controller.kind != "pd":
         raise InputError(
             "the model has no PD loop, and nothing holds the machine", file=model.source, column="controller",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -48,7 +49,12 @@ def deploy(
     ] = "",
     output: Annotated[
         str | None,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Keep the run: its frames, and a recording."),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FOLDER",
+            help="Where the run is kept, its frames and a recording; of hardware else deployed/DATE.",
+        ),
     ] = None,
     seed: SeedOption = 0,
     json: JsonOption = None,
@@ -66,6 +72,8 @@ def deploy(
 
     check_outputs(json, force=force)
     robot = load_config(config)
+    if output is None and not dry_run:  # what a robot did is kept unless somebody says otherwise
+        output = f"deployed/{time.strftime('%Y-%m-%d_%H-%M-%S')}"
     log = _new_log(Path(output), force) if output else None
     policy = None if bundle == "tracker" else read_bundle(bundle)
     if not (dry_run or yes):

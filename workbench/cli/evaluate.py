@@ -22,6 +22,9 @@ def evaluate(
     ] = "",
     seconds: Annotated[float, typer.Option("--seconds", min=1.5, max=600.0, help="How long it runs.")] = 4.0,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the command and of the sensors' noise.")] = 0,
+    task: Annotated[
+        str | None, typer.Option("--task", metavar="FILE", help="The task's file, where it is Python.")
+    ] = None,
     json: JsonOption = None,
     force: ForceOption = False,
     quiet: QuietOption = False,
@@ -43,20 +46,21 @@ def evaluate(
     loaded, folder = read_bundle(bundle), Path(output)
     files = {name: folder / f"{name}.toml" for name in ("hardware", "simulation")}
     check_outputs(*map(str, files.values()), json, force=force)
-    robot = robot_files(loaded, folder)
+    file = Path(task) if task else None
+    robot = robot_files(loaded, folder, file)
     check_outputs(*map(str, robot), force=force)
     content: dict[str, Any] = {"format": 1, "bundle": bundle, "task": loaded.task, "variant": loaded.variant}
-    content["on"] = hardware_of(loaded)
+    content["on"] = hardware_of(loaded, file)
     if not quiet and json != "-":
         echo(content["on"])
     with progress(quiet) as tell:
-        for name, file in files.items():
+        for name, target in files.items():
             result = run(
-                loaded, seconds=seconds, seed=seed, hardware=name == "hardware",
+                loaded, seconds=seconds, seed=seed, hardware=name == "hardware", task_file=file,
                 tell=lambda done, name=name: tell(f"{name}: {100 * done:.0f} %"),
             )  # fmt: skip
-            save_recording(result.recording, file, force=force)
-            content[name] = {"scores": result.scores, "fell_s": result.fell_s, "recording": str(file)}
+            save_recording(result.recording, target, force=force)
+            content[name] = {"scores": result.scores, "fell_s": result.fell_s, "recording": str(target)}
     if robot:
         write_all(robot, force=force)
         content["model"] = str(folder / "robot.toml")

@@ -118,6 +118,12 @@ def import_(
             help="A joint that has no drive and stays there: a stiff spring, say.",
         ),
     ] = None,
+    hold_rest: Annotated[
+        bool,
+        typer.Option(
+            "--hold-rest", help="Hold what neither drives nor loops move: one limb of a whole robot."
+        ),
+    ] = False,
     gear: Annotated[
         list[float] | None, typer.Option("--gear", help="Gear ratio, one for all drives or one each.")
     ] = None,
@@ -163,6 +169,6 @@ def import_(
     else:
         asked = MechanismOptions(
             path, drive, joint or [], loop or [], foot, limits or [], start or [], hold or [], gear,
-            rotor_inertia, rotor_damping, torque_limit, delay, kp, kd, period, coordinates,
+            rotor_inertia, rotor_damping, torque_limit, delay, kp, kd, period, coordinates, hold_rest,
         )  # fmt: skip
         import_mechanism(asked, output, axis, json, force, quiet)

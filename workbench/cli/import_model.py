@@ -37,6 +37,7 @@ class MechanismOptions:
     kd: list[float] | None = None
     period: float | None = None
     coordinates: str = ""
+    hold_rest: bool = False
 
 
 def refuse_model(path: Path) -> None:
@@ -83,6 +84,7 @@ def import_mechanism(
     """
     from workbench.core import Coupling, Mechanism
     from workbench.importing import Drives, assemblies, contents_of, import_model
+    from workbench.mechanism import ClosedChain, constant_transmission
     from workbench.models import linkage_table
 
     path, serial = asked.file, tuple(asked.joints)
@@ -126,8 +128,17 @@ def import_mechanism(
         _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
     )
-    made = import_model(mechanism, drives, output, axes=axes, controller=_loop(asked, count), force=force)
+    made = import_model(
+        mechanism,
+        drives,
+        output,
+        axes=axes,
+        controller=_loop(asked, count),
+        hold_rest=asked.hold_rest,
+        force=force,
+    )
     assert made.closed_chain is not None
+    held = [c for c in made.closed_chain.couplings if c not in (*mechanism.couplings, *contents.couplings)]
     ways = assemblies(made.closed_chain)
     if json:
         content = {
@@ -145,10 +156,14 @@ def import_mechanism(
     if quiet or json == "-":
         return
     kind = "changes with the posture" if made.posture_dependent else "is constant"
+    if made.posture_dependent and constant_transmission(ClosedChain(made.closed_chain)).constant:
+        kind = "is constant, but what hangs on the loops turns otherwise in each posture"
     beside = " and ".join(file.name for file in _beside(made, path, output))
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
     for line in contents.bonds:
         echo(f"{line[0].upper()}{line[1:]}.")
+    if held:
+        echo(f"Held are {', '.join(f'{c.joint} = {c.polynomial[0]:.3g}' for c in held)}.")
     lost = {name: value for name, value in contents.damping.items() if value and name not in names}
     if lost:
         said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())

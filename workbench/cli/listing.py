@@ -14,7 +14,7 @@ _SECTIONS = {
     ),
     "Experiments and frequency responses": ("excite", "record", "frf", "identify"),
     "Parallel legs": ("check", "normalize"),
-    "Policies and hardware": ("approve", "train", "export", "evaluate", "deploy", "can"),
+    "Policies and hardware": ("approve", "train", "export", "evaluate", "show", "deploy", "can"),
 }
 
 

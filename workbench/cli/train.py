@@ -26,7 +26,7 @@ def train(
         str,
         typer.Argument(
             metavar="TASK",
-            help="reach, pitch-in-place or circular; or a task file of your own (.toml).",
+            help="reach, pitch-in-place or circular; or a task file of your own (.toml, .py).",
             autocompletion=complete.tasks,
         ),
     ],
@@ -94,11 +94,11 @@ def train(
     from workbench.training.task_file import load_task, posed
     from workbench.training.tasks import TASKS
 
-    own = task.endswith(".toml")
+    own = task.endswith((".toml", ".py"))
     if not own and task not in TASKS:
         raise InputError(
             f"no task is called '{task}'",
-            remedy=f"choose one of {', '.join(TASKS)}, or give a task file (.toml)",
+            remedy=f"choose one of {', '.join(TASKS)}, or give a task file (.toml, .py)",
         )
     if not output:
         raise InputError("no folder for the run", remedy="name one: -o runs/reach")

@@ -41,10 +41,14 @@ def with_loops(model: Model, recordings: Sequence[Recording]) -> tuple[Recording
     )
 
 
+def late_by(recording: Recording) -> float:
+    """A fraction of a tick [s] by which no two simulators agree when a torque acts."""
+    return _SHIFT * min(recording.controller.period_s or recording.period, recording.period, _LONGEST)
+
+
 def _shifted(model: Model, recording: Recording) -> Model:
     """The same machine a fraction of a tick later: where in a step torque acts, simulators do not agree."""
-    period = min(recording.controller.period_s or recording.period, recording.period, _LONGEST)
-    later = model.actuators.delay_s + _SHIFT * period
+    later = model.actuators.delay_s + late_by(recording)
     return replace(model, actuators=replace(model.actuators, delay_s=later))
 
 

@@ -63,7 +63,8 @@ def compare(
     replay = replay_of(model, matched(model, recordings))
     simulated = replay.with_noise(model, seed, draws)
     out = told(evaluate(model, simulated))
-    return replace(out, notes=(*out.notes, *filter(None, [softness_note(model, replay, simulated)])))
+    soft = None if model.posture_dependent else softness_note(model, replay, simulated)
+    return replace(out, notes=(*out.notes, *filter(None, [soft])))
 
 
 def told(result: Comparison) -> Comparison:

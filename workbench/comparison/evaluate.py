@@ -31,7 +31,7 @@ def evaluate(model: Model, simulated: Simulated) -> Comparison:
     def where(entries: Sequence[RecordingError]) -> tuple[Share, ...]:
         return (*line_shares(entries), *locate(entries, simulated.noisy, axis_units(model)))
 
-    free = not any(map(on_ground, recordings))
+    free = not any(map(on_ground, recordings)) and not model.posture_dependent
     inverse = inverse_dynamics(model, recordings, simulated.clean, simulated.noise.levels) if free else None
     notes = (*notes_of(recordings), *contact_notes(model, recordings))
     return concluded(model, parts, Scale.of(recordings), where, inverse, notes)

@@ -13,9 +13,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from workbench.core import Recording, SimulationError
+from workbench.core import InputError, Recording, SimulationError
 from workbench.effects import Effect, Motion, OnGround, Plant, compile_plant, effect_named, kinds
-from workbench.models import Model
+from workbench.models import Model, load_tree
 from workbench.recordings import white_noise
 from workbench.simulation import (
     GROUND_TORQUE,
@@ -56,8 +56,8 @@ class Grounded(Replay):
             if on_ground(r):
                 check_ground(model, r)
         self.noise, self._model = noise, model
-        self._step = _step_of(recordings[0])
-        plant = compile_plant(model, self._step[1], grounded=True)
+        self._step, self._integrator = _step_of(recordings[0], model)
+        plant = self._on_ground(model)
         told = [white_noise(f, r.valid) for r in recordings if FORCE in r.extra for f in r.extra[FORCE].T]
         known = [x for x in told if np.isfinite(x)]
         self._force_noise = float(np.median(known)) if known else 0.0
@@ -99,7 +99,7 @@ class Grounded(Replay):
         Raises:
             SimulationError: a model that no body can be, or that flies apart in the windows.
         """
-        plant = compile_plant(model, self._step[1], grounded=True)
+        plant = self._on_ground(model)
         clean = on_all_cores(lambda s: s.run(plant), self._standing)
         for run in clean:
             if not np.isfinite(run.position).all():
@@ -154,7 +154,10 @@ class Grounded(Replay):
         return on_all_cores(_respond, loops, disturbances)
 
     def _on_ground(self, model: Model) -> Plant:
-        return compile_plant(model, self._step[1], grounded=True)
+        plant = compile_plant(model, self._step[1], grounded=True)
+        if self._integrator is not None:
+            plant.mujoco.opt.integrator = self._integrator
+        return plant
 
     def _compiled(self, model: Model) -> Plant | None:
         """None where MuJoCo refuses the model."""
@@ -217,10 +220,20 @@ def force_squares(simulated: Simulated, index: int) -> tuple[np.ndarray, np.ndar
     return ((measured.extra[FORCE] - made)[rows] ** 2).mean(axis=0), np.mean(noise, axis=(0, 1))
 
 
-def _step_of(recording: Recording) -> tuple[int, float]:
-    """Substeps in a row, and their length [s]."""
+def _step_of(recording: Recording, model: Model) -> tuple[tuple[int, float], int | None]:
+    """Substeps in a row, and their length [s]; and the integrator, None for our own."""
+    if recording.timing.stepped:
+        own = load_tree(model.serial).option
+        rows = recording.period / own.timestep
+        if rows < 0.5 or abs(rows - round(rows)) > 1e-6:
+            raise InputError(
+                f"its rows are {recording.period:g} s apart, and the model's file has steps of "
+                f"{own.timestep:g} s", file=recording.source, column="timing.stepped",
+                remedy="leave it out where another file made the recording",
+            )  # fmt: skip
+        return (round(rows), float(own.timestep)), int(own.integrator)
     stride = max(1, int(np.ceil(recording.period / LONGEST_STEP - 1e-9)))
-    return stride, recording.period / stride
+    return (stride, recording.period / stride), None
 
 
 def _respond(loop: tuple[Standing, Tangents], disturbance: Disturbance) -> tuple[np.ndarray, np.ndarray]:

@@ -38,17 +38,11 @@ def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[R
     """The same by all answers that may be right to what their logs leave open, the likeliest first.
 
     Raises:
-        InputError: none given, other axes, a base that floats on one side only, a transmission that
-            changes with the posture, very few rows, or links that overlap wherever they were.
+        InputError: none given, other axes, a base that floats on one side only, very few rows, or links that
+            overlap wherever they were.
     """
     if not recordings:
         raise InputError("no recordings given", remedy="name at least one recording's TOML file")
-    if model.posture_dependent:
-        raise InputError(
-            f"the transmission of '{model.name}' changes with the posture; recordings are replayed through a "
-            "constant one", file=model.source, column="transmission.posture_dependent",
-            remedy="check and normalize know such mechanisms; compare and diagnose do not yet",
-        )  # fmt: skip
     out = tuple(with_base(r, model) for r in recordings)
     for r in out:
         check_axes(r, model)
@@ -59,6 +53,8 @@ def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[R
             )  # fmt: skip
         if on_ground(r):
             check_ground(model, r)
+    if model.posture_dependent:
+        return (out,)
     refuse_overlaps(model, out)
     return _likely(model, readings(model, out))
 

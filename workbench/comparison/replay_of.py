@@ -9,6 +9,7 @@ from workbench.core import InputError, Recording
 from workbench.models import Model
 from workbench.simulation import prepare, scored_torque
 
+from .by_posture import ByPosture
 from .closed_loop import ClosedLoop, with_loops
 from .drift import drifts
 from .following import MeasuredMotion, followed
@@ -30,6 +31,8 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
         InputError: a loop is unknown and no torque was recorded.
     """
     noise = noise or NoiseModel.of(recordings)
+    if model.posture_dependent:
+        return ByPosture.of(model, recordings, noise)
     if any(map(on_ground, recordings)):
         return Grounded(model, recordings, noise)
     if all(map(is_free, recordings)):

@@ -31,7 +31,9 @@ def local_state(
     and behind, if given: then as high an order as these bear.
     """
     period, order = recording.period, 2
-    if half is None:
+    if recording.timing.stepped:
+        half, order = 0, 1  # of what steps made the rows are the states, and no curve runs between them
+    elif half is None:
         half = half_rows(period)
     else:
         order = min(_ORDER, max(2, half - 1))

@@ -15,6 +15,7 @@ from .diagnosis import (
     Tried,
     Verdict,
 )
+from .drive_map import DriveMap
 from .errors import InputError, SimulationError, WorkbenchError
 from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Recordings, Timing
@@ -40,6 +41,7 @@ __all__ = [
     "Coupling",
     "Diagnosis",
     "Disagreement",
+    "DriveMap",
     "EffectKey",
     "Estimate",
     "Excitation",

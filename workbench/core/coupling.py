@@ -44,7 +44,11 @@ def declared_couplings(file: Path) -> tuple[Coupling, ...]:
         raw = file.read_bytes()
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=file, remedy="check the path") from error
-    root = parse_xml(raw, file, prefixes=False)
+    return couplings_in(parse_xml(raw, file, prefixes=False), file)
+
+
+def couplings_in(root: ElementTree.Element, file: Path) -> tuple[Coupling, ...]:
+    """The same of the file's XML."""
     return tuple(
         _mimic(joint.get("name", ""), mimic, file)
         for joint in root.iter("joint")

@@ -116,8 +116,8 @@ def _as_played(config: CanConfig, played: Played, made: Exchanges) -> np.ndarray
     if not stiff and gains.any():
         joints = joints_of(config)
         reference = np.repeat(joints.within(played.reference), polls, axis=0)
-        q, w = (each @ joints.inverse.T for each in made.heard)
-        torque = torque + (gains[0] * (reference - q) - gains[1] * w) @ joints.inverse
+        q, w = joints.motion(*made.heard)
+        torque = torque + joints.torque(gains[0] * (reference - q) - gains[1] * w, q)
     asked = (*(gains if stiff else np.zeros_like(gains)), np.clip(torque, -most, most))
     # a range that is read from the drive is not known here: nothing is said of its field
     full = [[getattr(m.ranges, name) or np.inf for m in config.motor] for name in ("kp", "kd", "torque")]

@@ -9,38 +9,62 @@ import numpy as np
 
 from workbench.can import CanConfig
 from workbench.can.tables import MechanismTable
-from workbench.core import InputError
+from workbench.core import DriveMap, InputError
 
 _HUGE, _FAR = 10.0, 100.0  # times the range; without limits [rad]
 
 
 @dataclass(frozen=True, eq=False)
 class Joints:
-    """q_p = J q_s, tau_p = J^-T tau_s (paper, Eq. 1).
+    """q_p = J q_s, tau_p = J^-T tau_s (paper, Eq. 1), or q_p = f(q_s) and J its slope.
 
     Attributes:
         names: of the joints (n,).
-        matrix: J (n, n).
+        matrix: J (n, n); the identity for mechanisms in `maps`.
         low, high: limits of the joints (n,) [rad]; infinite where none is stated.
+        maps: mechanisms whose transmission changes with the posture: which axes, and how they follow the
+            joints.
     """
 
     names: tuple[str, ...]
     matrix: np.ndarray
     low: np.ndarray
     high: np.ndarray
+    maps: tuple[tuple[list[int], DriveMap], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inverse", np.linalg.inv(self.matrix))
 
     inverse: np.ndarray = None  # pyright: ignore[reportAssignmentType]  (made of matrix)
 
-    def position(self, axes: np.ndarray) -> np.ndarray:
-        """Joint positions or speeds (n,) of those of the axes (n,)."""
-        return self.inverse @ axes
+    def motion(self, axes: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Joint positions and speeds (..., n) of those of the axes (..., n)."""
+        q, w = axes @ self.inverse.T, speeds @ self.inverse.T
+        for at, own in self.maps:
+            if np.isfinite(axes[..., at]).all() and np.isfinite(speeds[..., at]).all():
+                q[..., at] = own.joints(axes[..., at])
+                w[..., at] = own.joint_speed(q[..., at], speeds[..., at])
+            else:
+                q[..., at] = w[..., at] = np.nan
+        return q, w
 
-    def torque(self, joints: np.ndarray) -> np.ndarray:
-        """Axis torques (n,) of joint torques (n,), J^-T tau_s [N m]."""
-        return self.inverse.T @ joints
+    def position(self, axes: np.ndarray) -> np.ndarray:
+        """Joint positions (..., n) of those of the axes (..., n)."""
+        return self.motion(axes, np.zeros_like(axes))[0]
+
+    def axes(self, joints: np.ndarray) -> np.ndarray:
+        """Axis positions (..., n) of joint positions (..., n)."""
+        out = joints @ self.matrix.T
+        for at, own in self.maps:
+            out[..., at] = own.drives(joints[..., at])
+        return out
+
+    def torque(self, joints: np.ndarray, position: np.ndarray) -> np.ndarray:
+        """Axis torques (..., n) of joint torques (..., n) at joint positions (..., n), J^-T tau_s [N m]."""
+        out = joints @ self.inverse
+        for at, own in self.maps:
+            out[..., at] = own.drive_torque(position[..., at], joints[..., at])
+        return out
 
     def sane(self, reference: np.ndarray) -> bool:
         """Whether a reference (n,) is one that a controller that works could ask for."""
@@ -64,27 +88,30 @@ def joints_of(config: CanConfig) -> Joints:
     n = len(config.motor)
     matrix, names = np.eye(n), list(config.axes)
     low, high = np.full(n, -np.inf), np.full(n, np.inf)
+    maps: list[tuple[list[int], DriveMap]] = []
     for mechanism in config.mechanism:
         at = [config.axes.index(axis) for axis in mechanism.axes]
         stated, limits = mechanism.transmission, mechanism.limits
         if not stated:
-            stated, chain = _of_model(mechanism, config)
+            stated, chain, own = _of_model(mechanism, config)
             limits = limits or chain
+            maps += [] if own is None else [(at, own)]
         matrix[np.ix_(at, at)] = np.array(stated)
         for k, index in enumerate(at):
             names[index] = mechanism.joints[k] if mechanism.joints else names[index]
             if limits:
                 low[index], high[index] = limits[k]
-    return Joints(tuple(names), matrix, low, high)
+    return Joints(tuple(names), matrix, low, high, tuple(maps))
 
 
 def _of_model(
     mechanism: MechanismTable, config: CanConfig
-) -> tuple[np.ndarray, Sequence[tuple[float, float]]]:
+) -> tuple[np.ndarray, Sequence[tuple[float, float]], DriveMap | None]:
     """Transmission and joints' limits of a mechanism, by its model."""
     where = {"file": config.source, "column": "mechanism.model"}
     try:
         from workbench.models import read_model
+        from workbench.s3n import drive_map
     except ImportError as error:
         remedy = "write the mechanism's transmission and limits here, as rows of numbers"
         problem = f"models need the whole workbench: {error.name} is missing"
@@ -95,7 +122,7 @@ def _of_model(
             f"'{mechanism.model}' has {model.size} axes, here are {len(mechanism.axes)}",
             **where, remedy="name its axes in the model's order",
         )  # fmt: skip
-    if model.posture_dependent:
-        remedy = "only constant transmissions are run over CAN so far"
-        raise InputError(f"the transmission of '{mechanism.model}' changes", **where, remedy=remedy)
-    return model.transmission, model.closed_chain.limits if model.closed_chain else ()
+    limits = model.closed_chain.limits if model.closed_chain else ()
+    if not model.posture_dependent:
+        return model.transmission, limits, None
+    return np.eye(model.size), limits, drive_map(model)

@@ -110,8 +110,15 @@ def check_bundle(bundle: PolicyBundle, config: CanConfig, joints: Joints) -> Non
             column="motor", remedy="name the motors in the order of the policy's joints",
         )  # fmt: skip
     kp, kd = config.gains()
+    inside = 0.5 * (own.joint_limits[:, 0] + own.joint_limits[:, 1]), own.posture
+    theirs = [q @ own.transmission.T if own.map is None else own.map.drives(q) for q in inside]
     wanted = (
-        ("transmission", own.transmission, joints.matrix, "mechanism"),
+        *(
+            ()
+            if own.map or joints.maps
+            else (("transmission", own.transmission, joints.matrix, "mechanism"),)
+        ),
+        ("drives' positions", theirs, [joints.axes(q) for q in inside], "mechanism"),
         ("kp", own.kp, np.array(kp), "loop.kp"),
         ("kd", own.kd, np.array(kd), "loop.kd"),
         ("control period", own.control_period_s, loop.period_s, "loop.period_s"),

@@ -85,7 +85,7 @@ def check_bounds(bundle: PolicyBundle, config: CanConfig) -> None:
         InputError: an axis with less torque or speed than in training, or whose posture it may not reach.
     """
     own = bundle.control
-    axes = own.transmission @ own.posture
+    axes = own.transmission @ own.posture if own.map is None else own.map.drives(own.posture)
     for k, motor in enumerate(config.motor):
         limits, key = motor.limits, f"motor '{motor.axis}'.limits"
         wanted = (

@@ -50,14 +50,14 @@ class Wishes:
         if state.phase in ("off", "damp"):
             return None, None
         joints, begun = self._joints, self._network.now()
-        position, velocity = joints.position(feedback.position), joints.position(feedback.velocity)
+        position, velocity = joints.motion(feedback.position, feedback.velocity)
         if state.phase == "arm":
             self._start = position
         try:
             target = self._controller.target(tick, state.phase, position, velocity, feedback.base.motion)
             if target is None:
                 return None, None
-            setpoints = self._setpoints(target, begun, state, feedback, velocity)
+            setpoints = self._setpoints(target, begun, state, feedback, (position, velocity))
         except WorkbenchError as error:
             return None, f"the controller failed: {error}"
         except Exception as error:
@@ -67,10 +67,11 @@ class Wishes:
         return Wanted(setpoints, max(begun - target.made, self._network.now() - begun)), None
 
     def _setpoints(
-        self, target: Target, now: float, state: SafetyState, feedback: Feedback, velocity: np.ndarray
-    ) -> Setpoints:
+        self, target: Target, now: float, state: SafetyState, feedback: Feedback,
+        motion: tuple[np.ndarray, np.ndarray],
+    ) -> Setpoints:  # fmt: skip
         joints, n = self._joints, len(self._start)
-        position = joints.position(feedback.position)
+        position, velocity = motion
         sane = joints.sane(target.reference)
         reference = joints.within(target.reference) if sane else np.full(n, np.nan)
         if state.phase in ("arm", "soft_start") and self._soft_start > 0:
@@ -78,6 +79,6 @@ class Wishes:
             reference = self._start + part * (reference - self._start)
         zero = np.zeros(n)
         if self._on_drives:
-            return Setpoints(joints.matrix @ reference, zero, self._kp, self._kd, target.feedforward)
-        torque = joints.torque(self._kp * (reference - position) - self._kd * velocity)
+            return Setpoints(joints.axes(reference), zero, self._kp, self._kd, target.feedforward)
+        torque = joints.torque(self._kp * (reference - position) - self._kd * velocity, position)
         return Setpoints(feedback.position, zero, zero, zero, torque + target.feedforward)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from workbench.comparison import matched
+from workbench.comparison import matched, refuse_search
 from workbench.core import EffectKey, InputError, Recording
 from workbench.effects import Compliance, effect_named, kinds
 from workbench.models import AppliedEffect, Model
@@ -43,6 +43,7 @@ def fit_effect(
         InputError: recordings that do not fit the model, or an effect that these cannot start a fit of.
         SimulationError: the model is unstable in a recording's loop.
     """
+    refuse_search(model)
     recordings = matched(model, recordings)
     progress("simulating the model and its noise")
     data, simulated = gather(model, recordings, (), seed)

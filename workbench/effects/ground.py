@@ -49,7 +49,9 @@ def lay_ground(build: Build, ground: Ground) -> None:
             spec.delete(pair)
         pair = spec.add_pair(name=f"{surface}:{foot}", geomname1=surface, geomname2=foot, condim=3)
         one, other = spec.geom(surface), spec.geom(foot)
-        friction = np.maximum(one.friction, other.friction)
+        friction = np.array(_first(one, other).friction)
+        if one.priority == other.priority:
+            friction = np.maximum(one.friction, other.friction)
         pair.friction = [friction[0], friction[0], friction[1], friction[2], friction[2]]
         pair.solref, pair.solimp = _mixed(one, other)
         pair.margin = max(one.margin, other.margin)
@@ -147,7 +149,7 @@ def _foot(spec: mujoco.MjSpec, name: str, radius: float | None) -> str:
 def _mixed(one: mujoco.MjsGeom, other: mujoco.MjsGeom) -> tuple[np.ndarray, np.ndarray]:
     """Solver parameters of a contact of two geoms, as MuJoCo mixes them."""
     if one.priority != other.priority:
-        chosen = one if one.priority > other.priority else other
+        chosen = _first(one, other)
         return np.array(chosen.solref), np.array(chosen.solimp)
     total = one.solmix + other.solmix
     share = one.solmix / total if total > 0 else 0.5
@@ -155,3 +157,8 @@ def _mixed(one: mujoco.MjsGeom, other: mujoco.MjsGeom) -> tuple[np.ndarray, np.n
     both = np.array(one.solref), np.array(other.solref)
     standard = min(both[0][0], both[1][0]) > 0
     return (share * both[0] + (1 - share) * both[1] if standard else np.minimum(*both)), solimp
+
+
+def _first(one: mujoco.MjsGeom, other: mujoco.MjsGeom) -> mujoco.MjsGeom:
+    """The geom of the higher priority, which MuJoCo takes all of a contact from."""
+    return one if one.priority > other.priority else other

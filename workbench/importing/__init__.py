@@ -2,9 +2,9 @@
 
 from .assemblies import Assemblies, assemblies
 from .contents import Contents, contents_of
-from .from_mjcf import is_mjcf
 from .hardware import described, is_reference_leg, own_plants, own_rig
 from .import_model import Drives, import_model
+from .opened import is_mjcf
 
 __all__ = [
     "Assemblies",

@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import Coupling, declared_couplings
 from workbench.mechanism.parse import declared_loops, finished, parse
 
-from .from_mjcf import opened
+from .opened import opened
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,9 @@ class Contents:
         couplings: joints that follow others, or are held, by the file's own word.
         round_rods: ball joints of an MJCF that are taken as universal ones.
         armature, damping, torque_limit: joint -> what an MJCF has there; empty for other files.
+        motors: joints that motors turn, as far as the file says.
+        springs: joints that springs hold.
+        said_by: a file beside it that states loops, by name.
     """
 
     joints: tuple[str, ...]
@@ -37,10 +40,15 @@ class Contents:
     armature: dict[str, float] = field(default_factory=dict)
     damping: dict[str, float] = field(default_factory=dict)
     torque_limit: dict[str, float] = field(default_factory=dict)
+    motors: tuple[str, ...] = ()
+    springs: tuple[str, ...] = ()
+    said_by: str = ""
 
     def __str__(self) -> str:
         """Joints and frames on two lines, and what the file binds beside its tree."""
         lines = [f"joints: {', '.join(self.joints)}", f"frames: {', '.join(self.frames)}", *self.bonds]
+        lines += [f"motors: {', '.join(self.motors)}"] if self.motors else []
+        lines += [f"springs: {', '.join(self.springs)}"] if self.springs else []
         return "\n".join(lines)
 
     @property
@@ -49,7 +57,8 @@ class Contents:
         follow = [
             f"{c.joint} follows {c.follows}" if c.follows else f"{c.joint} is held" for c in self.couplings
         ]
-        said = [f"loops that it closes: {self.loops}"] if self.loops else []
+        where = f" ({self.said_by})" if self.said_by else ""
+        said = [f"loops that it closes: {self.loops}{where}"] if self.loops else []
         said += [f"couplings: {', '.join(follow)}"] if follow else []
         if self.round_rods:
             said.append(f"balls of rods that do not turn about themselves here: {', '.join(self.round_rods)}")
@@ -63,12 +72,20 @@ def contents_of(file: Path) -> Contents:
         InputError: it cannot be read.
     """
     with opened(file) as (source, converted):
-        found = _contents(source, len(converted.loops if converted else declared_loops(source)))
+        found = _contents(source, converted.closed if converted else len(declared_loops(source)))
         if converted is None:
             return replace(found, couplings=declared_couplings(source))
-        found = replace(found, couplings=converted.couplings, round_rods=converted.round_rods)
-        own = (converted.armature, converted.damping, converted.torque_limit)
-        return replace(found, **dict(zip(("armature", "damping", "torque_limit"), own, strict=True)))
+        own = (
+            "couplings",
+            "round_rods",
+            "armature",
+            "damping",
+            "torque_limit",
+            "motors",
+            "springs",
+            "said_by",
+        )
+        return replace(found, **{name: getattr(converted, name) for name in own})
 
 
 def _contents(file: Path, loops: int) -> Contents:

@@ -7,86 +7,24 @@ there. An SDF joint is at zero where the MJCF's is: positions mean the same in b
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from workbench.core import Coupling, InputError, SimulationError
+from workbench.core import InputError
 from workbench.core.turns import roll_pitch_yaw
-from workbench.core.xml import parse_xml
 from workbench.mechanism.parse import GRAVITY
 from workbench.models import Inertial, load_with_loops
 
-from .mjcf_bonds import across_rod, coupling, ends, torque_limit
+from .converted import Converted
+from .mjcf_bonds import across_rod, coupling, ends, free_joints, motors_of, resting, torque_limit
 
 _KINDS = {int(mujoco.mjtJoint.mjJNT_HINGE): "revolute", int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic"}
 _NEXT_TO_NOTHING = 1e-9  # kg of a link between two joints of one body: SDF knows no link without mass
 _ARM = 0.1  # m between the points that hold what is welded
-
-
-@dataclass(frozen=True)
-class Converted:
-    """An MJCF as SDF.
-
-    Attributes:
-        sdf: the text.
-        loops: pairs of frames in it that coincide.
-        couplings: joints that follow others, and those that are held.
-        round_rods: ball joints that were taken as universal ones.
-        armature, damping, torque_limit: joint -> what the MJCF has there, inf without a limit.
-    """
-
-    sdf: str
-    loops: tuple[tuple[str, str], ...]
-    couplings: tuple[Coupling, ...]
-    round_rods: tuple[str, ...]
-    armature: dict[str, float]
-    damping: dict[str, float]
-    torque_limit: dict[str, float]
-
-
-def is_mjcf(file: Path) -> bool:
-    """Whether a file is an MJCF, by its root.
-
-    Raises:
-        InputError: it is no XML.
-    """
-    if not file.is_file():
-        return False  # said where it is opened
-    raw, remedy = file.read_bytes(), "give an SDF or URDF file, or an MJCF"
-    return parse_xml(raw, file, prefixes=False, problem="not an XML file", remedy=remedy).tag == "mujoco"
-
-
-@contextmanager
-def opened(file: Path) -> Iterator[tuple[Path, Converted | None]]:
-    """A file that the mechanism's parser reads: itself, or while this lasts an SDF file made of an MJCF.
-
-    Raises:
-        InputError: it cannot be read or converted; whatever is raised inside names the file itself.
-    """
-    if not is_mjcf(file):
-        yield file, None
-        return
-    converted = convert(file)
-    with TemporaryDirectory() as folder:
-        sdf = Path(folder) / f"{file.stem}.sdf"
-        sdf.write_text(converted.sdf)
-        try:
-            yield sdf, converted
-        except InputError as error:
-            if error.file is None or Path(error.file).resolve() != sdf.resolve():
-                raise
-            raise InputError(
-                error.problem, file=file, column=error.column, row=error.row, remedy=error.remedy
-            ) from error
-        except SimulationError as error:
-            raise SimulationError(str(error).replace(str(sdf), str(file))) from error
 
 
 def convert(file: Path) -> Converted:
@@ -111,15 +49,14 @@ class _Writer:
     def __init__(self, m: mujoco.MjModel, file: Path) -> None:
         self.m, self.file = m, file
         self.zero = mujoco.MjData(m)
+        self.free = free_joints(m)
         for j in range(m.njnt):
-            kind = m.jnt_type[j]
-            if kind == mujoco.mjtJoint.mjJNT_FREE:
+            if j in self.free:
                 continue
             if not m.joint(j).name:
                 raise InputError("a joint has no name", file=file, remedy="give every joint a name")
-            if kind == mujoco.mjtJoint.mjJNT_BALL:
-                continue
-            self.zero.qpos[m.jnt_qposadr[j]] = 0.0
+            if m.jnt_type[j] != mujoco.mjtJoint.mjJNT_BALL:
+                self.zero.qpos[m.jnt_qposadr[j]] = 0.0
         mujoco.mj_kinematics(m, self.zero)
         self.taken = {m.joint(j).name for j in range(m.njnt)}
         sites = [m.site(s).name for s in range(m.nsite) if m.site(s).name]
@@ -143,16 +80,22 @@ class _Writer:
         bound = [e for e in active if m.eq_type[e] == mujoco.mjtEq.mjEQ_JOINT]
         loops = [pair for e in active if e not in bound for pair in self._loop(e)]
         ElementTree.indent(self.root)
-        moving = [j for j in range(m.njnt) if int(m.jnt_type[j]) in _KINDS]
+        own = [j for j in range(m.njnt) if j not in self.free]
+        moving = [j for j in own if int(m.jnt_type[j]) in _KINDS]
         joints = {m.joint(j).name: int(m.jnt_dofadr[j]) for j in moving}
         return Converted(
             ElementTree.tostring(self.root, encoding="unicode") + "\n",
+            ".sdf",
             tuple(loops),
+            len(active) - len(bound),
             tuple(coupling(m, e, self.file) for e in bound),
-            tuple(m.joint(j).name for j in range(m.njnt) if m.jnt_type[j] == mujoco.mjtJoint.mjJNT_BALL),
+            tuple(m.joint(j).name for j in own if m.jnt_type[j] == mujoco.mjtJoint.mjJNT_BALL),
             {name: float(m.dof_armature[dof]) for name, dof in joints.items()},
             {name: float(m.dof_damping[dof]) for name, dof in joints.items()},
             {m.joint(j).name: torque_limit(m, j) for j in moving},
+            motors=tuple(m.joint(j).name for j in moving if motors_of(m, j).size),
+            springs=tuple(m.joint(j).name for j in moving if m.jnt_stiffness[j] > 0.0),
+            start=resting(m, moving),
         )
 
     def _name(self, wanted: str, kind: str) -> str:
@@ -165,7 +108,7 @@ class _Writer:
     def _body(self, body: int) -> None:
         m, parent = self.m, self.links[int(self.m.body_parentid[body])]
         joints = range(int(m.body_jntadr[body]), int(m.body_jntadr[body]) + int(m.body_jntnum[body]))
-        moving = [j for j in joints if m.jnt_type[j] != mujoco.mjtJoint.mjJNT_FREE]
+        moving = [j for j in joints if j not in self.free]
         turns = [turn for j in moving for turn in self._turns(j)]
         for j, name, axis in turns[:-1]:
             between = self._name(f"{self.links[body]}_{name}", "link")

@@ -20,7 +20,7 @@ from workbench.rigs.own_rig import OwnRig
 from workbench.rigs.place import Passive
 from workbench.rigs.virtual_leg import Sensors
 
-from .from_mjcf import opened
+from .opened import opened
 
 _STRUCTURAL = {name for names in VARIANTS.values() for name in names}
 

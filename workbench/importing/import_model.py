@@ -11,12 +11,14 @@ import numpy as np
 
 from workbench.core import Controller, InputError, Mechanism
 from workbench.core.files import check_free, write_all
-from workbench.mechanism import ClosedChain, constant_transmission
+from workbench.mechanism import ClosedChain, constant_transmission, held_rest
 from workbench.models import Actuators, Model, model_text
 
-from .from_mjcf import opened
-from .linkage import parallelogram_linkage
+from .linkage import is_all, parallelogram_linkage
+from .opened import opened
 from .serial_tree import serial_mjcf
+
+_STRAYED = 0.2  # rad or m between a start posture and that which was assembled
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ def import_model(
     *,
     axes: Sequence[str] | None = None,
     controller: Controller | None = None,
+    hold_rest: bool = False,
     force: bool = False,
 ) -> Model:
     """Write ``output`` (TOML) and the serial tree beside it (MJCF), from a mechanism with loops.
@@ -70,6 +73,7 @@ def import_model(
             its loops are cut open.
         axes: names of the axes; the drives' joints if not given.
         controller: the loop that it usually runs in, if that is known.
+        hold_rest: hold every joint that neither drives nor loops move.
         force: overwrite.
 
     Raises:
@@ -96,10 +100,18 @@ def import_model(
                 loops=(*converted.loops, *mechanism.loops),
                 couplings=(*converted.couplings, *mechanism.couplings),
             )
-            kept = target.with_suffix(".sdf")
+            named = {name for name, _ in mechanism.start}
+            cut = replace(
+                cut, start=(*mechanism.start, *(e for e in converted.start.items() if e[0] not in named))
+            )
+            kept = target.with_suffix(converted.suffix)
             _check_written(kept, mechanism.file, force)
-            texts[kept] = converted.sdf
+            texts[kept] = converted.text
+        if hold_rest:
+            first = (*converted.motors, *converted.springs) if converted else ()
+            cut = replace(cut, couplings=(*cut.couplings, *held_rest(cut, first)))
         chain = ClosedChain(cut)
+        cut = _begun(cut, chain)
         transmission = constant_transmission(chain)
         mjcf = serial_mjcf(cut, target.stem)
         model = Model(
@@ -116,11 +128,29 @@ def import_model(
         )
         with TemporaryDirectory() as folder:
             (Path(folder) / tree.name).write_text(mjcf)
-            linkage = parallelogram_linkage(chain, replace(model, serial=Path(folder) / tree.name))
+            whole = replace(model, serial=Path(folder) / tree.name)
+            linkage = parallelogram_linkage(chain, whole)
+            lacks = transmission.constant and linkage is None and not is_all(chain, whole)
     if linkage is not None:
         model = replace(model, linkage=linkage)
+    if lacks:  # what hangs on the loops turns otherwise in each posture, though the drives do not
+        model = replace(model, posture_dependent=True)
     write_all({tree: mjcf, target: model_text(model, target), **texts}, force=force)
     return model
+
+
+def _begun(mechanism: Mechanism, chain: ClosedChain) -> Mechanism:
+    """The mechanism with the posture that it was assembled in as its start, where that is far from the
+    stated one.
+
+    Whoever closes the loops next begins there, and finds the same way to put it together.
+    """
+    stated = dict(mechanism.start)
+    found = chain.tree_position(chain.start[0])
+    named = dict(zip(chain.coordinates, map(float, found), strict=True))
+    if all(abs(value - stated.get(name, 0.0)) < _STRAYED for name, value in named.items()):
+        return mechanism
+    return replace(mechanism, start=tuple((name, round(value, 6)) for name, value in named.items()))
 
 
 def _check_written(file: Path, source: Path, force: bool) -> None:

@@ -46,3 +46,19 @@ def parallelogram_linkage(chain: ClosedChain, model: Model) -> Linkage | None:
     # the tree has thigh and shank whole, so that what it lacks of the knee's drive is crank and coupler
     crank = Crank(float(m12), float(m22), float(g2))
     return Linkage(float(m11), float(m12), float(m22), float(g1), float(g2), identified=True, crank=crank)
+
+
+def is_all(chain: ClosedChain, model: Model) -> bool:
+    """Whether the serial tree has the mass and weight of the whole mechanism, and the loops carry none.
+
+    Args:
+        chain: the closed chain.
+        model: with its serial tree and transmission.
+    """
+    q = sample_joints(chain, _SAMPLES)
+    real = [chain.serial_dynamics(row, np.zeros(len(row))) for row in q]
+    tree = SerialTree(model)
+    masses, weights = np.array([r.mass for r in real]), np.array([r.gravity for r in real])
+    off = np.abs(tree.link_mass_matrix(q) - masses).max() / max(np.abs(masses).max(), 1e-12)
+    pull = np.abs(tree.gravity(q) + weights).max(), np.abs(tree.gravity(q) - weights).max()
+    return bool(off < _SAME and min(pull) < _SAME * max(np.abs(weights).max(), 1.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import mujoco
@@ -72,10 +73,35 @@ def across_rod(m: mujoco.MjModel, j: int, file: Path) -> np.ndarray:
     return np.linalg.svd(rod[None])[2][1:]
 
 
+def free_joints(m: mujoco.MjModel) -> set[int]:
+    """Joints by which a base hangs free: a free joint, or three slides and a ball of one body."""
+    free, ball, slide = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_SLIDE
+    out: set[int] = set()
+    for body in np.flatnonzero(m.body_parentid[1:] == 0) + 1:
+        joints = range(m.body_jntadr[body], m.body_jntadr[body] + m.body_jntnum[body])
+        kinds = sorted(int(m.jnt_type[j]) for j in joints)
+        if kinds in ([int(free)], sorted([int(ball), *[int(slide)] * 3])):
+            out |= set(joints)
+    return out
+
+
+def resting(m: mujoco.MjModel, joints: Sequence[int]) -> dict[str, float]:
+    """Joint -> its position in the file's first keyframe [rad or m]; empty without one."""
+    if not m.nkey:
+        return {}
+    return {m.joint(j).name: round(float(m.key_qpos[0, m.jnt_qposadr[j]]), 6) for j in joints}
+
+
+def motors_of(m: mujoco.MjModel, j: int) -> np.ndarray:
+    """The actuators that turn a joint itself."""
+    return np.flatnonzero(
+        (m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (m.actuator_trnid[:, 0] == j)
+    )
+
+
 def torque_limit(m: mujoco.MjModel, j: int) -> float:
     """Torque limit of a joint's one motor; inf where none is stated, or another on either side."""
-    on_joint = m.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-    own = np.flatnonzero(on_joint & (m.actuator_trnid[:, 0] == j))
+    own = motors_of(m, j)
     if len(own) != 1:
         return float("inf")
     a = own[0]

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from workbench.core import InputError, Mechanism
 from workbench.mechanism.parse import GRAVITY, finished, parse
+from workbench.s3n.loop import solid
 
 _KINDS = {"revolute": "hinge", "prismatic": "slide", "weld": "fixed"}
 _THIN = 0.008  # m, radius of the bars that are drawn
@@ -65,10 +66,19 @@ def _ways(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
     held = _held(mechanism)
     moving = [joint.name() for joint in way if joint.num_positions() and joint.name() not in held]
     if sorted(moving) != sorted(mechanism.joints):
+        extra = [joint for joint in way if joint.name() in set(moving) - set(mechanism.joints)]
+        beyond = [name for name in mechanism.joints if extra and _behind(plant, model, name, extra[0])]
+        limb = (
+            f"; or, where loops move {extra[0].name()}, end the limb before it (leave out "
+            f"{', '.join(beyond)} and its drive, with --hold-rest) and take what is beyond by itself"
+            if beyond
+            else ""
+        )
         raise InputError(
-            f"the way to {mechanism.foot or 'the last joint'} passes {', '.join(moving) or 'no joint'}",
+            f"the way to {mechanism.foot or 'the last joint'} passes {', '.join(moving) or 'no joint'}, and "
+            "a serial tree has one joint a drive",
             file=mechanism.file, column="closed_chain.joints",
-            remedy="name these as serial joints, hold those that stay, or name another foot",
+            remedy=f"name these as serial joints, hold those that stay, or name another foot{limb}",
         )  # fmt: skip
     strange = [joint for joint in way if joint.type_name() not in _KINDS]
     if strange:
@@ -77,6 +87,17 @@ def _ways(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
             remedy="serial joints may be revolute or prismatic",
         )  # fmt: skip
     return way
+
+
+def _behind(plant: Any, model: Any, name: str, joint: Any) -> bool:
+    """Whether a joint hangs on what another one moves."""
+    inboard = {plant.get_joint(i).child_body().index(): plant.get_joint(i) for i in plant.GetJointIndices()}
+    body = plant.GetJointByName(name, model).parent_body()
+    while body.index() in inboard:
+        if inboard[body.index()].index() == joint.index():
+            return True
+        body = inboard[body.index()].parent_body()
+    return False
 
 
 def _add_body(
@@ -124,7 +145,7 @@ def _add_inertia(out: ElementTree.Element, body: Any) -> None:
     if spatial.get_mass() == 0.0:
         return
     centre = spatial.get_com()
-    about = spatial.Shift(centre).CalcRotationalInertia().CopyToFullMatrix3()
+    about = solid(spatial.Shift(centre).CalcRotationalInertia().CopyToFullMatrix3())
     full = (about[0, 0], about[1, 1], about[2, 2], about[0, 1], about[0, 2], about[1, 2])
     ElementTree.SubElement(
         out, "inertial", pos=_numbers(centre), mass=repr(float(spatial.get_mass())),

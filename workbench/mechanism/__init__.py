@@ -2,6 +2,7 @@
 
 from .closed_chain import ClosedChain, Margin, Reduced
 from .discrete import DiscreteChain, Ground, simulate_discrete
+from .hold import held_rest
 from .linear import LinearPlant, linearise
 from .simulate import Motion, simulate
 from .transmission import Transmission, constant_transmission, sample_joints
@@ -16,6 +17,7 @@ __all__ = [
     "Reduced",
     "Transmission",
     "constant_transmission",
+    "held_rest",
     "linearise",
     "sample_joints",
     "simulate",

@@ -7,6 +7,7 @@ damping and springs that the file gives its joints are left out.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,7 @@ class Tree:
         finished(plant, mechanism.file)
         self._context = plant.CreateDefaultContext()
         self._world = plant.world_frame()
+        self._inboards: dict[Any, Any] = {}
         self.names = _coordinate_names(plant)
         self._couplings = [
             (c, self.index(c.joint, "couplings"), self.index(c.follows, "couplings") if c.follows else None)
@@ -85,28 +87,36 @@ class Tree:
         """To the speeds d theta / dt (N,) [rad/s or m/s]."""
         self._plant.SetVelocities(self._context, _finite(rates))
 
-    def gap(self) -> np.ndarray:
-        """Of m loops from the second point to the first [m], then how far k couplings are off, (3 m + k,)."""
-        points = ([end.CalcPoseInWorld(self._context).translation() for end in pair] for pair in self._pairs)
+    def gap(self, rows: Sequence[int] | None = None) -> np.ndarray:
+        """Of m loops from the second point to the first [m], then how far k couplings are off, (3 m + k,).
+
+        With `rows` those alone, in their order: of a robot with many loops the others cost nothing then.
+        """
         theta = self._plant.GetPositions(self._context)
-        off = [theta[own] - c.at(theta[other] if c.follows else 0.0)[0] for c, own, other in self._couplings]
-        return np.array([*np.ravel([first - second for first, second in points]), *off])
+        out = np.zeros(3 * len(self._pairs) + len(self._couplings))
+        for k in self._needed(rows):
+            first, second = (end.CalcPoseInWorld(self._context).translation() for end in self._pairs[k])
+            out[3 * k : 3 * k + 3] = first - second
+        for k, (c, own, other) in enumerate(self._couplings, 3 * len(self._pairs)):
+            out[k] = theta[own] - c.at(theta[other] if c.follows else 0.0)[0]
+        return out if rows is None else out[list(rows)]
 
     def open_loops(self) -> np.ndarray:
         """How far each loop gapes (m,) [m]."""
         return np.linalg.norm(self.gap()[: 3 * len(self._pairs)].reshape(-1, 3), axis=1)
 
-    def gap_jacobian(self) -> np.ndarray:
-        """d gap / d theta (3 m + k, N) [m/rad or 1]."""
-        blocks = [self._point_jacobian(a) - self._point_jacobian(b) for a, b in self._pairs]
+    def gap_jacobian(self, rows: Sequence[int] | None = None) -> np.ndarray:
+        """d gap / d theta (3 m + k, N) [m/rad or 1]; with `rows` those alone."""
         theta = self._plant.GetPositions(self._context)
-        for c, own, other in self._couplings:
-            row = np.zeros(len(self.names))
-            row[own] = 1.0
+        out = np.zeros((3 * len(self._pairs) + len(self._couplings), len(self.names)))
+        for k in self._needed(rows):
+            first, second = map(self._point_jacobian, self._pairs[k])
+            out[3 * k : 3 * k + 3] = first - second
+        for k, (c, own, other) in enumerate(self._couplings, 3 * len(self._pairs)):
+            out[k, own] = 1.0
             if c.follows:
-                row[other] -= c.at(theta[other])[1]
-            blocks.append(row)
-        return np.concatenate([np.zeros((0, len(self.names))), *map(np.atleast_2d, blocks)])
+                out[k, other] -= c.at(theta[other])[1]
+        return out if rows is None else out[list(rows)]
 
     def gap_bias(self) -> np.ndarray:
         """Second derivative of the gap at zero tree acceleration (3 m + k,) [m/s^2]."""
@@ -140,6 +150,38 @@ class Tree:
     def foot_jacobian(self) -> np.ndarray:
         """d foot / d theta (3, N)."""
         return self._point_jacobian(self._needed_foot())
+
+    def way(self) -> list[int]:
+        """Coordinates between the world and the serial joints and foot, those included."""
+        ends = [self._plant.GetJointByName(n, self._model).child_body() for n in self.mechanism.joints]
+        ends += [self._foot.body()] if self._foot is not None else []
+        return sorted(set().union(*map(self._inboard, ends)))
+
+    def movers(self) -> list[list[int]]:
+        """Of each row of the gap (3 m + k) the coordinates that open or close it.
+
+        Those on the ways to both ends of a loop turn it as a whole.
+        """
+        loops = [self._inboard(a.body()) ^ self._inboard(b.body()) for a, b in self._pairs]
+        coupled = [{own} | ({other} if other is not None else set()) for _, own, other in self._couplings]
+        return [sorted(each) for each in (*(loop for loop in loops for _ in range(3)), *coupled)]
+
+    def _inboard(self, body: Any) -> set[int]:
+        """Coordinates between the world and a body."""
+        if not self._inboards:
+            for index in self._plant.GetJointIndices():
+                joint = self._plant.get_joint(index)
+                self._inboards[joint.child_body().index()] = joint
+        out: set[int] = set()
+        while (joint := self._inboards.get(body.index())) is not None:
+            out |= set(range(joint.position_start(), joint.position_start() + joint.num_positions()))
+            body = joint.parent_body()
+        return out
+
+    def _needed(self, rows: Sequence[int] | None) -> Iterable[int]:
+        """Loops that rows of the gap are of."""
+        own = range(len(self._pairs))
+        return own if rows is None else sorted({row // 3 for row in rows} & set(own))
 
     def _needed_foot(self) -> Any:
         if self._foot is None:

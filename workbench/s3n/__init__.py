@@ -1,5 +1,6 @@
 """Simulator-Side System Normalization: closed forms, every variant, and the normalised tree as plain MJCF."""
 
+from .drive_map import drive_map
 from .dynamics import Dynamics, compiled_dynamics, reduced, variant_dynamics
 from .explicit import explicit_spectral_radius
 from .floating_base import FloatingBaseError, floating_base_error
@@ -31,6 +32,7 @@ __all__ = [
     "VariantRun",
     "compiled_dynamics",
     "cost_per_step",
+    "drive_map",
     "explicit_spectral_radius",
     "fit_native",
     "floating_base_error",

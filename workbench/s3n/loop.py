@@ -21,6 +21,7 @@ from .bound_joints import BoundJoints, couple
 from .sdf import HERE, Pose, SdfTree
 from .urdf import read_tree
 
+_POINT = 1e-12  # kg m^2
 _CLOSED = 1e-9  # m, largest gap of a loop that counts as closed
 
 
@@ -173,7 +174,7 @@ def _grow(spec: mujoco.MjSpec, tree: SdfTree, base: mujoco.MjsBody, parent: str 
         body = base.add_body(name=link.name, pos=here.at, quat=_quat(here))
         if link.mass > 0.0:
             body.explicitinertial, body.mass, body.ipos = True, link.mass, link.centre
-            i = link.inertia
+            i = solid(link.inertia)
             body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
         slide = joint.kind == "prismatic"
         for name, axis in joint.coordinates:
@@ -184,6 +185,13 @@ def _grow(spec: mujoco.MjSpec, tree: SdfTree, base: mujoco.MjsBody, parent: str 
                 axis=joint.place.turn @ axis,
             )
         _grow(spec, tree, body, link.name, link.place)
+
+
+def solid(inertia: np.ndarray) -> np.ndarray:
+    """An inertia (3, 3) that MuJoCo takes: of a point, as frames are in some files, a little."""
+    if np.linalg.eigvalsh(inertia)[0] > 0.0:
+        return inertia
+    return inertia + (_POINT - min(0.0, np.linalg.eigvalsh(inertia)[0])) * np.eye(3)
 
 
 def _quat(pose: Pose) -> np.ndarray:

@@ -74,6 +74,9 @@ class LoopClosure:
         self.model, self.m = model, loop_spec(model, None).compile()
         # rotors and their drag act through J, beside the links
         self.m.dof_armature[:], self.m.dof_damping[:] = 0.0, 0.0
+        self.m.dof_simplenum[:] = (
+            0  # of links that turn about their centres MuJoCo keeps M with the rotor in it
+        )
         self.data = mujoco.MjData(self.m)
         self.serial = [int(self.m.joint(name).dofadr[0]) for name in mechanism.joints]
         self.drives = [int(self.m.joint(name).dofadr[0]) for name in mechanism.drives]

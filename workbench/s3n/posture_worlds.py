@@ -41,6 +41,7 @@ class ScheduledWorld(World):
         self.tendons = _tendons(self.m, schedule)
         self.own = self.m.dof_armature[self.dofs].copy(), self.m.dof_damping[self.dofs].copy()
         self.ahead = look_ahead(step, integrator, hold)
+        self.m.dof_simplenum[:] = 0  # of links that turn about their centres MuJoCo would keep M
         self._write(np.zeros(model.size))
         _settle(self.m)
 
@@ -114,6 +115,7 @@ class ScheduledBatch:
     ) -> None:
         m = schedule.spec(step, integrator).compile()
         first = ScheduledWorld(schedule, step, integrator, _inside(m, schedule), hold)
+        m.dof_simplenum[:] = 0
         m.dof_armature[:], m.tendon_armature[:] = first.m.dof_armature, first.m.tendon_armature
         _settle(m)
         self.schedule, self.batch = schedule, Batch(m, count, threads)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -137,7 +138,7 @@ class _Reader:
         links = tuple(self._link(e) for e in self.model.findall("link"))
         joints = tuple(self._joint(e) for e in self.model.findall("joint"))
         frames = tuple(self._frame(e) for e in self.model.findall("frame"))
-        return SdfTree(self.file, links, joints, frames)
+        return SdfTree(self.file, links, (*joints, *based(links, joints)), frames)
 
     def _place(self, name: str) -> Pose:
         """Pose of a named element in the model's frame."""
@@ -197,6 +198,13 @@ class _Reader:
         if carrier in _WORLD:
             return Frame(name, None, self._place(name))
         return Frame(name, carrier, self._place(carrier).back().then(self._place(name)))
+
+
+def based(links: Sequence[Link], joints: Sequence[Joint]) -> tuple[Joint, ...]:
+    """Joints that hold bases, which hang on nothing, where they are."""
+    held = {joint.child for joint in joints}
+    names = sorted(link.name for link in links if link.name not in held)
+    return tuple(Joint(f"{name}_base", "fixed", None, name, HERE, ()) for name in names)
 
 
 def _text(element: ElementTree.Element | None, path: str, default: str = "") -> str:

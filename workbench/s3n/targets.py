@@ -53,7 +53,7 @@ def _mujoco3(xml: str) -> Fitted:
     root = _parsed(xml)
     lost = _cut(root)
     tendons = any(each.get("armature") for each in root.iter("fixed"))
-    reads = "MuJoCo 3 that knows inertia on tendons; not run here" if tendons else "MuJoCo 3; not run here"
+    reads = "MuJoCo 3.3.1 and later, for its inertia on tendons" if tendons else "MuJoCo 3"
     advice = ("Hold each torque back by its delay in your own loop.",) if lost else ()
     return Fitted(_written(root), tuple(lost), reads, advice)
 
@@ -84,10 +84,19 @@ def _mjlab(xml: str) -> Fitted:
     advice += [
         "  # at each step, of joint angles q, speeds v and targets q_ref:",
         "  tau_joint = kp * (q_ref - q) - kd * v",
-        "  tau_drive = tau_joint @ inv_J  # inv_J = torch.linalg.inv(J), of the model file's [transmission]",
+        _mapped(root),
         "  robot.set_joint_effort_target(tau_drive)",
     ]
     return Fitted(_written(root), tuple(lost), "by mjlab's documents; not run here", tuple(advice))
+
+
+def _mapped(root: ElementTree.Element) -> str:
+    """The line that maps torques of joints to drives."""
+    if next(root.iter("spatial"), None) is not None:
+        return "  tau_drive = torch.linalg.solve(J.mT, tau_joint)  # J: the drives' rows of ten_J, each step"
+    return (
+        "  tau_drive = tau_joint @ inv_J  # inv_J = torch.linalg.inv(J), of the model file's [transmission]"
+    )
 
 
 def _newton(xml: str) -> Fitted:

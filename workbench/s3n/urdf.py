@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from workbench.core import InputError
 from workbench.core.xml import parse_xml
 
-from .sdf import HERE, Joint, Link, Pose, SdfTree, read_sdf
+from .sdf import HERE, Joint, Link, Pose, SdfTree, based, read_sdf
 
 _KINDS = ("revolute", "continuous", "prismatic", "fixed")
 _WORLD = "world"
@@ -57,10 +57,7 @@ def _read(root: ElementTree.Element, file: Path) -> SdfTree:
         _link(each, place(each.attrib["name"])) for each in root.findall("link") if each.get("name") != _WORLD
     ]
     joints = [_joint(each, file) for each in elements]
-    # a base that hangs on nothing is held where it is
-    names = {link.name for link in links} - set(holders)
-    joints += [Joint(f"{name}_base", "fixed", None, name, HERE, ()) for name in sorted(names)]
-    return SdfTree(file, tuple(links), tuple(joints), ())
+    return SdfTree(file, tuple(links), (*joints, *based(links, joints)), ())
 
 
 def _link(element: ElementTree.Element, at: Pose) -> Link:

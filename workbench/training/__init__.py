@@ -7,14 +7,23 @@ Nothing here needs torch until something learns: `ppo`, `learn`, `checkpoint`, `
 from .environment import Environment
 from .machine import Machine, make_machine
 from .randomisation import LEG_RANDOMISATION, Randomisation
-from .tasks import TASKS, Task
+from .situation import Situation
+from .task import Task
+from .tasks import CIRCULAR, PITCH, REACH, TASKS
+from .terms import Observation, Reward
 
 __all__ = [
+    "CIRCULAR",
     "LEG_RANDOMISATION",
+    "PITCH",
+    "REACH",
     "TASKS",
     "Environment",
     "Machine",
+    "Observation",
     "Randomisation",
+    "Reward",
+    "Situation",
     "Task",
     "make_machine",
 ]

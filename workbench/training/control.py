@@ -14,7 +14,8 @@ def drive_torque(c: Constants, target: Array, position: Array, velocity: Array) 
         c: the machine's constants.
         target, position, velocity: of the serial joints (W, n) [rad, rad/s].
     """
-    asked = (c.kp * (target - position) - c.kd * velocity) @ c.to_drives
+    wanted = c.kp * (target - position) - c.kd * velocity
+    asked = wanted @ c.to_drives if c.map is None else c.map.drive_torque(position, wanted, c.xp)
     return c.xp.maximum(c.xp.minimum(asked, c.torque_limit), -c.torque_limit)
 
 

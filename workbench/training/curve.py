@@ -12,9 +12,8 @@ import torch
 
 from workbench.core.files import saying, write_whole
 
+from .curve_file import FILE, draw, read_curve
 from .situation import POLICY_S
-
-FILE = "curve.csv"
 
 
 class Tally:
@@ -104,14 +103,6 @@ class Curve:
         writer.writeheader()
         writer.writerows({k: f"{v:.6g}" for k, v in row.items()} for row in self._rows)
         write_whole(self._file, stream.getvalue(), force=True)
+        draw(self._file.with_suffix(".png"), self._rows)
         with saying(self._events):
             self._board.flush()
-
-
-def read_curve(folder: Path) -> list[dict[str, float]]:
-    """The rows of a run's learning curve; none where there is no file."""
-    file = folder / FILE
-    if not file.exists():
-        return []
-    with file.open(encoding="utf-8") as stream:
-        return [{k: float(v) for k, v in row.items() if v} for row in csv.DictReader(stream)]

@@ -13,7 +13,7 @@ from .draws import Draws
 from .machine import POLICY_STEPS, Machine
 from .randomisation import Randomisation
 from .situation import POLICY_S, Array, Constants, Situation, base_state
-from .tasks import Task
+from .task import Task
 from .terms import CONTACT_N, Observation
 from .worlds import Worlds
 
@@ -53,6 +53,7 @@ class Environment:
         randomisation: pushes; what differs between the worlds is in the engine already.
         seed: of commands, first states, noise and pushes.
         noise: whether the policy's observations carry the sensors' errors.
+        keep_final: whether `final` has the last observations (W, k) of episodes that a step ended.
     """
 
     def __init__(
@@ -64,7 +65,9 @@ class Environment:
         randomisation: Randomisation | None = None,
         seed: int = 0,
         noise: bool = True,
+        keep_final: bool = False,
     ) -> None:
+        self.keep_final, self.final = keep_final, None
         self.task, self.machine, self.worlds, self.count, self.noise = task, machine, worlds, count, noise
         self.push = randomisation or Randomisation()
         self.xp = xp = worlds.xp
@@ -112,6 +115,8 @@ class Environment:
         ended = timed_out | now.fallen
         means = {name: xp.mean(xp.where(finite, value, 0.0 * reward)) for name, value in terms.items()}
         self._push()
+        if self.keep_final:
+            self.final = self._stack(now, self.task.observations, self.noise)
         self._begin(ended)
         observation, privileged = self.observe()
         return Step(observation, privileged, reward, ended, timed_out, means)

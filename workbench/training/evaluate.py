@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from workbench.bundle import Policy, PolicyBundle
-from workbench.core import Controller, Excitation, InputError, Recording
+from workbench.core import Controller, Excitation, InputError, Recording, Timing
 from workbench.models import Model
 from workbench.rigs import HiddenEffect, Sensors
 
@@ -22,7 +22,7 @@ from .of_bundle import machine_of, task_of
 from .own_plant import OwnPlant
 from .plants import ClosedChainPlant, Plant, State, TrainedPlant, begin, body_frame
 from .situation import Constants, Situation
-from .tasks import CIRCLE, Task, reach_reference
+from .task import Task
 
 HOLD_S = 0.36  # the posture is held before the policy takes over
 _GYRO, _GRAVITY = 0.02, 0.005  # rad/s and share of g: noise of a common inertial unit
@@ -53,6 +53,7 @@ def evaluate(
     hidden: Sequence[HiddenEffect] = (),
     friction: float | None = None,
     model: Model | None = None,
+    task_file: Path | None = None,
     tell: Callable[[float], None] = lambda done: None,
 ) -> Evaluation:
     """Run a bundle's policy.
@@ -66,6 +67,7 @@ def evaluate(
         hidden: effects in the drives of the hardware's legs.
         friction: coefficient of the hardware's ground, where it has one.
         model: of a leg, with its variant; the simulation is of this model instead of the trained one.
+        task_file: the Python file of a task that is one.
         tell: is told the share that is done.
 
     Raises:
@@ -77,7 +79,7 @@ def evaluate(
             remedy="leave out what belongs to the other",
         )
     with tempfile.TemporaryDirectory() as folder:
-        machine = machine_of(bundle, Path(folder))
+        machine = machine_of(bundle, Path(folder), task_file)
         if hardware:
             ground = {} if friction is None else {"friction": friction}
             plant: Plant = (
@@ -86,10 +88,10 @@ def evaluate(
         else:
             other = None if model is None else make_machine(machine.kind, model)
             plant = TrainedPlant(other or machine)
-    task = task_of(bundle)
+    task = task_of(bundle, task_file)
     log = _run(Policy(bundle), task, machine, plant, seconds, seed, sensors or Sensors(), tell)
     name = f"{task.name}_{bundle.variant}_{'hardware' if hardware else 'simulation'}"
-    return Evaluation(log.recording(name, machine), scores(task, log), log.fell_s)
+    return Evaluation(log.recording(name, machine, hardware), task.scores(log), log.fell_s)
 
 
 class Log:
@@ -110,9 +112,11 @@ class Log:
         """A signal since the policy began (N, k)."""
         return np.array(self.rows[name])[self.policy_from :]
 
-    def recording(self, name: str, machine: Machine) -> Recording:
+    def recording(self, name: str, machine: Machine, hardware: bool) -> Recording:
         """The run as a recording in actuator coordinates."""
         rows = {key: np.array(values) for key, values in self.rows.items()}
+        if "ground_force" in rows:  # a recording has it of the row that begins, a plant of the one that ended
+            rows["ground_force"] = np.vstack([rows["ground_force"][1:], rows["ground_force"][-1:]])
         logged = ("position", "velocity", "torque_command", "torque_measured", "position_reference")
         own = machine.joints if machine.floating else machine.model.axes
         return Recording(
@@ -124,6 +128,7 @@ class Log:
             units=("rad",) * machine.size,
             controller=Controller("pd", "joint", kp=tuple(machine.kp), kd=tuple(machine.kd), period_s=STEP_S),
             excitation=Excitation("policy"),
+            timing=Timing(stepped=machine.floating and not hardware),
             rig=machine.kind,
             extra={key: rows[key] for key in rows if key.startswith(("ground_", "base_"))},
         )
@@ -140,20 +145,18 @@ def _run(
     begin(plant, machine)
     waiting = [np.zeros((1, n))] * machine.delay_steps
     action, target = np.zeros((1, n)), machine.posture[None].copy()
-    to_serial = np.linalg.inv(machine.transmission).T
     ticks = log.policy_from + round(seconds / STEP_S)
     for tick in range(ticks):
         true = plant.state()
         position, velocity = _measured(true, sensors, generator)
+        joints, speeds = machine.joint_motion(position, velocity)
         since = tick - log.policy_from
         if since >= 0 and since % POLICY_STEPS == 0:
-            now = _situation(
-                c, true, position @ to_serial, velocity @ to_serial, action, command, since, generator
-            )
+            now = _situation(c, true, joints, speeds, action, command, since, generator)
             seen = np.concatenate([e.scale * e.function(now) for e in task.observations], -1)
             action = policy(seen)
             target = action_target(c, action, task.action_scale)
-        asked = drive_torque(c, target, (position @ to_serial)[None], (velocity @ to_serial)[None])
+        asked = drive_torque(c, target, joints[None], speeds[None])
         waiting.append(asked)
         acting = waiting.pop(0)[0]
         log.add(
@@ -163,10 +166,10 @@ def _run(
             torque_measured=acting + sensors.torque_noise * generator.standard_normal(n),
             position_reference=target,
         )
-        if task.name == "reach":
+        if task.goal is not None:
             log.add(
-                goal=reach_reference(np, command, np.array([since * STEP_S]))[0],
-                joints=true.position @ to_serial,
+                goal=task.goal(np, command, np.array([since * STEP_S]))[0],
+                joints=machine.joint_motion(true.position, true.velocity)[0],
             )
         if machine.floating:
             gravity, linear, angular = body_frame(true)
@@ -184,10 +187,8 @@ def _run(
 
 
 def _command(task: Task, seed: int, machine: Machine) -> np.ndarray:
-    if task.name == "circular":
-        return np.array([CIRCLE])
-    if task.name == "pitch-in-place":
-        return np.zeros((1, 1))
+    if task.trial is not None:
+        return task.trial(machine)
     return task.command(Draws(np, seed, np.zeros(1)), 1, machine)
 
 
@@ -212,36 +213,3 @@ def _situation(
         now.angular = angular + _GYRO * generator.standard_normal((1, 3))
         now.height = true.pose[2:3]
     return now
-
-
-def scores(task: Task, log: Log) -> dict[str, float]:
-    """What the task is judged by, over the run without its first second."""
-    skip = min(round(1.0 / STEP_S), len(log.rows["position"]) // 2)
-
-    def rms(x: np.ndarray) -> float:
-        return float(np.sqrt(np.mean(np.square(x))))
-
-    if task.name == "reach":
-        miss = (log.get("joints") - log.get("goal"))[skip // 4 :]
-        each = {f"{name}_rmse_rad": rms(miss[:, k]) for k, name in enumerate(log.names)}
-        return {**each, "rmse_rad": rms(miss)}
-    angular, force = log.get("base_angular")[skip:], log.get("ground_force")[skip:]
-    linear = log.get("base_linear")[skip:]
-    if not len(angular):
-        return {}
-    if task.name == "pitch-in-place":
-        gravity = log.get("base_gravity")[skip:]
-        low, high = np.percentile(angular[:, 1], [1, 99])
-        normal = force.reshape(len(force), -1, 3)[..., 2]
-        return {
-            "pitch_rate_peak_to_peak_rad_s": float(high - low),
-            "pitch_amplitude_rad": float(np.sqrt(2.0) * np.std(np.arcsin(np.clip(gravity[:, 0], -1, 1)))),
-            "planted_share": float(np.mean(normal > 1.0)),
-            "rear_right_force_n": float(np.mean(np.linalg.norm(force[:, 9:12], axis=1))),
-        }
-    return {
-        "forward_m_s": float(np.mean(linear[:, 0])),
-        "yaw_rad_s": float(np.mean(angular[:, 2])),
-        "forward_rmse_m_s": rms(linear[:, 0] - CIRCLE[0]),
-        "yaw_rmse_rad_s": rms(angular[:, 2] - CIRCLE[2]),
-    }

@@ -15,8 +15,8 @@ from workbench.core.files import saying, write_whole
 from workbench.models import Model, write_model
 
 from .machine import Machine
+from .task import Task
 from .task_file import TASK_FILE
-from .tasks import Task
 
 CONFIG, CHECKPOINT, MJCF, MODEL = "config.json", "checkpoint.pt", "machine.xml", "model"
 
@@ -63,7 +63,7 @@ def open_folder(
     with _aside([] if resume else [folder / name for name in (CHECKPOINT, MODEL, MJCF)]):
         copy_model(machine.model, folder / MODEL)
         if task.source is not None:
-            write_whole(folder / MODEL / TASK_FILE, task.source, force=True)
+            write_whole(folder / MODEL / f"{TASK_FILE}{task.suffix}", task.source, force=True)
         write_whole(folder / MJCF, machine.xml, force=True)
         write_whole(file, json.dumps(config, indent=1) + "\n", force=True)  # last: it decides whose run it is
 

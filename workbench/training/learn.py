@@ -24,7 +24,7 @@ from .ppo import Side, make_ppo
 from .randomisation import world_fields
 from .settings import Settings, resolved
 from .situation import POLICY_S
-from .tasks import Task
+from .task import Task
 from .worlds import BatchWorlds, Worlds
 
 _JUDGED, _SHORTEST = 5, 4.0  # iterations; policy steps of an episode that no policy can do anything about

@@ -13,21 +13,18 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from workbench.core import InputError
-from workbench.core.paths import models_folder
-from workbench.models import Model, load_mjcf, load_tree
-from workbench.s3n import normalise
+from workbench.core import DriveMap, InputError
+from workbench.models import Model, load_tree
+from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
 from workbench.s3n.mjcf import exact_xml
 
 from .floor import lay_floor
-from .rotors import Rotors, rotors_of
+from .quadruped import LEGS, base_height, quadruped
+from .rotors import Rotors, no_rotors, rotors_of
 
-LEGS = ("fl", "fr", "rl", "rr")
 STEP_S = 0.003  # simulation and control
 POLICY_STEPS = 6  # control steps a policy step: 18 ms
-FOOT_RADIUS = 0.02  # m
 ABDUCTION_LIMIT = 0.6  # rad
-HIP_MASS, HIP_INERTIA = 1e-3, 1e-6  # kg, kg m^2: of the hip bracket, which the reference leaves out
 # under a trunk the hold posture of the single leg falls over backwards: Kp = 50 gives way, this one stands
 _STAND = np.array([-0.75, 1.2])  # rad
 _LOWEST = 0.4943  # of the height in its posture
@@ -47,7 +44,7 @@ class Machine:
         mujoco: the same, compiled.
         joints: names of the serial joints, length n.
         places, dofs: where they are in qpos and in qvel, both (n,).
-        transmission: J (n, n) (paper, Eq. 1).
+        transmission: J (n, n) (paper, Eq. 1), of one posture where `map` is.
         kp, kd: gains of the joints' PD loop (n,) [N m/rad, N m s/rad].
         torque_limit: of the drives (n,) [N m].
         delay_steps: control steps from reading to torque.
@@ -56,6 +53,7 @@ class Machine:
         height: of the base's origin over the ground in this posture [m]; 0 for a leg.
         rotors: joints on the motors' sides of what is soft or has play.
         left_out: effects of the model that plain MJCF cannot hold; the policy does not see them.
+        map: the drives' positions where the transmission changes with the posture; None where it is constant.
     """
 
     kind: str
@@ -75,6 +73,19 @@ class Machine:
     height: float
     rotors: Rotors
     left_out: tuple[str, ...]
+    map: DriveMap | None = None
+
+    def drive_position(self, joints: np.ndarray) -> np.ndarray:
+        """Drive positions (..., n) at joint positions (..., n)."""
+        return joints @ self.transmission.T if self.map is None else self.map.drives(joints)
+
+    def joint_motion(self, drives: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Joint positions and speeds (n,) of those of the drives (n,)."""
+        if self.map is not None:
+            joints = self.map.joints(drives)
+            return joints, self.map.joint_speed(joints, speeds)
+        back = np.linalg.inv(self.transmission).T
+        return drives @ back, speeds @ back
 
     @property
     def size(self) -> int:
@@ -97,13 +108,16 @@ class Machine:
         return hashlib.sha256(self.xml.encode()).hexdigest()
 
 
-def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine:
+def make_machine(
+    kind: str, model: Model, variant: str | None = None, fitted: tuple[str, DriveMap] | None = None
+) -> Machine:
     """The machine of this kind from the model of a leg.
 
     Args:
         kind: ``leg`` or ``quadruped``.
         model: a leg with two drives, hip and knee, and a PD loop in joint coordinates.
         variant: a plain variant of S3N in place of the model's own.
+        fitted: MJCF and drives' positions of a limb whose transmission changes, where that was done before.
 
     Raises:
         InputError: the model has another loop, a delay that is no whole number of control steps, no foot, or
@@ -115,11 +129,11 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
             "policies act through a PD loop in joint coordinates", file=model.source, column="controller",
             remedy='give kind = "pd", coordinates = "joint", kp and kd',
         )  # fmt: skip
-    if model.posture_dependent:
+    if model.posture_dependent and (kind != "leg" or variant not in (None, model.variant)):
         raise InputError(
-            "its transmission changes with the posture, and policies act through a constant one",
+            "its transmission changes with the posture: it has no variants, and no quadruped is made of it",
             file=model.source, column="transmission.posture_dependent",
-            remedy="train in what 'workbench normalize' writes, in a simulation loop of your own",
+            remedy="train it as the limb that it is, without --variant",
         )  # fmt: skip
     steps = model.actuators.delay_s / STEP_S
     if abs(steps - round(steps)) > 1e-6:
@@ -130,23 +144,28 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
     # four legs under a trunk stand on the task's floor; what is known of the leg's is put there later
     ground = model.ground if kind == "leg" else None
     prompt = replace(model, actuators=replace(model.actuators, delay_s=0.0), ground=ground)
-    tree = normalise(prompt, variant)
-    leg = mujoco.MjSpec.from_string(tree.xml)
+    if model.posture_dependent:
+        left_out = tuple(str(e.key) for e in model.effects)
+        own, text, drives = prompt, *(fitted or _fitted(prompt))
+    else:
+        tree, drives = normalise(prompt, variant), None
+        own, text, left_out = tree.model, tree.xml, tree.left_out
+    leg = mujoco.MjSpec.from_string(text)
     leg.option.timestep = STEP_S
     leg.option.iterations, leg.option.ls_iterations = _SOLVER
-    spec = leg if kind == "leg" else _quadruped(leg, model)
+    spec = leg if kind == "leg" else quadruped(leg, model)
     spec.compile()
     floor: tuple[str, ...] = ()
     if kind == "quadruped":
         floor = lay_floor(spec, model, [f"{leg}_sphere" for leg in LEGS], "ground")
     xml = exact_xml(spec)
     compiled = mujoco.MjModel.from_xml_string(xml)
-    own = model.joints if kind == "leg" else ("abduction", *model.joints)
-    joints = own if kind == "leg" else tuple(f"{leg}_{name}" for leg in LEGS for name in own)
+    names = model.joints if kind == "leg" else ("abduction", *model.joints)
+    joints = names if kind == "leg" else tuple(f"{leg}_{name}" for leg in LEGS for name in names)
     first = 0 if kind == "leg" else 1
-    block = np.eye(len(own))
+    block = np.eye(len(names))
     block[first:, first:] = model.transmission
-    legs = len(joints) // len(own)
+    legs = len(joints) // len(names)
 
     def per_joint(values: tuple[float, ...]) -> np.ndarray:
         return np.tile([*values[:first], *values], legs).astype(float)
@@ -155,7 +174,7 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
     limits = _limits(model)
     return Machine(
         kind=kind,
-        model=tree.model,
+        model=own,
         xml=xml,
         mujoco=compiled,
         joints=joints,
@@ -168,10 +187,19 @@ def make_machine(kind: str, model: Model, variant: str | None = None) -> Machine
         delay_steps=round(steps),
         posture=np.tile([0.0] * first + posture.tolist(), legs),
         limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
-        height=0.0 if kind == "leg" else _height(compiled, joints, posture, legs),
-        rotors=rotors_of(compiled, joints),
-        left_out=(*tree.left_out, *floor),
+        height=0.0 if kind == "leg" else base_height(compiled, joints, posture, legs),
+        rotors=rotors_of(compiled, joints) if drives is None else no_rotors(len(joints)),
+        left_out=(*left_out, *floor),
+        map=drives,
     )
+
+
+def _fitted(model: Model) -> tuple[str, DriveMap]:
+    """MJCF and drives' positions of a model whose transmission changes; takes some seconds."""
+    chain = PostureDependent(model)
+    found = drive_map(model, chain)
+    assert found is not None
+    return fit_native(model, chain=chain).xml, found
 
 
 def _posture(model: Model) -> np.ndarray:
@@ -190,58 +218,3 @@ def _limits(model: Model) -> tuple[tuple[float, float], ...]:
     ranges = [tree.joint(name) for name in model.joints]
     whole = (-float(np.pi), float(np.pi))
     return tuple((float(j.range[0]), float(j.range[1])) if tree.jnt_limited[j.id] else whole for j in ranges)
-
-
-def _quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
-    """Trunk and hips of the reference quadruped, each hip with a bracket that swings out and one leg."""
-    if model.size != 2 or model.payload_site is None:
-        raise InputError(
-            "a quadruped needs a leg with two drives and a foot", file=model.source, column="payload.site",
-            remedy="name the foot's site in [payload]",
-        )  # fmt: skip
-    spec = load_mjcf(models_folder() / "serial" / "quadruped.xml")
-    for key in ("timestep", "integrator", "iterations", "ls_iterations"):
-        setattr(spec.option, key, getattr(leg.option, key))
-    trunk = spec.body("trunk")
-    hips = {name: spec.body(f"{name}_thigh").pos.copy() for name in LEGS}
-    for name in LEGS:
-        spec.delete(spec.body(f"{name}_thigh"))
-    inertia, damping, limit = (
-        getattr(model.actuators, key)[0] for key in ("inertia", "damping", "torque_limit")
-    )
-    for name in LEGS:
-        hip = trunk.add_body(name=f"{name}_bracket", pos=hips[name])
-        hip.mass, hip.inertia, hip.explicitinertial = HIP_MASS, [HIP_INERTIA] * 3, True
-        hip.ipos, hip.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]  # MuJoCo's writer needs them said
-        hip.add_joint(name=f"{name}_abduction", axis=[1, 0, 0], armature=inertia, damping=[damping, 0, 0])
-        motor = spec.add_actuator(name=f"{name}_abduction")
-        motor.set_to_motor()
-        motor.trntype, motor.target = mujoco.mjtTrn.mjTRN_JOINT, f"{name}_abduction"
-        motor.ctrllimited, motor.ctrlrange = 1, (-limit, limit)
-        spec.attach(leg.copy(), frame=hip.add_frame(), prefix=f"{name}_")
-        site = spec.site(f"{name}_{model.payload_site}")
-        site.parent.add_geom(
-            name=f"{name}_sphere", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[FOOT_RADIUS, 0, 0], pos=site.pos,
-            mass=0.0, contype=0, conaffinity=1, friction=[0.8, 0.005, 0.0001], priority=1,
-        )  # fmt: skip
-        for kind, entry in (
-            ("touch", mujoco.mjtSensor.mjSENS_TOUCH),
-            ("speed", mujoco.mjtSensor.mjSENS_FRAMELINVEL),
-        ):
-            spec.add_sensor(
-                name=f"{name}_{kind}", type=entry, objtype=mujoco.mjtObj.mjOBJ_SITE, objname=site.name
-            )
-    spec.worldbody.add_geom(
-        name="ground", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=1, conaffinity=0
-    )
-    return spec
-
-
-def _height(m: mujoco.MjModel, joints: tuple[str, ...], posture: np.ndarray, legs: int) -> float:
-    """Of the base's origin where the feet just touch the ground [m]."""
-    data = mujoco.MjData(m)
-    for name, value in zip(joints, np.tile([0.0, *posture], legs), strict=True):
-        data.qpos[m.joint(name).qposadr[0]] = value
-    data.qpos[:3] = 0.0
-    mujoco.mj_kinematics(m, data)
-    return float(FOOT_RADIUS - data.geom_xpos[m.geom("fl_sphere").id][2])

@@ -13,41 +13,51 @@ from workbench.bundle.bundle import MACHINE
 from workbench.core import InputError
 from workbench.core.paths import models_folder
 from workbench.importing import described
-from workbench.models import read_model
+from workbench.models import Model, read_model
 from workbench.models.mjcf import check_mjcf_text
 from workbench.s3n import with_variant
 
 from .as_model import model_files
 from .machine import STEP_S, Machine, make_machine
+from .task import Task
+from .task_code import same_code
 from .task_file import TASK_FILE, read_task
-from .tasks import TASKS, Task
+from .tasks import TASKS
 
 
-def task_of(bundle: PolicyBundle) -> Task:
+def task_of(bundle: PolicyBundle, file: Path | None = None) -> Task:
     """What a bundle was trained for: a task of one's own as the bundle has it, or a shipped one.
 
+    Args:
+        bundle: where it comes from.
+        file: of a task that is Python, of which the bundle has the text alone.
+
     Raises:
-        InputError: the task is unknown.
+        InputError: the task is unknown, or Python that is not named.
     """
-    own = bundle.files.get(f"model/{TASK_FILE}")
+    own = bundle.files.get(f"model/{TASK_FILE}.toml")
     if own is not None:
         return read_task(own.decode("utf-8", "replace"), bundle.source)
+    code = bundle.files.get(f"model/{TASK_FILE}.py")
+    if code is not None:
+        return same_code(code.decode("utf-8", "replace"), file, bundle.source)
     if bundle.task not in TASKS:
         raise InputError(f"no task is called '{bundle.task}'", file=bundle.source, remedy="update workbench")
     return TASKS[bundle.task]
 
 
-def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
+def machine_of(bundle: PolicyBundle, folder: Path, file: Path | None = None) -> Machine:
     """The machine that a bundle was trained with.
 
     Args:
         bundle: where it comes from.
         folder: an empty one, where the model's files go and have to stay as long as the machine is used.
+        file: of a task that is Python.
 
     Raises:
         InputError: the bundle's task is unknown, or its model is not whole.
     """
-    task = task_of(bundle)
+    task = task_of(bundle, file)
     names = tuple(entry.name for entry in task.observations)
     if tuple(entry.name for entry in bundle.observations) != names:
         raise InputError(
@@ -74,11 +84,12 @@ def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
     except (ValueError, mujoco.FatalError) as error:
         raise InputError(f"MuJoCo cannot read {MACHINE}: {error}", file=bundle.source) from error
     return replace(
-        make_machine(task.machine, with_variant(model, bundle.variant)),
+        _made(task.machine, model, bundle),
         # the world that the policy was trained in, whatever this version would make of the model
         xml=bundle.machine,
         mujoco=compiled,
         transmission=own.transmission,
+        map=own.map,
         posture=own.posture,
         kp=own.kp,
         kd=own.kd,
@@ -87,24 +98,32 @@ def machine_of(bundle: PolicyBundle, folder: Path) -> Machine:
     )
 
 
-def robot_files(bundle: PolicyBundle, folder: Path) -> dict[Path, str]:
+def _made(kind: str, model: Model, bundle: PolicyBundle) -> Machine:
+    if not model.posture_dependent:
+        return make_machine(kind, with_variant(model, bundle.variant))
+    if bundle.control.map is None:
+        raise InputError("its drive_map is missing", file=bundle.source, remedy="train and export it again")
+    return make_machine(kind, model, fitted=(bundle.machine, bundle.control.map))
+
+
+def robot_files(bundle: PolicyBundle, folder: Path, file: Path | None = None) -> dict[Path, str]:
     """A model that recordings of a walking policy are held against, as text by file; empty for a leg.
 
     Raises:
         InputError: as `machine_of`.
     """
     with tempfile.TemporaryDirectory() as unpacked:
-        return model_files(machine_of(bundle, Path(unpacked)), folder)
+        return model_files(machine_of(bundle, Path(unpacked), file), folder)
 
 
-def hardware_of(bundle: PolicyBundle) -> str:
+def hardware_of(bundle: PolicyBundle, file: Path | None = None) -> str:
     """One line that says what virtual hardware a bundle is evaluated on.
 
     Raises:
         InputError: as `machine_of`.
     """
     with tempfile.TemporaryDirectory() as folder:
-        machine = machine_of(bundle, Path(folder))
+        machine = machine_of(bundle, Path(folder), file)
     if not machine.floating:
         whole = replace(machine.model.actuators, delay_s=machine.delay_steps * STEP_S)
         return described(replace(machine.model, actuators=whole))

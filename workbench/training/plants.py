@@ -15,7 +15,8 @@ from workbench.mechanism import DiscreteChain, Ground
 from workbench.rigs import DriveSide, DriveTrain, HiddenEffect, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
-from .machine import FOOT_RADIUS, LEGS, STEP_S, Machine
+from .machine import LEGS, STEP_S, Machine
+from .quadruped import FOOT_RADIUS
 from .situation import base_state
 
 _SUBSTEPS = 6  # of Drake in a control step: 0.5 ms
@@ -168,7 +169,7 @@ class TrainedPlant:
         """At rest at drive positions (n,)."""
         m, data = self._machine, self._data
         mujoco.mj_resetData(m.mujoco, data)
-        data.qpos[m.places] = np.linalg.solve(m.transmission, drives)
+        data.qpos[m.places] = m.joint_motion(drives, np.zeros(m.size))[0]
         data.qpos[m.rotors.places] = m.rotors.follow @ data.qpos[m.places]
         if m.floating:
             data.qpos[2] = height
@@ -184,7 +185,10 @@ class TrainedPlant:
         rotors = m.rotors
         position = np.concatenate([data.qpos[m.places], data.qpos[rotors.places]])
         velocity = np.concatenate([data.qvel[m.dofs], data.qvel[rotors.dofs]])
-        motion = rotors.drives @ position, rotors.drives @ velocity
+        if m.map is None:
+            motion = rotors.drives @ position, rotors.drives @ velocity
+        else:
+            motion = m.map.drives(position), m.map.jacobian(position) @ velocity
         if not m.floating:
             return State(*motion, np.zeros(0), np.zeros(0), np.zeros((0, 3)))
         return State(*motion, data.qpos[:7].copy(), data.qvel[:6].copy(), self._loads())
@@ -204,7 +208,7 @@ class TrainedPlant:
 
 def begin(plant: Plant, machine: Machine) -> None:
     """Put a plant at rest in the machine's posture, a little over the ground."""
-    plant.reset(machine.transmission @ machine.posture, machine.height + _FALL)
+    plant.reset(machine.drive_position(machine.posture), machine.height + _FALL)
 
 
 def body_frame(state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

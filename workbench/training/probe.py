@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .environment import Environment
 from .machine import Machine
-from .tasks import Task
+from .task import Task
 from .worlds import BatchWorlds
 
 

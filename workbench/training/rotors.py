@@ -25,6 +25,12 @@ class Rotors:
     drives: np.ndarray
 
 
+def no_rotors(joints: int) -> Rotors:
+    """Of a machine whose drives are rigid."""
+    none = np.zeros(0, int)
+    return Rotors(none, none, np.zeros((0, joints)), np.eye(joints))
+
+
 def rotors_of(m: mujoco.MjModel, joints: Sequence[str]) -> Rotors:
     """The rotors of a compiled machine whose n motors are in the order of its drives.
 

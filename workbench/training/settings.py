@@ -14,7 +14,7 @@ from .environment import STEEPEST
 from .machine import POLICY_STEPS, STEP_S, Machine
 from .randomisation import LEG_RANDOMISATION, Randomisation
 from .situation import POLICY_S
-from .tasks import Task
+from .task import Task
 
 _PACKAGES = "mujoco", "mujoco-warp", "numpy", "rsl-rl-lib", "torch", "warp-lang", "workbench"
 
@@ -113,6 +113,7 @@ def control_table(task: Task, machine: Machine) -> dict[str, Any]:
     return {
         "joints": list(machine.joints),
         "transmission": machine.transmission.tolist(),
+        "drive_map": None if machine.map is None else machine.map.table(),
         "posture": machine.posture.tolist(),
         "action_scale": task.action_scale,
         "kp": machine.kp.tolist(),

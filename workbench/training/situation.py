@@ -27,7 +27,7 @@ class Constants:
     """
 
     def __init__(self, machine: Machine, xp: Any, like: Array) -> None:
-        self.machine, self.xp = machine, xp
+        self.machine, self.xp, self.map = machine, xp, machine.map
 
         def put(values: np.ndarray) -> Array:
             if xp is np:

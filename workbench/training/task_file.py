@@ -16,9 +16,11 @@ from .draws import Draws
 from .machine import Machine
 from .randomisation import LEG_RANDOMISATION
 from .situation import Array
-from .tasks import TASKS, Task
+from .task import Task
+from .task_code import task_from_code
+from .tasks import TASKS
 
-TASK_FILE = "task.toml"  # its name beside a run's model
+TASK_FILE = "task"  # its name beside a run's model, without the suffix
 
 _Positive = Annotated[float, Field(gt=0.0, lt=1e4, allow_inf_nan=False)]
 _Number = Annotated[float, Field(allow_inf_nan=False)]
@@ -53,7 +55,7 @@ class _TaskTable(BaseModel):
 
 
 def load_task(file: Path) -> Task:
-    """Read a task file.
+    """Read a task file: TOML that changes a shipped task, or Python that makes one as ``TASK``.
 
     Raises:
         InputError: it cannot be read, or names what the base has not; says which key.
@@ -62,7 +64,7 @@ def load_task(file: Path) -> Task:
         text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"cannot be read: {error}", file=file, remedy="give a task in TOML") from error
-    return read_task(text, file)
+    return task_from_code(text, file) if file.suffix == ".py" else read_task(text, file)
 
 
 def read_task(text: str, file: Path | None) -> Task:
@@ -148,14 +150,16 @@ def _between(table: _TaskTable, file: Path | None) -> Any:
             "command_low and command_high are not as many numbers, low to high", file=file,
             column="command_low", remedy="give both, one pair a number of the command",
         )  # fmt: skip
-    if table.base == "reach" and len(low) % 4:
+    base = TASKS[table.base]
+    each = base.numbers(2) - base.numbers(1)
+    if each and (len(low) - base.numbers(1)) % each:
         raise InputError(
-            "a command of 'reach' has four numbers a joint", file=file, column="command_low",
-            remedy="give middles, amplitudes, frequencies [rad/s] and phases",
+            f"a command of '{base.name}' has {each} numbers a joint, here are {len(low)}", file=file,
+            column="command_low", remedy="give as many for each joint, see docs/training.md",
         )  # fmt: skip
 
     def command(draws: Draws, worlds: int, machine: Machine) -> Array:
-        wanted = {"reach": 4 * machine.size, "circular": 3}.get(table.base, 1)
+        wanted = base.numbers(machine.size)
         if len(low) != wanted:
             raise InputError(
                 f"{len(low)} numbers in a command of {wanted}", file=file, column="command_low",

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from . import terms as t
 from .draws import Draws
+from .judging import circular_scores, pitch_scores, reach_scores
 from .machine import Machine
 from .situation import POLICY_S, Array, Situation
+from .task import Task
 from .terms import Observation, Reward
 
 PITCH_HZ, PITCH_RAD = 5.0, 0.1  # paper, Sec. V: sinusoidal base-pitch command
@@ -22,50 +22,6 @@ REACH_AHEAD = 1, 2, 4  # policy steps that the reference is seen ahead
 # of the way from the posture to a limit: where the middle of a trajectory lies, and its amplitude at most
 _REACH_MIDDLE, _REACH_SIZE = 0.19, 0.72
 _REACH_MOST = 0.5  # rad
-
-
-@dataclass(frozen=True)
-class Task:
-    """What a policy is to do.
-
-    Attributes:
-        name: on the command line.
-        about: in a sentence.
-        machine: ``leg`` or ``quadruped``.
-        episode_s: length of an episode [s].
-        action_scale: joint angle of an action of 1 [rad].
-        observations: what the policy sees, in the order of its input.
-        privileged: what the critic sees beside that.
-        rewards: terms of the reward.
-        command: draws the commands of episodes, ``command(draws, worlds, machine) -> (W, c)``.
-        randomisation: of the leg's links, as in the paper's table (name in `LEG_RANDOMISATION`).
-        hidden: widths of the policy's hidden layers.
-        iterations: of PPO, as the paper had them.
-        commands: lowest and highest forward, sideward and turning speed [m/s, m/s, rad/s]; None without one.
-        posture: joint angles from which actions count, in place of the machine's [rad].
-        source: the task file that it was read from, as text; None for a shipped task.
-    """
-
-    name: str
-    about: str
-    machine: str
-    episode_s: float
-    action_scale: float
-    observations: tuple[Observation, ...]
-    privileged: tuple[Observation, ...]
-    rewards: tuple[Reward, ...]
-    command: Callable[[Draws, int, Machine], Array]
-    randomisation: str
-    hidden: tuple[int, ...]
-    iterations: int
-    commands: tuple[tuple[float, float], ...] | None = None
-    posture: tuple[float, ...] | None = None
-    source: str | None = None
-
-    @property
-    def episode_steps(self) -> int:
-        """Policy steps in an episode."""
-        return round(self.episode_s / POLICY_S)
 
 
 # reach
@@ -152,6 +108,9 @@ REACH = Task(
         Reward("outside_limits", -1.0, t.outside_limits),
     ),
     command=reach_command,
+    numbers=lambda joints: 4 * joints,
+    goal=reach_reference,
+    scores=reach_scores,
     randomisation="none",
     hidden=(64, 64),
     iterations=200,
@@ -229,6 +188,8 @@ PITCH = Task(
         Reward("outside_limits", -1.0, t.outside_limits),
     ),
     command=pitch_command,
+    trial=lambda machine: np.zeros((1, 1)),
+    scores=pitch_scores,
     randomisation="none",
     hidden=(256, 128, 64),
     iterations=1500,
@@ -276,6 +237,9 @@ CIRCULAR = Task(
         Reward("outside_limits", -2.0, t.outside_limits),
     ),
     command=circular_command,
+    numbers=lambda joints: 3,
+    trial=lambda machine: np.array([CIRCLE]),
+    scores=lambda log: circular_scores(log, CIRCLE),
     randomisation="leg_rand",
     hidden=(256, 128, 64),
     iterations=4000,

@@ -1,0 +1,116 @@
+"""One limb of a whole robot: what else could move is held, and each leg's loops close by themselves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.cli.here import run
+from workbench.core import Coupling, Mechanism
+from workbench.importing import contents_of
+from workbench.mechanism import ClosedChain, held_rest
+from workbench.models import read_model
+from workbench.verification import verify
+
+# a leg whose ankle a motor turns through a crank and a rod; at zero crank and rod are in line, a dead point
+_LEG = """<body name="{s}_thigh" pos="0 {y} 0"><joint name="{s}_hip" axis="0 1 0" range="-1 1"/>
+<geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.03"/>
+<body name="{s}_shank" pos="0 0 -0.3"><joint name="{s}_leaf" axis="0 1 0" stiffness="900"/>
+<geom type="capsule" fromto="0 0 0 0 0 -0.3" size="0.02"/>
+<body name="{s}_crank" pos="-0.02 0.03 -0.05"><joint name="{s}_crank" axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 0 0 -0.04" size="0.006"/>
+<body name="{s}_rod" pos="0 0 -0.04"><joint name="{s}_rod" axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 0 0 -0.2" size="0.004"/></body></body>
+<body name="{s}_foot" pos="0 0 -0.3"><joint name="{s}_ankle" axis="0 1 0" range="0.2 0.9" armature="0.01"/>
+<geom type="box" size="0.08 0.03 0.01" pos="0.04 0 -0.02"/></body></body></body>"""
+_BASES = {
+    "a free joint": "<freejoint/>",
+    "slides and a ball": '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
+    '<joint type="slide" axis="0 0 1"/><joint type="ball"/>',
+}
+
+
+def _biped(folder: Path, base: str = "<freejoint/>") -> Path:
+    legs = "".join(_LEG.format(s=s, y=y) for s, y in (("left", 0.1), ("right", -0.1)))
+    loops = "".join(
+        f'<connect body1="{s}_rod" body2="{s}_foot" anchor="0 0 -0.2"/>' for s in ("left", "right")
+    )
+    motors = "".join(
+        f'<motor joint="{s}_{j}" gear="10" ctrlrange="-2 2"/>'
+        for s in ("left", "right")
+        for j in ("hip", "ankle")
+    )
+    file = folder / "biped.xml"
+    file.write_text(
+        f'<mujoco><compiler angle="radian"/><worldbody><body name="pelvis" pos="0 0 0.7">{base}'
+        f'<geom type="box" size="0.1 0.1 0.05"/>{legs}</body></worldbody><equality>{loops}</equality>'
+        f"<actuator>{motors}</actuator></mujoco>"
+    )
+    return file
+
+
+@pytest.mark.parametrize("base", _BASES.values(), ids=_BASES)
+def test_an_ankle_of_a_whole_biped(tmp_path: Path, base: str) -> None:
+    file = _biped(tmp_path, base)
+    told = contents_of(file)
+    assert told.motors == ("left_hip", "left_ankle", "right_hip", "right_ankle") and told.loops == 2
+    assert told.springs == ("left_leaf", "right_leaf")
+    words = [
+        "--drive",
+        "left_ankle",
+        "--joint",
+        "left_ankle",
+        "--start",
+        "left_ankle=0.4",
+        "-o",
+        tmp_path / "own.toml",
+    ]
+    bare = run("import", file, *words)
+    assert bare.returncode == 2 and "still move" in bare.stderr
+    done = run("import", file, *words, "--hold-rest")
+    assert done.returncode == 0, done.stderr
+    said = " ".join(done.stdout.split())
+    assert "Held are left_hip" in said and "right_leaf" in said and "left_crank" not in said.split("Held")[1]
+    model = read_model(tmp_path / "own.toml")
+    # the crank and its rod turn with the foot: the drive is the joint, and still the tree is not all
+    assert model.posture_dependent and model.transmission.tolist() == [[1.0]]
+    assert verify(model, samples=4).passed
+
+
+def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    file = _biped(tmp_path)
+    follows = '<joint joint1="left_leaf" joint2="left_hip" polycoef="0 0.5 0 0 0"/></equality>'
+    file.write_text(file.read_text().replace("</equality>", follows))
+    words = [w for n in ("left_hip", "left_ankle") for w in ("--drive", n, "--joint", n)]
+    done = run(
+        "import", file, *words, "--start", "left_ankle=0.4", "--hold-rest", "-o", tmp_path / "own.toml"
+    )
+    assert done.returncode == 2
+    assert "one joint a drive" in done.stderr and "leave out left_ankle and its drive" in done.stderr
+
+
+def test_a_keyframe_is_where_assembly_begins(tmp_path: Path) -> None:
+    file = _biped(tmp_path)
+    qpos = "0 0 0.7 1 0 0 0 0.1 0 0.4 -0.3 0.5 -0.1 0 0.3 -0.2 0.6"
+    file.write_text(
+        file.read_text().replace("</mujoco>", f'<keyframe><key qpos="{qpos}"/></keyframe></mujoco>')
+    )
+    words = ["--drive", "left_ankle", "--joint", "left_ankle", "--hold-rest", "-o", tmp_path / "own.toml"]
+    assert run("import", file, *words).returncode == 0
+    model = read_model(tmp_path / "own.toml")
+    assert model.closed_chain is not None
+    held = {c.joint: c.polynomial[0] for c in model.closed_chain.couplings if c.follows is None}
+    assert held["left_hip"] == pytest.approx(0.1) and held["right_hip"] == pytest.approx(-0.1)
+    assert dict(model.closed_chain.start)["left_hip"] == pytest.approx(0.1)
+
+
+def test_what_is_held_leaves_as_many_freedoms_as_drives(tmp_path: Path) -> None:
+    sdf = Path(__file__).parents[2] / "models" / "closed_chain" / "leg.sdf"
+    mechanism = Mechanism(sdf, ("crank_pin",), ("knee",))
+    held = held_rest(mechanism, ["hip"])
+    assert [c.joint for c in held] == ["hip"] and held[0].follows is None
+    own = Mechanism(sdf, ("crank_pin",), ("knee",), couplings=(Coupling("hip", None, (0.3,)),))
+    chain = ClosedChain(own)
+    assert np.isfinite(chain.serial_dynamics(np.array([1.0]), np.zeros(1)).mass).all()

@@ -1,0 +1,111 @@
+"""Recordings of mechanisms whose transmission changes with the posture: run round their loops, and scored."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from workbench.core import InputError, Recording, SimulationError
+from workbench.effects import Motion, Plant
+from workbench.models import Model
+from workbench.simulation import Disturbance
+
+from .closed_loop import late_by, with_loops
+from .noise import DRAWS, NoiseModel, noise_seeds
+from .posture_run import PosturePlant, run_posture
+from .replay import Replay
+from .simulated import Simulated
+
+
+@dataclass(frozen=True)
+class ByPosture(Replay):
+    """Every model runs the way the recordings were made; it is compared, and no effect is looked for."""
+
+    recordings: tuple[Recording, ...]
+    noise: NoiseModel
+
+    @staticmethod
+    def of(model: Model, recordings: Sequence[Recording], noise: NoiseModel) -> ByPosture:
+        """With the model's loop where a recording knows none.
+
+        Raises:
+            InputError: neither knows one.
+        """
+        known = with_loops(model, recordings)
+        for r in known:
+            if r.controller.kind == "unknown":
+                raise InputError(
+                    "its loop is not known, and the transmission changes with the posture", file=r.source,
+                    column="controller", remedy="describe the controller",
+                )  # fmt: skip
+        return ByPosture(known, noise)
+
+    def like(self, model: Model, recordings: Sequence[Recording]) -> ByPosture:
+        """The same for other recordings."""
+        return ByPosture.of(model, recordings, self.noise)
+
+    def only(self, chosen: Sequence[int]) -> ByPosture:
+        """The same for some of the recordings."""
+        return replace(self, recordings=tuple(self.recordings[i] for i in chosen))
+
+    def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
+        """Every model on all recordings; NaN where it cannot be run."""
+        return [tuple(_run(PosturePlant(m), r) for r in self.recordings[:first]) for m in models]
+
+    def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
+        """Noise goes round the sampled loop.
+
+        Raises:
+            SimulationError: the model runs away in a recording's loop, or leaves its workspace.
+        """
+        plant, seeds = PosturePlant(model), noise_seeds(len(self.recordings), draws, seed)
+        made = [
+            run_posture(plant, r, [None, *(self.noise.draw(s[i]) for s in seeds)])
+            for i, r in enumerate(self.recordings)
+        ]
+        late = tuple(run_posture(plant, r, [None], late_by(r))[0] for r in self.recordings)
+        clean = tuple(runs[0] for runs in made)
+        noisy = tuple(tuple(runs[d + 1] for runs in made) for d in range(draws))
+        return Simulated(self.recordings, clean, noisy, self.noise, late)
+
+    def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
+        """Not of these."""
+        raise _no_search(plant.model)
+
+    def loop(self, plant: Plant, index: int, motion: Motion) -> Any:
+        """Not of these."""
+        raise _no_search(plant.model)
+
+    def propagate(
+        self, loops: Sequence[Any], disturbances: Sequence[Disturbance]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Not of these."""
+        raise SimulationError("effects are not looked for in mechanisms whose transmission changes")
+
+
+def _run(plant: PosturePlant, recording: Recording) -> Recording:
+    try:
+        return run_posture(plant, recording, [None])[0]
+    except SimulationError:
+        return recording.with_signals(**{name: x * np.nan for name, x in recording.signals.items()})
+
+
+def refuse_search(model: Model) -> None:
+    """Effects are looked for through a constant transmission.
+
+    Raises:
+        InputError: that of this model changes with the posture.
+    """
+    if model.posture_dependent:
+        raise _no_search(model)
+
+
+def _no_search(model: Model) -> InputError:
+    return InputError(
+        f"the transmission of '{model.name}' changes with the posture; effects are looked for through a "
+        "constant one", file=model.source, column="transmission.posture_dependent",
+        remedy="compare says how far it is from its recordings; diagnose and improve cannot say why yet",
+    )  # fmt: skip

@@ -1,0 +1,213 @@
+"""A mechanism whose transmission changes with the posture, run round the loop of a recording.
+
+The equation of motion is the closed chain's own, as series over its limits (`s3n.PostureDependent`), and
+not a fitted file. Loops are PD in joint or in drive coordinates, or none. Time goes in pieces of half a
+millisecond at most; a torque that comes late acts in its share of a piece. Several runs of one recording go
+side by
+side: without noise, and with draws of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import InputError, Recording, SimulationError
+from workbench.models import Model
+from workbench.recordings.lattice import lattice_step
+from workbench.s3n import PostureDependent, drive_map
+from workbench.simulation import Experiment, SensorNoise, prepare
+from workbench.simulation.initial_state import initial_state
+
+_BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
+_FASTEST = 1e4  # rad/s
+_PIECE = 0.5e-3  # s
+
+
+class PosturePlant:
+    """A model's mechanism and its drives.
+
+    Args:
+        model: names its closed chain and limits.
+
+    Raises:
+        InputError: an effect in it, which these runs do not have, or a closed chain without limits.
+    """
+
+    def __init__(self, model: Model) -> None:
+        if model.effects:
+            raise InputError(
+                "its transmission changes with the posture, and runs of such a model have no effects yet, as "
+                f"{model.effects[0].key}", file=model.source, column="effects", remedy="compare it without",
+            )  # fmt: skip
+        self.model, self.chain = model, PostureDependent(model)
+        found = drive_map(model, self.chain)
+        assert found is not None
+        self.map = found
+
+    def acceleration(self, q: np.ndarray, v: np.ndarray, torque: np.ndarray) -> np.ndarray:
+        """Of the joints (B, n), under torques of the drives (B, n) [N m].
+
+        Raises:
+            SimulationError: far outside the limits.
+        """
+        box = self.chain.box
+        inside = np.clip(q, *box.T)
+        if not np.abs(q - inside).max() < _BEYOND:
+            self.chain.check(q)
+        at = self.chain.dynamics(inside, v)
+        pull = at.gravity - at.bias - np.einsum("bij,bj->bi", at.damping, v)
+        pull += np.einsum("bai,ba->bi", at.jacobian, torque)
+        return np.linalg.solve(at.mass, pull[..., None])[..., 0]
+
+
+def run_posture(
+    plant: PosturePlant, recording: Recording, noise: Sequence[SensorNoise | None], late: float = 0.0
+) -> list[Recording]:
+    """Runs of one recording, one a draw of noise; None runs without.
+
+    Args:
+        plant: the mechanism.
+        recording: in drive coordinates, its loop known.
+        noise: of each run's sensors.
+        late: what torques come later than the model says [s].
+
+    Raises:
+        InputError: a recording in joint coordinates, or a cascade.
+        SimulationError: the mechanism leaves its workspace, or runs away.
+    """
+    e, count = prepare(recording, plant.model), len(noise)
+    _refuse(e, recording)
+    rows, n = recording.position.shape
+    sensors = _Sensors(noise, recording)
+    q, v = (np.tile(x, (count, 1)) for x in _start(plant, e))
+    pieces = max(1, round(e.step / _PIECE))
+    h, mover = e.step / pieces, _Mover(plant, e.step / pieces)
+    steps = (e.delay(plant.model.actuators.delay_s, plant.model) + late) / h
+    whole = int(np.floor(steps + 1e-9))
+    share = steps - whole if steps - whole > 1e-9 else 0.0
+    waiting = [np.tile(_before(e), (count, 1))] * (whole + 2)
+    limit, ticks = np.array(plant.model.actuators.torque_limit), set((e.ticks // e.stride).tolist())
+    asked, logged = waiting[0], np.zeros((4, count, rows, n))
+    for row in range(rows):
+        read, rate = sensors.read(row, plant.map.drives(q), _along(plant, q, v))
+        if row in ticks:
+            asked = sensors.sent(np.clip(_asked(plant, e, row, read, rate, q), -limit, limit))
+        for k in range(e.stride * pieces):
+            waiting = [*waiting[1:], asked]
+            if k == 0:  # a sensor of torque shows what acts as the row begins
+                logged[:, :, row] = read, rate, asked, sensors.torque(row, waiting[0 if share else 1])
+            if row < rows - 1:
+                acting = share * waiting[0] + (1.0 - share) * waiting[1]
+                q, v = mover.step(q, v, acting)
+        if not np.abs(v).max() < _FASTEST:
+            raise SimulationError(f"model '{plant.model.name}' runs away in the loop of '{recording.name}'")
+    names = ("position", "velocity", "torque_command", "torque_measured")
+    signals = [(name, x) for name, x in zip(names, logged, strict=True) if name in recording.signals]
+    return [recording.with_signals(**{name: x[b] for name, x in signals}) for b in range(count)]
+
+
+class _Sensors:
+    """Noise of B runs, drawn beforehand, and what a bus leaves of commands."""
+
+    def __init__(self, noise: Sequence[SensorNoise | None], recording: Recording) -> None:
+        self._noise = noise
+        rows, n = recording.position.shape
+        command = recording.get("torque_command")
+        steps = [lattice_step(x) for x in command.T] if command is not None else [0.0] * n
+        noisy = np.array([each is not None for each in noise])
+        self._steps = np.where(noisy[:, None], steps, 0.0)
+        self._draws = [np.zeros((3, rows, n)) if each is None else each.draws(rows) for each in noise]
+
+    def read(self, row: int, position: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and speeds (B, n) as they are shown."""
+        position, velocity = position.copy(), velocity.copy()
+        for b, (noise, draw) in enumerate(zip(self._noise, self._draws, strict=True)):
+            if noise is not None:
+                position[b] = noise.read_position(position[b], draw[0, row])
+                velocity[b] += noise.velocity_std * draw[1, row]
+        return position, velocity
+
+    def sent(self, torque: np.ndarray) -> np.ndarray:
+        """Commands (B, n) rounded as those of the recording are, which is noise too."""
+        safe = np.where(self._steps > 0.0, self._steps, 1.0)
+        return np.where(self._steps > 0.0, np.round(torque / safe) * safe, torque)
+
+    def torque(self, row: int, torque: np.ndarray) -> np.ndarray:
+        """Torques (B, n) as they are shown."""
+        torque = torque.copy()
+        for b, (noise, draw) in enumerate(zip(self._noise, self._draws, strict=True)):
+            if noise is not None:
+                torque[b] += noise.torque_std * draw[2, row]
+        return torque
+
+
+def _refuse(e: Experiment, recording: Recording) -> None:
+    if recording.coordinates != "actuator":
+        raise InputError(
+            "it is in joint coordinates, and the transmission changes with the posture",
+            file=recording.source, column="coordinates", remedy="record the drives' own positions",
+        )  # fmt: skip
+    if e.controller.kind not in ("pd", "none"):
+        raise InputError(
+            f"a loop of kind '{e.controller.kind}' is not run on a mechanism whose transmission changes",
+            file=recording.source, column="controller.kind", remedy="state a PD loop, or none",
+        )  # fmt: skip
+
+
+def _asked(
+    plant: PosturePlant, e: Experiment, row: int, q: np.ndarray, w: np.ndarray, near: np.ndarray
+) -> np.ndarray:
+    """Torques asked of the drives (B, n), of what sensors show; `near`: where the joints are (B, n)."""
+    if e.replayed is not None:
+        return np.broadcast_to(e.replayed[row], q.shape)
+    kp, kd = np.array(e.controller.kp), np.array(e.controller.kd)
+    wanted, rate = e.reference[row], e.reference_rate[row]
+    if e.controller.coordinates == "actuator":
+        return kp * (wanted - q) + kd * (rate - w) + e.feedforward[row]
+    joints = plant.map.joints(q, near)
+    asked = kp * (wanted - joints) + kd * (rate - plant.map.joint_speed(joints, w))
+    return plant.map.drive_torque(joints, asked) + e.feedforward[row]
+
+
+def _start(plant: PosturePlant, e: Experiment) -> tuple[np.ndarray, np.ndarray]:
+    """Joint positions and speeds (n,) as the run begins."""
+    n, reference = plant.model.size, e.reference
+    if e.controller.coordinates == "joint":
+        reference = plant.map.drives(reference[:1])
+    told = None if e.recording.get("position_reference") is None else reference
+    drives, speeds = initial_state(
+        e.recording, replace(e.controller, coordinates="actuator"), told, np.eye(n), np.eye(n)
+    )
+    joints = plant.map.joints(drives)
+    return joints, plant.map.joint_speed(joints, speeds)
+
+
+def _before(e: Experiment) -> np.ndarray:
+    """Torques on their way to the drives as the recording begins (n,)."""
+    measured = e.recording.get("torque_measured")
+    if measured is None or e.recording.timing.initial_at_rest:
+        return np.zeros(e.recording.position.shape[1])
+    return measured[0]
+
+
+def _along(plant: PosturePlant, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return np.einsum("bij,bj->bi", plant.map.jacobian(q), v)
+
+
+class _Mover:
+    """Steps of equal length: mass and forces are taken in the middle of each (second order)."""
+
+    def __init__(self, plant: PosturePlant, h: float) -> None:
+        self._plant, self._h = plant, h
+        self._last: np.ndarray | float = 0.0
+
+    def step(self, q: np.ndarray, v: np.ndarray, torque: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """On from joint positions and speeds (B, n) under torques of the drives (B, n)."""
+        h = self._h
+        middle = v + 0.5 * h * self._last
+        a = self._plant.acceleration(q + 0.5 * h * middle, middle, torque)
+        self._last = a
+        return q + h * (v + 0.5 * h * a), v + h * a

@@ -1,0 +1,188 @@
+"""Loops closed for the first time, as near the start posture as that allows.
+
+Loops that share no coordinate are closed one group after the other: of both legs of a robot each finds its
+way however the other begins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from workbench.core import InputError
+
+from .closure import CLOSED
+from .tree import Tree
+
+_SEED = 7  # what is random here has to come out the same every time
+_STRAYED = 0.2  # rad or m from what was stated of the start: still that posture
+_HELD, _TRIES, _ENOUGH = 0.05, 40, 12
+_FAR = 1e6  # m: a file with a wrong number
+_LOST = 200  # steps of the damped way, which is for those that begin far from any closed posture
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Loops that move together: their rows of the gap, and the coordinates that move them."""
+
+    rows: list[int]
+    coordinates: list[int]
+
+
+def closed_near_start(tree: Tree, drives: Sequence[int]) -> np.ndarray:
+    """The closed posture (N,) nearest to the mechanism's start posture; it may be a dead point.
+
+    Args:
+        tree: the cut mechanism.
+        drives: positions in theta of the driven joints, and of others that stay near where they begin.
+
+    Raises:
+        InputError: the loops do not close there.
+    """
+    start = _start(tree)
+    kept = {*drives, *(tree.index(name, "joints") for name in tree.mechanism.joints)}
+    stated = {tree.index(name, "start") for name, _ in tree.mechanism.start}
+    theta = start.copy()
+    for group in _groups(tree):
+        closed = _group_near_start(tree, group, theta, stated, kept)
+        if closed is None:
+            close(tree, start)  # which leaves the tree as near as it comes
+            raise InputError(
+                f"the loops do not close near the start posture: {_gap_text(tree)}",
+                file=tree.mechanism.file, column="closed_chain.start",
+                remedy="give the joints' angles near a closed posture",
+            )  # fmt: skip
+        theta = closed
+    return theta
+
+
+def close(
+    tree: Tree, theta: np.ndarray, ease: np.ndarray | float = 1.0, group: _Group | None = None
+) -> np.ndarray | None:
+    """Gauss-Newton over all coordinates, which moves them as little as it can; None if it does not close.
+
+    Args:
+        tree: the cut mechanism; it is left where this ends.
+        theta: where to begin (N,).
+        ease: how readily each coordinate gives way (N,).
+        group: of a group of loops alone.
+    """
+    theta = theta.copy()
+    rows, columns = _of(tree, group)
+    give = np.broadcast_to(ease, theta.shape)[columns]
+    for _ in range(60):
+        tree.move(theta)
+        gap = tree.gap(rows)
+        if np.abs(gap).max(initial=0.0) < 1e-15:
+            return theta
+        jacobian = tree.gap_jacobian(rows)[:, columns]
+        step = give * np.linalg.lstsq(jacobian * give, gap, rcond=1e-12)[0]
+        size = np.abs(step).max()
+        theta[columns] -= step * min(1.0, 0.5 / max(size, 1e-300))  # half a radian at most
+        if size < 1e-12:
+            break
+    tree.move(theta)
+    return theta if np.abs(tree.gap(rows)).max() < CLOSED else None
+
+
+def _group_near_start(
+    tree: Tree, group: _Group, start: np.ndarray, stated: set[int], kept: set[int]
+) -> np.ndarray | None:
+    """The nearest closed posture of one group of loops, the other coordinates as in `start` (N,).
+
+    Loops close in more than one way, and from the angles that nobody stated the nearest way may lead far from
+    those that somebody did. Then passive coordinates are begun all round, and what was stated is held.
+    """
+    own = [i for i in group.coordinates if i in stated]
+    ease = np.ones(len(start))
+    ease[own] = _HELD
+    plain = None
+    for given in (ease, 1.0) if own else (1.0,):
+        plain = close(tree, start, given, group)
+        if plain is not None and np.abs(plain - start)[own].max(initial=0.0) < _STRAYED:
+            return plain
+    passive = [i for i in group.coordinates if i not in stated | kept]
+    generator, found = np.random.default_rng(_SEED), [] if plain is None else [plain]
+    for _ in range(_TRIES):
+        guess = start.copy()
+        guess[passive] += generator.uniform(-np.pi, np.pi, len(passive))
+        closed = close(tree, guess, ease, group)
+        if closed is None and not found and np.isfinite(tree.gap(group.rows)).all():
+            damped = _approached(tree, guess, ease, group)
+            closed = close(tree, damped, ease, group)
+        found += [] if closed is None else [closed]
+        if len(found) == _ENOUGH:
+            break
+    cost = np.zeros(len(start))
+    cost[list(kept)], cost[own] = _HELD, 1.0
+    return min(found, key=lambda theta: float(cost @ (theta - start) ** 2), default=None)
+
+
+def _approached(tree: Tree, theta: np.ndarray, ease: np.ndarray, group: _Group) -> np.ndarray:
+    """A posture (N,) in which the gaps are least, downhill from `theta` in damped steps."""
+    theta = theta.copy()
+    rows, columns = _of(tree, group)
+    give, damping = ease[columns], 1e-2
+    tree.move(theta)
+    gap = tree.gap(rows)
+    if not np.abs(gap).max() < _FAR:
+        return theta
+    for _ in range(_LOST):
+        jacobian = tree.gap_jacobian(rows)[:, columns] * give
+        square = jacobian.T @ jacobian
+        step = np.linalg.solve(square + damping * np.eye(len(columns)), jacobian.T @ gap)
+        tried = theta.copy()
+        tried[columns] -= give * step
+        tree.move(tried)
+        new = tree.gap(rows)
+        if new @ new < gap @ gap:
+            better = 1.0 - (new @ new) / (gap @ gap)
+            theta, gap, damping = tried, new, max(damping / 5.0, 1e-12)
+            if better < 1e-9 or np.abs(gap).max() < 1e-6:
+                break
+        else:
+            damping *= 5.0
+            tree.move(theta)
+            if damping > 1e6:
+                break
+    return theta
+
+
+def _of(tree: Tree, group: _Group | None) -> tuple[list[int], list[int]]:
+    if group is not None:
+        return group.rows, group.coordinates
+    return list(range(len(tree.gap()))), list(range(len(tree.names)))
+
+
+def _groups(tree: Tree) -> list[_Group]:
+    """The loops by which coordinates they share."""
+    out: list[tuple[set[int], set[int]]] = []
+    for row, movers in enumerate(tree.movers()):
+        rows, columns = {row}, set(movers)
+        for other in [each for each in out if each[1] & columns]:
+            out.remove(other)
+            rows, columns = rows | other[0], columns | other[1]
+        out.append((rows, columns))
+    return [_Group(sorted(rows), sorted(columns)) for rows, columns in out]
+
+
+def _start(tree: Tree) -> np.ndarray:
+    theta = np.zeros(len(tree.names))
+    for name, value in tree.mechanism.start:
+        if not np.isfinite(value):
+            raise InputError(
+                f"the start of '{name}' is {value}", file=tree.mechanism.file, column="closed_chain.start",
+                remedy="give a number",
+            )  # fmt: skip
+        theta[tree.index(name, "start")] = value
+    return theta
+
+
+def _gap_text(tree: Tree) -> str:
+    with np.errstate(over="ignore"):  # an infinite gap is one that stays open too
+        gaps = tree.open_loops()
+        if not gaps.size:
+            return "a joint that follows another cannot be where it has to"
+    return f"{gaps.max():.3g} m stay open at loop {int(gaps.argmax()) + 1}"
