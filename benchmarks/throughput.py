@@ -1,17 +1,13 @@
-"""Physics steps a second of the quadruped that trains: kin-only, S3N, and closed by constraints.
+"""Physics steps per second of the quadruped that trains: kin-only, S3N, and closed by constraints.
 
-python benchmarks/throughput.py                          # on the CPU, MuJoCo's batch
-python benchmarks/throughput.py --write DIR              # the machines as plain MJCF, to be carried elsewhere
-python benchmarks/throughput.py --machines DIR --gpu     # there: needs mujoco, mujoco_warp, warp and numpy
-alone
+    python benchmarks/throughput.py                        # on the CPU, MuJoCo's batch
+    python benchmarks/throughput.py --write DIR            # writes the machines as plain MJCF, to carry
+    python benchmarks/throughput.py --machines DIR --gpu   # there; needs mujoco, mujoco_warp, warp and numpy
 
 All machines are timed one after the other in each round, in an order that is drawn, so that what slows a
-computer
-down slows them all; what is told is the median over rounds with a 95 % interval of it (by resampling
-rounds), and the
-same of the ratio to kin-only within rounds. All stand, held by the torques that a PD loop came to, and are
-put there
-again every 50 steps: contacts are alike in all of them.
+computer down slows them all. Told is the median over rounds with its 95 % interval (by resampling rounds),
+and the same of the ratio to kin-only within rounds. All stand, held by the torques that a PD loop came to,
+and are put there again every 50 steps: contacts are alike in all of them.
 """
 
 from __future__ import annotations
@@ -140,7 +136,7 @@ def gpu(xml: str, stands: Standing, worlds: int, steps: int) -> Callable[[], flo
     graph = capture.graph
     assert graph is not None
 
-    def run() -> float:
+    def run(model: object = m) -> float:  # the graph does not hold the arrays of the model
         spent = 0.0
         for k in range(0, steps, 10):
             if k % _AGAIN == 0:

@@ -94,7 +94,9 @@ def played(folder: Path) -> None:
         # the loop's own law, on what was heard: it goes out with the next tick
         row = max(k - 1, 0)
         position, velocity = (joints.position(x) for x in seen)
-        asked = joints.torque(kp * (joints.within(player.reference[row]) - position) - kd * velocity, position)
+        asked = joints.torque(
+            kp * (joints.within(player.reference[row]) - position) - kd * velocity, position
+        )
         torque = asked + player.feedforward[row] * (k > 0)
     (folder / "sum.log").write_text("".join(lines))
     (folder / "sum.begun").write_text(f"{1e9 + 0.003:.6f}\n")

@@ -27,6 +27,23 @@ def test_a_gap_is_brought_to_its_size() -> None:
     assert gap.parameters["gap"].std > 0.0, "how well it is known has not changed by the search"
 
 
+def test_what_stands_beside_a_gap_is_fitted_to_its_end() -> None:
+    gap = {"gap": 0.01, "stiffness": 400.0}
+    training, held_out = recordings(
+        HiddenEffect("backlash", "hip", parameters=gap),
+        HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3}),
+    )
+    data, _ = gather(LEG, training, held_out, seed=0)
+    free = (
+        applied(LEG, EffectKey("viscous_damping", "knee"), damping=0.27),
+        applied(LEG, EffectKey("backlash", "hip"), **gap),
+    )
+    (begun,) = fit([Hypothesis(LEG, free)], data, 1)
+    assert begun is not None
+    damping = refined_on_grid(begun, data).hypothesis.free[0]
+    assert damping.values["damping"] == pytest.approx(0.3, rel=0.02)
+
+
 def test_what_has_no_gap_is_left_alone() -> None:
     training, held_out = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3}))
     data, _ = gather(LEG, training, held_out, seed=0)

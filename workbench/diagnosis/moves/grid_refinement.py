@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import reduce
 from itertools import product
 
 import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
-from workbench.models import AppliedEffect, Placement
+from workbench.models import AppliedEffect, Model, Placement
 
 from ..data import Data
-from ..fitting.fit import fit, values_of
+from ..fitting.fit import FINE_TOLERANCE, fit, values_of
 from ..hypothesis import Fit, Hypothesis, applied_effect
 from ..node import Node, with_last_step
 from ..policy import POLICY
@@ -48,17 +49,34 @@ def refined_on_grid(found: Fit, data: Data) -> Fit:
     for applied in loose:
         for step in _STEPS:
             hypothesis = _downhill(hypothesis, applied.key, step, some)
-    if hypothesis is found.hypothesis:
-        return found
-    better = fit([hypothesis], data, 1)[0]
+    better = found if hypothesis is found.hypothesis else fit([hypothesis], data, 1)[0]
     less = 1.0 - POLICY.tie
     if (
         better is None
         or better.test_loss > less * found.test_loss
         or better.training_loss > less * found.training_loss
     ):
+        better = found
+    return _with_others_converged(better, data)
+
+
+def _with_others_converged(found: Fit, data: Data) -> Fit:
+    """The fit with all that is no part of diverging effects converged beside these.
+
+    Runs that diverge are no reason to stop on the way: while the gap is held, slopes lead down.
+    """
+    free = found.hypothesis.free
+    held = [a for a in free if kinds.diverges(effect_named(a.key.effect))]
+    others = tuple(a for a in free if a not in held)
+    if not held or not others:
         return found
-    return better
+    base = reduce(Model.with_effect, held, found.hypothesis.base)
+    fitted = fit([replace(found.hypothesis, base=base, free=others)], data, enough=FINE_TOLERANCE)[0]
+    if fitted is None or not fitted.training_loss < found.training_loss:
+        return found
+    now = {a.key: a for a in (*held, *fitted.hypothesis.free)}
+    whole = fit([replace(found.hypothesis, free=tuple(now[a.key] for a in free))], data, 1)[0]
+    return found if whole is None else whole
 
 
 def _downhill(hypothesis: Hypothesis, key: EffectKey, step: float, data: Data) -> Hypothesis:
