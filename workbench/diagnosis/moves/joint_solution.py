@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
-from workbench.models import AppliedEffect
 
 from ..acceptance import at_noise_floor, lowers_error
 from ..adequacy.adequacy import Adequacy, adequacies
 from ..data import Data
-from ..fitting.fit import fit
-from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit, Hypothesis
 from ..loss import explained, rescored, test_noise_floor
 from ..node import Growth, Node, effect_keys, is_consistent, with_last_step
@@ -27,7 +24,7 @@ from ..screening.selection import Selection
 from ..screening.stepwise_regression import selected
 from ..screening.torque_regression import Regression
 from ..search_result import AcceptedStep
-from ..significance import INTERVAL, is_significant, significance, told_by_motion
+from .joint_fit import beside_strangers, certain_only, fit_of_selection
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
@@ -90,7 +87,7 @@ def _solved(problem: Problem) -> Node | None:
         return None
     data, start, regression = problem.inverse_dynamics
     chosen = selected(regression)
-    whole = _fitted(regression, chosen, start, data)
+    whole = fit_of_selection(regression, chosen, start, data)
     if whole is None:
         return None
     known: dict[EffectKey, Adequacy] = {}
@@ -99,7 +96,8 @@ def _solved(problem: Problem) -> Node | None:
         others = like_others(regression, chosen)
         found = adequacies(whole, start, data)
         known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
-        named = _only(whole, known, data)
+        named = certain_only(whole, known, data)
+        named = named and beside_strangers(whole, named, known, start, data, problem.seed)
     if named is None or not lowers_error(named, start, data):
         return None
     sure_in_loop = confirmed(named.hypothesis, problem, certain=bool(known))
@@ -112,33 +110,6 @@ def _solved(problem: Problem) -> Node | None:
     return None if node is None else replace(node, jointly=True, adequacy=known, near=near)
 
 
-def _fitted(regression: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
-    """All that was selected, is clearly another than nothing and is told by the motions.
-
-    What a fit drew out of the reach of these goes first. Of two that trade with each other neither is clear,
-    until one is out: of each axis the least clear goes first.
-    """
-    if not chosen.chosen:
-        return None
-    candidates = chosen.candidates()
-    found = fit([with_candidates(regression.linearisation, candidates, current)], data)[0]
-    while found is not None:
-        told = tuple(a for a in found.hypothesis.free if told_by_motion(regression.linearisation, a, found))
-        if len(told) < len(found.hypothesis.free):
-            found = fit([replace(found.hypothesis, free=told)], data)[0] if told else None
-            continue
-        doubted: dict[str | None, AppliedEffect] = {}
-        for applied in (a for a in found.hypothesis.free if not is_significant(a)):
-            weakest = doubted.setdefault(applied.key.axis, applied)
-            if significance(applied) < significance(weakest):
-                doubted[applied.key.axis] = applied
-        if not doubted:
-            break
-        clear = tuple(a for a in found.hypothesis.free if doubted.get(a.key.axis) is not a)
-        found = fit([replace(found.hypothesis, free=clear)], data)[0] if clear else None
-    return found
-
-
 def like_others(regression: Regression, chosen: Selection) -> set[EffectKey]:
     """Effects of the whole machine that others explain as well, as masses of links do a body."""
     return {
@@ -146,29 +117,6 @@ def like_others(regression: Regression, chosen: Selection) -> set[EffectKey]:
         for entry in chosen.chosen
         if entry.key.axis is None and rivals_of(regression, chosen.chosen, entry)[1]
     }
-
-
-def _only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | None:
-    """The effects that are certain, as they are beside all others; deviations cover free functions too.
-
-    Without the others they would stand for a part of these.
-    """
-    free: list[AppliedEffect] = []
-    for applied in whole.hypothesis.free:
-        if applied.key not in sure:
-            continue
-        spread = POLICY.rival_deviation * sure[applied.key].spread
-        parameters = {
-            name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))
-            for name, e in applied.parameters.items()
-        }
-        free.append(AppliedEffect(applied.key, parameters))
-    # a part of a law that is certain as a whole may itself be none
-    clear = tuple(a for a in free if is_significant(a, INTERVAL))
-    if not clear:
-        return None
-    hypothesis = replace(whole.hypothesis, free=clear)
-    return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
 
 
 def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:

@@ -1,0 +1,113 @@
+"""The fit of what was selected along the measured motion: of all of it, and of what is certain."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import EffectKey
+from workbench.models import AppliedEffect
+
+from ..adequacy.adequacy import Adequacy
+from ..adequacy.strangers import without_strangers
+from ..data import Data, gather_along
+from ..fitting.fit import fit
+from ..fitting.refinement import with_candidates
+from ..hypothesis import Fit
+from ..policy import POLICY
+from ..problem import evaluated, starting_fit
+from ..screening.selection import Selection
+from ..screening.stepwise_regression import selected
+from ..screening.torque_columns import regression_of
+from ..screening.torque_regression import Regression
+from ..significance import INTERVAL, is_significant, significance, told_by_motion
+
+_BACKFITS = 2  # of the unknown and the certain in turns; a third changes less than the noise does
+
+
+def fit_of_selection(regression: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
+    """All that was selected, is clearly another than nothing and is told by the motions.
+
+    What a fit drew out of the reach of these goes first. Of two that trade with each other neither is clear,
+    until one is out: of each axis the least clear goes first.
+    """
+    if not chosen.chosen:
+        return None
+    candidates = chosen.candidates()
+    found = fit([with_candidates(regression.linearisation, candidates, current)], data)[0]
+    while found is not None:
+        told = tuple(a for a in found.hypothesis.free if told_by_motion(regression.linearisation, a, found))
+        if len(told) < len(found.hypothesis.free):
+            found = fit([replace(found.hypothesis, free=told)], data)[0] if told else None
+            continue
+        doubted: dict[str | None, AppliedEffect] = {}
+        for applied in (a for a in found.hypothesis.free if not is_significant(a)):
+            weakest = doubted.setdefault(applied.key.axis, applied)
+            if significance(applied) < significance(weakest):
+                doubted[applied.key.axis] = applied
+        if not doubted:
+            break
+        clear = tuple(a for a in found.hypothesis.free if doubted.get(a.key.axis) is not a)
+        found = fit([replace(found.hypothesis, free=clear)], data)[0] if clear else None
+    return found
+
+
+def certain_only(whole: Fit, sure: Mapping[EffectKey, Adequacy], data: Data) -> Fit | None:
+    """The effects that are certain, as they are beside all others; deviations cover free functions too.
+
+    Without the others they would stand for a part of these.
+    """
+    free = [_with_spread(a, sure) for a in whole.hypothesis.free if a.key in sure]
+    # a part of a law that is certain as a whole may itself be none
+    clear = tuple(a for a in free if is_significant(a, INTERVAL))
+    if not clear:
+        return None
+    hypothesis = replace(whole.hypothesis, free=clear)
+    return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
+
+
+def beside_strangers(
+    whole: Fit, named: Fit, sure: Mapping[EffectKey, Adequacy], start: Fit, data: Data, seed: int
+) -> Fit:
+    """What is certain, with the values that it has where what nothing explains is taken out.
+
+    A tone that no effect explains leaves no room for the damping of its axis, and Coulomb friction takes that
+    up as well. Unknown and certain torques are fitted in turns.
+
+    Args:
+        whole: all that was selected.
+        named: of it what is certain, which stays the same.
+        sure: how certain each is.
+        start: without any of them, along the measured motion.
+        data: of that motion.
+        seed: of the noise simulations.
+    """
+    model, found = start.hypothesis.model, whole
+    for _ in range(_BACKFITS):
+        rest = without_strangers(found, data, sure)
+        if rest is None:
+            break
+        freed, runs = gather_along(model, rest, data.training, seed)
+        begun = starting_fit(model, freed, runs.clean)
+        regression = regression_of(begun, freed)
+        again = fit_of_selection(regression, selected(regression), begun, freed)
+        if again is None:
+            break
+        found = evaluated(again.hypothesis, data.run([again.hypothesis.model])[0], data)
+    if found is whole:
+        return named
+    now = {a.key: _with_spread(a, sure) for a in found.hypothesis.free if a.key in sure}
+    hypothesis = replace(named.hypothesis, free=tuple(now.get(a.key, a) for a in named.hypothesis.free))
+    return evaluated(hypothesis, data.run([hypothesis.model])[0], data)
+
+
+def _with_spread(applied: AppliedEffect, sure: Mapping[EffectKey, Adequacy]) -> AppliedEffect:
+    """An effect with deviations that cover how its size changes beside free functions."""
+    spread = POLICY.rival_deviation * sure[applied.key].spread
+    parameters = {
+        name: replace(e, std=float(np.hypot(e.std, spread * abs(e.value))))
+        for name, e in applied.parameters.items()
+    }
+    return AppliedEffect(applied.key, parameters)
