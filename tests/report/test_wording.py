@@ -9,7 +9,7 @@ from workbench.core import EffectKey, Estimate, Outlier, Share
 from workbench.report import render_page, sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
-from workbench.report.wording import effect_phrase, effect_phrases, loop_sentence, share_phrase
+from workbench.report.wording import effect_phrase, effect_phrases, loop_sentence, share_phrase, sized_phrase
 
 from . import build
 from .browser import Page
@@ -51,6 +51,12 @@ def test_effects_have_names_and_places():
     assert effect_phrase(EffectKey("delay", None)) == "delay on all axes"
     assert effect_phrase(EffectKey("backlash", "hip", "joint")) == "backlash at the hip joint"
     assert effect_phrase(EffectKey("payload_mass", None)) == "payload mass where the machine ends"
+    payload = EffectKey("payload_mass", None, site="tool")
+    assert effect_phrase(payload) == "payload mass at site 'tool'" and payload == EffectKey(
+        "payload_mass", None
+    )
+    size = {"mass": Estimate(0.6, 0.002, "kg")}
+    assert sized_phrase(payload, size) == "a payload of 0.600 ± 0.004 kg (95 %) at site 'tool'"
 
 
 def test_verdicts(comparison, diagnosis, improvement):
@@ -76,7 +82,7 @@ def test_verdicts(comparison, diagnosis, improvement):
     assert "nothing was added" in sentence(replace(improvement, steps=()))
     first, last = improvement.steps
     taken_out = sentence(replace(improvement, steps=(first, replace(last, removed=(first.key,)))))
-    assert taken_out.startswith("With torque gain on the hip drive, the model explains")
+    assert taken_out.startswith("With torque gain on the hip drive, 0.931 ± 0.008 (95 %), the model explains")
     worst = Outlier("knee", "torque", 1.44, 1.31)
     off = replace(improvement, after=replace(improvement.after, consistent=False, outlier=worst))
     assert "to the noise as a whole (the " in sentence(off) and "noise makes 1.31 at most): " in sentence(off)

@@ -16,7 +16,7 @@ from .wording import (
     one_of_a_kind,
     outlier_phrase,
     place,
-    single_value,
+    sized_phrase,
     times_noise,
 )
 
@@ -57,7 +57,8 @@ def improvement_sentence(result: Improvement) -> str:
             return "The model explains the data to the noise as it is; nothing was added."
         return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds what comes near)."
     kept = result.kept
-    added = any_of([effect_phrase(s.key) for s in kept], "and") if len(kept) < 4 else ""
+    sized = [sized_phrase(s.key, s.parameters) if len(kept) == 1 else effect_phrase(s.key) for s in kept]
+    added = any_of(sized, "and") if len(kept) < 4 else ""
     added = added or f"{_count(len(kept))} effects"
     if result.verdict == "consistent":
         outlier = result.after.outlier if result.after is not None else None
@@ -114,7 +115,7 @@ def _missing(findings: Sequence[Finding], beside: bool) -> str:
         return ""
     if len(findings) == 1:
         one = findings[0]
-        return f"Something is missing{too}: {effect_phrase(one.key)}{single_value(one.parameters)}{_or(one)}."
+        return f"Something is missing{too}: {sized_phrase(one.key, one.parameters)}{_or(one)}."
     doubted = any(map(_or, findings))
     keys = [f.key for f in findings]
     first = [f for f in findings if f.key in one_of_a_kind(keys)]
