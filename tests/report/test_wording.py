@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workbench.core import EffectKey, Estimate, Outlier, Share
-from workbench.report import render_page, sentence
+from workbench.report import diagnosis_dict, render_page, sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
 from workbench.report.wording import effect_phrase, effect_phrases, loop_sentence, share_phrase, sized_phrase
@@ -184,3 +184,19 @@ def test_harmonics_of_a_ripple_are_one_cause_with_their_number() -> None:
     kin = [EffectKey("cogging", "hip", copy=k) for k in (1, 2, 3)]
     assert effect_phrases([*kin, EffectKey("cogging", "knee")]) == ["cogging on the hip and knee drives"]
     assert effect_phrases(kin) == ["cogging on the hip drive (3 harmonics)"]
+
+
+def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
+    scales = {"kp_scale": Estimate(0.8, 0.005, "1"), "kd_scale": Estimate(1.3, 0.01, "1")}
+    key = EffectKey("controller_gain_error", "lift")
+    gains = replace(diagnosis.findings[0], key=key, parameters=scales)
+    line = "mend run.toml, line 6 ([controller]): kp is 150 and should be 120 for lift"
+    told = replace(diagnosis, findings=(gains,), mend=(line,))
+    assert sentence(told) == (
+        "The controller's gains are stated wrongly: on the lift drive kp is 0.800 ± 0.010 and kd is "
+        "1.300 ± 0.020 times what is stated."
+    )
+    assert f"M{line[1:]}." in Page(render_page(told, command="workbench diagnose")).text
+    assert diagnosis_dict(told)["mend"] == [line]
+    both = sentence(replace(told, findings=(gains, diagnosis.findings[0])))
+    assert "Something is missing too: Coulomb friction" in both

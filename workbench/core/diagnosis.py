@@ -110,6 +110,7 @@ class Diagnosis(Shown):
         identifiability: what the recordings can tell apart; None where nothing linear can be asked.
         disagreeing: recordings that an effect explains with a size of its own each.
         trace: what was tried, in this order.
+        mend: stated numbers that are wrong, with file, line, and what they should be, one line each.
     """
 
     model: str
@@ -137,6 +138,7 @@ class Diagnosis(Shown):
     identifiability: Identifiability | None = None
     disagreeing: tuple[Disagreement, ...] = ()
     trace: tuple[Tried, ...] = ()
+    mend: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 
 from workbench.core import Estimate
+from workbench.core.text import plain as plain  # pages take it from here
 from workbench.core.units import unit_text
 
 #: Half a 95 % interval, in standard deviations.
