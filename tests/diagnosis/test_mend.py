@@ -38,7 +38,7 @@ def test_wrong_gains_lead_to_the_line_of_the_recording(tmp_path: Path) -> None:
     gains = found("controller_gain_error", "lift", kp_scale=0.8, kd_scale=1.0004)
     data = [recording(tmp_path, f"run{k}") for k in range(5)]
     lines = mend_lines(model, data, [gains])
-    first = "mend run0.toml, line 6 ([controller]): kp is 150 and should be 120 for lift"
+    first = "mend run0.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
     assert lines[0] == first and "kd" not in " ".join(lines)
     assert len(lines) == 4 and "2 more recordings" in lines[-1]
 
@@ -66,7 +66,7 @@ def test_a_number_of_a_toml_leads_to_its_line_and_a_missing_effect_to_none() -> 
     [told] = mend_lines(model, [], [wrong])
     assert model.source is not None
     line = toml_line(model.source.read_text(), "actuators", "inertia")
-    assert told.startswith(f"mend leg.toml, line {line} ([actuators]): inertia is") and drive in told
+    assert told.startswith(f"mend leg.toml, line {line} ([actuators]): inertia of {drive} is")
     missing = replace(wrong, number="", model_value=None)
     assert mend_lines(model, [], [missing, found("cogging", drive, torque=0.1)]) == ()
 

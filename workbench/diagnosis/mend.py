@@ -53,16 +53,20 @@ def _gains(model: Model, recordings: Sequence[Recording], finding: Finding) -> I
     for source, controller in stating[:_MOST]:
         second = "kv" if controller.kind == "cascade_pv" else "kd"
         for name, scale in (("kp", "kp_scale"), (second, "kd_scale")):
-            line = _gain(Path(source), controller, name, index, finding.parameters.get(scale))
+            line = _gain(
+                Path(source), controller, name, (finding.key.axis, index), finding.parameters.get(scale)
+            )
             if line:
-                yield f"{line} for {finding.key.axis}"
+                yield line
     if len(stating) > _MOST:
         yield f"the same gains stand in {len(stating) - _MOST} more recordings"
 
 
-def _gain(file: Path, controller: Controller, name: str, index: int, scale: Estimate | None) -> str:
+def _gain(
+    file: Path, controller: Controller, name: str, axis: tuple[str, int], scale: Estimate | None
+) -> str:
     """One gain of one file, where it is certain to be another one."""
-    values = getattr(controller, name)
+    (called, index), values = axis, getattr(controller, name)
     if scale is None or index >= len(values):
         return ""
     off = abs(scale.value - 1.0)
@@ -95,9 +99,8 @@ def _of_model(model: Model, finding: Finding) -> Iterator[str]:
         new = old + finding.parameters[parameter].value
         if old and new >= 0.0:
             yield (
-    place = f"the body of {change.joint}"
-    where = place if np.ndim(change.before) or change.number == "mass" else change.joint
-                f"for {key.axis}"
+                f"mend {_where(model.source, 'actuators', name)}: {name} of {key.axis} is {old:.4g} and "
+                f"should be {new:.4g}"
             )
             return
     for file in (f for f in model.files if f.suffix.lower() in _XML):
