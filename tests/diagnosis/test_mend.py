@@ -33,7 +33,10 @@ def recording(folder: Path, name: str = "run") -> Recording:
     )  # fmt: skip
 
 
-def test_wrong_gains_lead_to_the_line_of_the_recording(tmp_path: Path) -> None:
+def test_wrong_gains_lead_to_the_line_of_the_recording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     model = load_model(bench_arm(tmp_path))
     gains = found("controller_gain_error", "lift", kp_scale=0.8, kd_scale=1.0004)
     data = [recording(tmp_path, f"run{k}") for k in range(5)]
@@ -43,7 +46,8 @@ def test_wrong_gains_lead_to_the_line_of_the_recording(tmp_path: Path) -> None:
     assert len(lines) == 4 and "2 more recordings" in lines[-1]
 
 
-def test_a_wrong_number_of_an_mjcf_leads_to_its_line(tmp_path: Path) -> None:
+def test_a_wrong_number_of_an_mjcf_leads_to_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
     file = bench_arm(tmp_path, lift_damping=0.5)
     model = load_model(file)
     line = 1 + next(k for k, text in enumerate(file.read_text().splitlines()) if 'name="lift"' in text)
@@ -66,7 +70,7 @@ def test_a_number_of_a_toml_leads_to_its_line_and_a_missing_effect_to_none() -> 
     [told] = mend_lines(model, [], [wrong])
     assert model.source is not None
     line = toml_line(model.source.read_text(), "actuators", "inertia")
-    assert told.startswith(f"mend leg.toml, line {line} ([actuators]): inertia of {drive} is")
+    assert f"leg.toml, line {line} ([actuators]): inertia of {drive} is" in told
     missing = replace(wrong, number="", model_value=None)
     assert mend_lines(model, [], [missing, found("cogging", drive, torque=0.1)]) == ()
 

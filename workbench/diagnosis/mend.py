@@ -46,16 +46,14 @@ def _gains(model: Model, recordings: Sequence[Recording], finding: Finding) -> I
     """Gains in the recordings that state them, else in the model."""
     if finding.key.axis not in model.axes:
         return
-    stating = [(r.source, r.controller) for r in recordings if r.controller.kind != "unknown" and r.source]
+    stating = {r.source: r.controller for r in recordings if r.controller.kind != "unknown" and r.source}
     if not stating and model.source:
-        stating = [(model.source, model.controller)]
-    index = model.axes.index(finding.key.axis)
-    for source, controller in stating[:_MOST]:
+        stating = {model.source: model.controller}
+    axis = finding.key.axis, model.axes.index(finding.key.axis)
+    for source, controller in list(stating.items())[:_MOST]:
         second = "kv" if controller.kind == "cascade_pv" else "kd"
         for name, scale in (("kp", "kp_scale"), (second, "kd_scale")):
-            line = _gain(
-                Path(source), controller, name, (finding.key.axis, index), finding.parameters.get(scale)
-            )
+            line = _gain(Path(source), controller, name, axis, finding.parameters.get(scale))
             if line:
                 yield line
     if len(stating) > _MOST:
@@ -73,9 +71,8 @@ def _gain(
     if off < max(_LEAST, 2.0 * (scale.std if np.isfinite(scale.std) else 0.0)):
         return ""
     old = values[index]
-    return (
-        f"mend {_where(file, 'controller', name)}: {name} is {old:.4g} and should be {scale.value * old:.4g}"
-    )
+    where, new = _where(file, "controller", name), scale.value * old
+    return f"mend {where}: {name} of {called} is {old:.4g} and should be {new:.4g}"
 
 
 def _where(file: Path, table: str, key: str) -> str:
@@ -85,7 +82,13 @@ def _where(file: Path, table: str, key: str) -> str:
     except (OSError, UnicodeDecodeError):
         line = None
     at = f", line {line}" if line else ""
-    return f"{file.name}{at} ([{table}])"
+    return f"{_shown(file)}{at} ([{table}])"
+
+
+def _shown(file: Path) -> str:
+    """A file as a person finds it: from the working directory where it lies below that."""
+    whole, here = file.resolve(), Path.cwd()
+    return str(whole.relative_to(here) if whole.is_relative_to(here) else file)
 
 
 def _of_model(model: Model, finding: Finding) -> Iterator[str]:
@@ -111,7 +114,7 @@ def _of_model(model: Model, finding: Finding) -> Iterator[str]:
             continue  # it stands in another file, or in none
         if made.written and made.changes:
             where = _changed(old_lines, made.content.splitlines())
-            yield f"mend {file.name}{where}: {'; '.join(map(_change, made.changes))}"
+            yield f"mend {_shown(file)}{where}: {'; '.join(map(_change, made.changes))}"
             return
 
 
