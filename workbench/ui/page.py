@@ -9,6 +9,7 @@ import panel as pn
 from bokeh.events import RangesUpdate, Tap
 from bokeh.models import ColumnDataSource
 
+from workbench.core import Comparison
 from workbench.effects import axis_units
 from workbench.report import wording as w
 from workbench.report.numbers import plain
@@ -25,7 +26,7 @@ from .residual_map import MapView, residual_map
 from .response_part import ResponsePart
 from .saving import Saving
 from .summary import numbers, verdict
-from .widgets import column, plot_pane, row, safe, text, widget
+from .widgets import column, fade, plot_pane, row, safe, text, widget
 
 _SHARES = 5
 _FIXED: dict[str, Any] = {"width": 180}
@@ -54,6 +55,8 @@ class Page:
         self._inputs: object = None
         self._placed = False  # whether the page has chosen what to look at first
         self._asked: set[str] = set()
+        self.curve_panes = [plot_pane(f) for f in self.curves.figures]
+        self.map_pane = plot_pane(self.map.plot)
         self.roots = self._roots()
         self._watch()
         self._end = live.listen(self._later)
@@ -74,9 +77,9 @@ class Page:
             "more": self.changes.more,
             "saving": self.saving.view,
             "look": row(self.recording, self.axis),
-            "curves": column(*(plot_pane(f) for f in self.curves.figures)),
+            "curves": column(*self.curve_panes),
             "against": self.against,
-            "map": plot_pane(self.map.plot),
+            "map": self.map_pane,
             "where": self.where,
             "frf": self.responses.view,
         }
@@ -117,6 +120,16 @@ class Page:
             self._place()
         if asked & {"inputs", "runs", "comparison"}:
             self._draw()
+        self._fade()
+
+    def _fade(self) -> None:
+        """Grey what is of another model, or of other recordings, than those on the bench."""
+        now = self.live.now
+        loading = self.live.loading
+        fade(self.where, loading or now is None or now.comparison is None)
+        for pane in (self.map_pane, *self.curve_panes):
+            fade(pane, loading or (pane is self.map_pane and (now is None or now.entries is None)))
+        fade(self.summary, loading)
 
     def tick(self) -> None:
         """Time goes by while something is computed."""
@@ -215,9 +228,7 @@ class Page:
         shares = sorted(comparison.where, key=lambda s: -s.share)[:_SHARES]
         lines = "".join(f"<li>{safe(w.capital(w.share_phrase(s)))}</li>" for s in shares)
         self.where.object = (
-            f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>"
-            if lines
-            else "<p>As a whole, nothing stands out of the noise.</p>"  # single cells of the map may
+            f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>" if lines else _nowhere(comparison)
         )
         if loop := w.loop_sentence(comparison):
             self.where.object += f"<p class=quiet>{safe(loop)}</p>"
@@ -250,3 +261,10 @@ class Page:
         self.summary.object = verdict(chosen.model.name, comparison)
         before = given.error if given and given is not now else None
         self.numbers.object = numbers(error, before, floor)
+
+
+def _nowhere(comparison: Comparison) -> str:
+    """What is said where no share of the error is."""
+    if comparison.consistent:
+        return "<p>As a whole, nothing stands out of the noise.</p>"  # single cells of the map may
+    return "<p>The error is above the noise; no range of time, speed or position holds most of it.</p>"
