@@ -14,6 +14,7 @@ from workbench.effects import axis_units
 from workbench.report import wording as w
 from workbench.report.numbers import plain
 from workbench.report.pack import worst_view
+from workbench.report.residuals import worst_window
 
 from .changes import Changes
 from .chooser import Chooser
@@ -29,6 +30,7 @@ from .summary import numbers, verdict
 from .widgets import column, fade, plot_pane, row, safe, text, widget
 
 _SHARES = 5
+_WHOLE_S, _STRETCH_S = 20.0, 3.0  # a longer recording opens where it fails most, for so long
 _FIXED: dict[str, Any] = {"width": 180}
 
 
@@ -158,6 +160,12 @@ class Page:
         self._placed = True
         index, axis = worst_view(given.comparison)
         self.recording.value, self.axis.value = index, chosen.model.axes.index(axis)
+        duration = chosen.recordings[index].duration
+        if duration > _WHOLE_S:  # what is in sight follows a slider at once
+            low, high = worst_window(given.comparison.recordings[index], axis)
+            end = min(high, low + _STRETCH_S, duration)
+            self.curves.time.update(start=max(0.0, min(low, end - 0.1)), end=end)
+            self._draw_curves()
 
     @property
     def _index(self) -> int:
@@ -192,6 +200,7 @@ class Page:
         chosen = self.live.bench.chosen
         if chosen is None or self.axis.value is None:
             return
+        self.live.window = (float(self.curves.time.start), float(self.curves.time.end))
         given, now = self._runs()
         comparison = next((r.comparison for r in (now, given) if r and r.comparison), None)
         self.curves.show(
