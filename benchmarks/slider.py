@@ -2,10 +2,10 @@
 
     python -m benchmarks.slider --seconds 60 --moves 40
 
-The virtual leg is recorded for so long with friction in its knee. `workbench ui` serves it with a model that
-has half of that, and a headless Chromium presses keys on the slider. The page shows the stretch of time that it
-opens with. A move ends in the first frame after the curve's data have changed. Exit code 1 where the median is
-above the limit.
+The virtual leg is recorded for so long with friction in its knee. `workbench ui` serves it with a model
+that has half of that, and a headless Chromium presses keys on the slider. The page shows the stretch of time
+that it opens with. A move ends in the first frame after the curve's data have changed. Exit code 1 where the
+median is above the limit.
 """
 
 from __future__ import annotations

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tests.report import build
 from workbench.core import EffectKey, Estimate
 from workbench.models import AppliedEffect
 from workbench.ui.stretch import stretch_rows
@@ -46,3 +48,11 @@ def test_a_stretch_that_is_most_of_a_recording_is_no_quicker(live: Live, loop: L
     assert stretch_rows(recording, None) is None and stretch_rows(recording, (0.0, 3.0)) is None
     assert stretch_rows(recording, (1.0, 1.5)) == slice(500, 1501)
     assert stretch_rows(recording, (0.0, 0.5)) == slice(0, 501)
+
+
+def test_no_words_contradict_an_error_above_the_noise() -> None:
+    from workbench.ui.page import _nowhere
+
+    above = replace(build.comparison(0.0), where=())
+    assert "nothing stands out" not in _nowhere(above) and "above the noise" in _nowhere(above)
+    assert "nothing stands out" in _nowhere(build.comparison(0.25))

@@ -60,7 +60,7 @@ def plot_pane(figure: Any) -> Any:
 
 def fade(pane: Any, old: bool) -> None:
     """Grey a pane that shows what no longer holds; one that does as it was."""
-    wanted = {"opacity": "0.45"} if old else {}
+    wanted = {"opacity": "0.45" if old else "1"}  # said both times: a browser keeps what is only left out
     if pane.styles != wanted:
         pane.styles = wanted
 
