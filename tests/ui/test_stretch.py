@@ -51,8 +51,8 @@ def test_a_stretch_that_is_most_of_a_recording_is_no_quicker(live: Live, loop: L
 
 
 def test_no_words_contradict_an_error_above_the_noise() -> None:
-    from workbench.ui.page import _nowhere
+    from workbench.ui.where import where_words
 
     above = replace(build.comparison(0.0), where=())
-    assert "nothing stands out" not in _nowhere(above) and "above the noise" in _nowhere(above)
-    assert "nothing stands out" in _nowhere(build.comparison(0.25))
+    assert "nothing stands out" not in where_words(above) and "above the noise" in where_words(above)
+    assert "nothing stands out" in where_words(build.comparison(0.25))

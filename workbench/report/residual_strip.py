@@ -97,7 +97,7 @@ def residual_strips(before: Comparison | None, after: Comparison | None) -> Stri
 def _worst_signal(comparison: Comparison, entry: RecordingError, axis: str) -> Signal | None:
     """The signal with the largest excess on the axis; else the first that was compared."""
     names: tuple[Signal, ...] = ("torque_measured", "position")
-    there = [n for n in names if has(entry, n)]
+    there: list[Signal] = [n for n in names if has(entry, n)]
     kind = {"torque": "torque_measured"}
     for share in sorted(comparison.where, key=lambda s: -s.share):
         signal = kind.get(share.signal, share.signal)

@@ -12,10 +12,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
-from workbench.core import Comparison, Recording, RecordingError, WorkbenchError
-from workbench.models import Model
+from workbench.core import Comparison, Recording, WorkbenchError
 
 from .bench import Bench, Chosen
+from .runs import Runs
 from .stretch import run_stretch, stretch_rows
 
 Post = Callable[[Callable[[], None]], None]
@@ -23,29 +23,6 @@ Later = Callable[[float, Callable[[], None]], Any]
 
 _SOON_S = 0.8  # without a change, before what is out of sight is simulated too
 _REST_S = 0.6  # without a change, before the slow comparison starts
-
-
-@dataclass
-class Runs:
-    """A model's runs as far as they are there, and what they score.
-
-    Attributes:
-        model: which.
-        entries: recordings beside runs; None while only some have been simulated.
-        shown: index to run, of those simulated so far.
-        seen: the same, with those of the models just before where there are none yet.
-        failed: it cannot be run.
-        error: of all; None while some are missing.
-        comparison: with the noise floor; None while it is computed.
-    """
-
-    model: Model
-    shown: dict[int, Recording] = field(default_factory=dict)
-    seen: dict[int, Recording] = field(default_factory=dict)
-    failed: bool = False
-    entries: tuple[RecordingError, ...] | None = None
-    error: float | None = None
-    comparison: Comparison | None = None
 
 
 @dataclass

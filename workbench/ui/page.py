@@ -9,9 +9,7 @@ import panel as pn
 from bokeh.events import RangesUpdate, Tap
 from bokeh.models import ColumnDataSource
 
-from workbench.core import Comparison
 from workbench.effects import axis_units
-from workbench.report import wording as w
 from workbench.report.numbers import plain
 from workbench.report.pack import worst_view
 from workbench.report.residuals import worst_window
@@ -20,16 +18,16 @@ from .changes import Changes
 from .chooser import Chooser
 from .curves import Curves
 from .finding import Findings
-from .following import Runs
 from .live import Live
 from .motion import moving_picture
 from .residual_map import MapView, residual_map
 from .response_part import ResponsePart
+from .runs import Runs
 from .saving import Saving
 from .summary import numbers, verdict
+from .where import where_words
 from .widgets import column, fade, plot_pane, row, safe, text, widget
 
-_SHARES = 5
 _WHOLE_S, _STRETCH_S = 20.0, 3.0  # a longer recording opens where it fails most, for so long
 _FIXED: dict[str, Any] = {"width": 180}
 
@@ -234,13 +232,7 @@ class Page:
         comparison = now.comparison
         if comparison is None:
             return
-        shares = sorted(comparison.where, key=lambda s: -s.share)[:_SHARES]
-        lines = "".join(f"<li>{safe(w.capital(w.share_phrase(s)))}</li>" for s in shares)
-        self.where.object = (
-            f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>" if lines else _nowhere(comparison)
-        )
-        if loop := w.loop_sentence(comparison):
-            self.where.object += f"<p class=quiet>{safe(loop)}</p>"
+        self.where.object = where_words(comparison)
 
     def _tapped(self, event: Any) -> None:
         """A cell of the map: look at its axis, and at its time."""
@@ -270,10 +262,3 @@ class Page:
         self.summary.object = verdict(chosen.model.name, comparison)
         before = given.error if given and given is not now else None
         self.numbers.object = numbers(error, before, floor)
-
-
-def _nowhere(comparison: Comparison) -> str:
-    """What is said where no share of the error is."""
-    if comparison.consistent:
-        return "<p>As a whole, nothing stands out of the noise.</p>"  # single cells of the map may
-    return "<p>The error is above the noise; no range of time, speed or position holds most of it.</p>"
