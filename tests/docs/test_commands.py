@@ -31,7 +31,7 @@ PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 BLOCK = re.compile(r"^```(?P<kind>\w+)(?: (?P<name>\S+))?\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 #: A number with a decimal point is measured; it may differ by this part of itself.
 MEASURED, NEAR = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])"), 0.1
-WIDTHS = {"tutorial.md": 100}
+WIDTHS = {"tutorial.md": 80}
 
 
 def blocks(page: Path) -> list[tuple[str, str | None, str]]:
