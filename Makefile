@@ -40,8 +40,8 @@ check: training
 	$(BIN)/lint-imports --no-logo
 	$(BIN)/pyright
 
-# The pages as a site in build/site; it opens from disk (search needs `python -m http.server`) and asks nothing of the
-# network. Not quietly: what is not said is no warning to --strict.
+# The pages as a site in build/site; it opens from disk and asks nothing of the network. Not quietly:
+# what is not said is no warning to --strict.
 docs: setup
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 

@@ -1,7 +1,7 @@
-"""Writes the table in effects.md from the code's catalogue.
+"""Writes the table in effects.md, and a page for each effect in effects/, from the code's catalogue.
 
-python docs/write_effects.py            # rewrites the table
-python docs/write_effects.py --check    # exit code 1 where it is not current
+python docs/write_effects.py            # rewrites them
+python docs/write_effects.py --check    # exit code 1 where one is not current
 """
 
 from __future__ import annotations
@@ -13,45 +13,65 @@ from pathlib import Path
 from workbench.effects import EFFECTS, Effect
 
 PAGE = Path(__file__).with_name("effects.md")
+FOLDER = Path(__file__).with_name("effects")
 START, END = "<!-- catalogue: written by write_effects.py -->\n", "<!-- end of catalogue -->\n"
 
 
 def main() -> None:
-    """Rewrites or checks the page."""
-    old = PAGE.read_text(encoding="utf-8")
-    new = page(old)
+    """Rewrites or checks the pages."""
+    new = {PAGE: index(PAGE.read_text(encoding="utf-8"))}
+    new |= {FOLDER / f"{effect.name}.md": "\n".join(page(effect)) + "\n" for effect in EFFECTS}
+    old = {path: path.read_text(encoding="utf-8") for path in (PAGE, *FOLDER.glob("*.md"))}
     if "--check" in sys.argv[1:]:
-        sys.exit(None if new == old else "docs/effects.md is not current: run python docs/write_effects.py")
-    PAGE.write_text(new, encoding="utf-8")
+        stale = sorted(p.name for p in {*new, *old} if new.get(p) != old.get(p))
+        sys.exit(f"not current: {', '.join(stale)}: run python docs/write_effects.py" if stale else None)
+    FOLDER.mkdir(exist_ok=True)
+    for path in old.keys() - new.keys():
+        path.unlink()
+    for path, text in new.items():
+        path.write_text(text, encoding="utf-8")
 
 
-def page(old: str) -> str:
-    """The page with a fresh catalogue between its marks."""
+def index(old: str) -> str:
+    """The list of all effects with a fresh table between its marks."""
     before, rest = old.split(START)
     after = rest.split(END)[1]
-    return before + START + "\n" + "\n".join(catalogue()) + "\n" + END + after
+    return before + START + "\n" + "\n".join(table()) + "\n\n" + END + after
 
 
-def catalogue() -> Iterator[str]:
-    """One table to look names up in, then a paragraph an effect."""
+def table() -> Iterator[str]:
+    """A row for each effect, with a link to its page."""
     yield "| name | acts on | parameters |"
     yield "|---|---|---|"
     for effect in EFFECTS:
-        yield f"| [`{effect.name}`](#{effect.name}) | {where(effect)} | {parameters(effect)} |"
-    for effect in EFFECTS:
-        about = (effect.__doc__ or "").splitlines()[0].rstrip(".")
-        yield f"\n### {effect.name}\n"
-        if PAGE.with_name("images").joinpath("effects", f"{effect.name}.png").is_file():
-            yield f"![Its signature over speed, position and time](images/effects/{effect.name}.png)\n"
-        yield f"- Equation: {escaped(about)}"
-        yield f"- Source: {escaped(effect.words.source)}"
-        yield f"- Shows in: {escaped(effect.words.shows)}"
-        yield f"- Stands out in: {escaped(effect.words.reveal)}"
-        yield f"- In MuJoCo: {escaped(effect.words.mujoco)}"
-        if effect.search.contains:
-            yield f"- Contains: {', '.join(f'`{name}`' for name in effect.search.contains)}"
-        if effect.search.twins:
-            yield f"- Cannot be told from: {', '.join(f'`{name}`' for name in effect.search.twins)}"
+        yield f"| [`{effect.name}`](effects/{effect.name}.md) | {where(effect)} | {parameters(effect)} |"
+
+
+def page(effect: Effect) -> Iterator[str]:
+    """The page of one effect."""
+    about = (effect.__doc__ or "").splitlines()[0].rstrip(".")
+    yield f"# {effect.name}\n"
+    yield f"Acts on {where(effect)}. [All effects](../effects.md)\n"
+    if PAGE.with_name("images").joinpath("effects", f"{effect.name}.png").is_file():
+        yield f"![Its signature over speed, position and time](../images/effects/{effect.name}.png)\n"
+    yield f"- Equation: {escaped(about)}"
+    yield f"- Parameters: {parameters(effect)}"
+    yield f"- Source: {escaped(effect.words.source)}"
+    yield f"- Typical sign: {escaped(effect.words.shows)}"
+    yield f"- Experiment that shows it best: {escaped(effect.words.reveal)}"
+    yield f"- In MuJoCo: {escaped(effect.words.mujoco)}"
+    if effect.search.contains:
+        yield f"- Contains: {links(effect.search.contains)}"
+    if effect.search.twins:
+        yield f"- Cannot be told from: {links(effect.search.twins)}"
+    place = "@AXIS" if effect.locations else ""
+    values = "".join(f" {p.name}={p.example:g}" for p in effect.parameters)
+    yield f"\n```sh\nworkbench add MODEL.toml {effect.name}{place}{values} -o new.toml\n```"
+
+
+def links(names: tuple[str, ...]) -> str:
+    """Effects by name, each a link to its page."""
+    return ", ".join(f"[`{name}`]({name}.md)" for name in names)
 
 
 def where(effect: Effect) -> str:
@@ -63,7 +83,8 @@ def where(effect: Effect) -> str:
 
 def parameters(effect: Effect) -> str:
     """Names with units."""
-    return ", ".join(f"`{p.name}` [`{p.unit}`]" for p in effect.parameters) or "none"
+    each = (f"`{p.name}`" + (f" [`{p.unit}`]" if p.unit != "1" else "") for p in effect.parameters)
+    return ", ".join(each) or "none"
 
 
 def escaped(text: str) -> str:

@@ -1,7 +1,8 @@
 """Every command in the documentation runs, in order, and prints what the page shows.
 
 In a ``console`` block a line that begins with ``$`` is run; ``# exit 1`` behind it says how it ends. Lines
-below it are found in what it prints, spaces and line breaks aside; ``…`` stands for anything. A ``toml NAME``
+below it are found in what it prints, spaces and line breaks aside; ``…`` stands for anything, and numbers
+that were measured may differ a little (`NEAR`). A ``toml NAME``
 or ``xml NAME`` block is written to that file first. All blocks of a page share one empty folder. A
 ``sh`` block takes hardware, a browser or hours: its commands and options have to be there. What imports
 ``workbench`` in a ``python`` block runs.
@@ -28,6 +29,9 @@ from workbench.rigs import VirtualLeg, chirp
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 BLOCK = re.compile(r"^```(?P<kind>\w+)(?: (?P<name>\S+))?\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+#: A number with a decimal point is measured; it may differ by this part of itself.
+MEASURED, NEAR = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])"), 0.1
+WIDTHS = {"tutorial.md": 80}
 
 
 def blocks(page: Path) -> list[tuple[str, str | None, str]]:
@@ -41,6 +45,7 @@ def blocks(page: Path) -> list[tuple[str, str | None, str]]:
 def test_commands_of_a_page_run_in_order(page: Path, tmp_path: Path) -> None:
     for folder in ("docs/tutorial", "examples"):  # as in a clone
         shutil.copytree(ROOT / folder, tmp_path / folder)
+    shutil.copytree(ROOT / "docs/tutorial", tmp_path / "tutorial")  # as the tutorial's first step
     for kind, name, text in blocks(page):
         if kind != "console":
             assert name is not None
@@ -48,29 +53,46 @@ def test_commands_of_a_page_run_in_order(page: Path, tmp_path: Path) -> None:
             continue
         for step in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
             command, _, shown = step.partition("\n")
-            run(command, shown, tmp_path)
+            run(command, shown, tmp_path, WIDTHS.get(page.name, 120))
 
 
-def shell(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+def shell(command: str, folder: Path, columns: int) -> subprocess.CompletedProcess[str]:
     """What a line does in a shell; a command of ours runs in this process, once its patterns are expanded."""
     # documented commands are ours: the shell expands their patterns as a reader's does
     whole = not command.startswith("workbench ") or any(sign in command for sign in "|<>&;")
     script = command if whole else f"printf '%s\\0' {command}"
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    env = {**os.environ, "PATH": path, "COLUMNS": "120", "OPENBLAS_NUM_THREADS": "1"}
+    env = {**os.environ, "PATH": path, "COLUMNS": str(columns), "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(["bash", "-c", script], cwd=folder, env=env, capture_output=True, text=True)
-    return done if whole else here.run(*done.stdout.split("\0")[1:-1], cwd=folder, columns=120)
+    return done if whole else here.run(*done.stdout.split("\0")[1:-1], cwd=folder, columns=columns)
 
 
-def run(command: str, shown: str, folder: Path) -> None:
-    done = shell(command, folder)
+def run(command: str, shown: str, folder: Path, columns: int = 120) -> None:
+    done = shell(command, folder, columns)
     expected = re.search(r"# exit (\d)", command)
     said = f"{command}\n{done.stdout}\n{done.stderr}"
     assert done.returncode == (int(expected[1]) if expected else 0), said
     printed = " ".join((done.stdout + done.stderr).split())
     wanted = [" ".join(line.split()) for line in shown.splitlines() if line.strip()]
     pattern = " ?".join(re.escape(line).replace("…", ".*?") for line in wanted)
-    assert re.search(pattern, printed), f"the page shows:\n{shown}\nbut it is:\n{said}"
+    numbers = MEASURED.findall(pattern.replace("\\.", "."))
+    pattern = MEASURED.sub(r"(\\d+(?:\\.\\d+)?)", pattern.replace("\\.", "."))
+    found = re.search(pattern, printed)
+    assert found, f"the page shows:\n{shown}\nbut it is:\n{said}"
+    for wanted_number, number in zip(numbers, found.groups(), strict=True):
+        assert float(number) == pytest.approx(float(wanted_number), rel=NEAR, abs=1e-3), said
+
+
+def test_a_number_may_differ_a_little_and_no_more(tmp_path: Path) -> None:
+    run("echo error 0.0444, 98 %", "error 0.0431, 98 %", tmp_path)
+    for shown in ("error 0.0331, 98 %", "error 0.0444, 97 %", "another 0.0444, 98 %"):
+        with pytest.raises(AssertionError):
+            run("echo error 0.0444, 98 %", shown, tmp_path)
+
+
+def test_the_tutorial_leaves_nothing_out() -> None:
+    sessions = [text for kind, _, text in blocks(ROOT / "docs" / "tutorial.md") if kind == "console"]
+    assert sum(text.count("\n") for text in sessions) > 80 and not any("…" in text for text in sessions)
 
 
 def test_names_in_the_pages_exist() -> None:

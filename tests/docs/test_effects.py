@@ -13,5 +13,8 @@ def test_the_catalogue_is_current() -> None:
     check = [sys.executable, str(DOCS / "write_effects.py"), "--check"]
     done = subprocess.run(check, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    text = (DOCS / "effects.md").read_text()
-    assert all(f"### {effect.name}\n" in text for effect in EFFECTS)
+    index = (DOCS / "effects.md").read_text()
+    for effect in EFFECTS:
+        assert f"(effects/{effect.name}.md)" in index
+        page = (DOCS / "effects" / f"{effect.name}.md").read_text()
+        assert page.startswith(f"# {effect.name}\n") and f"workbench add MODEL.toml {effect.name}" in page

@@ -92,3 +92,20 @@ def test_every_effect_has_its_picture() -> None:
     folder = ROOT / "docs" / "images" / "effects"
     assert {p.stem for p in folder.glob("*.png")} == {effect.name for effect in EFFECTS}
     assert sum(p.stat().st_size for p in folder.iterdir()) < 1.5e6
+
+
+_COPY = "[...document.querySelectorAll('[data-copy]')].map((e) => e.dataset.copy)"
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium to open the page in")
+def test_from_disk_copy_takes_commands_and_the_console_stays_empty(site: Path, tmp_path: Path) -> None:
+    with Chrome(tmp_path) as chrome:
+        for page in ("tutorial", "index", "effects", "effects/coulomb_friction"):
+            chrome.open((site / f"{page}.html").as_uri())
+            chrome.wait(f"location.pathname.endsWith('{page}.html') && document.readyState === 'complete'")
+            assert chrome.ask("!!document.querySelector('[data-md-component=search]')") is False
+            if page == "tutorial":
+                copied = chrome.ask(_COPY)
+        assert chrome.errors == []
+    assert copied and all(line.startswith("workbench ") for text in copied for line in text.splitlines())
+    assert "workbench compare better.toml check.toml" in "\n".join(copied)

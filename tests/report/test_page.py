@@ -6,6 +6,7 @@ import hashlib
 import re
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import pytest
 from workbench.core import Diagnosis, Improvement, InputError
 from workbench.report import render_page, write_page
 from workbench.report.pack import plots
+from workbench.report.residual_strip import residual_strips
 
 from . import build
 from .browser import CHROMIUM, NASTY, Page, chromium
@@ -81,9 +83,9 @@ def test_it_shows_the_shape_of_what_no_effect_explains():
     page = Page(render_page(build.unexplained(), command=COMMAND))
     assert "a shape to think about, no cause" in page.text and "hip: position 97 %" in page.text
     assert "knee: a tone of 3.7 Hz 61 %" in page.text and "the position of hip at its median" in page.text
-    [words] = [a["alt"] for t, a in page.tags if t == "img" and "lacking" in (a["alt"] or "")]
+    [words] = [a["alt"] for t, a in page.tags if t == "img" and "Missing torque" in (a["alt"] or "")]
     least_and_most = "least 0 N m at −1 rad, most 1.60 N m at 1 rad, give or take 0.040 N m"
-    assert f"Torque lacking on hip against position: {least_and_most}." in words
+    assert f"Missing torque at hip against position: {least_and_most}." in words
     assert "shape of what no effect" not in Page(render_page(build.diagnosis(), command=COMMAND)).text
 
 
@@ -94,9 +96,9 @@ def test_held_out_errors_stand_beside_their_own_floor(improvement):
     assert "on the held-out recordings that" not in Page(render_page(bare, command=COMMAND)).text
 
 
-def test_the_truth_comes_last(improvement):
+def test_the_truth_stands_beside_the_answer(improvement):
     text = Page(render_page(improvement, command=COMMAND, truth=build.TRUTH)).text
-    assert text.index("How to reproduce this") < text.index("The truth", text.index("How to reproduce this"))
+    assert text.index("The truth beside the answer") < text.index("The error, step by step")
     assert "not found" in text and "0.2550 N m" in text
 
 
@@ -238,11 +240,37 @@ def test_the_policy_stops_requests_and_says_so(tmp_path, comparison):
 
 def test_what_is_only_nearest_is_shown_as_no_cause(improvement):
     near = replace(improvement, verdict="unexplained", nearest=True)
-    assert "What was added: near, but no cause" in Page(render_page(near, command=COMMAND)).text
-    assert "no cause" not in Page(render_page(improvement, command=COMMAND)).text
+    assert "What was added: nearest, but not a cause" in Page(render_page(near, command=COMMAND)).text
+    assert "not a cause" not in Page(render_page(improvement, command=COMMAND)).text
 
 
 def test_held_out_recordings_have_their_own_numbers(improvement: Improvement, diagnosis: Diagnosis) -> None:
     shown = Page(render_page(improvement, command=COMMAND)).text
     assert "The same of the held-out recordings" in shown and "walk, held out" in shown
     assert "held-out recordings, which" not in Page(render_page(diagnosis, command=COMMAND)).text
+
+
+def test_the_residual_before_and_after_comes_first_and_needs_no_script(improvement: Improvement) -> None:
+    strips = residual_strips(improvement.before, improvement.after)
+    assert strips and strips.title == "Residual torque of knee in chirp_knee"
+    assert [s.style for s in strips.strips] == ["before", "after"]
+    assert all(s.size.endswith(" N m") for s in strips.strips), "sizes that are compared have one unit"
+    spread = [np.std([float(y) for y in re.findall(r" ([\d.]+)", s.path)]) for s in strips.strips]
+    assert spread[1] < 0.3 * spread[0]
+    assert all(s.path.count("M") == 2 for s in strips.strips), "a gap in the recording is a gap in the line"
+    page = render_page(improvement, command=COMMAND)
+    assert page.index(strips.strips[1].path) < page.index('id="steps"')
+    assert len(residual_strips(improvement.before, None).strips) == 1  # type: ignore[union-attr]
+    assert residual_strips(None, None) is None
+
+
+def test_hashes_are_folded_at_the_end(diagnosis: Diagnosis) -> None:
+    page = render_page(diagnosis, command=COMMAND, inputs=[__file__])
+    folded = page.index("<details>", page.index('id="reproduce"'))
+    assert folded < page.index(hashlib.sha256(Path(__file__).read_bytes()).hexdigest())
+
+
+def test_a_comparison_says_what_its_error_is_and_that_shares_overlap(comparison) -> None:
+    text = Page(render_page(comparison, command=COMMAND)).text
+    assert "divided by the measured signal's standard deviation" in text
+    assert "Each table divides the same error differently; do not add them." in text

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from workbench.core import EffectKey, Estimate, Outlier, Share
-from workbench.report import render_page, sentence
+from workbench.report import diagnosis_dict, render_page, sentence
 from workbench.report.ladder import log_axis, rungs
 from workbench.report.numbers import interval, number, percent, quantity, short, unit_text
-from workbench.report.wording import effect_phrase, effect_phrases, loop_sentence, share_phrase
+from workbench.report.wording import effect_phrase, effect_phrases, loop_sentence, share_phrase, sized_phrase
 
 from . import build
 from .browser import Page
@@ -51,6 +51,12 @@ def test_effects_have_names_and_places():
     assert effect_phrase(EffectKey("delay", None)) == "delay on all axes"
     assert effect_phrase(EffectKey("backlash", "hip", "joint")) == "backlash at the hip joint"
     assert effect_phrase(EffectKey("payload_mass", None)) == "payload mass where the machine ends"
+    payload = EffectKey("payload_mass", None, site="tool")
+    assert effect_phrase(payload) == "payload mass at site 'tool'" and payload == EffectKey(
+        "payload_mass", None
+    )
+    size = {"mass": Estimate(0.6, 0.002, "kg")}
+    assert sized_phrase(payload, size) == "a payload of 0.600 ± 0.004 kg (95 %) at site 'tool'"
 
 
 def test_verdicts(comparison, diagnosis, improvement):
@@ -76,7 +82,7 @@ def test_verdicts(comparison, diagnosis, improvement):
     assert "nothing was added" in sentence(replace(improvement, steps=()))
     first, last = improvement.steps
     taken_out = sentence(replace(improvement, steps=(first, replace(last, removed=(first.key,)))))
-    assert taken_out.startswith("With torque gain on the hip drive, the model explains")
+    assert taken_out.startswith("With torque gain on the hip drive, 0.931 ± 0.008 (95 %), the model explains")
     worst = Outlier("knee", "torque", 1.44, 1.31)
     off = replace(improvement, after=replace(improvement.after, consistent=False, outlier=worst))
     assert "to the noise as a whole (the " in sentence(off) and "noise makes 1.31 at most): " in sentence(off)
@@ -178,3 +184,19 @@ def test_harmonics_of_a_ripple_are_one_cause_with_their_number() -> None:
     kin = [EffectKey("cogging", "hip", copy=k) for k in (1, 2, 3)]
     assert effect_phrases([*kin, EffectKey("cogging", "knee")]) == ["cogging on the hip and knee drives"]
     assert effect_phrases(kin) == ["cogging on the hip drive (3 harmonics)"]
+
+
+def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
+    scales = {"kp_scale": Estimate(0.8, 0.005, "1"), "kd_scale": Estimate(1.3, 0.01, "1")}
+    key = EffectKey("controller_gain_error", "lift")
+    gains = replace(diagnosis.findings[0], key=key, parameters=scales)
+    line = "mend run.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
+    told = replace(diagnosis, findings=(gains,), mend=(line,))
+    assert sentence(told) == (
+        "The controller's gains are stated wrongly: on the lift drive kp is 0.800 ± 0.010 and kd is "
+        "1.300 ± 0.020 times what is stated."
+    )
+    assert f"M{line[1:]}." in Page(render_page(told, command="workbench diagnose")).text
+    assert diagnosis_dict(told)["mend"] == [line]
+    both = sentence(replace(told, findings=(gains, diagnosis.findings[0])))
+    assert "Something is missing too: Coulomb friction" in both

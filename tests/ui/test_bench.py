@@ -196,9 +196,9 @@ def test_a_saved_report_is_of_the_model_as_it_is(live: Live, loop: Loop) -> None
     live.do(lambda: bench.add(hip))
     saving.over.value = True
     saving._save_report()
-    assert live.message == ("The report is saved as soon as the comparison is there.", False)
+    assert live.message == ("The report is saved once the comparison is done.", False)
     saving.follow()
-    assert "as soon as" in live.message[0]
+    assert "once the comparison" in live.message[0]
     loop.until(lambda: live.now and live.now.comparison)
     saving.follow()
     assert "page of the comparison" in live.message[0]
@@ -210,7 +210,7 @@ def test_a_report_that_was_asked_for_is_not_saved_after_something_went_wrong(liv
     loop.until(lambda: live.now and not live.now.comparison and live.bench.chosen)
     saving = Saving(live)
     saving._save_report()
-    assert "as soon as" in live.message[0]
+    assert "once the comparison" in live.message[0]
     live.say("something went wrong", wrong=True)
     saving.follow()
     loop.until(lambda: live.now and live.now.comparison)

@@ -26,7 +26,7 @@ def test_a_folder_offers_its_recordings_and_the_shipped_models(folder: Path) -> 
     shelf = Shelf.of(None, [], folder)
     assert list(shelf.recordings) == ["one/made.toml", "two/made.toml"]
     assert {"leg", "leg_kin_only"} <= set(shelf.models)
-    assert shelf.unreadable == ("broken.toml",)
+    assert shelf.unreadable == {"broken.toml": "is not TOML"}
     assert shelf.recording("one/made.toml").axes == ("a", "b")
 
 
@@ -75,7 +75,7 @@ def test_a_folder_s_robots_are_offered_before_the_shipped_models(folder: Path) -
     (folder / "broken.urdf").write_bytes(b"\xff<robot")
     shelf = Shelf.of(None, [], folder)
     assert list(shelf.models)[:2] == ["arm", "hand"] and {"notes", "looks", "broken"}.isdisjoint(shelf.models)
-    assert shelf.unreadable == ("broken.toml",)
+    assert shelf.unreadable == {"broken.toml": "is not TOML"}
     assert shelf.model("arm").axes == ("a",)
 
 
@@ -84,3 +84,13 @@ def test_the_tree_of_a_described_model_is_not_offered_beside_it(folder: Path) ->
     (folder / "arm.toml").write_text('serial = "arm.xml"')
     shelf = Shelf.of(None, [], folder)
     assert shelf.models["arm"] == folder / "arm.toml" and folder / "arm.xml" not in shelf.models.values()
+
+
+def test_a_broken_recording_is_not_offered_and_it_is_said_why(folder: Path) -> None:
+    description = (folder / "one" / "made.toml").read_text()
+    (folder / "no_table.toml").write_text(description.replace("table.csv", "gone.csv"))
+    (folder / "no_axes.toml").write_text('format = 1\ntable = "one/table.csv"\n')
+    shelf = Shelf.of(None, [], folder)
+    assert list(shelf.recordings) == ["one/made.toml", "two/made.toml"]
+    assert shelf.unreadable["no_table.toml"] == "its table gone.csv is not there"
+    assert "no_axes.toml" in shelf.unreadable

@@ -67,8 +67,21 @@ def read_recordings(paths: Sequence[str]) -> list[Recording]:
     """
     from workbench.recordings import load_recordings
 
+    paths = without_models(paths)
     _each_once(paths)
-    return load_recordings(list(paths))
+    return load_recordings(paths)
+
+
+def without_models(paths: Sequence[str]) -> list[str]:
+    """Files without the models among them, as ``*.toml`` finds them; a note on standard error names these."""
+    from workbench.recordings import is_model_file
+
+    models = [p for p in paths if is_model_file(Path(p))]
+    if not models or len(models) == len(paths):
+        return list(paths)
+    what = "is a model, no recording" if len(models) == 1 else "are models, no recordings"
+    echo(f"note: {', '.join(models)} {what}: left out", err=True)
+    return [p for p in paths if p not in models]
 
 
 def _each_once(paths: Sequence[str]) -> None:
@@ -86,8 +99,9 @@ def open_sources(paths: Sequence[str], *, whole: bool = False) -> list[Recording
     """
     from workbench.recordings import open_recordings
 
+    paths = without_models(paths)
     _each_once(paths)
-    return open_recordings(list(paths), whole=whole)
+    return open_recordings(paths, whole=whole)
 
 
 def open_pair(training: Sequence[str], held_out: Sequence[str] | None, *, whole: bool) -> Excerpts:
@@ -98,9 +112,9 @@ def open_pair(training: Sequence[str], held_out: Sequence[str] | None, *, whole:
     """
     from workbench.recordings import excerpts
 
-    both = open_sources([*training, *(held_out or [])], whole=whole)
-    count = len(both) - len(held_out or [])
-    return excerpts(both[:count], both[count:])
+    _each_once([*training, *(held_out or [])])
+    judging = open_sources(held_out, whole=whole) if held_out else []
+    return excerpts(open_sources(training, whole=whole), judging)
 
 
 def check_outputs(*paths: str | None, force: bool) -> None:

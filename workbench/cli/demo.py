@@ -113,7 +113,8 @@ def demo(
         return
     with progress(quiet) as tell:
         result, better = improve(model, training, judging, seed=seed, progress=staged(tell))
-    write_model(replace(better, name=f"{model.name}_improved"), folder / "improved.toml", force=force)
+    if result.steps:
+        write_model(replace(better, name=f"{model.name}_improved"), folder / "improved.toml", force=force)
     page = str(folder / "report.html")
     deliver(
         result,
@@ -126,4 +127,5 @@ def demo(
         truth=truth,
     )
     draw_figures(result, folder, force=force)
-    say(f"\nLook at {page}; recordings, figures and improved.toml lie beside it.")
+    made = "recordings, figures and improved.toml lie" if result.steps else "recordings and figures lie"
+    say(f"\nLook at {page}; {made} beside it.")

@@ -7,27 +7,35 @@ from typing import Annotated
 
 import typer
 
+from workbench.core import InputError
+
 from . import complete
 from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs
 from .import_model import MechanismOptions, import_mechanism, refuse_model, show_contents
-from .import_table import import_table, read_answers
+from .import_table import import_several, import_table, read_answers
+
+_MECHANISMS = (".sdf", ".urdf", ".xml", ".xacro", ".world")
 
 
 @app.command(name="import")
 def import_(
-    file: Annotated[
-        str,
+    files: Annotated[
+        list[str],
         typer.Argument(
-            metavar="FILE",
+            metavar="FILE...",
             help="A table or log (CSV, JSON, Parquet, MATLAB, NumPy, PyTorch, MCAP, ROS 2 bag, LeRobot data "
-            "set, CAN log), or SDF or URDF of a mechanism, its loops cut open, or MJCF with loops.",
+            "set, CAN log), or SDF or URDF of a mechanism, its loops cut open, or MJCF with loops. "
+            "Several logs that are alike are imported one after the other, and asked about once.",
         ),
     ],
     output: Annotated[
         str,
         typer.Option(
-            "--output", "-o", metavar="TOML", help="The new recording or model file; FILE.toml for a table."
+            "--output",
+            "-o",
+            metavar="TOML",
+            help="The new recording or model file; FILE.toml for a table, a folder for several.",
         ),
     ] = "",
     model: Annotated[
@@ -152,14 +160,25 @@ def import_(
 
     Example: workbench import run.csv --model arm.xml -o run.toml
 
+    Example: workbench import logs/*.csv --model arm.xml -o recordings
+
     \b
     Example: workbench import leg.sdf --drive hip --drive crank_pin --joint hip
     --joint knee --loop coupler_end:rear_arm_end --foot foot --gear 9
     --rotor-inertia 2e-4 -o my_leg.toml
     """
-    path = Path(file)
+    paths = [Path(file) for file in files]
+    path = paths[0]
     check_outputs(json, force=force)
-    if path.suffix.lower() not in (".sdf", ".urdf", ".xml", ".xacro", ".world"):
+    if len(paths) > 1:
+        if mechanism := next((p for p in paths if p.suffix.lower() in _MECHANISMS), None):
+            raise InputError(
+                "a mechanism is imported alone", file=mechanism, remedy="give it without the logs"
+            )
+        answers = read_answers(axis, column, unit, rate, counts, coordinates, kp, kd, period, model, episode)
+        import_several(paths, output, answers, yes=yes, model=model, json=json, force=force, quiet=quiet)
+        return
+    if path.suffix.lower() not in _MECHANISMS:
         answers = read_answers(axis, column, unit, rate, counts, coordinates, kp, kd, period, model, episode)
         import_table(path, output, answers, yes=yes, model=model, json=json, force=force, quiet=quiet)
         return

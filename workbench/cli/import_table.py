@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,8 +28,11 @@ def import_table(
     json: str | None = None,
     force: bool = False,
     quiet: bool = False,
-) -> None:
+) -> Answers:
     """Propose, ask, write, show.
+
+    Returns:
+        The answers with what was asked, for logs that are alike.
 
     Raises:
         InputError: the file cannot be read, or a question is open and nobody is there to ask.
@@ -80,6 +84,50 @@ def import_table(
             answers.loop and "position_reference" in recording.signals
         )
         echo(next_step(proposal.description, remarks, target, model, short=short, looped=looped))
+    return answers
+
+
+def import_several(
+    paths: Sequence[Path],
+    folder: str,
+    answers: Answers,
+    *,
+    yes: bool = False,
+    model: str | None = None,
+    json: str | None = None,
+    force: bool = False,
+    quiet: bool = False,
+) -> None:
+    """Import logs that are alike: what was asked of one holds for those behind it.
+
+    Args:
+        paths: the logs, in order.
+        folder: where the recordings go; beside each log where it is empty.
+
+    Raises:
+        InputError: as `import_table`; two logs would have one recording; or JSON, which is of one log.
+    """
+    from workbench.core.files import check_free
+
+    if json:
+        raise InputError("--json is of one log", remedy="import one at a time, or leave --json out")
+    if folder and Path(folder).suffix:
+        raise InputError(
+            "several logs do not go into one file",
+            file=folder,
+            remedy="name a folder with -o, or leave -o out",
+        )
+    targets = [Path(folder) / default_output(p).name if folder else default_output(p) for p in paths]
+    for target in targets:
+        if targets.count(target) > 1:
+            raise InputError(
+                "two logs would have this one recording", file=target, remedy="import them one by one"
+            )
+        check_free(target, force=force)
+    if folder:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    for path, target in zip(paths, targets, strict=True):
+        answers = import_table(path, str(target), answers, yes=yes, model=model, force=force, quiet=quiet)
 
 
 def default_output(path: Path) -> Path:

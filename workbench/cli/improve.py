@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.core import WorkbenchError
+from workbench.core import Improvement, WorkbenchError
 
 from .app import app
 from .common import (
@@ -72,7 +72,9 @@ def improve(
         )
     written, refused = None, None
     try:
-        if into is None:
+        if not result.steps:
+            pass  # the model as it is says it already
+        elif into is None:
             write_model(better, output, force=force)
         else:
             written = Into.of(loaded, better, into, output)
@@ -94,4 +96,11 @@ def improve(
     if refused is not None:
         raise refused
     if not quiet and json != "-":
-        echo("\n".join(written.lines) if written else f"Wrote {output}.")
+        echo(_told(result, written, output))
+
+
+def _told(result: Improvement, written: Into | None, output: str) -> str:
+    """What was written, or that nothing was."""
+    if not result.steps:
+        return f"Nothing was added, so {output} was not written."
+    return "\n".join(written.lines) if written else f"Wrote {output}."

@@ -28,13 +28,15 @@ class Estimate:
 class EffectKey:
     """Names an effect, the axis it acts on (None: all axes), and whether at its drive or its joint.
 
-    `copy`: which one of several in one place, as harmonics of a ripple are.
+    `copy`: which one of several in one place, as harmonics of a ripple are. `site`: the MJCF site that it
+    hangs on, for the reader; two keys are equal whatever it is. None where there is none or it is not known.
     """
 
     effect: str
     axis: str | None
     location: Literal["actuator", "joint"] = "actuator"
     copy: int = 1
+    site: str | None = field(default=None, compare=False)
 
     def __str__(self) -> str:
         place = f"{self.effect}@{self.axis}" if self.axis else self.effect
@@ -108,6 +110,7 @@ class Diagnosis(Shown):
         identifiability: what the recordings can tell apart; None where nothing linear can be asked.
         disagreeing: recordings that an effect explains with a size of its own each.
         trace: what was tried, in this order.
+        mend: stated numbers that are wrong, with file, line, and what they should be, one line each.
     """
 
     model: str
@@ -135,6 +138,7 @@ class Diagnosis(Shown):
     identifiability: Identifiability | None = None
     disagreeing: tuple[Disagreement, ...] = ()
     trace: tuple[Tried, ...] = ()
+    mend: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

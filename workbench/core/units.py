@@ -6,6 +6,8 @@ import re
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
+from .text import plain
+
 if TYPE_CHECKING:
     import pint
 
@@ -78,3 +80,10 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
 def torque_unit(position_unit: str) -> str:
     """The unit of torque that goes with a unit of position: N m with rad, N with m."""
     return "N" if position_unit == "m" else "N m"
+
+
+def unit_text(unit: str) -> str:
+    """``"N*m/(rad/s)"`` as it is printed: ``"N m/(rad/s)"``; dimensionless is empty."""
+    text = plain(unit).replace("**2", "²").replace("**3", "³").replace("^2", "²").replace("^3", "³")
+    text = text.replace("*", " ").replace("·", " ")
+    return "" if text.strip() in ("1", "-", "dimensionless") else text.strip()

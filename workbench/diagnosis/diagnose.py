@@ -17,6 +17,7 @@ from .checks.units import doubted, state_units
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
+from .mend import mend_lines
 from .policy import POLICY
 from .problem import Progress
 from .rounds import Rounds, comparisons, part_of, rounds
@@ -104,6 +105,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         identifiability=first.identifiability,
         disagreeing=first.disagreeing,
         trace=first.trace,
+        mend=mend_lines(first.model, recordings, findings),
         notes=(
             *before.notes,
             *_softness(first),

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from workbench.core import EffectKey, Finding, Step, Verdict
+from workbench.core.units import unit_text
 from workbench.effects import effect_named, model_value
 from workbench.models import AppliedEffect, Model, Placement
 
@@ -201,7 +202,7 @@ def refuting_line(verdict: Verdict, found: SearchResult) -> tuple[str, ...]:
 
 def _estimated(applied: AppliedEffect) -> str:
     values = (
-        f"{name} {e.value:.3g} ± {2 * e.std:.2g} {e.unit.replace('*', ' ')}".strip()
+        f"{name} {e.value:.3g} ± {2 * e.std:.2g} {unit_text(e.unit)}".strip()
         for name, e in applied.parameters.items()
     )
     return f"{applied.key} ({', '.join(values)})"

@@ -131,6 +131,11 @@ class Effect(ABC):
         del key
         return model.size > 0
 
+    def site(self, model: Model) -> str | None:
+        """The MJCF site that it hangs on in this model; None where it hangs on none."""
+        del model
+        return None
+
     @abstractmethod
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """The effect's torque along a motion, given the nonlinear parameters in `shape`."""

@@ -87,7 +87,7 @@ def places(model: Model) -> tuple[EffectKey, ...]:
     keys: list[EffectKey] = []
     for effect in EFFECTS:
         if not effect.locations:
-            candidates = [EffectKey(effect.name, None)]
+            candidates = [EffectKey(effect.name, None, site=effect.site(model))]
         else:
             candidates = [
                 EffectKey(effect.name, axis, location)

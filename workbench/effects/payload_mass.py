@@ -34,6 +34,10 @@ class PayloadMass(Effect):
         """Where the model says which site carries it."""
         return model.payload_site is not None
 
+    def site(self, model: Model) -> str | None:
+        """The payload's."""
+        return model.payload_site
+
     def response(self, motion: Motion, model: Model, place: Place, shape: Values) -> Response:
         """One column: the torque of a mass of 1 kg."""
         assert model.payload_site is not None

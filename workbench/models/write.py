@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 from typing import Any
@@ -142,9 +143,12 @@ def _effect_table(effect: AppliedEffect) -> dict[str, Any]:
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """A path that is found again: in the shipped models, beside the new file, or absolute."""
+    """A path that is found again: in the shipped models, or from the folder of the new file."""
     for root in (models_folder().resolve(), folder):
         # one of the same name beside the new file would be found first
         if path.is_relative_to(root) and (root == folder or not (folder / path.relative_to(root)).exists()):
             return path.relative_to(root).as_posix()
-    return path.as_posix()
+    try:
+        return Path(os.path.relpath(path.resolve(), folder)).as_posix()
+    except ValueError:  # on another drive of Windows
+        return path.as_posix()

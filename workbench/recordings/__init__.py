@@ -1,5 +1,6 @@
 """Reads, checks and writes what was measured: one TOML file and one table per recording."""
 
+from .description import is_model_file
 from .files import source_files
 from .log import HELD, Log, Stretch, check_moves, open_recording, open_recordings
 from .noise import NoiseLevels, noise_levels
@@ -18,6 +19,7 @@ __all__ = [
     "check_moves",
     "describe",
     "excerpts",
+    "is_model_file",
     "load_recording",
     "load_recordings",
     "noise_levels",

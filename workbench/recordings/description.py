@@ -155,6 +155,19 @@ def read_description(path: Path) -> Description:
     return description
 
 
+def is_model_file(path: Path) -> bool:
+    """Whether a file is a model and no recording: an MJCF or URDF, or a TOML that names one as ``serial``."""
+    if path.suffix.lower() in (".xml", ".urdf"):
+        return True
+    if path.suffix.lower() != ".toml":
+        return False
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return False  # whoever reads it says what is wrong with it
+    return "serial" in content and "table" not in content
+
+
 def _other_kind(path: Path, content: Mapping[str, Any]) -> str:
     """What to do where the file is a model or a table; empty where it may be a recording."""
     if path.suffix in (".xml", ".urdf") or "serial" in content:

@@ -15,7 +15,7 @@ from .checks import check_alive, check_excitation, check_finite
 from .clock import Clock, read_clock
 from .convert import axis_signals, axis_units, extra_signals, seconds
 from .dead import dead_note, dead_rows
-from .description import ControllerTable, Description, read_description
+from .description import ControllerTable, Description, is_model_file, read_description
 from .jitter import settle_jitter
 from .lattice import lattice_step
 from .resample import loop_keeps_time, measured_on_clock, onto_clock
@@ -157,7 +157,8 @@ def load_recordings(paths: str | Path | Iterable[str | Path]) -> Recordings:
     """Read several recordings.
 
     Args:
-        paths: TOML files or patterns (``"data/*.toml"``), or one of them; what a pattern finds is sorted.
+        paths: TOML files or patterns (``"data/*.toml"``), or one of them; what a pattern finds is sorted, and
+            models that it finds beside recordings are left out.
 
     Raises:
         InputError: as `load_recording`, or a pattern that finds nothing.
@@ -175,6 +176,8 @@ def recording_files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
     files: list[Path] = []
     for path in map(str, paths):
         found = sorted(glob.glob(path, recursive=True)) if glob.has_magic(path) else [path]
+        recordings = [p for p in found if not is_model_file(Path(p))]
+        found = recordings or found  # of models alone the reader says what they are
         if Path(path).exists():
             found = [path]
         if not found:

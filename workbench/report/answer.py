@@ -16,10 +16,12 @@ from .wording import (
     one_of_a_kind,
     outlier_phrase,
     place,
-    single_value,
+    sized_phrase,
     times_noise,
 )
 
+_GAINS = "controller_gain_error"
+_OF_GAIN = {"kp_scale": "kp is", "kd_scale": "kd is"}
 _FEW = 3  # numbers or names that are told one by one
 
 
@@ -30,9 +32,10 @@ def diagnosis_sentence(result: Diagnosis) -> str:
     if result.verdict == "unexplained" or not result.findings:
         rest = percent(result.unexplained_fraction)
         return f"Something is missing: {_nothing(result)}; {rest} of the squared error above the noise stays."
-    wrong = [f for f in result.findings if corrects(f)]
-    missing = [f for f in result.findings if not corrects(f)]
-    told = " ".join(filter(None, [_wrong(wrong), _missing(missing, bool(wrong))]))
+    gains = [f for f in result.findings if f.key.effect == _GAINS]
+    wrong = [f for f in result.findings if corrects(f) and f not in gains]
+    missing = [f for f in result.findings if f not in wrong and f not in gains]
+    told = " ".join(filter(None, [_gains(gains), _wrong(wrong), _missing(missing, bool(wrong or gains))]))
     return told + (partly_sentence(result) if result.verdict == "partly_explained" else "")
 
 
@@ -57,7 +60,8 @@ def improvement_sentence(result: Improvement) -> str:
             return "The model explains the data to the noise as it is; nothing was added."
         return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds what comes near)."
     kept = result.kept
-    added = any_of([effect_phrase(s.key) for s in kept], "and") if len(kept) < 4 else ""
+    sized = [sized_phrase(s.key, s.parameters) if len(kept) == 1 else effect_phrase(s.key) for s in kept]
+    added = any_of(sized, "and") if len(kept) < 4 else ""
     added = added or f"{_count(len(kept))} effects"
     if result.verdict == "consistent":
         outlier = result.after.outlier if result.after is not None else None
@@ -69,6 +73,17 @@ def improvement_sentence(result: Improvement) -> str:
         return f"{capital(_nothing(result.diagnosis))}. With what comes nearest, {added}, {fall}{rest}."
     partly = result.diagnosis if result.verdict == "partly_explained" else None
     return f"With {added}, {fall}{rest}.{partly_sentence(partly) if partly else ''}"
+
+
+def _gains(findings: Sequence[Finding]) -> str:
+    """That gains are not those that are stated: nothing is missing from the model."""
+    if not findings:
+        return ""
+    told = []
+    for f in findings:
+        sizes = [f"{_OF_GAIN.get(name, name)} {interval(e)}" for name, e in f.parameters.items()]
+        told.append(f"{place(f.key)} {any_of(sizes, 'and')} times what is stated{_or(f)}")
+    return f"The controller's gains are stated wrongly: {'; '.join(told)}."
 
 
 def corrects(finding: Finding) -> bool:
@@ -114,7 +129,7 @@ def _missing(findings: Sequence[Finding], beside: bool) -> str:
         return ""
     if len(findings) == 1:
         one = findings[0]
-        return f"Something is missing{too}: {effect_phrase(one.key)}{single_value(one.parameters)}{_or(one)}."
+        return f"Something is missing{too}: {sized_phrase(one.key, one.parameters)}{_or(one)}."
     doubted = any(map(_or, findings))
     keys = [f.key for f in findings]
     first = [f for f in findings if f.key in one_of_a_kind(keys)]

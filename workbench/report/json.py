@@ -83,6 +83,7 @@ def diagnosis_dict(result: Diagnosis) -> dict[str, Any]:
             "identifiability": identifiability_dict(result.identifiability),
             "disagreeing": disagreement_dicts(result.disagreeing),
             "trace": trace_dicts(result.trace),
+            "mend": list(result.mend),
         }
     )
 
@@ -111,6 +112,7 @@ def improvement_dict(result: Improvement, truth: Truth | None = None) -> dict[st
         "nearest": result.nearest,
         "near": [_finding(f) for f in result.diagnosis.near] if result.diagnosis else [],
         "stopped": result.diagnosis.stopped if result.diagnosis else None,
+        "mend": list(result.diagnosis.mend) if result.diagnosis else [],
     }
     if truth is not None:
         out["truth"] = [

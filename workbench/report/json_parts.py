@@ -15,7 +15,8 @@ from workbench.core import EffectKey, Estimate, Share
 def key_dict(key: EffectKey) -> dict[str, Any]:
     """Which effect, and where."""
     copy = {"copy": key.copy} if key.copy > 1 else {}
-    return {"effect": key.effect, "axis": key.axis, "location": key.location, **copy}
+    site = {"site": key.site} if key.site else {}
+    return {"effect": key.effect, "axis": key.axis, "location": key.location, **copy, **site}
 
 
 def effect_dict(key: EffectKey, parameters: Mapping[str, Estimate]) -> dict[str, Any]:

@@ -7,19 +7,13 @@ import re
 from collections.abc import Iterable
 
 from workbench.core import Estimate
-from workbench.core.text import plain
+from workbench.core.text import plain as plain  # pages take it from here
+from workbench.core.units import unit_text
 
 #: Half a 95 % interval, in standard deviations.
 Z95 = 1.959964
 
 _MISSING = "–"
-
-
-def unit_text(unit: str) -> str:
-    """``"N*m/(rad/s)"`` as it is printed: ``"N m/(rad/s)"``; dimensionless is empty."""
-    text = plain(unit).replace("**2", "²").replace("**3", "³").replace("^2", "²").replace("^3", "³")
-    text = text.replace("*", " ").replace("·", " ")
-    return "" if text.strip() in ("1", "-", "dimensionless") else text.strip()
 
 
 def number(value: float | None, digits: int = 3) -> str:

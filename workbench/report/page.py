@@ -15,6 +15,7 @@ from .figures import figure_bytes, overlay_figure
 from .json import Truth
 from .numbers import plain
 from .pack import plots, worst_view
+from .residual_strip import residual_strips
 from .residuals import worst_window
 from .sections import sections
 from .shapes import shape_figure
@@ -39,7 +40,7 @@ def write_page(
         command: the command line that reproduces it.
         seeds: name to seed of everything random on the way.
         inputs: the files that went in; their SHA-256 is printed.
-        truth: what the virtual hardware hid (see `truth_rows`), shown at the end.
+        truth: what the virtual hardware hid (see `truth_rows`), shown beside the answer.
         force: overwrite a file that is there already.
 
     Raises:
@@ -73,6 +74,7 @@ def render_page(
         curves=curves,
         plotly=plotly() if values else "",
         fallback=fallback,
+        strips=residual_strips(before, after),
         shape_picture=_shape_picture(result) if parts["shapes"] else "",
     )
 

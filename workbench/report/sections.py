@@ -39,6 +39,7 @@ def sections(
         "sentence": sentence(result),
         "lines": _lines(result, before),
         "key_numbers": _key_numbers(result),
+        "error_means": w.ERROR_MEANS,
         "ladder": _ladder(result),
         "effects": _effects(result),
         "effects_title": _effects_title(result),
@@ -109,7 +110,7 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
             out.append(f"Of the squared error above the noise, {w.share_phrase(result.where[0])}.")
         if not result.consistent:
             out.append("Run workbench diagnose on the same files to learn which effect is missing.")
-        return out
+        return [*out, w.ERROR_MEANS]
     if isinstance(result, Diagnosis) and result.findings:
         best = result.findings[0]
         out += [w.lookalike_sentence(best.indistinguishable_from)] if len(result.findings) == 1 else []
@@ -117,6 +118,7 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
     if isinstance(result, Improvement) and result.steps:
         out.append(w.holdout_sentence(result.holdout_error_before, result.holdout_error_after))
     diagnosis = result if isinstance(result, Diagnosis) else result.diagnosis
+    out += [plain(f"{w.capital(line)}.") for line in (diagnosis.mend if diagnosis else ())]
     out.append(near_sentence(diagnosis.near if diagnosis else ()))
     if before is not None and before.where and result.verdict == "unexplained":
         out.append(f"Of the squared error above the noise, {w.share_phrase(before.where[0])}.")

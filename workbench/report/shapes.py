@@ -19,7 +19,7 @@ _MOST = 4
 
 
 def shape_figure(result: Diagnosis) -> Figure:
-    """The smooth functions that the lacking torque follows, with twice their deviation on either side.
+    """The smooth functions that the missing torque follows, with twice their deviation on either side.
 
     Args:
         result: a diagnosis that has some.
@@ -71,7 +71,7 @@ def shape_rows(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
                 "share": percent(shape.share),
                 "remark": held.removeprefix(", "),
                 "x": f"{along} [{shape.units[0]}]",
-                "y": f"torque lacking [{shape.torque_unit}]",
+                "y": f"missing torque [{shape.torque_unit}]",
                 "unit": shape.torque_unit,
                 "about": f"Missing torque at {plain(shape.axis)} against {along}{held}: {_ends(shape)}.",
                 **curve,

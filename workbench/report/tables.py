@@ -25,6 +25,8 @@ from .told_apart import disagreement_lines, told_apart
 from .truth import truth_rows
 
 _SHARES = 5
+#: Shares by speed, by position and by frequency are of the same error.
+_OVERLAP = "Speed, position, frequency and time divide the same error differently; do not add the shares."
 
 
 def compare_table(result: Comparison) -> Group:
@@ -61,12 +63,11 @@ def compare_table(result: Comparison) -> Group:
             f"error {number(result.error)}   noise floor {number(result.noise_error)}{spread}"
             + (f"   {times} the noise" if times else "")
         ),
+        Text(w.ERROR_MEANS),
         table,
     ]
     if not result.consistent:
-        parts += _shares(
-            "Where the squared error above the noise sits: shares by each quantity", result.where
-        )
+        parts += _shares("Where the squared error above the noise sits", result.where)
     if result.inverse_dynamics is not None:
         inverse = 100.0 * result.inverse_dynamics.relative_error
         parts.append(
@@ -98,8 +99,9 @@ def diagnosis_table(result: Diagnosis) -> Group:
         parts += [Text(), *_finding(place, finding, result.holdout_noise_error)]
     parts += [_text(line) for line in (near_sentence(result.near),) if line]
     if not good:
-        parts += _shares("Where the unexplained rest sits: shares by each quantity", result.where)
+        parts += _shares("Where the unexplained rest sits", result.where)
         parts += [_text(f"  {line}") for line in result.evidence]
+    parts += _mend(result)
     if result.next_experiment:
         parts += [Text(), Text.assemble(("Measure next: ", "bold"), plain(result.next_experiment))]
     if result.not_excited:
@@ -153,8 +155,14 @@ def improvement_table(result: Improvement) -> Group:
         *(_text(line) for line in (near_sentence(near), rest_sentence(result)) if line),
         *([Text("Of the model as given:")] if rest and result.nearest else []),
         *(_text(w.capital(line)) for line in rest),
+        *(_mend(result.diagnosis) if result.diagnosis else ()),
         *(_text(f"Note: {note}") for note in result.notes),
     )
+
+
+def _mend(result: Diagnosis) -> list[Text]:
+    """Numbers to correct in the files, instead of effects to add."""
+    return [_text(f"{w.capital(line)}.") for line in result.mend]
 
 
 def truth_table(result: Improvement | Diagnosis, truth: Truth) -> Group:
@@ -203,7 +211,7 @@ def _shares(title: str, shares: Iterable[Share]) -> list[RenderableType]:
         table.add_row(
             percent(s.share), _text(s.axis), plain(s.signal).replace("_measured", ""), Text(w.range_phrase(s))
         )
-    return [Text(), Text(title, style="bold"), table]
+    return [Text(), Text(title, style="bold"), *([Text(_OVERLAP)] if len(rows) > 1 else []), table]
 
 
 def _listed(keys: Iterable[EffectKey], word: str = "or") -> str:

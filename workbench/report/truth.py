@@ -39,8 +39,8 @@ def truth_rows(result: Improvement | Diagnosis, truth: Truth) -> tuple[TruthRow,
     rows: list[TruthRow] = []
     for hidden in truth:
         key = EffectKey(hidden["effect"], hidden.get("axis"), hidden.get("location", "actuator"))
-        outcome, estimates = _match(key, found)
-        title = capital(effect_phrase(key))
+        named, outcome, estimates = _match(key, found)
+        title = capital(effect_phrase(named))
         parameters = dict(hidden.get("parameters") or {})
         if not parameters:
             rows.append(TruthRow(title, outcome, "", "", "", ""))
@@ -62,15 +62,16 @@ def _row(title: str, outcome: str, name: str, value: Any, estimate: Estimate | N
     return TruthRow(title, outcome, parameter_name(name), true_text, interval(estimate), inside)
 
 
-def _match(key: EffectKey, found: Iterable[Step | Finding]) -> tuple[str, Mapping[str, Estimate]]:
+def _match(key: EffectKey, found: Iterable[Step | Finding]) -> tuple[EffectKey, str, Mapping[str, Estimate]]:
+    """The key as the finding names its place, what came of it, and what was estimated."""
     entries = list(found)
     for entry in entries:
         if entry.key == key:
-            return "found", entry.parameters
+            return entry.key, "found", entry.parameters
     for entry in entries:
         if key in entry.indistinguishable_from:
-            return f"named as a look-alike of {effect_phrase(entry.key)}", {}
-    return "not found", {}
+            return key, f"named as a look-alike of {effect_phrase(entry.key)}", {}
+    return key, "not found", {}
 
 
 def _value(value: Any) -> tuple[float, str]:

@@ -25,6 +25,13 @@ _NAMES = {"coulomb": "Coulomb", "stribeck": "Stribeck", "lugre": "LuGre", "dahl"
 _OF_LINKS = ("first_moment_error", "link_inertia_error", "link_length_error")
 #: Effects of the whole machine that are no property of its axes.
 _WHERE = {"payload_mass": "where the machine ends", "base_compliance": "under the machine"}
+#: Effects whose one parameter is what there is: "a payload of 0.6 kg".
+_THINGS = {"payload_mass": "a payload"}
+#: What the error of a comparison is.
+ERROR_MEANS = (
+    "The error is the RMS of measured minus simulated, divided by the measured signal's standard deviation, "
+    "over all axes, for position and torque."
+)
 _SIGNALS = {"position": "position", "torque": "torque", "torque_measured": "torque"}
 
 
@@ -42,6 +49,8 @@ def place(key: EffectKey) -> str:
     """Where an effect acts: ``"on the knee drive"``, ``"at the knee joint"``, ``"on all axes"``."""
     if key.effect in _OF_LINKS:
         return f"of the {plain(key.axis or '')} link"
+    if key.site is not None:
+        return f"at site '{plain(key.site)}'"
     if key.axis is None:
         if key.effect in _WHERE:
             return _WHERE[key.effect]
@@ -53,6 +62,18 @@ def place(key: EffectKey) -> str:
 def effect_phrase(key: EffectKey) -> str:
     """Effect and place, e.g. ``"Coulomb friction on the knee drive"``."""
     return f"{effect_name(key.effect)} {place(key)}"
+
+
+def sized_phrase(key: EffectKey, parameters: Mapping[str, Estimate]) -> str:
+    """Effect, place, and size where it has one parameter.
+
+    ``"a payload of 0.600 ± 0.003 kg (95 %) at site 'tool'"``; of most effects ``"Coulomb friction on the knee
+    drive, 0.254 ± 0.003 N m (95 %)"``.
+    """
+    size = single_value(parameters)
+    if size and key.effect in _THINGS:
+        return f"{_THINGS[key.effect]} of {size.removeprefix(', ')} {place(key)}"
+    return f"{effect_phrase(key)}{size}"
 
 
 def any_of(phrases: Sequence[str], word: str = "or") -> str:

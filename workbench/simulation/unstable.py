@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import Controller, Recording, SimulationError
+from workbench.core.units import unit_text
 from workbench.effects import compile_plant
 from workbench.models import AppliedEffect, Model
 
@@ -74,7 +75,7 @@ def _fastest(made: Recording, lost: int) -> tuple[str, float, str]:
 
 
 def _stated(effect: AppliedEffect) -> str:
-    values = ", ".join(f"{n} = {e.value:g} {e.unit}".strip() for n, e in effect.parameters.items())
+    values = ", ".join(f"{n} = {e.value:g} {unit_text(e.unit)}".strip() for n, e in effect.parameters.items())
     return f"{effect.key} ({values})" if values else str(effect.key)
 
 

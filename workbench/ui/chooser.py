@@ -7,9 +7,10 @@ from typing import Any
 import panel as pn
 
 from .live import Live
-from .widgets import column, safe, text, widget
+from .widgets import button, column, safe, text, widget
 
 _NONE = "none"
+_OPEN = 10  # recordings; a longer list is folded away
 
 
 class Chooser:
@@ -23,18 +24,23 @@ class Chooser:
         self.held_out = widget(pn.widgets.Select, name="Held out, to test", options=[_NONE])
         hint = "" if shelf.recordings else _no_recordings()
         if shelf.unreadable:
-            names = ", ".join(map(safe, shelf.unreadable[:3]))
-            hint += f"<p class=quiet>Not offered, because they are not TOML: {names}</p>"
-        many = {"scroll": True, "max_height": 230} if len(shelf.recordings) > 9 else {}
-        boxes = column(self.recordings, **many) if shelf.recordings else None
+            names = "; ".join(f"{safe(n)} ({safe(why)})" for n, why in list(shelf.unreadable.items())[:3])
+            more = f"; and {len(shelf.unreadable) - 3} more" if len(shelf.unreadable) > 3 else ""
+            hint += f"<p class=quiet>Not offered: {names}{more}</p>"
+        many = len(shelf.recordings) > _OPEN
+        limits = {"scroll": True, "max_height": 230} if many else {}
+        self.boxes = column(self.recordings, visible=not many, **limits)
+        self.fold = button("", self._fold, visible=many)
+        self._name_fold()
         parts: list[Any] = [
             self.model,
             text("<p class=label>Recordings</p>"),
-            boxes,
+            self.fold,
+            self.boxes,
             text(hint),
             self.held_out,
         ]
-        self.view = column(*(p for p in parts if p is not None))
+        self.view = column(*parts)
         self._following = False
         for part in (self.model, self.recordings, self.held_out):
             part.param.watch(lambda event: self._chosen(), "value")
@@ -52,6 +58,18 @@ class Chooser:
             self.held_out.value = chosen.held_out or _NONE
         finally:
             self._following = False
+        self._name_fold()
+
+    def _fold(self) -> None:
+        """Show or hide the list of recordings."""
+        self.boxes.visible = not self.boxes.visible
+        self._name_fold()
+
+    def _name_fold(self) -> None:
+        """How many are chosen, beside what the button does."""
+        act = "Hide" if self.boxes.visible else "Show"
+        chosen, all_ = len(self.recordings.value), len(self.recordings.options)
+        self.fold.name = f"{act} the recordings ({chosen} of {all_} chosen)"
 
     def _chosen(self) -> None:
         if self._following:

@@ -12,38 +12,17 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
-from workbench.core import Comparison, Recording, RecordingError, WorkbenchError
-from workbench.models import Model
+from workbench.core import Comparison, Recording, WorkbenchError
 
 from .bench import Bench, Chosen
+from .runs import Runs
+from .stretch import run_stretch, stretch_rows
 
 Post = Callable[[Callable[[], None]], None]
 Later = Callable[[float, Callable[[], None]], Any]
 
+_SOON_S = 0.8  # without a change, before what is out of sight is simulated too
 _REST_S = 0.6  # without a change, before the slow comparison starts
-
-
-@dataclass
-class Runs:
-    """A model's runs as far as they are there, and what they score.
-
-    Attributes:
-        model: which.
-        entries: recordings beside runs; None while only some have been simulated.
-        shown: index to run, of those simulated so far.
-        seen: the same, with those of the models just before where there are none yet.
-        failed: it cannot be run.
-        error: of all; None while some are missing.
-        comparison: with the noise floor; None while it is computed.
-    """
-
-    model: Model
-    shown: dict[int, Recording] = field(default_factory=dict)
-    seen: dict[int, Recording] = field(default_factory=dict)
-    failed: bool = False
-    entries: tuple[RecordingError, ...] | None = None
-    error: float | None = None
-    comparison: Comparison | None = None
 
 
 @dataclass
@@ -58,6 +37,7 @@ class Following:
         message: the last thing that went wrong or was done, and whether it went wrong.
         took: seconds from a change to the curve on the bench.
         focus: the recording that is looked at, simulated first.
+        window: from when to when it is looked at [s]; None where no page has said.
     """
 
     bench: Bench
@@ -68,9 +48,12 @@ class Following:
     message: tuple[str, bool] = ("", False)
     took: float = 0.0
     focus: int = 0
+    window: tuple[float, float] | None = None
     _listeners: list[Callable[[str], None]] = field(default_factory=list)
     _quick: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
     _slow: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
+    _sight: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1))
+    _glancing: bool = False
     _running: bool = False
     _change: int = 0
 
@@ -112,18 +95,66 @@ class Following:
 
     def _changed(self) -> None:
         self._change += 1
-        self._simulate()
+        change = self._change
+        if self._in_sight() is None:
+            self._simulate()
+            return
+        self._follow_model()
+        self._glance()
+        self.later(_SOON_S, lambda: self._simulate() if change == self._change else None)
 
-    def _simulate(self) -> None:
-        """See to it that the runs follow the model; of changes that come meanwhile the last one counts."""
-        chosen, history = self.bench.chosen, self.bench.history
-        if chosen is None or history is None:
+    def _in_sight(self) -> tuple[slice, Recording] | None:
+        """Rows that are looked at and the run drawn there; None where the whole is simulated at once."""
+        chosen, now = self.bench.chosen, self.now
+        if chosen is None or now is None or self.focus >= len(chosen.recordings):
+            return None
+        drawn = now.shown.get(self.focus) or now.seen.get(self.focus)
+        rows = stretch_rows(chosen.recordings[self.focus], self.window)
+        return None if drawn is None or rows is None else (rows, drawn)
+
+    def _glance(self) -> None:
+        """Simulate what is in sight; of changes that come meanwhile the last one counts."""
+        chosen, now, sight = self.bench.chosen, self.now, self._in_sight()
+        if self._glancing or chosen is None or now is None or sight is None or self.focus in now.shown:
+            return
+        focus, (rows, drawn), started = self.focus, sight, time.perf_counter()
+        self._glancing = True
+
+        def made(run: Recording | None) -> None:
+            self._glancing = False
+            if chosen is not self.bench.chosen or self.now is None:
+                return
+            if run is not None and focus not in self.now.shown:
+                self.now.seen[focus] = run
+                self.took = time.perf_counter() - started
+                self.tell("runs")
+            if now is not self.now:
+                self._glance()
+
+        def failed(text: str) -> None:
+            del text  # the run of the whole says it
+            self._glancing = False
+
+        self._on(self._sight, lambda: run_stretch(now.model, chosen.replay, focus, rows, drawn), made, failed)
+
+    def _follow_model(self) -> None:
+        """The runs of the model as it is now, with none made yet where it is new."""
+        history = self.bench.history
+        if history is None:
             return
         self.given = self.given or Runs(history.given)
         if not history.changed:
             self.now = self.given
         elif self.now is None or self.now.model is not history.current:
-            self.now = Runs(history.current, seen=dict(self.now.seen if self.now else {}))
+            self.now = Runs(history.current, seen={**self.now.seen, **self.now.shown} if self.now else {})
+
+    def _simulate(self) -> None:
+        """See to it that the runs follow the model; of changes that come meanwhile the last one counts."""
+        chosen = self.bench.chosen
+        if chosen is None or self.bench.history is None:
+            return
+        self._follow_model()
+        assert self.given is not None and self.now is not None
         if self._running:
             return
         count = len(chosen.recordings)

@@ -103,7 +103,7 @@ class Live(Following):
     def close(self) -> None:
         """End everything."""
         self._worker.close()
-        for pool in (self._quick, self._slow):
+        for pool in (self._quick, self._slow, self._sight):
             pool.shutdown(wait=False, cancel_futures=True)
 
     def _work(

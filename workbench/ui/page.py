@@ -10,24 +10,25 @@ from bokeh.events import RangesUpdate, Tap
 from bokeh.models import ColumnDataSource
 
 from workbench.effects import axis_units
-from workbench.report import wording as w
 from workbench.report.numbers import plain
 from workbench.report.pack import worst_view
+from workbench.report.residuals import worst_window
 
 from .changes import Changes
 from .chooser import Chooser
 from .curves import Curves
 from .finding import Findings
-from .following import Runs
 from .live import Live
 from .motion import moving_picture
 from .residual_map import MapView, residual_map
 from .response_part import ResponsePart
+from .runs import Runs
 from .saving import Saving
 from .summary import numbers, verdict
-from .widgets import column, plot_pane, row, safe, text, widget
+from .where import where_words
+from .widgets import column, fade, plot_pane, row, safe, text, widget
 
-_SHARES = 5
+_WHOLE_S, _STRETCH_S = 20.0, 3.0  # a longer recording opens where it fails most, for so long
 _FIXED: dict[str, Any] = {"width": 180}
 
 
@@ -54,6 +55,8 @@ class Page:
         self._inputs: object = None
         self._placed = False  # whether the page has chosen what to look at first
         self._asked: set[str] = set()
+        self.curve_panes = [plot_pane(f) for f in self.curves.figures]
+        self.map_pane = plot_pane(self.map.plot)
         self.roots = self._roots()
         self._watch()
         self._end = live.listen(self._later)
@@ -74,9 +77,9 @@ class Page:
             "more": self.changes.more,
             "saving": self.saving.view,
             "look": row(self.recording, self.axis),
-            "curves": column(*(plot_pane(f) for f in self.curves.figures)),
+            "curves": column(*self.curve_panes),
             "against": self.against,
-            "map": plot_pane(self.map.plot),
+            "map": self.map_pane,
             "where": self.where,
             "frf": self.responses.view,
         }
@@ -117,6 +120,16 @@ class Page:
             self._place()
         if asked & {"inputs", "runs", "comparison"}:
             self._draw()
+        self._fade()
+
+    def _fade(self) -> None:
+        """Grey what is of another model, or of other recordings, than those on the bench."""
+        now = self.live.now
+        loading = self.live.loading
+        fade(self.where, loading or now is None or now.comparison is None)
+        for pane in (self.map_pane, *self.curve_panes):
+            fade(pane, loading or (pane is self.map_pane and (now is None or now.entries is None)))
+        fade(self.summary, loading)
 
     def tick(self) -> None:
         """Time goes by while something is computed."""
@@ -145,6 +158,12 @@ class Page:
         self._placed = True
         index, axis = worst_view(given.comparison)
         self.recording.value, self.axis.value = index, chosen.model.axes.index(axis)
+        duration = chosen.recordings[index].duration
+        if duration > _WHOLE_S:  # what is in sight follows a slider at once
+            low, high = worst_window(given.comparison.recordings[index], axis)
+            end = min(high, low + _STRETCH_S, duration)
+            self.curves.time.update(start=max(0.0, min(low, end - 0.1)), end=end)
+            self._draw_curves()
 
     @property
     def _index(self) -> int:
@@ -179,6 +198,7 @@ class Page:
         chosen = self.live.bench.chosen
         if chosen is None or self.axis.value is None:
             return
+        self.live.window = (float(self.curves.time.start), float(self.curves.time.end))
         given, now = self._runs()
         comparison = next((r.comparison for r in (now, given) if r and r.comparison), None)
         self.curves.show(
@@ -212,15 +232,7 @@ class Page:
         comparison = now.comparison
         if comparison is None:
             return
-        shares = sorted(comparison.where, key=lambda s: -s.share)[:_SHARES]
-        lines = "".join(f"<li>{safe(w.capital(w.share_phrase(s)))}</li>" for s in shares)
-        self.where.object = (
-            f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>"
-            if lines
-            else "<p>As a whole, nothing stands out of the noise.</p>"  # single cells of the map may
-        )
-        if loop := w.loop_sentence(comparison):
-            self.where.object += f"<p class=quiet>{safe(loop)}</p>"
+        self.where.object = where_words(comparison)
 
     def _tapped(self, event: Any) -> None:
         """A cell of the map: look at its axis, and at its time."""

@@ -15,7 +15,7 @@ from workbench.core import InputError, Recording
 from workbench.core.paths import models_folder
 from workbench.effects import load_model
 from workbench.models import Model, find_model
-from workbench.recordings import load_recording
+from workbench.recordings import describe, load_recording
 
 _MOST = 200  # files of a folder that are looked into
 _LARGEST = 1_000_000  # bytes of a description; data tables are not TOML
@@ -34,13 +34,13 @@ class Shelf:
     Attributes:
         models, recordings: label to file; what was named stands first, in its order.
         typed: file to what a command line calls it.
-        unreadable: TOML files of the working directory that are no TOML.
+        unreadable: TOML files of the working directory that are not offered, and why.
     """
 
     models: Mapping[str, Path]
     recordings: Mapping[str, Path]
     typed: Mapping[Path, str] = field(default_factory=dict)
-    unreadable: tuple[str, ...] = ()
+    unreadable: Mapping[str, str] = field(default_factory=dict)
     _read: dict[tuple[Path, int], Recording] = field(default_factory=dict, repr=False)
 
     @staticmethod
@@ -104,10 +104,10 @@ def _offered(shelf: Mapping[str, Path], label: str, kind: str) -> Path:
     return shelf[label]
 
 
-def _look_through(folder: Path) -> tuple[dict[str, list[Path]], tuple[str, ...]]:
-    """Models and recordings in a folder and those right below it, and files that are no TOML."""
+def _look_through(folder: Path) -> tuple[dict[str, list[Path]], dict[str, str]]:
+    """Models and recordings in a folder and those right below it, and files that cannot be read, with why."""
     found: dict[str, list[Path]] = {"model": [], "recording": []}
-    unreadable, parts, bare = [], set(), []
+    unreadable, parts, bare = dict[str, str](), set(), []
     root = folder.resolve()
     for path in _files(root):
         if path.suffix in _SIGNS:
@@ -116,16 +116,28 @@ def _look_through(folder: Path) -> tuple[dict[str, list[Path]], tuple[str, ...]]
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
         except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError):
-            unreadable.append(path.relative_to(root).as_posix())
+            unreadable[path.relative_to(root).as_posix()] = "is not TOML"
             continue
         kind = "recording" if "table" in table else "model" if "serial" in table else None
-        if kind:
+        wrong = _wrong(path) if kind == "recording" else ""
+        if wrong:
+            unreadable[path.relative_to(root).as_posix()] = wrong
+        elif kind:
             found[kind].append(path)
         if kind == "model":
             parts.add((path.parent / str(table["serial"])).resolve())
     # the tree of a TOML is that model without its drives
     found["model"] += [path for path in bare if path.resolve() not in parts]
-    return found, tuple(unreadable)
+    return found, unreadable
+
+
+def _wrong(path: Path) -> str:
+    """Why a recording cannot be read, as far as its description says; empty where it can."""
+    try:
+        table = describe(path).table
+    except InputError as error:
+        return error.problem
+    return "" if table.is_file() else f"its table {table.name} is not there"
 
 
 def _files(root: Path) -> list[Path]:

@@ -58,6 +58,13 @@ def plot_pane(figure: Any) -> Any:
     return pn.pane.Bokeh(figure, sizing_mode="stretch_width", margin=0)
 
 
+def fade(pane: Any, old: bool) -> None:
+    """Grey a pane that shows what no longer holds; one that does as it was."""
+    wanted = {"opacity": "0.45" if old else "1"}  # said both times: a browser keeps what is only left out
+    if pane.styles != wanted:
+        pane.styles = wanted
+
+
 def safe(content: object) -> str:
     """A string of anybody's as HTML."""
     return unbroken(html.escape(plain(content)))

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import EffectKey
+from workbench.core.units import unit_text
 from workbench.effects import effect_named, places
 from workbench.simulation import scored_torque
 
@@ -55,7 +56,7 @@ class Overestimated:
     def lines(self) -> tuple[str, ...]:
         """What to mend in the model's file, in words."""
         told = [
-            f"{key} {value:+.3g} ± {2.0 * deviation:.2g} {effect_named(key.effect).parameters[0].unit}"
+            f"{key} {value:+.3g} ± {2.0 * deviation:.2g} {_unit(key)}".rstrip()
             for key, value, deviation, _ in self.parts
         ]
         share = f"{100.0 * self.share:.0f} % of the squared error above the noise on unseen data"
@@ -120,3 +121,8 @@ def _spread(pieces: Sequence[Normal]) -> tuple[np.ndarray, np.ndarray]:
     size = len(parts)
     deviation = np.sqrt((size - 1) / size * np.sum((parts - parts.mean(axis=0)) ** 2, axis=0))
     return solve(whole), deviation
+
+
+def _unit(key: EffectKey) -> str:
+    """The unit of an effect's first parameter as it is printed."""
+    return unit_text(effect_named(key.effect).parameters[0].unit)

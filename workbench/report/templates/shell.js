@@ -45,7 +45,11 @@ const shell = (() => {
       throw error;
     }
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
-    addEventListener("beforeprint", () => { document.documentElement.dataset.print = ""; drawAll(); });
+    addEventListener("beforeprint", () => {
+      document.querySelectorAll("details").forEach((part) => { part.open = true; });
+      document.documentElement.dataset.print = "";
+      drawAll();
+    });
     addEventListener("afterprint", () => { delete document.documentElement.dataset.print; drawAll(); });
   };
   return { byId, inflate, able, loadPlotly, colour, clear, axisStyle, base, draw, show };

@@ -1,0 +1,141 @@
+"""Which number of which file is wrong: the line to mend, rather than an effect to add."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from workbench.core import Controller, Estimate, Finding, InputError, Recording
+from workbench.core.toml_line import toml_line
+from workbench.effects import Change, into_file
+from workbench.models import AppliedEffect, Model
+
+_GAINS = "controller_gain_error"
+#: Of which list of [actuators] an effect at a drive corrects the entry, and its parameter.
+_ACTUATORS = {"viscous_damping": ("damping", "damping"), "reflected_inertia": ("inertia", "inertia")}
+_MOST = 3  # files of recordings that are listed one by one
+_LEAST = 0.005  # by how much a gain has to be wrong to be worth a line
+_XML = (".xml", ".urdf")
+
+
+def mend_lines(model: Model, recordings: Sequence[Recording], findings: Sequence[Finding]) -> tuple[str, ...]:
+    """What to change in which line of which file, where findings say that a stated number is wrong.
+
+    Args:
+        model: as given, with the files that it was read from.
+        recordings: those that the findings are about.
+        findings: of a diagnosis.
+
+    Returns:
+        One sentence a number; none for effects that are missing, or where the file cannot be told.
+    """
+    lines = list[str]()
+    for finding in findings:
+        if finding.key.effect == _GAINS:
+            lines += _gains(model, recordings, finding)
+        elif finding.number and finding.model_value != 0.0:
+            lines += _of_model(model, finding)
+    return tuple(dict.fromkeys(lines))
+
+
+def _gains(model: Model, recordings: Sequence[Recording], finding: Finding) -> Iterator[str]:
+    """Gains in the recordings that state them, else in the model."""
+    if finding.key.axis not in model.axes:
+        return
+    stating = {r.source: r.controller for r in recordings if r.controller.kind != "unknown" and r.source}
+    if not stating and model.source:
+        stating = {model.source: model.controller}
+    axis = finding.key.axis, model.axes.index(finding.key.axis)
+    for source, controller in list(stating.items())[:_MOST]:
+        second = "kv" if controller.kind == "cascade_pv" else "kd"
+        for name, scale in (("kp", "kp_scale"), (second, "kd_scale")):
+            line = _gain(Path(source), controller, name, axis, finding.parameters.get(scale))
+            if line:
+                yield line
+    if len(stating) > _MOST:
+        yield f"the same gains stand in {len(stating) - _MOST} more recordings"
+
+
+def _gain(
+    file: Path, controller: Controller, name: str, axis: tuple[str, int], scale: Estimate | None
+) -> str:
+    """One gain of one file, where it is certain to be another one."""
+    (called, index), values = axis, getattr(controller, name)
+    if scale is None or index >= len(values):
+        return ""
+    off = abs(scale.value - 1.0)
+    if off < max(_LEAST, 2.0 * (scale.std if np.isfinite(scale.std) else 0.0)):
+        return ""
+    old = values[index]
+    where, new = _where(file, "controller", name), scale.value * old
+    return f"mend {where}: {name} of {called} is {old:.4g} and should be {new:.4g}"
+
+
+def _where(file: Path, table: str, key: str) -> str:
+    """File, line and key of a TOML; without the line where the file has changed since."""
+    try:
+        line = toml_line(file.read_text(encoding="utf-8-sig"), table, key)
+    except (OSError, UnicodeDecodeError):
+        line = None
+    at = f", line {line}" if line else ""
+    return f"{_shown(file)}{at} ([{table}])"
+
+
+def _shown(file: Path) -> str:
+    """A file as a person finds it: from the working directory where it lies below that."""
+    whole, here = file.resolve(), Path.cwd()
+    return str(whole.relative_to(here) if whole.is_relative_to(here) else file)
+
+
+def _of_model(model: Model, finding: Finding) -> Iterator[str]:
+    """A number of the model, in its TOML where that states it, else in its MJCF or URDF."""
+    key, applied = finding.key, AppliedEffect(finding.key, finding.parameters)
+    name, parameter = _ACTUATORS.get(key.effect, ("", ""))
+    in_toml = model.source is not None and model.source.suffix == ".toml"
+    if name and in_toml and key.location == "actuator" and key.axis in model.axes:
+        assert model.source is not None
+        old = getattr(model.actuators, name)[model.axes.index(key.axis)]
+        new = old + finding.parameters[parameter].value
+        if old and new >= 0.0:
+            yield (
+                f"mend {_where(model.source, 'actuators', name)}: {name} of {key.axis} is {old:.4g} and "
+                f"should be {new:.4g}"
+            )
+            return
+    for file in (f for f in model.files if f.suffix.lower() in _XML):
+        try:
+            made = into_file(replace(model, effects=(applied,)), file)
+            old_lines = file.read_bytes().splitlines()
+        except (InputError, OSError):
+            continue  # it stands in another file, or in none
+        if made.written and made.changes:
+            where = _changed(old_lines, made.content.splitlines())
+            yield f"mend {_shown(file)}{where}: {'; '.join(map(_change, made.changes))}"
+            return
+
+
+def _changed(old: Sequence[bytes], new: Sequence[bytes]) -> str:
+    """``", line 12"``: the lines of a file that change, or that something is put behind."""
+    blocks = difflib.SequenceMatcher(None, old, new, autojunk=False).get_opcodes()
+    lines = [k + (tag != "insert") for tag, k, _, _, _ in blocks if tag != "equal"]
+    if not lines:
+        return ""
+    return f", line{'s' * (len(lines) > 1)} {', '.join(map(str, lines))}"
+
+
+def _change(change: Change) -> str:
+    where = (
+        f"the body of {change.joint}" if np.ndim(change.before) or change.number == "mass" else change.joint
+    )
+    return f"{change.number} of {where} is {_short(change.before)} and should be {_short(change.after)}"
+
+
+def _short(value: float | np.ndarray) -> str:
+    """Four digits of each number; of a tensor its three diagonal entries."""
+    numbers = np.diag(value) if np.ndim(value) == 2 else np.atleast_1d(value)
+    text = " ".join(f"{v:.4g}" for v in numbers)
+    return f"({text})" if np.size(numbers) > 1 else text

@@ -1,0 +1,24 @@
+"""Where the error sits, in words beside the map."""
+
+from __future__ import annotations
+
+from workbench.core import Comparison
+from workbench.report import wording as w
+
+from .widgets import safe
+
+_SHARES = 5
+
+
+def where_words(comparison: Comparison) -> str:
+    """The largest shares of a comparison's error above the noise, as HTML."""
+    shares = sorted(comparison.where, key=lambda s: -s.share)[:_SHARES]
+    lines = "".join(f"<li>{safe(w.capital(w.share_phrase(s)))}</li>" for s in shares)
+    if lines:
+        told = f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>"
+    elif comparison.consistent:
+        told = "<p>As a whole, nothing stands out of the noise.</p>"  # single cells of the map may
+    else:
+        told = "<p>The error is above the noise; no range of time, speed or position holds most of it.</p>"
+    loop = w.loop_sentence(comparison)
+    return told + (f"<p class=quiet>{safe(loop)}</p>" if loop else "")
