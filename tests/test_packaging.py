@@ -19,16 +19,19 @@ DISTRIBUTIONS = {
     "pinocchio": "pin",
     "pydrake": "drake",
     "google": "protobuf",
+    "mpl_toolkits": "matplotlib",
     "rsl_rl": "rsl-rl-lib",
     "tomli_w": "tomli-w",
     "warp": "warp-lang",
+    "yaml": "pyyaml",
 }
 EXTRA = PROJECT["optional-dependencies"]["training"]
 PAGES = PROJECT["optional-dependencies"]["ui"]
 CLUSTER = PROJECT["optional-dependencies"]["ray"]
 NOTEBOOKS = PROJECT["optional-dependencies"]["notebook"]
+GYM = PROJECT["optional-dependencies"]["gym"]
 #: What some commands use where it is there.
-OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES, *CLUSTER, *NOTEBOOKS]
+OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES, *CLUSTER, *NOTEBOOKS, *GYM]
 
 
 def third_party(folder: str, *, guarded: bool = True) -> set[str]:

@@ -19,7 +19,7 @@ from workbench.cli.app import app, load_commands
 from workbench.core import InputError
 
 # they run until they are interrupted, or write a file that is itself for programs
-_OTHERS = {"ui", "can bus", "can motors", "can virtual", "can log"}
+_OTHERS = {"ui", "show", "can bus", "can motors", "can virtual", "can log"}
 
 
 def commands(command: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -55,7 +55,7 @@ def test_help_of_every_command_has_an_example_and_fits_a_terminal() -> None:
     load_commands()
     names = [name for name, _ in commands(typer.main.get_command(app))]
     listing = run("--help").stdout
-    assert "..." not in listing.replace("[ARGS]...", "") and "Begin with: workbench demo" in listing
+    assert "..." not in listing.replace("[ARGS]...", "") and "Start with: workbench demo" in listing
     for name in names:
         said = run(*name.split(), "--help").stdout
         assert "Example: workbench" in said, name

@@ -72,7 +72,7 @@ def test_a_share_that_is_told_says_of_which_data_it_is(explained: float, held_ou
     assert said in line and ("held-out" in line) is held_out
 
 
-@pytest.mark.parametrize(("explained", "said"), [(0.68, ["too little to be named"]), (0.1, [])])
+@pytest.mark.parametrize(("explained", "said"), [(0.68, ["not enough to name one"]), (0.1, [])])
 def test_less_has_no_name_and_hardly_anything_no_line(explained: float, said: list[str]) -> None:
     lines = near_line("unexplained", found(explained))
     assert len(lines) == len(said) and all(s in line for s, line in zip(said, lines, strict=True))

@@ -70,7 +70,7 @@ def test_an_inertia_that_a_held_damping_is_too_much_for_is_named() -> None:
 
 
 def test_the_effect_its_value_and_the_time_are_named() -> None:
-    with pytest.raises(SimulationError, match=r"at t = 0\.\d{3} s.*torque_bias@hip \(torque = 1e\+09 N\*m\)"):
+    with pytest.raises(SimulationError, match=r"at t = 0\.\d{3} s.*torque_bias@hip \(torque = 1e\+09 N m\)"):
         simulate([Run(with_effect("torque_bias", 1e9), recording())])
 
 

@@ -15,7 +15,7 @@ from .make import environment
 
 def test_vector_environment() -> None:
     if find_spec("gymnasium") is None:
-        with pytest.raises(InputError, match="pip install gymnasium"):
+        with pytest.raises(InputError, match=r"pip install -e '\.\[gym\]'"):
             vector_environment()
         return
     import gymnasium

@@ -14,11 +14,13 @@ from workbench.core.toml_line import toml_line
 from workbench.effects import Change, into_file
 from workbench.models import AppliedEffect, Model
 
+from .policy import POLICY
+from .significance import INTERVAL
+
 _GAINS = "controller_gain_error"
 #: Of which list of [actuators] an effect at a drive corrects the entry, and its parameter.
 _ACTUATORS = {"viscous_damping": ("damping", "damping"), "reflected_inertia": ("inertia", "inertia")}
 _MOST = 3  # files of recordings that are listed one by one
-_LEAST = 0.005  # by how much a gain has to be wrong to be worth a line
 _XML = (".xml", ".urdf")
 
 
@@ -68,7 +70,7 @@ def _gain(
     if scale is None or index >= len(values):
         return ""
     off = abs(scale.value - 1.0)
-    if off < max(_LEAST, 2.0 * (scale.std if np.isfinite(scale.std) else 0.0)):
+    if off < max(POLICY.model_deviation, INTERVAL * (scale.std if np.isfinite(scale.std) else 0.0)):
         return ""
     old = values[index]
     where, new = _where(file, "controller", name), scale.value * old

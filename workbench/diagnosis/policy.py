@@ -145,6 +145,7 @@ class Policy:
     mass_acts: float = 0.01  # share of a mass's squared torque that an axis has, to be asked; fewer axes are
 
     # Relations, shapes and responses shown as evidence; shares are of the squared torque that is lacking
+    unknown_most: float = 0.5  # share of a rest that a free function explains, to be taken out of it; rarer
     relation_beside: float = 0.5  # share of a relation that is told beside a finding; told less often
     relation_first: float = 0.15  # share of one that is told of a rest; told less often
     relation_second: float = 0.3  # share of what the first leaves, of a second one; told less often

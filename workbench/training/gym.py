@@ -55,7 +55,7 @@ class WorkbenchVectorEnv(VectorEnv):
             from gymnasium.vector import AutoresetMode  # pyright: ignore[reportMissingImports]
             from gymnasium.vector.utils import batch_space  # pyright: ignore[reportMissingImports]
         except ImportError as error:
-            raise InputError("gymnasium is not installed", remedy="pip install gymnasium") from error
+            raise InputError("gymnasium is not installed", remedy="pip install -e '.[gym]' in the checkout") from error
         self.task, self.machine, self.num_envs, self._seed = task, machine, num_envs, seed
         self._drawn = randomisation or Randomisation(legs=task.randomisation)
         count = int(sum(sizes(task, machine)))

@@ -43,7 +43,7 @@ def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) ->
         own = [kinds.depends_on(effect_named(key.effect)) for key in certain if key.axis == axis]
         taken = {_POSITION} if any(_POSITION in d for d in own) else set()
         for shape in shapes(missing, axis):
-            if shape.share >= POLICY.shape_share and _is_free(shape, taken):
+            if shape.share >= POLICY.unknown_most and _is_free(shape, taken):
                 unknown[k] = shape
                 break
     if not unknown:
