@@ -55,7 +55,8 @@ class WorkbenchVectorEnv(VectorEnv):
             from gymnasium.vector import AutoresetMode  # pyright: ignore[reportMissingImports]
             from gymnasium.vector.utils import batch_space  # pyright: ignore[reportMissingImports]
         except ImportError as error:
-            raise InputError("gymnasium is not installed", remedy="pip install -e '.[gym]' in the checkout") from error
+            remedy = "install the extra: pip install -e '.[gym]' in the checkout"
+            raise InputError("gymnasium is not installed", remedy=remedy) from error
         self.task, self.machine, self.num_envs, self._seed = task, machine, num_envs, seed
         self._drawn = randomisation or Randomisation(legs=task.randomisation)
         count = int(sum(sizes(task, machine)))
