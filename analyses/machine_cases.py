@@ -47,13 +47,9 @@ class Case:
 
 def rows(recording: Recording, first: int, last: int | None, name: str) -> Recording:
     """Rows of a recording as one of its own that begins in motion."""
-    part = slice(first, last)
     return replace(
-        recording,
+        recording.rows(slice(first, last)),
         name=name,
-        time=recording.time[part] - recording.time[part][0],
-        signals={signal: values[part] for signal, values in recording.signals.items()},
-        valid=recording.valid[part],
         timing=replace(recording.timing, initial_at_rest=recording.timing.initial_at_rest and first == 0),
     )
 

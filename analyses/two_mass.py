@@ -63,13 +63,7 @@ def half(recording: Recording, first: int) -> Recording:
     """Every other stretch of five periods, from the first or the second on."""
     rows = len(recording) // 4
     part = slice((1 + 2 * first) * rows, (2 + 2 * first) * rows)
-    return replace(
-        recording,
-        name=f"{recording.name}_{first}",
-        time=recording.time[part] - recording.time[part][0],
-        signals={name: values[part] for name, values in recording.signals.items()},
-        valid=recording.valid[part],
-    )
+    return replace(recording.rows(part), name=f"{recording.name}_{first}")
 
 
 def rigid(motor: float, load: float, folder: Path) -> Model:

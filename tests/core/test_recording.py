@@ -42,3 +42,11 @@ def test_a_copy_with_other_signals_leaves_the_first_alone(recording: Recording) 
     assert other.position.all()
     assert not recording.position.any()
     np.testing.assert_array_equal(other.velocity, recording.velocity)
+
+
+def test_some_rows_are_a_recording_whose_time_begins_anew(recording: Recording) -> None:
+    part = recording.with_signals(velocity=np.arange(10.0).reshape(5, 2)).rows(slice(2, 5))
+    assert len(part) == len(part.valid) == 3
+    assert part.time == pytest.approx([0.0, 0.01, 0.02])
+    assert (part.velocity == [[4.0, 5.0], [6.0, 7.0], [8.0, 9.0]]).all()
+    assert part.axes == recording.axes

@@ -11,7 +11,6 @@ from __future__ import annotations
 from .frame import Frame, FrameError
 from .messages import (
     Action,
-    Carried,
     Feedback,
     Fields,
     Parameter,
@@ -21,6 +20,7 @@ from .messages import (
     Setpoint,
     fields,
 )
+from .packed import Packed
 
 _BITS = (16, 12, 12, 12, 12)
 _SPECIAL: dict[Action, int] = {"enable": 0xFC, "disable": 0xFD, "zero": 0xFE, "clear": 0xFB}
@@ -34,7 +34,7 @@ _FAULT_NAMES = {
 }  # fmt: skip
 
 
-class Mit:
+class Mit(Packed):
     """One drive.
 
     Args:
@@ -57,16 +57,6 @@ class Mit:
         self.id, self.reply_id, self.ranges = id, reply_id, ranges
         self.length, self.temperature_offset = length, temperature_offset
         self.fields = fields(ranges, _BITS, kept=1)
-
-    @property
-    def torque_step(self) -> float:
-        """What a frame's torque cannot tell apart [N m]."""
-        return self.fields.torque.step
-
-    @property
-    def exchange(self) -> tuple[Carried, ...]:
-        """Frames of one exchange."""
-        return Carried(8, self.extended), Carried(self.length, self.extended)
 
     # What a host needs.
 

@@ -13,7 +13,6 @@ from math import isfinite
 from .frame import Frame, FrameError
 from .messages import (
     Action,
-    Carried,
     Fault,
     Feedback,
     Parameter,
@@ -23,6 +22,7 @@ from .messages import (
     Setpoint,
     fields,
 )
+from .packed import Packed
 
 _COMMAND, _FEEDBACK, _ENABLE, _STOP, _ZERO, _READ, _WRITE, _FAULT = 1, 2, 3, 4, 6, 17, 18, 21
 _INDICES: dict[ParameterName, int] = {"mode": 0x7005, "watchdog": 0x7028}
@@ -40,7 +40,7 @@ _FAULT_NAMES = (
 )
 
 
-class Robstride:
+class Robstride(Packed):
     """One drive.
 
     Args:
@@ -59,16 +59,6 @@ class Robstride:
             raise FrameError(f"ids {id:#x} and {host_id:#x}: 8 bits, and not the same")
         self.id, self.reply_id, self.ranges = id, host_id, ranges
         self.fields = fields(ranges, (16, 16, 16, 16, 16))
-
-    @property
-    def torque_step(self) -> float:
-        """What a frame's torque cannot tell apart [N m]."""
-        return self.fields.torque.step
-
-    @property
-    def exchange(self) -> tuple[Carried, ...]:
-        """Frames of one exchange."""
-        return Carried(8, self.extended), Carried(self.length, self.extended)
 
     # What a host needs.
 

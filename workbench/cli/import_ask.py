@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import typer
@@ -22,7 +22,7 @@ _TRIES = 5  # wrong answers to one question; a mistake may lie elsewhere, so nob
 
 def answered(
     proposal: Proposal,
-    questions: tuple[Question, ...],
+    questions: Sequence[Question],
     answers: Answers,
     table: Table,
     *,
@@ -45,8 +45,7 @@ def answered(
     if yes:
         for question in questions:
             if question.best:
-                taken = answers.with_answer(question.key, question.best)
-                return replace(taken, guessed=taken.guessed | {question.key})
+                return answers.with_guess(question)
     elif sys.stdin.isatty() and sys.stderr.isatty():
         return _asked(questions[0], answers, table)
     if not silent:

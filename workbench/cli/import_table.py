@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from workbench.inspection import Inspection
     from workbench.proposing import Answers, Proposal
 
-_ROUNDS = 12  # questions in a row; each answer may raise one more, but not for ever
-
 
 def import_table(
     path: Path,
@@ -42,25 +40,21 @@ def import_table(
     from workbench.effects import load_model
     from workbench.inspection import inspect
     from workbench.models import read_model
-    from workbench.proposing import NUMBERS, by_weight, complete, open_table, propose, write
+    from workbench.proposing import complete, open_table, told, write
 
     from .import_check import with_model
 
     target = Path(output) if output else default_output(path)
     check_free(target, force=force)
     table = open_table(path, episode=answers.episode or 0)
-    proposal = propose(table, answers)
-    if model:
-        answers = by_weight(proposal, table, answers, load_model(model))
-        proposal = propose(table, answers)
-    for _ in range(_ROUNDS):
-        # a proposal holds the likeliest units, axes and run already, and says that they are guesses
-        asked = tuple(q for q in proposal.questions if not (yes and q.best and q.key not in NUMBERS))
-        if not asked:
-            break
-        silent = quiet or json == "-"
-        answers = answered(proposal, asked, answers, table, yes=yes, silent=silent)
-        proposal = propose(table, answers)
+    silent = quiet or json == "-"
+    proposal, answers = told(
+        table,
+        answers,
+        lambda proposal, asked, now: answered(proposal, asked, now, table, yes=yes, silent=silent),
+        model=load_model(model) if model else None,
+        likeliest=yes,
+    )
     proposal, recording = complete(proposal, table, answers)
     written = write(proposal, table, target, force=force)
     found = inspect([recording])

@@ -75,7 +75,7 @@ class _Swinging:
     def pieces(self, seen: Recording, levels: NoiseLevels) -> list[tuple[Recording, np.ndarray]]:
         """The swings of a version of the recording, and their starts (2, n) in its coordinates."""
         q, w, _ = local_state(seen, levels, self.half)
-        return [(_cut(self.recording, p), np.stack([q[p.start], w[p.start]])) for p in self.parts]
+        return [(self.recording.rows(p), np.stack([q[p.start], w[p.start]])) for p in self.parts]
 
     def joined(self, made: Sequence[Recording]) -> Recording:
         """Runs of all swings as one of the whole; rows before the first are as measured."""
@@ -148,7 +148,7 @@ class Swings(Replay):
     def loop(self, plant: Plant, index: int, motion: Motion) -> list[tuple[slice, Loop]]:
         """Each swing linearised about the motion, with its rows."""
         s = self._swinging[index]
-        return [(p, _linearised(plant, _cut(s.recording, p), motion, p)) for p in s.parts]
+        return [(p, _linearised(plant, s.recording.rows(p), motion, p)) for p in s.parts]
 
     def propagate(
         self, loops: Sequence[Any], disturbances: Sequence[Disturbance]
@@ -200,18 +200,6 @@ def _swinging(recording: Recording, levels: NoiseLevels) -> _Swinging:
     note = "Nothing drives it: run swing by swing from measured states"
     note += f", from {recording.time[starts[0]]:.3g} s on"
     return _Swinging(replace(recording, valid=valid, notes=(*recording.notes, note)), starts, half)
-
-
-def _cut(recording: Recording, part: slice) -> Recording:
-    """Some of the rows."""
-    return replace(
-        recording,
-        time=recording.time[part] - recording.time[part.start],
-        signals={name: x[part] for name, x in recording.signals.items()},
-        extra={name: x[part] for name, x in recording.extra.items()},
-        valid=recording.valid[part],
-        guessed={name: rows[part] for name, rows in recording.guessed.items()},
-    )
 
 
 def _linearised(plant: Plant, piece: Recording, motion: Motion, part: slice) -> Loop:

@@ -192,6 +192,17 @@ class Recording(Shown):
         """A copy with these signals put in or replaced, each (N, n)."""
         return replace(self, signals={**self.signals, **signals})
 
+    def rows(self, part: slice) -> Recording:
+        """Some of the rows, their time from the first of them on [s]."""
+        return replace(
+            self,
+            time=self.time[part] - self.time[part][0],
+            signals={name: values[part] for name, values in self.signals.items()},
+            extra={name: values[part] for name, values in self.extra.items()},
+            valid=self.valid[part],
+            guessed={name: values[part] for name, values in self.guessed.items()},
+        )
+
 
 def _readonly(array: FloatArray) -> FloatArray:
     out = np.asarray(array).view()

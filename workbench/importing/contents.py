@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from workbench.core import Coupling, declared_couplings
+from workbench.core import declared_couplings
 from workbench.mechanism.parse import declared_loops, finished, parse
 
+from .converted import Beside
 from .opened import opened
 
 
 @dataclass(frozen=True)
-class Contents:
+class Contents(Beside):
     """Names in an SDF, URDF or MJCF file.
 
     Attributes:
@@ -23,26 +24,12 @@ class Contents:
         frames: names of frames, links included.
         loops: number of loops that the file itself closes.
         limits: joint -> lower and upper limit where the file states both [rad or m].
-        couplings: joints that follow others, or are held, by the file's own word.
-        round_rods: ball joints of an MJCF that are taken as universal ones.
-        armature, damping, torque_limit: joint -> what an MJCF has there; empty for other files.
-        motors: joints that motors turn, as far as the file says.
-        springs: joints that springs hold.
-        said_by: a file beside it that states loops, by name.
     """
 
     joints: tuple[str, ...]
     frames: tuple[str, ...]
     loops: int
     limits: dict[str, tuple[float, float]]
-    couplings: tuple[Coupling, ...] = ()
-    round_rods: tuple[str, ...] = ()
-    armature: dict[str, float] = field(default_factory=dict)
-    damping: dict[str, float] = field(default_factory=dict)
-    torque_limit: dict[str, float] = field(default_factory=dict)
-    motors: tuple[str, ...] = ()
-    springs: tuple[str, ...] = ()
-    said_by: str = ""
 
     def __str__(self) -> str:
         """Joints and frames on two lines, and what the file binds beside its tree."""
@@ -75,17 +62,7 @@ def contents_of(file: Path) -> Contents:
         found = _contents(source, converted.closed if converted else len(declared_loops(source)))
         if converted is None:
             return replace(found, couplings=declared_couplings(source))
-        own = (
-            "couplings",
-            "round_rods",
-            "armature",
-            "damping",
-            "torque_limit",
-            "motors",
-            "springs",
-            "said_by",
-        )
-        return replace(found, **{name: getattr(converted, name) for name in own})
+        return replace(found, **{f.name: getattr(converted, f.name) for f in fields(Beside)})
 
 
 def _contents(file: Path, loops: int) -> Contents:

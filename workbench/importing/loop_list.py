@@ -142,7 +142,7 @@ def with_list(file: Path, listed: LoopList) -> Converted:
             _turn(root, joints[name], axes)
     return Converted(
         ElementTree.tostring(root, encoding="unicode") + "\n", ".urdf", tuple(pairs), len(listed.loops),
-        couplings_in(root, file), motors=listed.motors, said_by=listed.file.name,
+        couplings=couplings_in(root, file), motors=listed.motors, said_by=listed.file.name,
     )  # fmt: skip
 
 

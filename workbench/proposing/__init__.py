@@ -2,14 +2,14 @@
 
 from .by_weight import by_weight
 from .files import open_table
-from .import_table import NUMBERS, import_table, said_by
+from .import_table import import_table, said_by
 from .proposal import Answers, Assumption, Proposal, Question
 from .propose import propose
+from .questions import told
 from .table import Table
 from .write import complete, write
 
 __all__ = [
-    "NUMBERS",
     "Answers",
     "Assumption",
     "Proposal",
@@ -21,5 +21,6 @@ __all__ = [
     "open_table",
     "propose",
     "said_by",
+    "told",
     "write",
 ]

@@ -104,6 +104,11 @@ class Answers:
         """Why a unit that is not the data's own guess is as it is."""
         return self.weighed.get(kind, "you said so")
 
+    def with_guess(self, question: Question) -> Answers:
+        """These answers and the likeliest one to a question, as a guess."""
+        taken = self.with_answer(question.key, question.best)
+        return replace(taken, guessed=taken.guessed | {question.key})
+
     def with_answer(self, key: str, value: str) -> Answers:
         """These answers and one more; the key is a question's.
 

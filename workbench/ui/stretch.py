@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from workbench.comparison import ClosedLoop, Replay
@@ -46,14 +44,7 @@ def run_stretch(model: Model, replay: Replay, index: int, rows: slice, before: R
     position, velocity = before.get("position"), before.get("velocity")
     if not isinstance(replay, ClosedLoop) or position is None or velocity is None:
         return None
-    piece = replace(
-        recording,
-        time=recording.time[rows] - recording.time[rows.start],
-        signals={name: values[rows] for name, values in recording.signals.items()},
-        extra={name: values[rows] for name, values in recording.extra.items()},
-        valid=recording.valid[rows],
-        guessed={name: values[rows] for name, values in recording.guessed.items()},
-    )
+    piece = recording.rows(rows)
     start = np.stack([position[rows.start], velocity[rows.start]])
     made = simulate([Run(model, piece, start=start)], strict=False)[0]
     if not np.isfinite(made.position).all():
