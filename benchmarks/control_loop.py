@@ -63,7 +63,7 @@ def tracker(seconds: float, time_scale: float, seed: int) -> dict:
         config, out = four_legs(Path(name), time_scale), Path(name) / "run.json"
         with virtual_hardware(config):
             words = ["deploy", "tracker", str(config), "--yes", "--quiet", "--json", str(out)]
-            words += ["--seconds", str(seconds), "--seed", str(seed)]
+            words += ["--seconds", str(seconds), "--seed", str(seed), "-o", str(Path(name) / "kept")]
             subprocess.run([sys.executable, "-m", "workbench.cli", *words], check=False)
         return json.loads(out.read_text())
 
