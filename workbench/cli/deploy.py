@@ -68,12 +68,16 @@ def deploy(
     from workbench.bundle import read_bundle
     from workbench.can import load_config
     from workbench.deployment.deploy import deploy as run
+    from workbench.deployment.ports import unheard
     from workbench.deployment.stopping import exit_code
 
     check_outputs(json, force=force)
     robot = load_config(config)
     if output is None and not dry_run:  # what a robot did is kept unless somebody says otherwise
-        output = f"deployed/{time.strftime('%Y-%m-%d_%H-%M-%S')}"
+        alone = unheard(robot)
+        output = "" if alone else f"deployed/{time.strftime('%Y-%m-%d_%H-%M-%S')}"
+        if alone and not quiet:
+            echo(f"This run is not kept: {alone.interface} serves one process at a time.", err=True)
     log = _new_log(Path(output), force) if output else None
     policy = None if bundle == "tracker" else read_bundle(bundle)
     if not (dry_run or yes):

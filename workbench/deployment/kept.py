@@ -17,6 +17,7 @@ from .base import BaseMotion
 from .controller import Controller, Target
 from .frame_log import ProcessLog, WireLog
 from .joints import Joints
+from .ports import refuse_unheard
 
 PLAYED = ".played.npz"  #: beside a log: the references of its ticks
 _LONGEST = 600.0  # s; of twelve joints 40 MB
@@ -86,9 +87,11 @@ def logged(
         wires: virtual buses; None for those of the configuration.
 
     Raises:
-        InputError: the folder cannot be written.
+        InputError: the folder cannot be written, or a bus that no other process can hear.
         RunError: the logger failed.
     """
+    if wires is None:
+        refuse_unheard(config)  # before anything is made
     try:
         log.parent.mkdir(parents=True, exist_ok=True)
         for file in (log, log.with_suffix(".clock"), log.with_suffix(PLAYED)):

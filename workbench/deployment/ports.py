@@ -213,13 +213,17 @@ def refuse_unheard(config: CanConfig) -> None:
     Raises:
         InputError: such a bus.
     """
-    for bus in config.bus:
-        if bus.interface not in _SHARED:
-            raise InputError(
-                f"{bus.interface} serves one process at a time, and the frames are logged by another",
-                file=config.source, column=f"bus.{bus.name}.interface",
-                remedy="use the adapter by its SocketCAN driver (slcand makes one of a serial adapter)",
-            )  # fmt: skip
+    if bus := unheard(config):
+        raise InputError(
+            f"{bus.interface} serves one process at a time, and the frames are logged by another",
+            file=config.source, column=f"bus.{bus.name}.interface",
+            remedy="use the adapter by its SocketCAN driver (slcand makes one of a serial adapter)",
+        )  # fmt: skip
+
+
+def unheard(config: CanConfig) -> BusTable | None:
+    """The first bus of which another process hears nothing; None where all can be heard."""
+    return next((bus for bus in config.bus if bus.interface not in _SHARED), None)
 
 
 def _fileno(bus: can.BusABC) -> int | None:
