@@ -55,7 +55,6 @@ def demo(
 
     Example: workbench demo my_leg.toml chirp.toml -o out --hide coulomb_friction@knee --set torque=0.3
     """
-    from workbench.comparison import compare
     from workbench.core import InputError
     from workbench.diagnosis import improve
     from workbench.effects import load_model
@@ -101,16 +100,6 @@ def demo(
         ]
     training = load_recordings([n for n in names if n not in held_out])
     judging = load_recordings(held_out)
-    if model.posture_dependent:
-        shown = compare(model, [*training, *judging], seed=seed)
-        page = str(folder / "report.html")
-        files = files_of(model, [*training, *judging])
-        deliver(shown, json=json, html=page, force=force, quiet=quiet, files=files, seeds={"demo": seed})
-        seen = "do not show" if shown.consistent else "show"
-        hidden_there = ", ".join(f"{h['effect']}@{h['axis']} {h['parameters']}" for h in truth) or "nothing"
-        say(f"\nHidden is {hidden_there}; the planned experiments {seen} that something is missing.")
-        say("Its transmission changes with the posture: what it is cannot be looked for yet.")
-        return
     with progress(quiet) as tell:
         result, better = improve(model, training, judging, seed=seed, progress=staged(tell))
     if result.steps:

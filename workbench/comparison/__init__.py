@@ -1,7 +1,6 @@
 """How far a model is from measurements, and where."""
 
 from .by_law import with_torque_by_law
-from .by_posture import refuse_search
 from .closed_loop import ClosedLoop
 from .compare import (
     cannot_run,
@@ -50,7 +49,6 @@ __all__ = [
     "needs_inverse",
     "noise_rules",
     "normalised",
-    "refuse_search",
     "replay_of",
     "score_runs",
     "scored_signals",

@@ -11,11 +11,10 @@ import numpy as np
 from workbench.core import InputError, Recording, SimulationError
 from workbench.effects import Motion, Plant
 from workbench.models import Model
-from workbench.simulation import Disturbance
+from workbench.simulation import Disturbance, PosturePlant, run_posture
 
 from .closed_loop import late_by, with_loops
 from .noise import DRAWS, NoiseModel, noise_seeds
-from .posture_run import PosturePlant, run_posture
 from .replay import Replay
 from .simulated import Simulated
 
@@ -93,19 +92,9 @@ def _run(plant: PosturePlant, recording: Recording) -> Recording:
         return recording.with_signals(**{name: x * np.nan for name, x in recording.signals.items()})
 
 
-def refuse_search(model: Model) -> None:
-    """Effects are looked for through a constant transmission.
-
-    Raises:
-        InputError: that of this model changes with the posture.
-    """
-    if model.posture_dependent:
-        raise _no_search(model)
-
-
 def _no_search(model: Model) -> InputError:
     return InputError(
-        f"the transmission of '{model.name}' changes with the posture; effects are looked for through a "
-        "constant one", file=model.source, column="transmission.posture_dependent",
-        remedy="compare says how far it is from its recordings; diagnose and improve cannot say why yet",
+        f"the transmission of '{model.name}' changes with the posture: no effect is looked for in its loop",
+        file=model.source, column="transmission.posture_dependent",
+        remedy="diagnose and improve look for effects in its torque",
     )  # fmt: skip

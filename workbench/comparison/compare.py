@@ -14,6 +14,7 @@ from workbench.core import (
     SimulationError,
 )
 from workbench.models import Model
+from workbench.s3n import on_drives
 
 from .consistent import MARGIN_TOTAL
 from .evaluate import evaluate
@@ -60,6 +61,7 @@ def compare(
         SimulationError: the model is unstable in the recording's loop, or noise throws it further off than
             all that was measured.
     """
+    model = on_drives(model) if model.effects else model  # runs in a loop have no effects then
     replay = replay_of(model, matched(model, recordings))
     simulated = replay.with_noise(model, seed, draws)
     out = told(evaluate(model, simulated))

@@ -84,7 +84,7 @@ class MeasuredMotion(Replay):
         """The recordings with the torque that each model needs in place of that measured."""
         plants = [_compiled(m) for m in models]
         plants = [p if p is not None and self._foretold(p) else None for p in plants]
-        return [tuple(reading.run(p) for reading in self._read[:first]) for p in plants]
+        return [tuple(_run(reading, p) for reading in self._read[:first]) for p in plants]
 
     def with_noise(self, model: Model, seed: int, draws: int = DRAWS) -> Simulated:
         """Noise of position, velocity and torque goes through differentiation, model and filter.
@@ -156,6 +156,14 @@ def _compiled(model: Model) -> Plant | None:
         return compile_plant(model)
     except SimulationError:
         return None
+
+
+def _run(reading: Reading, plant: Plant | None) -> Recording:
+    """NaN where links would be where they cannot go, as by an encoder that is far off."""
+    try:
+        return reading.run(plant)
+    except SimulationError:
+        return reading.run(None)
 
 
 def _quiet(reading: Reading) -> Recording:

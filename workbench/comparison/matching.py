@@ -53,7 +53,7 @@ def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[R
             )  # fmt: skip
         if on_ground(r):
             check_ground(model, r)
-    if model.posture_dependent:
+    if model.posture_dependent or model.carried is not None:
         return (out,)
     refuse_overlaps(model, out)
     return _likely(model, readings(model, out))

@@ -19,6 +19,9 @@ from .replay import Replay
 from .standing import on_ground
 from .swings import Swings, is_free
 
+_CARRIED = "The transmission changes with the posture"
+_NAME = "name the column of the torque"
+
 
 def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel | None = None) -> Replay:
     """How these recordings can be held against models like this one.
@@ -33,6 +36,9 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     noise = noise or NoiseModel.of(recordings)
     if model.posture_dependent:
         return ByPosture.of(model, recordings, noise)
+    if model.carried is not None:
+        _refuse_blind(recordings, f"no torque is known. {_CARRIED}: effects show in the torque alone", _NAME)
+        return MeasuredMotion(followed(recordings, _CARRIED), noise, model)
     if any(map(on_ground, recordings)):
         return Grounded(model, recordings, noise)
     if all(map(is_free, recordings)):
@@ -40,13 +46,16 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     if not any(needs_inverse(model, r) for r in recordings) and not drifts(model, recordings):
         known = with_loops(model, recordings)
         return ClosedLoop(known, noise.with_unlogged_rate([prepare(r, model) for r in known]))
+    _refuse_blind(
+        recordings, "neither the loop nor a torque is known", f"describe the controller, or {_NAME}"
+    )
+    return MeasuredMotion(followed([_with_stated(model, r) for r in recordings]), noise, model)
+
+
+def _refuse_blind(recordings: Sequence[Recording], why: str, remedy: str) -> None:
     blind = next((r for r in recordings if scored_torque(r) is None), None)
     if blind is not None:
-        raise InputError(
-            "neither the loop nor a torque is known", file=blind.source, column="controller",
-            remedy="describe the controller, or name the column of the torque",
-        )  # fmt: skip
-    return MeasuredMotion(followed([_with_stated(model, r) for r in recordings]), noise, model)
+        raise InputError(why, file=blind.source, column="controller", remedy=remedy)
 
 
 def needs_inverse(model: Model, recording: Recording) -> bool:

@@ -1,5 +1,6 @@
 """Types, units and errors that everything else is built from; imports nothing of workbench."""
 
+from .carried import Carried
 from .copies import apart, together
 from .coupling import Coupling, declared_couplings
 from .diagnosis import (
@@ -35,6 +36,7 @@ __all__ = [
     "AXIS_SIGNALS",
     "FORMAT",
     "HOPELESS",
+    "Carried",
     "Check",
     "Comparison",
     "Controller",

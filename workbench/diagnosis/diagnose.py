@@ -28,6 +28,10 @@ _NO_PAYLOAD = (
     "a payload was not looked for: the model names no place for one; add a site where the machine ends, or "
     "name one in [payload]"
 )
+_CARRIED = (
+    "the transmission changes with the posture: what acts at the drives was looked for; a payload, wrong "
+    "links, springs and gaps were not"
+)
 
 
 def diagnose(
@@ -110,7 +114,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
             *before.notes,
             *_softness(first),
             *(_parting(last) if named else ()),
-            *([_NO_PAYLOAD] if verdict != "consistent" and first.model.payload_site is None else []),
+            *_not_looked_for(verdict, first.model),
         ),
     )
 
@@ -124,6 +128,12 @@ def _not_excited(found: SearchResult, findings: Sequence[Finding]) -> tuple[Effe
         return ()
     rivals = {key for f in findings for key in f.indistinguishable_from}
     return tuple(key for key in found.identifiability.not_excited if key not in rivals)
+
+
+def _not_looked_for(verdict: Verdict, model: Model) -> tuple[str, ...]:
+    if model.carried is not None:
+        return (_CARRIED,)
+    return (_NO_PAYLOAD,) if verdict != "consistent" and model.payload_site is None else ()
 
 
 def _rest(verdict: Verdict, found: Rounds) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from workbench.core import Diagnosis, Improvement, Recording, Step, Verdict
 from workbench.models import Model
+from workbench.s3n import off_drives
 
 from .diagnose import diagnosis_of
 from .findings import step_of
@@ -77,7 +78,9 @@ def improve(
         nearest=added and not named,
     )
     ending = "improved" if named else "nearest"
-    return improvement, replace(end.hypothesis.model, name=f"{model.name}_{ending}") if added else model
+    if not added:
+        return improvement, model
+    return improvement, replace(off_drives(end.hypothesis.model, model), name=f"{model.name}_{ending}")
 
 
 def _steps(found: Rounds, diagnosis: Diagnosis) -> tuple[Step, ...]:

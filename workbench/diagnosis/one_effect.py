@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from workbench.comparison import matched, refuse_search
+from workbench.comparison import matched
 from workbench.core import EffectKey, InputError, Recording
 from workbench.effects import Compliance, effect_named, kinds
 from workbench.models import AppliedEffect, Model
+from workbench.s3n import off_drives, on_drives
 
 from .data import gather
 from .fitting.fit import fit
@@ -43,7 +44,7 @@ def fit_effect(
         InputError: recordings that do not fit the model, or an effect that these cannot start a fit of.
         SimulationError: the model is unstable in a recording's loop.
     """
-    refuse_search(model)
+    given, model = model, on_drives(model)
     recordings = matched(model, recordings)
     progress("simulating the model and its noise")
     data, simulated = gather(model, recordings, (), seed)
@@ -63,7 +64,7 @@ def fit_effect(
         )
     hypothesis = with_candidate(linearisation, candidate, start)
     if hypothesis.parameter_free:
-        return hypothesis.parameter_free[-1], hypothesis.model
+        return hypothesis.parameter_free[-1], off_drives(hypothesis.model, given)
     progress(f"fitting {key}")
     found = fit([hypothesis], data)[0]
     if found is None:
@@ -71,4 +72,4 @@ def fit_effect(
     if kinds.diverges(effect_named(key.effect)):
         progress(f"trying sizes of {key}")
     found = refined_on_grid(converged(found, data), data)
-    return found.hypothesis.free[-1], found.hypothesis.model
+    return found.hypothesis.free[-1], off_drives(found.hypothesis.model, given)

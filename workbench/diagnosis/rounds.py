@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from workbench.comparison import Simulated, evaluate
 from workbench.core import Comparison, Recording, SimulationError
 from workbench.models import Model
+from workbench.s3n import on_drives
 
 from .policy import POLICY
 from .problem import Progress
@@ -37,7 +38,7 @@ def rounds(
         InputError: recordings that do not fit the model, or that show neither loop nor torque.
         SimulationError: the model is unstable in a recording's loop.
     """
-    found, way = best_way(model, training, held_out, seed, limit, progress)
+    found, way = best_way(on_drives(model), training, held_out, seed, limit, progress)
     out, rounds_at_most = [found], limit or POLICY.most_effects
     while found.jointly and not found.consistent_after and len(out) < rounds_at_most and _names(found):
         progress("searching again, with what was found in the model")

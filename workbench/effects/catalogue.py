@@ -12,6 +12,8 @@ from workbench.models import Model, Placement
 
 from .base import Effect
 from .compliance import Compliance
+from .contact import OnGround
+from .kinds import on_links
 
 #: Each is a file of its name, with a class of its name.
 _NAMES = (
@@ -99,8 +101,13 @@ def places(model: Model) -> tuple[EffectKey, ...]:
             candidates = [
                 replace(key, copy=1 + sum(key.same_place(a.key) for a in model.effects)) for key in candidates
             ]
-        keys += [key for key in candidates if effect.applies(model, key)]
+        keys += [key for key in candidates if effect.applies(model, key) and _reached(effect, model)]
     return tuple(keys)
+
+
+def _reached(effect: Effect, model: Model) -> bool:
+    """Whether an effect acts on what a model has: of links that are carried the tree has none."""
+    return model.carried is None or not (on_links(effect) or isinstance(effect, Compliance | OnGround))
 
 
 def _pin_differs(model: Model, index: int) -> bool:

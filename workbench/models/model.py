@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from workbench.core import Controller, EffectKey, Estimate, InputError, Mechanism
+from workbench.core import Carried, Controller, EffectKey, Estimate, InputError, Mechanism
 from workbench.core.provenance import digest
 from workbench.core.shown import Shown
 
@@ -131,6 +131,7 @@ class Model(Shown):
         friction_as_in_mjcf: dry friction that the MJCF states sets in as MuJoCo's constraint has it there, by
             ``solreffriction`` and ``solimpfriction``, rather than at the sliding speed.
         flank_retardation_s: damping of a gap's flanks over their stiffness [s], while they touch.
+        carried: what hangs on the drives beside the serial tree, where that is no tree.
         source: file it was read from.
     """
 
@@ -154,6 +155,7 @@ class Model(Shown):
     flank_retardation_s: float = 0.0
     ground: Ground | None = None
     floats: bool = False
+    carried: Carried | None = None
     source: Path | None = None
 
     @property

@@ -6,6 +6,7 @@ from .explicit import explicit_spectral_radius
 from .floating_base import FloatingBaseError, floating_base_error
 from .loop import ConstraintSettings
 from .normalise import NormalisedTree, normalise, write_normalised
+from .on_drives import off_drives, on_drives
 from .posture import PostureDependent
 from .posture_chain import PostureChain, PostureDynamics
 from .posture_error import PostureError, posture_error
@@ -37,7 +38,9 @@ __all__ = [
     "fit_native",
     "floating_base_error",
     "normalise",
+    "off_drives",
     "omissions",
+    "on_drives",
     "posture_error",
     "reduced",
     "run_variant",

@@ -10,6 +10,7 @@ from .law import law_torque
 from .linear import Loop, linearise, slopes
 from .march import Disturbance, propagate
 from .motion import motion_of
+from .posture_run import PosturePlant, run_posture
 from .run import Run, simulate
 from .sense import true_motion
 from .shooting import Shots, Tangents, Windows, shoot
@@ -23,6 +24,7 @@ __all__ = [
     "Disturbance",
     "Experiment",
     "Loop",
+    "PosturePlant",
     "Run",
     "SensorNoise",
     "Shots",
@@ -49,6 +51,7 @@ __all__ = [
     "rate_read",
     "required_torque",
     "rigid_torque",
+    "run_posture",
     "scored_torque",
     "shoot",
     "simulate",

@@ -13,7 +13,9 @@ from workbench.effects import axis_units
 from workbench.frf import Design, Limit
 from workbench.models import Model
 from workbench.models.spec import load_tree
+from workbench.s3n import drive_map
 
+from .posture_run import PosturePlant, run_posture
 from .run import Run, simulate
 
 #: What to do about a model that states no loop.
@@ -37,7 +39,7 @@ def held_posture(model: Model, asked: Mapping[str, float]) -> tuple[float, ...]:
         problem = f"the loop of model '{model.name}' has no '{unknown[0]}'"
         raise InputError(problem, column="--posture", remedy=f"name {', '.join(names)}")
     middle = np.array([0.5 * (low + high) if low > -np.inf else 0.0 for low, high in joint_limits(model)])
-    middle = middle if joint else model.transmission @ middle
+    middle = middle if joint else _drives(model, middle)
     return tuple(float(asked.get(n, m)) for n, m in zip(names, middle, strict=True))
 
 
@@ -95,18 +97,23 @@ def predictor(model: Model, limits: Sequence[Limit]) -> Callable[[Design], Mappi
 
     `limits` are those that will be asked about; columns of others are left out.
     """
+    own = drive_map(model)
+    plant = PosturePlant(model) if own else None
     back = np.linalg.inv(model.transmission)
+
+    def played(recordings: Sequence[Recording]) -> list[Recording]:
+        if plant is None:
+            return simulate([Run(model, r) for r in recordings])
+        return [run_posture(plant, r, [None])[0] for r in recordings]
 
     def predict(design: Design) -> dict[str, np.ndarray]:
         # one period after one in which it settles says it all
         short = replace(design, periods=1, transient_periods=min(design.transient_periods, 1))
-        runs = simulate([Run(model, as_recording(model, short, e)) for e in range(len(short.trials))])
+        runs = played([as_recording(model, short, e) for e in range(len(short.trials))])
+        moved = np.concatenate([runs[0].position[:1], *(r.position for r in runs)])
         rest = np.zeros((1, model.size))  # before the first row plays: the posture, and nothing asked
         every = {
-            "position": (
-                model.joints,
-                np.concatenate([runs[0].position[:1], *(r.position for r in runs)]) @ back.T,
-            ),
+            "position": (model.joints, moved @ back.T if own is None else own.joints(moved)),
             "speed": (model.axes, np.concatenate([rest, *(r.velocity for r in runs)])),
             # before the drive clips it
             "torque": (model.axes, np.concatenate([rest, *(r.signals["torque_command"] for r in runs)])),
@@ -127,7 +134,7 @@ def as_recording(model: Model, design: Design, experiment: int) -> Recording:
     """
     time, signals = design.play(experiment)
     hold = np.array(design.hold) if design.hold else np.zeros(model.size)
-    actuator = model.transmission @ hold if model.controller.coordinates == "joint" else hold
+    actuator = _drives(model, hold) if model.controller.coordinates == "joint" else hold
     rest = np.tile(actuator, (len(time), 1))
     held = holds(model)
     if not held:
@@ -144,6 +151,12 @@ def as_recording(model: Model, design: Design, experiment: int) -> Recording:
         controller=model.controller if held else Controller("none"),
         excitation=design.excitation(experiment),
     )
+
+
+def _drives(model: Model, joints: np.ndarray) -> np.ndarray:
+    """Positions of the drives (n,) at joint positions (n,)."""
+    own = drive_map(model)
+    return model.transmission @ joints if own is None else own.drives(joints)
 
 
 def whole_period(model: Model, period_s: float, rate_hz: float) -> float:

@@ -44,7 +44,8 @@ def rigid_torque(plant: Plant, track: Track) -> np.ndarray:
     back = np.linalg.inv(plant.model.transmission)
     q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
     states = plant.state_at(np.stack([q, w], axis=1))
-    return inverse_forces(copy_without_friction(plant.mujoco), states, a @ plant.lift.T) @ plant.lift
+    tree = inverse_forces(copy_without_friction(plant.mujoco), states, a @ plant.lift.T) @ plant.lift
+    return tree if plant.model.carried is None else tree + plant.model.carried.torque(q, w, a)
 
 
 def gain_along(chain: TorqueChain, torque: np.ndarray, step: float) -> np.ndarray:

@@ -122,7 +122,8 @@ def mass_matrix(plant: Plant, track: Track) -> np.ndarray:
     """Mass matrix (N, n, n) in actuator coordinates along a track, links and rotors moving as one."""
     back = np.linalg.inv(plant.model.transmission)
     masses = _along(plant, track, lambda at: plant.lift.T @ mass_matrices(plant.mujoco, at) @ plant.lift)
-    return back.T @ masses @ back
+    tree, carried = back.T @ masses @ back, plant.model.carried
+    return tree if carried is None else tree + carried.inertia(track.position)
 
 
 def momentum_of(plant: Plant, track: Track) -> tuple[np.ndarray, float]:

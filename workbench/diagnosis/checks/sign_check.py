@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.comparison import Turn, replay_of, score_runs, shifted_axes, swapped_axes, turned_axes
-from workbench.core import InputError, Recording
+from workbench.core import InputError, Recording, SimulationError
 from workbench.models import Model
 
 from ..policy import POLICY
@@ -83,8 +83,11 @@ def _named(axes: Sequence[str]) -> str:
 
 
 def _score(model: Model, recordings: Sequence[Recording]) -> float:
-    """Error of the model's runs; infinite where it is unstable."""
-    replay = replay_of(model, recordings)
+    """Error of the model's runs; infinite where it is unstable, or links are where they cannot go."""
+    try:
+        replay = replay_of(model, recordings)
+    except SimulationError:
+        return np.inf
     (runs,) = replay.run([model])
     score, _ = score_runs(replay.recordings, runs)
     return score if np.isfinite(score) else np.inf

@@ -18,8 +18,10 @@ from workbench.core import InputError, Recording, SimulationError
 from workbench.models import Model
 from workbench.recordings.lattice import lattice_step
 from workbench.s3n import PostureDependent, drive_map
-from workbench.simulation import Experiment, SensorNoise, prepare
-from workbench.simulation.initial_state import initial_state
+
+from .control import SensorNoise
+from .experiment import Experiment, prepare
+from .initial_state import initial_state
 
 _BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
 _FASTEST = 1e4  # rad/s
@@ -105,8 +107,7 @@ def run_posture(
         if not np.abs(v).max() < _FASTEST:
             raise SimulationError(f"model '{plant.model.name}' runs away in the loop of '{recording.name}'")
     names = ("position", "velocity", "torque_command", "torque_measured")
-    signals = [(name, x) for name, x in zip(names, logged, strict=True) if name in recording.signals]
-    return [recording.with_signals(**{name: x[b] for name, x in signals}) for b in range(count)]
+    return [recording.with_signals(**dict(zip(names, logged[:, b], strict=True))) for b in range(count)]
 
 
 class _Sensors:

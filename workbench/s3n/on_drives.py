@@ -1,0 +1,130 @@
+"""A mechanism whose transmission changes with the posture, seen from its drives.
+
+In the drives' own coordinates nothing changes with the posture but the torque that the links need:
+
+    tau_p = A q_p'' + B q_p' + J^-T (M_links q_s'' + bias - gravity),     q_s'' = J^-1 (q_p'' - J' q_s'),
+
+with everything behind J^-T from the closed chain's series. So a search can take the machine for rotors, a
+drive each, that carry the links: what acts at a drive acts as in any other machine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+import numpy as np
+
+from workbench.core import SimulationError
+from workbench.effects import axis_units
+from workbench.models import Model
+
+from .drive_map import drive_map
+from .posture import PostureDependent, Terms
+
+_BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
+_GRAIN = 1e-9  # kg and kg m^2: what a rotor of no inertia is given, so that it can be compiled
+
+
+class _State(NamedTuple):
+    """Of N rows: what the series say there, rates of the joints (N, n), and J^-1 (N, n, n)."""
+
+    terms: Terms
+    rate: np.ndarray
+    back: np.ndarray
+
+
+class LinksOnDrives:
+    """The links of a mechanism, as `core.Carried`.
+
+    Args:
+        model: names its closed chain and limits.
+
+    Raises:
+        InputError: no closed chain or limits.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self._chain = PostureDependent(model)
+        found = drive_map(model, self._chain)
+        assert found is not None
+        self._map = found
+
+    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """As `core.Carried` has it."""
+        terms, rate, back = self._at(position, velocity)
+        joint = np.einsum("kij,kj->ki", back, acceleration - terms.drive_rate(rate))
+        own = np.einsum("kij,kj->ki", terms.links, joint) + terms.link_bias(rate) - terms.gravity
+        return np.einsum("kji,kj->ki", back, own)
+
+    def inertia(self, position: np.ndarray) -> np.ndarray:
+        """As `core.Carried` has it."""
+        terms, _, back = self._at(position, np.zeros_like(position))
+        return back.transpose(0, 2, 1) @ terms.links @ back
+
+    def _at(self, position: np.ndarray, velocity: np.ndarray) -> _State:
+        joints = self._map.joints(position)
+        inside = np.clip(joints, *self._chain.box.T)
+        if not np.abs(joints - inside).max(initial=0.0) < _BEYOND:
+            self._chain.check(joints)
+            raise SimulationError(f"model '{self._chain.model.name}': no posture has its drives there")
+        terms = self._chain.at(inside)
+        back = np.linalg.inv(terms.jacobian)
+        return _State(terms, np.einsum("kij,kj->ki", back, velocity), back)
+
+
+def on_drives(model: Model) -> Model:
+    """A model as its drives feel it; the model itself where its transmission is constant.
+
+    Raises:
+        InputError: no closed chain or limits.
+    """
+    if not model.posture_dependent:
+        return model
+    return replace(
+        model,
+        serial=_rotors(model.axes, axis_units(model)),
+        joints=model.axes,
+        transmission=np.eye(model.size),
+        posture_dependent=False,
+        payload_site=None,
+        carried=LinksOnDrives(model),
+    )
+
+
+def off_drives(found: Model, given: Model) -> Model:
+    """What a search made of `on_drives` of a model, as that model with the same effects in it."""
+    if found.carried is None:
+        return found
+    return replace(
+        found,
+        serial=given.serial,
+        joints=given.joints,
+        transmission=given.transmission,
+        posture_dependent=given.posture_dependent,
+        payload_site=given.payload_site,
+        carried=None,
+    )
+
+
+@cache
+def _folder() -> TemporaryDirectory[str]:
+    """Kept until the process ends: a model names the file of its tree."""
+    return TemporaryDirectory(prefix="workbench-drives-")
+
+
+@cache
+def _rotors(axes: tuple[str, ...], units: tuple[str, ...]) -> Path:
+    """An MJCF of one body a drive and nothing else."""
+    bodies = "".join(
+        f'<body><joint name="{axis}" type="{"hinge" if unit == "rad" else "slide"}" axis="0 0 1"/>'
+        f'<inertial pos="0 0 0" mass="{_GRAIN}" diaginertia="{_GRAIN} {_GRAIN} {_GRAIN}"/></body>'
+        for axis, unit in zip(axes, units, strict=True)
+    )
+    folder = Path(_folder().name)
+    file = folder / f"{len(list(folder.iterdir()))}.xml"
+    file.write_text(f'<mujoco><option gravity="0 0 0"/><worldbody>{bodies}</worldbody></mujoco>')
+    return file
