@@ -25,6 +25,7 @@ _TRIED = 6  # orders that go on to the linearised loop
 _HARMONICS = 5  # of these, that are looked for one after the other
 _SHOWN = 1e-3  # of what is lacking, that one more of these has to explain
 _FINEST = 400  # of these, multiples of a quarter of a ripple over the whole arc
+_BINS = 8 * _FINEST  # of the arc
 
 
 def _told(motions: Sequence[Motion], place: Place, values: Values, beside: int = 0) -> bool:
@@ -51,83 +52,108 @@ def _orders(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray
     position = np.concatenate([m.along(place)[0] for m in motions])
     lacking = np.concatenate([((m.required(model) - m.torque) * m.gain)[:, place.index] for m in motions])
     shown = _Binned.of(position, lacking - lacking.mean())
-    step = 0.5 * np.pi / (float(np.ptp(position)) + 1e-9)
-    orders = step * np.arange(round(4 * _LEAST), _FINEST)
-    orders = orders[orders >= 1.0] if motions[0].axis_units[place.index] == "rad" else orders
-    gain = shown.explained_by_each(orders)
+    step = shown.step
+    slow = 1.0 if motions[0].axis_units[place.index] == "rad" else 0.0
+    first = max(round(4 * _LEAST), math.ceil(slow / step))
+    orders = step * np.arange(first, _FINEST)
+    gain = shown.explained_by_each()[first:]
     peaks = np.flatnonzero((gain >= np.roll(gain, 1)) & (gain >= np.roll(gain, -1)))
     best = orders[peaks[np.argsort(-gain[peaks])[:_TRIED]]]
-    finer = _one_after_the_other(orders, gain, step, shown)
+    finer = _one_after_the_other(orders, gain, shown)
     return np.array([*finer, *(o for o in best if min(abs(o - f) for f in finer) > step)])
 
 
-def _one_after_the_other(orders: np.ndarray, gain: np.ndarray, step: float, shown: _Binned) -> list[float]:
-    """Orders, to a part of a `step`, that explain most of what those before them leave; `gain`: of all.
+def _one_after_the_other(orders: np.ndarray, gain: np.ndarray, shown: _Binned) -> list[float]:
+    """Orders, to a part of a step, that explain most of what those before them leave; `gain`: of all.
 
     A strong one hides weak ones beside it, above all where it is a little off: so each is refined beside all.
     """
-    found: list[float] = []
+    found, step = list[float](), shown.step
     while not found or (len(found) < _HARMONICS and gain.max() > _SHOWN * shown.square):
         found.append(float(orders[gain.argmax()]))
         for k in reversed(range(len(found))):
-            others = [*found[:k], *found[k + 1 :]]
+            others = shown.waves([*found[:k], *found[k + 1 :]])
             found[k] = float(
                 minimize_scalar(
-                    lambda order, others=others: -shown.explained([*others, order]),
+                    lambda order, others=others: -shown.explained(order, others),
                     bounds=(max(found[k] - step, orders[0]), found[k] + step),
                     method="bounded",
                     options={"xatol": 1e-3 * step},
                 ).x
             )
         if len(found) < _HARMONICS:
-            gain = shown.without(found).explained_by_each(orders)
+            gain = shown.without(found).explained_by_each()[-len(orders) :]
     return found
 
 
 @dataclass(frozen=True)
 class _Binned:
-    """Values summed in bins of the position: middles, rows, and sums of values."""
+    """Values summed in even bins of the position: middle of the first, width, rows, and sums of values."""
 
-    middle: np.ndarray
+    start: float
+    width: float
     count: np.ndarray
     total: np.ndarray
 
     @staticmethod
     def of(position: np.ndarray, values: np.ndarray) -> _Binned:
         """The sums of a histogram are those of the rows, as long as its bins are finer than a ripple."""
-        number = 8 * _FINEST
-        edges = np.linspace(position.min(), position.max() + 1e-12, number + 1)
-        index = np.clip(np.searchsorted(edges, position, side="right") - 1, 0, number - 1)
-        count = np.bincount(index, minlength=number)
-        there = count > 0
-        total = np.bincount(index, weights=values, minlength=number)
-        return _Binned(0.5 * (edges[1:] + edges[:-1])[there], count[there], total[there])
+        low, width = float(position.min()), (float(np.ptp(position)) + 1e-9) / _BINS
+        index = np.clip(((position - low) / width).astype(int), 0, _BINS - 1)
+        return _Binned(
+            low + 0.5 * width,
+            width,
+            np.bincount(index, minlength=_BINS).astype(float),
+            np.bincount(index, weights=values, minlength=_BINS),
+        )
 
-    def _fit(self, orders: Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Sines and cosines of some orders beside a mean; right side and coefficients of their fit."""
-        waves = [f(order * self.middle) for order in orders for f in (np.sin, np.cos)]
-        basis = np.stack([np.ones_like(self.middle), *waves])
-        right = basis @ self.total
-        return basis, right, np.linalg.lstsq((basis * self.count) @ basis.T, right, rcond=1e-9)[0]
+    @property
+    def step(self) -> float:
+        """Orders of a quarter of a ripple over the whole arc."""
+        return 0.5 * np.pi / (_BINS * self.width)
 
     @property
     def square(self) -> float:
         """Squared sum of the means of the bins."""
-        return float(np.sum(self.total**2 / self.count))
+        return float(np.sum(self.total**2 / np.maximum(self.count, 1.0)))
 
-    def explained_by_each(self, orders: np.ndarray) -> np.ndarray:
-        """Squared sum that each order explains by itself, as many."""
-        return np.array([self.explained([order]) for order in orders])
+    def waves(self, orders: Sequence[float]) -> np.ndarray:
+        """A mean, and sines and cosines of some orders, a row each."""
+        angle = self.start + self.width * np.arange(_BINS)
+        rows = [f(order * angle) for order in orders for f in (np.sin, np.cos)]
+        return np.stack([np.ones(_BINS), *rows])
 
-    def explained(self, orders: Sequence[float]) -> float:
-        """Squared sum that orders explain together."""
-        _, right, weights = self._fit(orders)
+    def explained_by_each(self) -> np.ndarray:
+        """Squared sum that each of the first `_FINEST` multiples of `step` explains by itself beside a mean.
+
+        Their phases go in even steps along the bins, so that one transform has the sums of all.
+        """
+        total = np.fft.rfft(self.total, 4 * _BINS)[:_FINEST]
+        every = np.fft.rfft(self.count, 4 * _BINS)[: 2 * _FINEST]
+        rows, once, twice = every[0].real, every[:_FINEST], every[::2]
+        gram = np.empty((_FINEST, 3, 3))
+        gram[:, 0, 0] = rows
+        gram[:, 0, 1] = gram[:, 1, 0] = -once.imag
+        gram[:, 0, 2] = gram[:, 2, 0] = once.real
+        gram[:, 1, 1], gram[:, 2, 2] = 0.5 * (rows - twice.real), 0.5 * (rows + twice.real)
+        gram[:, 1, 2] = gram[:, 2, 1] = -0.5 * twice.imag
+        right = np.stack([np.broadcast_to(self.total.sum(), _FINEST), -total.imag, total.real], axis=1)
+        return np.einsum("ki,kij,kj->k", right, np.linalg.pinv(gram, rcond=1e-9, hermitian=True), right)
+
+    def explained(self, order: float, others: np.ndarray) -> float:
+        """Squared sum that an order explains together with other `waves`."""
+        _, right, weights = self._fit(np.concatenate([others, self.waves([order])[1:]]))
         return float(right @ weights)
 
     def without(self, orders: Sequence[float]) -> _Binned:
         """The values less what orders explain of them."""
-        basis, _, weights = self._fit(orders)
+        basis, _, weights = self._fit(self.waves(orders))
         return replace(self, total=self.total - self.count * (weights @ basis))
+
+    def _fit(self, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows of a basis; right side and coefficients of their fit."""
+        right = basis @ self.total
+        return basis, right, np.linalg.lstsq((basis * self.count) @ basis.T, right, rcond=1e-9)[0]
 
 
 #: One step of a fit is less than what brings ripples out of step within a radian.

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import EffectKey
-from workbench.effects import Compliance, OnGround, SignalStage, effect_named, kinds, places
+from workbench.effects import Compliance, OnGround, SignalStage, Values, effect_named, kinds, places
 from workbench.models import Placement
 
 from ..data import Data
@@ -39,11 +39,12 @@ def regression_of(start: Fit, data: Data) -> Regression:
         acts = effect.stage in kinds.TORQUES and not isinstance(effect, Compliance | OnGround)
         if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
             continue
-        if effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation):
+        shapes = effect.parameters.shapes(linearisation.motions, model, place)
+        if effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation, shapes[0]):
             continue
         repeats = effect.search.repeats
         kin = [a.values for a in model.effects if key.same_place(a.key)]
-        for shape in effect.parameters.shapes(linearisation.motions, model, place):
+        for shape in shapes:
             if repeats and place and kin and not repeats(linearisation.motions, place, shape, kin):
                 continue
             linear, fixed = linearisation.columns(key, shape, motions)
@@ -95,11 +96,10 @@ def regression_of(start: Fit, data: Data) -> Regression:
     )
 
 
-def _is_a_gain(key: EffectKey, linearisation: Linearisation) -> bool:
+def _is_a_gain(key: EffectKey, linearisation: Linearisation, shape: Values) -> bool:
     """Whether an effect scales the torque that was measured: less of that leaves less of any residual too."""
     effect, place = effect_named(key.effect), Placement.of(linearisation.model, key)
     idle = replace(linearisation.motions[0], torque=np.zeros_like(linearisation.motions[0].torque))
-    (shape, *_) = effect.parameters.shapes(linearisation.motions[:1], linearisation.model, place)
     return not np.any(effect.response(idle, linearisation.model, place, shape).columns)
 
 
