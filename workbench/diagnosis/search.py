@@ -9,7 +9,6 @@ from workbench.comparison import Simulated, cannot_run, noise_rules
 from workbench.core import Disagreement, Identifiability, Recording, SimulationError
 from workbench.models import Model
 
-from .checks.sign_check import refuse_wrong_sign_in_loop
 from .checks.units import differing_units
 from .data import gather
 from .explore import explore
@@ -83,10 +82,6 @@ def search(asked: Asked, *, only_jointly: bool = False) -> SearchResult:
     before = is_consistent(first, start.mean_squares)
     node, trace = Node(start, first, done=before), ()
     if not before:
-        if first.replay.machine_alone:
-            refuse_wrong_sign_in_loop(
-                model, asked.training, first.score(start.mean_squares), first.score(first.floor)
-            )
         node, trace = (solve_jointly(problem) or node, ()) if only_jointly else explore(node, problem)
     current, data = node.current, node.data
     # a signal that is a little off after all that could be found is no sign of one more effect

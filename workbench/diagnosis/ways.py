@@ -14,11 +14,12 @@ from workbench.simulation import scored_torque
 
 from .acceptance import at_noise_floor
 from .checks.loops import refuse_coordinates
-from .checks.sign_check import refuse_wrong_sign_of_torque
+from .checks.sign_check import refuse_wrong_sign_in_loop, refuse_wrong_sign_of_torque
 from .checks.units import refuse_unit
 from .fitting.uncertainty import moved_apart
 from .hypothesis import Fit
 from .loss import rescored
+from .node import is_consistent
 from .policy import POLICY
 from .problem import Progress
 from .search import Asked, UnstableLoop, ask, search
@@ -98,6 +99,7 @@ def best_way(
         SimulationError: the model is unstable in a recording's loop.
     """
     ways = [Way.of(model, *way, seed, limit, progress) for way in _matched(model, training, held_out)]
+    _refuse_wrong_sign(ways[0].asked)
     ways = _explaining(ways, progress)
     tried = []
     for k, way in enumerate(ways):
@@ -112,6 +114,13 @@ def best_way(
     )
     others = [tried[k].final for k in ties if k != which]
     return _covering(tried[which], others), ways[which]
+
+
+def _refuse_wrong_sign(asked: Asked) -> None:
+    start, data = asked.problem.start, asked.problem.data
+    if data.replay.machine_alone and not is_consistent(data, start.mean_squares):
+        error, floor = data.score(start.mean_squares), data.score(data.floor)
+        refuse_wrong_sign_in_loop(start.hypothesis.model, asked.training, error, floor)
 
 
 def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
