@@ -38,7 +38,7 @@ def torque_offset_lines(recordings: Sequence[Recording], delay: float) -> list[s
             ms = 1000.0 * abs(best) * recordings[0].period
             lines.append(
                 f"at {axis}, the measured torque {verb} the one that the model's drive would give by {rows} "
-                f"({ms:.3g} ms): if the motion shows no such shift, the log is shifted: move the column {way}"
+                f"({ms:.3g} ms); where the motion shows no such shift, move the column of the log {way}"
             )
     return lines
 
