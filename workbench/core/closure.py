@@ -32,29 +32,15 @@ _SHORTEST = 2.0**-12  # part of the way below which following gives up
 _EXACT = 1e-9  # a prediction this good [rad or m] may pass through a dead point, as a parallelogram does
 
 
-class Tree(Protocol):
+class _Tree(Protocol):
     """The cut mechanism at one posture and speed in any simulator: N coordinates, m loops, k couplings."""
 
     @property
-    def names(self) -> Sequence[str]:
-        """Of its coordinates (N,)."""
-        ...
-
-    def move(self, theta: np.ndarray) -> None:
-        """To the posture theta (N,) [rad or m]."""
-        ...
-
-    def gap(self) -> np.ndarray:
-        """Of loops, then of couplings (3 m + k,) [m or rad]."""
-        ...
-
-    def gap_jacobian(self) -> np.ndarray:
-        """d gap / d theta (3 m + k, N)."""
-        ...
-
-    def gap_bias(self) -> np.ndarray:
-        """Second derivative of the gap at zero acceleration of the tree (3 m + k,)."""
-        ...
+    def names(self) -> Sequence[str]: ...
+    def move(self, theta: np.ndarray) -> None: ...
+    def gap(self) -> np.ndarray: ...  # (3 m + k,) [m or rad]
+    def gap_jacobian(self) -> np.ndarray: ...  # (3 m + k, N)
+    def gap_bias(self) -> np.ndarray: ...  # its second derivative at zero acceleration of the tree (3 m + k,)
 
 
 @dataclass(frozen=True)
@@ -125,7 +111,7 @@ class Closure:
     """
 
     def __init__(
-        self, tree: Tree, independent: Sequence[int], start: np.ndarray, *, through: bool = True
+        self, tree: _Tree, independent: Sequence[int], start: np.ndarray, *, through: bool = True
     ) -> None:
         self.independent = list(independent)
         self.dependent = [i for i in range(len(start)) if i not in self.independent]
