@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test check docs figures notebooks uncompile format clean interop
+.PHONY: setup training demo test check docs figures notebooks format clean interop
 
 setup: $(STAMP)
 
@@ -60,10 +60,6 @@ interop: setup
 	test -x build/interop/mujoco3/bin/python || $(PYTHON) -m venv build/interop/mujoco3
 	build/interop/mujoco3/bin/python -m pip install --quiet --disable-pip-version-check mujoco==$(MUJOCO3) numpy
 	$(BIN)/python benchmarks/interop.py mujoco3 --python build/interop/mujoco3/bin/python
-
-# numba keeps machine code beside its file and does not see that a function of another file has changed.
-uncompile:
-	find workbench -name '*.nb[ic]' -delete
 
 format: setup
 	$(BIN)/ruff check --fix .
