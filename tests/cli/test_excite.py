@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from workbench.cli import excite as _  # noqa: F401  (registers the command)
 from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.effects import load_model

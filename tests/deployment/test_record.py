@@ -17,7 +17,6 @@ from tests.can.make import config, motor, table, written
 from tests.deployment.robot import LIMITS, RANGES
 from workbench.can import CanConfig, load_config
 from workbench.can.candump import Logged, read_candump
-from workbench.cli import record as _record  # noqa: F401  (registers the command)
 from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.deployment import Host, SimulatedNetwork, joints_of
