@@ -24,7 +24,8 @@ from workbench.deployment.from_log import Played, recording
 from workbench.deployment.player import Player
 from workbench.deployment.processes import virtual_hardware
 from workbench.deployment.record import from_log, keep, play, record_simulated
-from workbench.frf import Design, estimate, fit_actuator, multisine, save_design
+from workbench.frf import Design, estimate, multisine, save_design
+from workbench.identification import fit_actuator
 from workbench.recordings import load_recording
 from workbench.rigs.bench import VirtualBench
 
