@@ -11,12 +11,13 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test check docs figures notebooks uncompile format clean interop
+.PHONY: setup training demo test test-all check docs figures notebooks format clean interop
 
 setup: $(STAMP)
 
 $(STAMP): requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:3]; sys.exit(v < (3, 11) and f"workbench needs Python 3.11 or later; {sys.executable} is {v[0]}.{v[1]}: set PYTHON=")'
+	@echo "installing what requirements.lock lists into .venv: once, some minutes, 2.4 GB on disk"
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
@@ -25,13 +26,19 @@ $(STAMP): requirements.lock pyproject.toml
 training: $(TRAINING)
 
 $(TRAINING): $(STAMP) requirements-training.lock requirements-ray.lock
+	@echo "installing torch, ray and what trains into .venv: once, some minutes, 2 GB on disk and more with CUDA"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock -r requirements-training.lock -r requirements-ray.lock
 	@touch $@
 
 demo: setup
 	$(BIN)/workbench demo demo --seed $(DEMO_SEED) --force
 
-test: training
+# The core: what pins physics and behaviour in minutes and needs requirements.lock alone (tests/kept_for_all.py).
+test: setup
+	$(BIN)/pytest --core -n $(WORKERS) --dist worksteal $(PYTEST_ARGS)
+
+# Everything, as CI runs it.
+test-all: training
 	$(BIN)/pytest -n $(WORKERS) --dist worksteal $(PYTEST_ARGS)
 
 check: training
@@ -60,10 +67,6 @@ interop: setup
 	test -x build/interop/mujoco3/bin/python || $(PYTHON) -m venv build/interop/mujoco3
 	build/interop/mujoco3/bin/python -m pip install --quiet --disable-pip-version-check mujoco==$(MUJOCO3) numpy
 	$(BIN)/python benchmarks/interop.py mujoco3 --python build/interop/mujoco3/bin/python
-
-# numba keeps machine code beside its file and does not see that a function of another file has changed.
-uncompile:
-	find workbench -name '*.nb[ic]' -delete
 
 format: setup
 	$(BIN)/ruff check --fix .

@@ -22,7 +22,8 @@ from scipy.signal import decimate
 from workbench import load_model, load_recording, load_recordings
 from workbench.core import Recording
 from workbench.core.files import write_whole
-from workbench.frf import estimate, find_resonances, fit_two_mass
+from workbench.frf import estimate, find_resonances
+from workbench.identification import fit_two_mass
 from workbench.models import Model
 
 

@@ -10,7 +10,6 @@ from typer.testing import CliRunner
 
 from tests.can.make import config, motor, table, written
 from workbench.can import bus_load, load_config
-from workbench.cli import can as _  # noqa: F401  (registers the command)
 from workbench.cli.app import app
 from workbench.core import InputError
 

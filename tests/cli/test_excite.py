@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from workbench.cli import excite as _  # noqa: F401  (registers the command)
 from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.effects import load_model
-from workbench.frf import estimate, fit_leg, load_design
+from workbench.frf import estimate, load_design
+from workbench.identification import fit_leg
 from workbench.simulation import Run, as_recording, simulate, whole_period
 
 HOLD = ("--posture", "hip=-0.55", "--posture", "knee=1.0472")

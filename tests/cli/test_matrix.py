@@ -17,7 +17,7 @@ import typer
 from tests.can.make import motor, table
 from tests.cli.here import run
 from tests.cli.test_options import commands
-from workbench.cli.app import app, load_commands
+from workbench.cli.app import app
 from workbench.cli.common import HtmlOption, ModelArgument, RecordingsArgument
 from workbench.effects import load_model
 from workbench.frf.design_file import load_design
@@ -148,7 +148,6 @@ READS = {"--record"}  # options of a FILE that is there already
 
 
 def tree() -> dict[str, Any]:
-    load_commands()
     return dict(commands(typer.main.get_command(app)))
 
 

@@ -15,7 +15,7 @@ import typer
 from typer.testing import CliRunner
 
 from tests.can.make import config, motor
-from workbench.cli.app import app, load_commands
+from workbench.cli.app import app
 from workbench.core import InputError
 
 # they run until they are interrupted, or write a file that is itself for programs
@@ -37,7 +37,6 @@ def options(command: Any) -> set[str]:
 
 
 def test_commands_with_a_result_give_it_as_json_can_be_silent_and_overwrite_only_by_force() -> None:
-    load_commands()
     found = dict(commands(typer.main.get_command(app)))
     assert set(found) > _OTHERS
     for name, command in found.items():
@@ -47,12 +46,10 @@ def test_commands_with_a_result_give_it_as_json_can_be_silent_and_overwrite_only
 
 def run(*words: object) -> Any:
     """The command line, in this process: what counts is what stands where."""
-    load_commands()
     return CliRunner().invoke(app, [str(word) for word in words])
 
 
 def test_help_of_every_command_has_an_example_and_fits_a_terminal() -> None:
-    load_commands()
     names = [name for name, _ in commands(typer.main.get_command(app))]
     listing = run("--help").stdout
     assert "..." not in listing.replace("[ARGS]...", "") and "Start with: workbench demo" in listing

@@ -14,8 +14,6 @@ from tests.can.make import motor, table, written
 from tests.deployment.robot import HOLD, LIMITS, RANGES
 from workbench.bundle import PolicyBundle, read_bundle, write_bundle
 from workbench.can import load_config
-from workbench.cli import can as _can  # noqa: F401  (registers commands)
-from workbench.cli import deploy as _deploy  # noqa: F401
 from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.deployment import Host, SimulatedNetwork, joints_of

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.can.make import motor, table, written
-from workbench.cli.app import app, load_commands
+from workbench.cli.app import app
 from workbench.core import InputError
 
 
@@ -19,7 +19,6 @@ def alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     content["bus"][0] |= {"interface": "virtual", "channel": str(tmp_path)}
     file = written(tmp_path, content)
     monkeypatch.chdir(tmp_path)
-    load_commands()
     return file
 
 

@@ -16,7 +16,6 @@ from tests.deployment.robot import LIMITS, RANGES
 from tests.deployment.test_deploy import bundle, leg
 from workbench.bundle import PolicyBundle, objections, read_bundle
 from workbench.can import load_config
-from workbench.cli import deploy as _deploy  # noqa: F401
 from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.deployment import joints_of

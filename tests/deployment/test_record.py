@@ -17,7 +17,6 @@ from tests.can.make import config, motor, table, written
 from tests.deployment.robot import LIMITS, RANGES
 from workbench.can import CanConfig, load_config
 from workbench.can.candump import Logged, read_candump
-from workbench.cli import record as _record  # noqa: F401  (registers the command)
 from workbench.cli.app import app
 from workbench.core import InputError
 from workbench.deployment import Host, SimulatedNetwork, joints_of
@@ -25,7 +24,8 @@ from workbench.deployment.from_log import Played, recording
 from workbench.deployment.player import Player
 from workbench.deployment.processes import virtual_hardware
 from workbench.deployment.record import from_log, keep, play, record_simulated
-from workbench.frf import Design, estimate, fit_actuator, multisine, save_design
+from workbench.frf import Design, estimate, multisine, save_design
+from workbench.identification import fit_actuator
 from workbench.recordings import load_recording
 from workbench.rigs.bench import VirtualBench
 

@@ -21,7 +21,7 @@ import pytest
 from typer.main import get_command
 
 from tests.cli import here
-from workbench.cli.app import app, load_commands
+from workbench.cli.app import app
 from workbench.core.paths import models_folder
 from workbench.recordings import save_recording
 from workbench.rigs import VirtualLeg, chirp
@@ -121,7 +121,6 @@ def words_of(kind: str) -> list[tuple[str, list[str]]]:
 
 
 def test_what_no_test_runs_names_commands_and_options_that_exist() -> None:
-    load_commands()
     checked = 0
     for page, (program, *words) in words_of("sh"):
         if program == "python":

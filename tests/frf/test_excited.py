@@ -10,7 +10,8 @@ import pytest
 import tomli_w
 
 from workbench.core import Excitation, InputError, Recording
-from workbench.frf import estimate, find_resonances, fit_two_mass, lines_of
+from workbench.frf import estimate, find_resonances, lines_of
+from workbench.identification import fit_two_mass
 from workbench.recordings import load_recording, save_recording
 
 from ..data_helpers import data_folder

@@ -86,7 +86,7 @@ def test_a_matlab_file_that_unpacks_for_ever(tmp_path: Path) -> None:
         body += pack.compress(b"\0" * 2**20)
     body += pack.flush()
     path.write_bytes(path.read_bytes() + struct.pack("<II", 15, len(body)) + body)
-    refused(path, "claims to hold")
+    refused(path, "claims to hold|not a readable MATLAB")
 
 
 def test_a_matlab_cell_that_claims_everything(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from scipy.io import savemat
 from tests.data_helpers import description, two_axes, write_recording
 from tests.recordings.test_bad_input import changed, refused, refused_table
 from tests.recordings.test_can_logs import logged
-from workbench.recordings.tables import mf4
+from workbench.recordings.tables import apart
 
 
 def test_numbers_that_nothing_that_moves_can_have(tmp_path: Path) -> None:
@@ -57,7 +57,6 @@ def matlab(folder: Path, at: int, old: bytes, new: bytes) -> Path:
     [
         (176, struct.pack("<I", 9), struct.pack("<I", 105)),  # a type of numbers that there is not
         (180, struct.pack("<I", 3200), struct.pack("<I", 3208)),  # more bytes than there are
-        (160, struct.pack("<i", 1), struct.pack("<i", -1)),  # a side of -1
         (164, struct.pack("<i", 400), struct.pack("<i", 500)),  # more numbers than there are
         (132, struct.pack("<I", 3248), struct.pack("<I", 2**31)),
     ],
@@ -148,7 +147,7 @@ def test_a_log_whose_reader_comes_to_no_end(tmp_path: Path, monkeypatch: pytest.
     path = logged(tmp_path, ".mf4")
     (tmp_path / "can.py").write_text("def LogReader(path):\n    while True:\n        pass\n")
     monkeypatch.syspath_prepend(tmp_path)  # as the other process finds it; here it is loaded already
-    monkeypatch.setattr(mf4, "SILENCE_S", 0.2)
+    monkeypatch.setattr(apart, "SILENCE_S", 0.2)
     assert "comes to no end" in refused(path).problem
 
 

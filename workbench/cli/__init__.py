@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 import warnings
@@ -13,6 +14,11 @@ def main() -> None:
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.SIG_IGN:  # as in the background
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    # many small factorisations: the threads of a linear algebra library only get in each other's way
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    # nothing is drawn by MuJoCo here, which would load a window library and start a process to look at it
+    os.environ.setdefault("MUJOCO_GL", "disable")
     from .app import run
 
     signal.signal(signal.SIGINT, before)

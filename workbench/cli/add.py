@@ -14,7 +14,6 @@ from workbench.core import FORMAT, InputError, apart
 from workbench.core.formats import check_format
 
 from . import complete
-from .app import app
 from .common import (
     ForceOption,
     JsonOption,
@@ -32,7 +31,6 @@ from .values import parse_lists, parse_place, with_values
 _AS_IN_MJCF = "friction_as_in_mjcf"  # no effect, but how the friction that the model has sets in
 
 
-@app.command()
 def add(
     model: ModelArgument,
     effect: Annotated[

@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from importlib import metadata
 from typing import Annotated
 
 import typer
 
+from workbench.core import WorkbenchError
+
+from .add import add
+from .approve import approve
+from .can import can
+from .check import check
+from .compare import compare
+from .demo import demo
+from .deploy import deploy
+from .diagnose import diagnose
+from .evaluate import evaluate
+from .excite import excite
+from .export import export
+from .fleet import fleet
+from .frf import frf
+from .identify import identify
+from .import_ import import_
+from .improve import improve
+from .inspect import inspect
 from .listing import Listing
+from .normalize import normalize
+from .record import record
+from .show import show
+from .train import train
+from .ui import ui
 
 app = typer.Typer(
     name="workbench",
@@ -40,18 +63,18 @@ def _program(
 ) -> None: ...
 
 
+for _command in (
+    add, approve, check, compare, demo, deploy, diagnose, evaluate, excite, export, fleet, frf, improve,
+    inspect, normalize, record, show, train, ui,
+):  # fmt: skip
+    app.command()(_command)
+app.command(name="import")(import_)
+app.add_typer(can)
+app.add_typer(identify)
+
+
 def run() -> None:
     """Run the command line; a `WorkbenchError` ends in one line and its exit code."""
-    # many small factorisations: the threads of a linear algebra library only get in each other's way
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    # nothing is drawn by MuJoCo here, which would load a window library and start a process to look at it
-    os.environ.setdefault("MUJOCO_GL", "disable")
-    # python-can loads it, if it is there, to read MF4: a second and more, and we read that in another process
-    sys.modules.setdefault("asammdf", None)  # pyright: ignore[reportArgumentType]
-    from workbench.core import WorkbenchError
-
-    load_commands()
     try:
         app()
     except WorkbenchError as error:
@@ -62,31 +85,3 @@ def run() -> None:
         sys.exit(2)
     except BrokenPipeError:
         sys.exit(0)
-
-
-def load_commands() -> None:
-    """Register every command; each imports what it works with only when it runs."""
-    from . import (  # noqa: F401
-        add,
-        approve,
-        can,
-        check,
-        compare,
-        demo,
-        deploy,
-        diagnose,
-        evaluate,
-        excite,
-        export,
-        fleet,
-        frf,
-        identify,
-        import_,
-        improve,
-        inspect,
-        normalize,
-        record,
-        show,
-        train,
-        ui,
-    )

@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from .app import app
 from .common import (
     ForceOption,
     JsonOption,
@@ -24,7 +23,6 @@ from .common import (
 from .progress import progress
 
 
-@app.command()
 def approve(
     model: ModelArgument,
     recordings: RecordingsArgument,

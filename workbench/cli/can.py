@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .app import app
 from .common import (
     ForceOption,
     JsonOption,
@@ -33,11 +32,11 @@ if TYPE_CHECKING:
 _AFTERWARDS = 2.0  # s that are logged after the host is gone: what the drives then do
 
 can = typer.Typer(
+    name="can",
     cls=Listing,
     no_args_is_help=True,
     help="Buses, drives and their limits, from a configuration. Example: workbench can load robot.toml",
 )
-app.add_typer(can, name="can")
 
 ConfigArgument = Annotated[
     str, typer.Argument(metavar="CONFIG", help="CAN configuration: buses, motors, limits (.toml).")

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from .app import app
 from .common import (
     ForceOption,
     HtmlOption,
@@ -21,7 +20,6 @@ from .common import (
 from .progress import progress
 
 
-@app.command()
 def check(
     model: ModelArgument,
     json: JsonOption = None,

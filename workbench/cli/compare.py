@@ -9,7 +9,6 @@ import typer
 
 from workbench.core import SimulationError
 
-from .app import app
 from .common import (
     ForceOption,
     HtmlOption,
@@ -27,7 +26,6 @@ from .common import (
 from .progress import progress
 
 
-@app.command()
 def compare(
     model: ModelArgument,
     recordings: RecordingsArgument,

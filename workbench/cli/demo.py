@@ -9,13 +9,11 @@ from typing import Annotated
 import typer
 
 from . import complete
-from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, files_of
 from .hidden import HideOption, SetOption
 from .progress import progress, staged
 
 
-@app.command()
 def demo(
     output: Annotated[
         str,

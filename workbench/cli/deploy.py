@@ -13,7 +13,6 @@ import typer
 
 from workbench.core import InputError
 
-from .app import app
 from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
 from .heartbeat import waiting
 
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from workbench.deployment.simulated import SimulatedNetwork
 
 
-@app.command()
 def deploy(
     bundle: Annotated[
         str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip), or 'tracker': no network.")

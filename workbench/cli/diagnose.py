@@ -9,7 +9,6 @@ import typer
 
 from workbench.core import Diagnosis
 
-from .app import app
 from .common import (
     ForceOption,
     HoldoutOption,
@@ -29,7 +28,6 @@ from .common import (
 from .progress import progress, staged
 
 
-@app.command()
 def diagnose(
     model: ModelArgument,
     recordings: RecordingsArgument,

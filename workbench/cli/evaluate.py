@@ -9,12 +9,10 @@ import typer
 
 from workbench.core import InputError
 
-from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
 from .progress import progress
 
 
-@app.command()
 def evaluate(
     bundle: Annotated[str, typer.Argument(metavar="BUNDLE", help="A policy bundle (.zip).")],
     output: Annotated[

@@ -10,7 +10,6 @@ import typer
 
 from workbench.core import InputError
 
-from .app import app
 from .common import (
     ForceOption,
     JsonOption,
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 _OF_MULTISINES = "grid", "per_decade", "phases", "realisations", "seed"
 
 
-@app.command()
 def excite(
     ctx: typer.Context,
     model: ModelArgument,

@@ -9,11 +9,9 @@ import typer
 
 from workbench.core import InputError
 
-from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
 
 
-@app.command()
 def export(
     run: Annotated[str, typer.Argument(metavar="RUN", help="Folder of a run of `workbench train`.")],
     output: Annotated[

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from .app import app
 from .common import (
     ForceOption,
     HtmlOption,
@@ -20,7 +19,6 @@ from .common import (
 from .progress import progress
 
 
-@app.command()
 def fleet(
     recordings: Annotated[
         list[str],

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import typer
 
-from .app import app
 from .common import (
     ForceOption,
     HtmlOption,
@@ -24,7 +23,6 @@ from .common import (
 from .progress import progress
 
 
-@app.command()
 def frf(
     model: ModelArgument,
     recordings: RecordingsArgument,

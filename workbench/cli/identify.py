@@ -11,7 +11,6 @@ import typer
 from workbench.core import InputError
 
 from . import complete
-from .app import app
 from .common import (
     ForceOption,
     HtmlOption,
@@ -35,7 +34,6 @@ identify = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
 )
-app.add_typer(identify)
 
 _Base = Annotated[
     str,

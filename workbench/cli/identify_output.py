@@ -8,8 +8,7 @@ from rich.console import Group
 from rich.text import Text
 
 from workbench.core import FORMAT, Estimate
-from workbench.frf import Fit
-from workbench.identification import ActuatorIdentification, LegIdentification, readable
+from workbench.identification import ActuatorIdentification, Fit, LegIdentification, readable
 from workbench.models import Model
 from workbench.report.layout import table, text, verdict
 from workbench.report.numbers import interval

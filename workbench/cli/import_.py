@@ -10,7 +10,6 @@ import typer
 from workbench.core import InputError
 
 from . import complete
-from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs
 from .import_model import MechanismOptions, import_mechanism, refuse_model, show_contents
 from .import_table import import_several, import_table, read_answers
@@ -18,7 +17,6 @@ from .import_table import import_several, import_table, read_answers
 _MECHANISMS = (".sdf", ".urdf", ".xml", ".xacro", ".world")
 
 
-@app.command(name="import")
 def import_(
     files: Annotated[
         list[str],

@@ -9,7 +9,6 @@ import typer
 
 from workbench.core import Improvement, WorkbenchError
 
-from .app import app
 from .common import (
     ForceOption,
     HoldoutOption,
@@ -31,7 +30,6 @@ from .into import Into, IntoOption, check_into
 from .progress import progress, staged
 
 
-@app.command()
 def improve(
     model: ModelArgument,
     recordings: RecordingsArgument,

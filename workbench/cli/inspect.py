@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import typer
 
-from .app import app
 from .common import (
     ForceOption,
     JsonOption,
@@ -17,7 +16,6 @@ from .common import (
 )
 
 
-@app.command()
 def inspect(
     recordings: RecordingsArgument,
     json: JsonOption = None,

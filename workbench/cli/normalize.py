@@ -11,7 +11,6 @@ import typer
 from workbench.core import InputError, WorkbenchError
 
 from . import complete
-from .app import app
 from .common import (
     ForceOption,
     JsonOption,
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from workbench.s3n.targets import Fitted
 
 
-@app.command()
 def normalize(
     model: ModelArgument,
     output: Annotated[

@@ -11,7 +11,6 @@ import typer
 from workbench.core import InputError
 
 from . import complete
-from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, write_result
 from .hidden import HideOption, SetOption, hidden_effects
 
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 _RATE = 1000.0  # rows a second, of both rigs
 
 
-@app.command()
 def record(
     rig: Annotated[
         str,

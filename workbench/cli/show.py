@@ -14,7 +14,6 @@ import typer
 from workbench.core import InputError
 
 from . import complete
-from .app import app
 from .common import ForceOption, QuietOption, check_outputs, echo
 from .progress import progress
 
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from workbench.simulation.scene import Scene
 
 
-@app.command()
 def show(
     shown: Annotated[
         str,

@@ -11,7 +11,6 @@ import typer
 from workbench.core import InputError
 
 from . import complete
-from .app import app
 from .common import ForceOption, JsonOption, QuietOption, check_outputs, echo, files_of, write_result
 from .heartbeat import duration
 from .progress import progress
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from workbench.training.learn import Progress
 
 
-@app.command()
 def train(
     task: Annotated[
         str,

@@ -11,11 +11,9 @@ import typer
 from workbench.core import InputError
 
 from . import complete
-from .app import app
 from .common import SeedOption, echo
 
 
-@app.command()
 def ui(
     model: Annotated[
         str | None,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Never, NoReturn
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from .simulated import Simulated
 
 
 @dataclass(frozen=True)
-class ByPosture(Replay):
+class ByPosture(Replay[Never]):
     """Every model runs the way the recordings were made; it is compared, and no effect is looked for."""
 
     recordings: tuple[Recording, ...]
@@ -74,13 +74,11 @@ class ByPosture(Replay):
         """Not of these."""
         raise _no_search(plant.model)
 
-    def loop(self, plant: Plant, index: int, motion: Motion) -> Any:
+    def loop(self, plant: Plant, index: int, motion: Motion) -> NoReturn:
         """Not of these."""
         raise _no_search(plant.model)
 
-    def propagate(
-        self, loops: Sequence[Any], disturbances: Sequence[Disturbance]
-    ) -> list[tuple[np.ndarray, np.ndarray]]:
+    def propagate(self, loops: Sequence[Never], disturbances: Sequence[Disturbance]) -> NoReturn:
         """Not of these."""
         raise SimulationError("effects are not looked for in mechanisms whose transmission changes")
 

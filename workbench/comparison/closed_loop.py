@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -64,7 +63,7 @@ def _is_dry(model: Model) -> bool:
 
 
 @dataclass(frozen=True)
-class ClosedLoop(Replay):
+class ClosedLoop(Replay[Loop]):
     """Every model runs the way the recordings were made; position and torque are scored."""
 
     recordings: tuple[Recording, ...]
@@ -117,7 +116,7 @@ class ClosedLoop(Replay):
         return linearise(plant, prepare(self.recordings[index], plant.model), track, motion.gain)
 
     def propagate(
-        self, loops: Sequence[Any], disturbances: Sequence[Disturbance]
+        self, loops: Sequence[Loop], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Round the sampled loops, side by side."""
         return propagate(loops, disturbances)

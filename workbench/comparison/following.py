@@ -41,7 +41,7 @@ def _along(recording: Recording, why: str) -> Recording:
     )
 
 
-class MeasuredMotion(Replay):
+class MeasuredMotion(Replay[Follower]):
     """Every model follows the motion that was measured; the torque that it needs is scored.
 
     The position is taken from the recording, so that it says nothing of the model. Rows at the edges, where

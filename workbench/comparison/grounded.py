@@ -45,7 +45,7 @@ from .standing import (
 from .starts import local_state, shaken
 
 
-class Grounded(Replay):
+class Grounded(Replay[tuple[Standing, Tangents]]):
     """Every model runs in short windows on its ground."""
 
     machine_alone: ClassVar[bool] = False

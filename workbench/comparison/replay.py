@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -21,8 +21,11 @@ from workbench.simulation import Disturbance
 from .noise import DRAWS, NoiseModel
 from .simulated import Simulated
 
+#: How small changes travel along one recording, as a kind of replay has it.
+Travel = TypeVar("Travel")
 
-class Replay(ABC):
+
+class Replay(ABC, Generic[Travel]):
     """Recordings and a way to run any model on them."""
 
     recordings: tuple[Recording, ...]  #: what is replayed, with loops as they are taken
@@ -69,11 +72,11 @@ class Replay(ABC):
         """The motion of one recording, given a model's run of it."""
 
     @abstractmethod
-    def loop(self, plant: Plant, index: int, motion: Motion) -> Any:
+    def loop(self, plant: Plant, index: int, motion: Motion) -> Travel:
         """How small changes travel along a motion: what `propagate` takes."""
 
     @abstractmethod
     def propagate(
-        self, loops: Sequence[Any], disturbances: Sequence[Disturbance]
+        self, loops: Sequence[Travel], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Response of position and compared torque, (N, n, C) each, per loop."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -87,7 +87,7 @@ class _Swinging:
         return replace(r, signals=signals, extra={}, derived=(), notes=(), source=None)
 
 
-class Swings(Replay):
+class Swings(Replay[list[tuple[slice, Loop]]]):
     """Every model swings from measured states; position is scored."""
 
     driven: ClassVar[bool] = False
@@ -151,7 +151,7 @@ class Swings(Replay):
         return [(p, _linearised(plant, s.recording.rows(p), motion, p)) for p in s.parts]
 
     def propagate(
-        self, loops: Sequence[Any], disturbances: Sequence[Disturbance]
+        self, loops: Sequence[list[tuple[slice, Loop]]], disturbances: Sequence[Disturbance]
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Along each swing from its start, side by side."""
         pairs = [(loop, _part(d, p)) for own, d in zip(loops, disturbances, strict=True) for p, loop in own]

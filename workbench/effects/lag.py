@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from workbench.core.compiled import compiled
 
 
-@njit(cache=True)
+@compiled()
 def follow(now: float, older: float, newer: float, fraction: float, ratio: float) -> tuple[float, float]:
     """One step of a lag behind a value that changes once within the step; compiled.
 
@@ -28,7 +29,7 @@ def follow(now: float, older: float, newer: float, fraction: float, ratio: float
     return after, mean + ratio * ((now - older) * (1.0 - first) + (middle - newer) * (1.0 - second))
 
 
-@njit(cache=True)
+@compiled()
 def lagged_line(
     older: np.ndarray, newer: np.ndarray, fraction: float, ratio: float
 ) -> tuple[np.ndarray, np.ndarray]:

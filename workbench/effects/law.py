@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import cfunc, njit, types
+from numba import cfunc, types
 from numba.extending import intrinsic
+
+from workbench.core.compiled import compiled, kept
 
 #: Most parameters of a law.
 LONGEST = 6
@@ -31,9 +33,10 @@ class Law:
     @cached_property
     def address(self) -> int:
         """Where the machine code is; compiled at the first use, and kept on disk."""
-        compiled = cfunc(_SIGNATURE, cache=True)(self.function)
-        self._alive.append(compiled)  # two threads may come here at once, and each keeps its code
-        address: Any = compiled.address
+        with kept():
+            code = cfunc(_SIGNATURE, cache=True)(self.function)
+        self._alive.append(code)  # two threads may come here at once, and each keeps its code
+        address: Any = code.address
         return int(address)
 
     def __call__(
@@ -70,13 +73,13 @@ def _call(context: Any, address: Any, first: Any, second: Any, parameters: Any) 
     return types.float64(types.intp, types.float64, types.float64, types.intp), generate
 
 
-@njit(cache=True)
+@compiled()
 def call_law(address: int, first: float, second: float, parameters: np.ndarray) -> float:
     """A law's value, for compiled code; `parameters` (LONGEST,), contiguous."""
     return _call(address, first, second, parameters.ctypes.data)  # pyright: ignore[reportCallIssue]
 
 
-@njit(cache=True)
+@compiled()
 def _evaluate(address: int, first: np.ndarray, second: np.ndarray, table: np.ndarray) -> np.ndarray:
     out = np.empty(len(first))
     for k in range(len(first)):

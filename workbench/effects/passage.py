@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 from scipy.optimize import minimize
 
+from workbench.core.compiled import compiled
 from workbench.models import Model, Placement
 
 from .flexible import transmitted
@@ -174,7 +174,7 @@ def _downhill(left: Callable[[np.ndarray], float], start: np.ndarray, free: int,
     return np.append(np.exp(found.x), start[free:])
 
 
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@compiled(nogil=True, fastmath={"contract"})
 def _observe(load, passed, step, inertia, gap, stiffness, retardation, bandwidth, error):  # pyright: ignore
     """Follow the wind d between motor and links: inertia d'' = load - k dead(d) - k t d' where they touch.
 

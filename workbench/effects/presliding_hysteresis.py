@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 
+from workbench.core.compiled import compiled
 from workbench.models import Model
 
 from .base import Effect, FrfSignature, Search, SignalStage, Words
@@ -92,7 +92,7 @@ class PreslidingHysteresis(Effect):
         build.chain.hysteresis.append(term)
 
 
-@njit(cache=True)
+@compiled()
 def wound(position: np.ndarray, ratio: float) -> np.ndarray:
     """State z (N,) along positions (N,), relaxed at the first, exact for a way without reversals between."""
     state, out = 0.0, np.zeros(len(position))

@@ -7,10 +7,10 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numba import njit
 from scipy.optimize import minimize
 
 from workbench.core import EffectKey
+from workbench.core.compiled import compiled
 from workbench.models import Model
 
 from .base import Effect, Search, SignalStage, Words
@@ -100,7 +100,7 @@ class SpeedTorqueLimit(Effect):
         build.chain.no_load[place.index] = values["no_load_speed"]
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _off(
     asked: np.ndarray, speed: np.ndarray, measured: np.ndarray, stall: float, end: float, full: bool
 ) -> float:

@@ -1,14 +1,10 @@
-"""Frequency responses: excitation, estimation with uncertainty, parametric fits."""
+"""Frequency responses: excitation, and estimation with uncertainty."""
 
-from .actuator import fit_actuator
 from .chirp import chirp
 from .design_file import load_design, save_design
 from .distortion import Distortion, distortion
 from .estimate import estimate
 from .excitation import Design, Trial
-from .fit import Fit
-from .judge import Judgement
-from .leg import fit_leg
 from .limits import Limit, Scaled, scale_to_limits
 from .lines import detection_lines, select_lines
 from .local_polynomial import local_polynomial
@@ -20,15 +16,12 @@ from .phases import crest_factor, low_crest_phases, random_phases, schroeder_pha
 from .postures import estimate_postures, group_by_posture
 from .resonances import Resonance, find_resonances
 from .response import Channel, Frf
-from .two_mass import fit_two_mass
 
 __all__ = [
     "Channel",
     "Design",
     "Distortion",
-    "Fit",
     "Frf",
-    "Judgement",
     "Limit",
     "Resonance",
     "Scaled",
@@ -41,9 +34,6 @@ __all__ = [
     "estimate_postures",
     "find_period",
     "find_resonances",
-    "fit_actuator",
-    "fit_leg",
-    "fit_two_mass",
     "group_by_posture",
     "lines_of",
     "load_design",

@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.core import Excitation, InputError
 
-from .lines import Grid, detection_lines
+from .lines import Grid
 from .phases import crest_factor
 
 Driven = Literal["torque_feedforward", "position_reference"]
@@ -116,11 +116,6 @@ class Design:
     def phases(self) -> np.ndarray:
         """Phase of every line's cosine [rad], shape (E, F, n)."""
         return np.angle(self.spectrum)
-
-    @property
-    def detection(self) -> tuple[np.ndarray, np.ndarray]:
-        """Silent odd and even harmonics inside the band; see `detection_lines`."""
-        return detection_lines(self.lines)
 
     @property
     def crest_factors(self) -> np.ndarray:

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.core import InputError, Recording
-from workbench.frf import estimate, estimate_postures, fit_actuator, fit_leg
+from workbench.frf import estimate, estimate_postures
 
+from .actuator import fit_actuator
+from .leg import fit_leg
 from .result import ActuatorIdentification, LegIdentification
 
 

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from workbench.core import Estimate
-from workbench.frf import Fit, Frf
+from workbench.frf import Frf
 from workbench.models import Model
 from workbench.report.numbers import interval, number, unit_text
 from workbench.report.response import response_panel
 from workbench.report.sheet import Drawing, Section, Sheet
 from workbench.report.sheet_table import SheetTable
 
+from .fit import Fit
 from .picture import actuator_figure, fit_figure
 from .result import ActuatorIdentification, LegIdentification
 

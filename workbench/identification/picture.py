@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from workbench.core.palette import COLOURS, LINES
-from workbench.frf import Fit
 
+from .fit import Fit
 from .result import ActuatorIdentification
 
 if TYPE_CHECKING:

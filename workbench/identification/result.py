@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import Estimate
-from workbench.frf import Fit, Frf
+from workbench.frf import Frf
+
+from .fit import Fit
 
 
 @dataclass(frozen=True)

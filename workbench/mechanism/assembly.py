@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from workbench.core import InputError
+from workbench.core.closure import DEAD, Closure
 
 from .closing import close, closed_near_start
-from .closure import DEAD, Closure
 from .tree import Tree
 
 _SEED = 7  # what is random here has to come out the same every time

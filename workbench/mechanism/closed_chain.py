@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 
 from workbench.core import InputError, Mechanism, SimulationError
+from workbench.core.closure import DEAD, Closure
 
 from .assembly import assemble
-from .closure import DEAD, Closure
 from .tree import Tree
 
 _SAME = 1e-6  # rad or m

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from workbench.core import InputError
+from workbench.core.closure import CLOSED
 
-from .closure import CLOSED
 from .tree import Tree
 
 _SEED = 7  # what is random here has to come out the same every time

@@ -14,6 +14,7 @@ import numpy as np
 from pydrake.multibody.tree import JacobianWrtVariable, SpatialInertia, UnitInertia
 
 from workbench.core import InputError, Mechanism, SimulationError
+from workbench.core.closure import BoundJoints
 
 from .loops import find_frame, loop_pairs
 from .parse import finished, parse
@@ -50,10 +51,7 @@ class Tree:
         self._world = plant.world_frame()
         self._inboards: dict[Any, Any] = {}
         self.names = _coordinate_names(plant)
-        self._couplings = [
-            (c, self.index(c.joint, "couplings"), self.index(c.follows, "couplings") if c.follows else None)
-            for c in mechanism.all_couplings()
-        ]
+        self._bound = BoundJoints.of(mechanism.all_couplings(), lambda name: self.index(name, "couplings"))
 
     def index(self, coordinate: str, key: str) -> int:
         """Position of a coordinate in theta; `key` is where a model file names it.
@@ -93,12 +91,11 @@ class Tree:
         With `rows` those alone, in their order: of a robot with many loops the others cost nothing then.
         """
         theta = self._plant.GetPositions(self._context)
-        out = np.zeros(3 * len(self._pairs) + len(self._couplings))
+        out = np.zeros(3 * len(self._pairs) + len(self._bound.pairs))
         for k in self._needed(rows):
             first, second = (end.CalcPoseInWorld(self._context).translation() for end in self._pairs[k])
             out[3 * k : 3 * k + 3] = first - second
-        for k, (c, own, other) in enumerate(self._couplings, 3 * len(self._pairs)):
-            out[k] = theta[own] - c.at(theta[other] if c.follows else 0.0)[0]
+        out[3 * len(self._pairs) :] = self._bound.gap(theta)
         return out if rows is None else out[list(rows)]
 
     def open_loops(self) -> np.ndarray:
@@ -108,23 +105,18 @@ class Tree:
     def gap_jacobian(self, rows: Sequence[int] | None = None) -> np.ndarray:
         """d gap / d theta (3 m + k, N) [m/rad or 1]; with `rows` those alone."""
         theta = self._plant.GetPositions(self._context)
-        out = np.zeros((3 * len(self._pairs) + len(self._couplings), len(self.names)))
+        out = np.zeros((3 * len(self._pairs) + len(self._bound.pairs), len(self.names)))
         for k in self._needed(rows):
             first, second = map(self._point_jacobian, self._pairs[k])
             out[3 * k : 3 * k + 3] = first - second
-        for k, (c, own, other) in enumerate(self._couplings, 3 * len(self._pairs)):
-            out[k, own] = 1.0
-            if c.follows:
-                out[k, other] -= c.at(theta[other])[1]
+        out[3 * len(self._pairs) :] = self._bound.jacobian(theta)
         return out if rows is None else out[list(rows)]
 
     def gap_bias(self) -> np.ndarray:
         """Second derivative of the gap at zero tree acceleration (3 m + k,) [m/s^2]."""
         loops = [self._point_bias(a) - self._point_bias(b) for a, b in self._pairs]
-        plant, context = self._plant, self._context
-        theta, rates = plant.GetPositions(context), plant.GetVelocities(context)
-        off = [-c.at(theta[o])[2] * rates[o] ** 2 if c.follows else 0.0 for c, _, o in self._couplings]
-        return np.array([*np.ravel(loops), *off])
+        theta, rates = self._plant.GetPositions(self._context), self._plant.GetVelocities(self._context)
+        return np.array([*np.ravel(loops), *self._bound.bias(theta, rates)])
 
     def mass(self) -> np.ndarray:
         """Mass matrix (N, N)."""
@@ -163,7 +155,7 @@ class Tree:
         Those on the ways to both ends of a loop turn it as a whole.
         """
         loops = [self._inboard(a.body()) ^ self._inboard(b.body()) for a, b in self._pairs]
-        coupled = [{own} | ({other} if other is not None else set()) for _, own, other in self._couplings]
+        coupled = [{own} | ({other} if other is not None else set()) for _, own, other in self._bound.pairs]
         return [sorted(each) for each in (*(loop for loop in loops for _ in range(3)), *coupled)]
 
     def _inboard(self, body: Any) -> set[int]:

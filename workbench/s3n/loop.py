@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from workbench.core import InputError, Mechanism, SimulationError
 from workbench.models import Model, load_mjcf
 
-from .bound_joints import BoundJoints, couple
+from .bound_joints import bound_joints, couple
 from .sdf import HERE, Pose, SdfTree
 from .urdf import read_tree
 
@@ -123,7 +123,7 @@ def close_loops(
     mechanism, data = mechanism_of(model), mujoco.MjData(m)
     serial = [m.joint(name).qposadr[0] for name in mechanism.joints]
     drives = [m.joint(name).qposadr[0] for name in mechanism.drives]
-    bound, start = BoundJoints.of(m, mechanism), data.qpos.copy()
+    bound, start = bound_joints(m, mechanism), data.qpos.copy()
     for name, angle in mechanism.start:
         start[m.joint(name).qposadr[0]] = angle
 
@@ -159,7 +159,7 @@ def tree_projection(m: mujoco.MjModel, model: Model, theta: np.ndarray) -> np.nd
     serial = np.zeros((len(mechanism.joints), m.nv))
     for index, name in enumerate(mechanism.joints):
         serial[index, m.joint(name).dofadr[0]] = 1.0
-    rows.append(BoundJoints.of(m, mechanism).jacobian(theta))
+    rows.append(bound_joints(m, mechanism).jacobian(theta))
     closed = np.concatenate(rows)
     wanted = np.concatenate([np.zeros((len(closed), len(serial))), np.eye(len(serial))])
     return np.linalg.lstsq(np.concatenate([closed, serial]), wanted, rcond=None)[0]

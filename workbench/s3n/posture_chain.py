@@ -98,8 +98,7 @@ class PostureChain:
         at = c.at(q)
         m, d = c.m, c.data
         rates = at.slope @ v
-        gamma = np.zeros(m.nv)
-        gamma[c.dependent] = -at.inverse @ c.gap_bias(rates)
+        gamma = c.gamma(at, rates)
         mujoco.mj_makeM(m, d)
         tree, forces, weight = np.zeros((m.nv, m.nv)), np.zeros(m.nv), np.zeros(m.nv)
         mujoco.mj_fullM(m, d, tree)

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from workbench.core import Controller, Recording
+from workbench.core.compiled import compiled
 from workbench.effects import Plant, TorqueChain
 from workbench.recordings.velocity import derive_velocity
 
@@ -160,7 +160,7 @@ def control_law(e: Experiment, plant: Plant, noise: SensorNoise | None) -> Contr
     )
 
 
-@njit(cache=True)
+@compiled()
 def tick(c: ControlLaw, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
     """Sample at substep `k`: new feedback from what sensors say, actuator coordinates, (n,) each."""
     row, now, n = k // c.stride, c.number[k], len(c.kp)

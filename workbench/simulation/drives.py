@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from workbench.core.compiled import compiled
 from workbench.effects import Plant, follow
 
 from .experiment import Experiment
@@ -70,7 +70,7 @@ def drives_of(e: Experiment, plant: Plant) -> Drives:
     )
 
 
-@njit(cache=True)
+@compiled()
 def pass_on(
     d: Drives,
     command: np.ndarray,
@@ -107,7 +107,7 @@ def pass_on(
         early[i] = 0.5 * d.step * d.step * d.fraction * (1.0 - d.fraction) * gain * edge
 
 
-@njit(cache=True)
+@compiled()
 def _limited(d: Drives, axis: int, torque: float, speed: float) -> float:
     """What a drive gives of a torque at a speed."""
     top = d.limit[axis]

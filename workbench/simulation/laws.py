@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numba import njit
 
+from workbench.core.compiled import compiled
 from workbench.effects import LONGEST, FlankTerm, FrictionTerm, Plant, TorqueTerm, call_law, tendon_row
 
 
@@ -123,7 +123,7 @@ def _flanks(terms: Sequence[FlankTerm], model: mujoco.MjModel) -> Flanks:
     )
 
 
-@njit(cache=True)
+@compiled()
 def act(laws: Laws, position: np.ndarray, speed: np.ndarray, shaft: np.ndarray, force: np.ndarray) -> None:
     """Set friction bounds and add torques for the coming step.
 
@@ -163,7 +163,7 @@ def act(laws: Laws, position: np.ndarray, speed: np.ndarray, shaft: np.ndarray, 
         laws.loss[own.tendon[k]] += bound
 
 
-@njit(cache=True)
+@compiled()
 def _bend(laws: Laws, position: np.ndarray, middle: np.ndarray, force: np.ndarray) -> None:
     """Hysteresis as a force and a spring about where the axis is, right at the end of the step too."""
     own = laws.springs
@@ -183,7 +183,7 @@ def _bend(laws: Laws, position: np.ndarray, middle: np.ndarray, force: np.ndarra
             force[j] -= own.torque[k] * own.state[k] * own.row[k, j]
 
 
-@njit(cache=True)
+@compiled()
 def _meet(laws: Laws, position: np.ndarray, middle: np.ndarray) -> None:
     """Set the dampers of gaps, by the share of the coming step in which flanks touch."""
     own = laws.flanks
@@ -198,7 +198,7 @@ def _meet(laws: Laws, position: np.ndarray, middle: np.ndarray) -> None:
         laws.damping[own.tendon[k]] = share * own.damping[k]
 
 
-@njit(cache=True)
+@compiled()
 def _wound(state: float, moved: float, ratio: float) -> float:
     """Dahl's state after a way without a reversal, exact."""
     side = np.sign(moved)

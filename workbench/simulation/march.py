@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from workbench.core.compiled import compiled
 from workbench.effects import follow
 
 from .cores import on_all_cores
@@ -177,7 +177,7 @@ def _some(values: Mapping[int, np.ndarray], rows: int, width: int) -> tuple[np.n
     return np.array(columns, np.intp), table
 
 
-@njit(cache=True)
+@compiled()
 def _times(matrix: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
     """Add to `out` (a, C) the product of (a, b) and (b, C), which are too narrow for a library's call."""
     for i in range(matrix.shape[0]):
@@ -188,7 +188,7 @@ def _times(matrix: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
                     out[i, c] += factor * values[j, c]
 
 
-@njit(cache=True)
+@compiled()
 def _between(first: np.ndarray, second: np.ndarray, part: float, out: np.ndarray) -> None:
     """Fill `out` (a, b) with what lies between two matrices: the first at `part` 0, the second at 1."""
     for i in range(out.shape[0]):
@@ -196,7 +196,7 @@ def _between(first: np.ndarray, second: np.ndarray, part: float, out: np.ndarray
             out[i, j] = first[i, j] * (1.0 - part) + second[i, j] * part
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _march(a: _Around, r: _Reading, fresh: np.ndarray, position: np.ndarray, tap: np.ndarray) -> None:
     """Fill the reading of the drives' position and the torque compared, (N, n, C) each."""
     n, count, last = position.shape[1], position.shape[2], len(a.is_tick) - 1
@@ -251,7 +251,7 @@ def _march(a: _Around, r: _Reading, fresh: np.ndarray, position: np.ndarray, tap
         state[:] = fresh
 
 
-@njit(cache=True)
+@compiled()
 def _look(
     r: _Reading,
     state: np.ndarray,

@@ -7,7 +7,9 @@ from pathlib import Path
 import llvmlite.binding as llvm
 import mujoco
 import numpy as np
-from numba import njit, types
+from numba import types
+
+from workbench.core.compiled import compiled
 
 _NAMES = "libmujoco.so*", "libmujoco*.dylib", "mujoco.dll"
 _LIBRARY = next(path for name in _NAMES for path in Path(mujoco.__file__).parent.glob(name))
@@ -73,7 +75,7 @@ def tendon_slopes(m: mujoco.MjModel, tendon: int, positions: np.ndarray) -> np.n
     return out
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _forces(model, data, views, states, acceleration, out):  # pyright: ignore
     position, rate, change, force = views
     for k in range(len(out)):
@@ -82,7 +84,7 @@ def _forces(model, data, views, states, acceleration, out):  # pyright: ignore
         out[k] = force
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _derivatives(model, data, views, states, acceleration, out):  # pyright: ignore
     position, rate, change = views
     for k in range(out.shape[1]):
@@ -91,14 +93,14 @@ def _derivatives(model, data, views, states, acceleration, out):  # pyright: ign
         _slopes(model, data, _STEP, 0, by_q, by_w, by_a, 0, 0, 0, 0)
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _pose(model, data, position, values):  # pyright: ignore
     position[:] = values
     _kinematics(model, data)
     _com(model, data)
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _masses(model, data, position, positions, out):  # pyright: ignore
     for k in range(len(out)):
         _pose(model, data, position, positions[k])
@@ -107,7 +109,7 @@ def _masses(model, data, position, positions, out):  # pyright: ignore
         _dense(model, data, out[k].ctypes.data)
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _tendon_rows(model, data, views, positions, out):  # pyright: ignore
     position, row = views
     for k in range(len(out)):
@@ -116,7 +118,7 @@ def _tendon_rows(model, data, views, positions, out):  # pyright: ignore
         out[k] = row
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _com_jacobians(model, data, position, positions, out):  # pyright: ignore
     for k in range(len(out)):
         _pose(model, data, position, positions[k])

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from workbench.core.compiled import compiled
 from workbench.effects import Plant, SensorErrors
 
 from .experiment import Experiment
@@ -82,7 +82,7 @@ def true_motion(
     return true, velocity / slope
 
 
-@njit(cache=True)
+@compiled()
 def record(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
     """Take in the motion at substep `k` (above 0), (n,) each."""
     if s.honest:
@@ -101,7 +101,7 @@ def record(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> No
             seen[2, k, i] = rate - behind + kept * (seen[2, k - 1, i] - before + behind)
 
 
-@njit(cache=True)
+@compiled()
 def read(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> None:
     """Turn the motion at substep `k`, (n,) each, into what is read there, in place."""
     if s.honest:
@@ -123,7 +123,7 @@ def read(s: Sensors, k: int, position: np.ndarray, velocity: np.ndarray) -> None
             velocity[i] = w0 * rest + w1 * part
 
 
-@njit(cache=True)
+@compiled()
 def logged(s: Sensors, stride: int, position: np.ndarray, velocity: np.ndarray) -> None:
     """Turn the motion at every `stride`-th substep, (N, n) each, into what the log shows, in place."""
     for row in range(len(position)):

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 
+from workbench.core.compiled import compiled
 from workbench.effects import Plant, plate_columns
 
 from .inverse import gain_along
@@ -185,14 +185,14 @@ def _edges(windows: Windows) -> np.ndarray:
     return np.append(windows.starts, len(windows.torque))
 
 
-@njit(cache=True)
+@compiled()
 def _place(world: World, state: np.ndarray) -> None:
     """Put a world into a state (2, nv)."""
     world.position[:], world.speed[:] = state[0], state[1]
     world.laws.before[:] = state[1]
 
 
-@njit(cache=True)
+@compiled()
 def _row(
     world: World, sensed: np.ndarray, columns: np.ndarray, shaft: np.ndarray, stride: int, force: np.ndarray
 ) -> None:
@@ -205,7 +205,7 @@ def _row(
                 force[i] = sensed[columns[i]]
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _shoot(
     world: World,
     sensed: np.ndarray,
@@ -226,7 +226,7 @@ def _shoot(
             _row(world, sensed, columns, shaft[k], stride, force[k])
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _differentiate(
     world: World,
     sensed: np.ndarray,
@@ -268,7 +268,7 @@ def _differentiate(
                     touch[row, j, i] = (other[j] - felt[j]) / _PROBE
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def _travel(
     edges: np.ndarray,
     slopes: np.ndarray,

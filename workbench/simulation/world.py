@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numba import njit
 
+from workbench.core.compiled import compiled
 from workbench.effects import Plant
 
 from .control import ControlLaw, tick
@@ -78,7 +78,7 @@ def _give(plant: Plant) -> np.ndarray:
     return np.linalg.solve(full, plant.drives.T)
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def march(
     world: World,
     control: ControlLaw,
@@ -129,7 +129,7 @@ def march(
         record(sensors, k + 1, q, w)
 
 
-@njit(cache=True)
+@compiled()
 def _step(world: World, shaft: np.ndarray) -> None:
     """Advance by one substep under torques on the drives' shafts, (n,)."""
     for _ in range(world.substeps):
@@ -137,7 +137,7 @@ def _step(world: World, shaft: np.ndarray) -> None:
         mj_step(world.model, world.data)
 
 
-@njit(cache=True)
+@compiled()
 def push(world: World, shaft: np.ndarray) -> None:
     """Set the forces of MuJoCo's next step: torques on the drives' shafts, (n,), and laws of the state."""
     for j in range(len(world.force)):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bokeh.models import BoxZoomTool, ColumnDataSource, CrosshairTool, HoverTool, Range1d, WheelZoomTool
+from bokeh.models import BoxZoomTool, ColumnDataSource, CrosshairTool, Range1d, WheelZoomTool
 from bokeh.plotting import figure as new_figure
 
 from workbench.core.palette import LINES
@@ -67,11 +67,6 @@ def zooming(plot: Any) -> None:
     wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
     plot.add_tools(box, wheel)
     plot.toolbar.active_drag = box
-
-
-def telling(plot: Any, renderer: Any, tooltips: list[tuple[str, str]]) -> None:
-    """Numbers at the pointer."""
-    plot.add_tools(HoverTool(renderers=[renderer], tooltips=tooltips, mode="vline", attachment="horizontal"))
 
 
 def crosshair(plots: list[Any]) -> None:

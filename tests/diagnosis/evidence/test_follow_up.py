@@ -11,7 +11,6 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.diagnosis.rig import recordings
-from workbench.cli import excite as _  # noqa: F401  (registers the command)
 from workbench.cli.app import app
 from workbench.core import Controller, Recording, Share
 from workbench.diagnosis.evidence.follow_up import follow_up

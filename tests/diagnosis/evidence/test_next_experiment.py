@@ -65,7 +65,6 @@ def test_more_motion_tells_more(data: Data) -> None:
 def test_the_command_that_is_proposed_runs_and_keeps_its_promise(data: Data, tmp_path: Path) -> None:
     from typer.testing import CliRunner
 
-    from workbench.cli import excite as _  # noqa: F401  (registers the command)
     from workbench.cli.app import app
     from workbench.frf import load_design
 

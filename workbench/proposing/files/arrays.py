@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 
 from workbench.core import InputError
 from workbench.core.bounds import MOST_BYTES, check_cells, too_large
-from workbench.recordings.tables.matlab_structure import check_matlab
+from workbench.recordings.tables.apart import matlab_arrays
 
 from ..table import Table
 from .joint_names import of_list
@@ -23,7 +23,6 @@ from .joint_names import of_list
 #: What the reader of a header raises, which evaluates it as a literal.
 _HEADERS = SyntaxError, tokenize.TokenError, TypeError, KeyError
 _WHOLE = "check that the file is whole"
-_DEEP = 6  # structs within structs
 
 
 def read_parquet_file(path: Path) -> Table:
@@ -79,33 +78,8 @@ def _check_unpacked(metadata: Any, path: Path) -> None:
 
 def read_matlab_file(path: Path) -> Table:
     """Arrays of a MATLAB file up to version 7, by the names that the recording reader takes."""
-    from scipy.io import loadmat
-
-    check_matlab(path)
-    try:
-        data = loadmat(path, struct_as_record=False, chars_as_strings=False)
-    except NotImplementedError as error:
-        remedy = "save it again in MATLAB with save(..., '-v7')"
-        raise InputError("MATLAB 7.3 files are not read", file=path, remedy=remedy) from error
-    except MemoryError:
-        raise
-    except Exception as error:  # scipy raises whatever its parser met
-        raise InputError("is not a readable MATLAB file", file=path, remedy=_WHOLE) from error
-    arrays: dict[str, np.ndarray] = {}
-    for name, value in data.items():
-        if not name.startswith("__"):
-            _walk(name, value, arrays, 0)
+    arrays = {name: array for name, array in matlab_arrays(path).items() if array is not None}
     return stacked(path, arrays, plain=True)
-
-
-def _walk(name: str, value: Any, out: dict[str, np.ndarray], depth: int) -> None:
-    if isinstance(value, np.ndarray) and value.dtype == object and value.size == 1:
-        value = value.flat[0]
-    if hasattr(value, "_fieldnames") and depth < _DEEP:
-        for field in value._fieldnames:
-            _walk(f"{name}.{field}", getattr(value, field), out, depth + 1)
-    elif isinstance(value, np.ndarray) and value.dtype.kind in "biuf" and value.ndim <= 2:
-        out[name] = value
 
 
 def stacked(

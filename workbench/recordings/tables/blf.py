@@ -1,4 +1,8 @@
-"""BLF logs whose objects end behind their beginning: python-can's reader goes round others for ever."""
+"""BLF logs whose objects end behind their beginning: python-can's reader goes round others for ever.
+
+By hand, for at an object of no size it gives the same frame again and again: no limit on time or silence
+tells that from a long log.
+"""
 
 from __future__ import annotations
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from workbench.core import InputError
 
+from .apart import mf4_messages
 from .blf import check_blf
-from .mf4 import mf4_messages
 from .missing import missing_column
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gzip
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,18 +16,40 @@ from workbench.core import InputError
 from .floats import floats
 from .missing import missing_column
 
+_BLOCK = 1 << 22  # bytes of text that are parsed at once
 _BOOLEANS = {"true": 1.0, "false": 0.0}
 _EMPTY = ("", "nan", "null", "na", "n/a", "none", "#n/a")
 
 
 def read_csv(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     """Read the named columns; see `read_table`. Byte order mark, CRLF and padded names are fine."""
+    parts = list(csv_batches(path, columns))
+    return {c: np.concatenate([part[c] for part in parts]) if parts else np.empty(0) for c in columns}
+
+
+def csv_batches(path: Path, columns: Sequence[str]) -> Iterator[dict[str, np.ndarray]]:
+    """The same piece by piece, from the first row to the last."""
     width, separator, places = separated_columns(path, columns)
+    done = 0
     try:
-        table = _parse(path, width, separator, places, pa.float64())
+        for batch in _parsed(path, width, separator, places, pa.float64()):
+            yield {c: floats(batch.column(p)) for c, p in places.items()}
+            done += len(batch)
+        return
     except (pa.ArrowInvalid, OSError, EOFError, zlib.error):
-        return _parse_by_cell(path, width, separator, places)
-    return {column: floats(table[place]) for column, place in places.items()}
+        pass  # a cell that is no number: from there on the slow way, which knows true and false
+    row = 0
+    try:
+        for batch in _parsed(path, width, separator, places, pa.string()):
+            skip = min(len(batch), max(0, done - row))
+            row += skip
+            cells = {c: batch.column(p).to_pylist()[skip:] for c, p in places.items()}
+            if len(batch) > skip:
+                yield {c: _cells(texts, path, c, row + 1) for c, texts in cells.items()}
+            row += len(batch) - skip
+    except (pa.ArrowInvalid, OSError, EOFError, zlib.error) as error:
+        remedy = f"give every row {width} cells, and check that the file is whole"
+        raise InputError(f"cannot be read: {error}", file=path, remedy=remedy) from error
 
 
 def separated_columns(path: Path, columns: Sequence[str]) -> tuple[int, str, dict[str, str]]:
@@ -44,12 +66,8 @@ def separated_columns(path: Path, columns: Sequence[str]) -> tuple[int, str, dic
     return len(names), separator, {column: f"c{names.index(column)}" for column in columns}
 
 
-def read_cells(texts: Sequence[str], path: Path, column: str, first: int = 1) -> np.ndarray:
-    """Numbers (K,) of a column's cells, of which the first stands in row `first`.
-
-    Raises:
-        InputError: a cell is no number.
-    """
+def _cells(texts: Sequence[str], path: Path, column: str, first: int) -> np.ndarray:
+    """Numbers (K,) of a column's cells, of which the first stands in row `first`."""
     return np.array([_cell(text, path, column, k) for k, text in enumerate(texts, first)], float)
 
 
@@ -68,11 +86,14 @@ def _header(path: Path) -> tuple[list[str], str]:
     return names, separator
 
 
-def _parse(path: Path, width: int, separator: str, places: dict[str, str], kind: pa.DataType) -> pa.Table:
-    every = [f"c{i}" for i in range(width)]
-    return pacsv.read_csv(
+def _parsed(
+    path: Path, width: int, separator: str, places: dict[str, str], kind: pa.DataType
+) -> Iterator[pa.RecordBatch]:
+    reader = pacsv.open_csv(
         path,
-        read_options=pacsv.ReadOptions(column_names=every, skip_rows=1),
+        read_options=pacsv.ReadOptions(
+            column_names=[f"c{i}" for i in range(width)], skip_rows=1, block_size=_BLOCK, use_threads=False
+        ),
         parse_options=pacsv.ParseOptions(delimiter=separator),
         convert_options=pacsv.ConvertOptions(
             include_columns=list(places.values()),
@@ -80,16 +101,8 @@ def _parse(path: Path, width: int, separator: str, places: dict[str, str], kind:
             strings_can_be_null=False,
         ),
     )
-
-
-def _parse_by_cell(path: Path, width: int, separator: str, places: dict[str, str]) -> dict[str, np.ndarray]:
-    """The slow way, taken when a cell is not a number: accepts true/false, names the first bad cell."""
-    try:
-        table = _parse(path, width, separator, places, pa.string())
-    except (pa.ArrowInvalid, OSError, EOFError, zlib.error) as error:
-        remedy = f"give every row {width} cells, and check that the file is whole"
-        raise InputError(f"cannot be read: {error}", file=path, remedy=remedy) from error
-    return {column: read_cells(table[place].to_pylist(), path, column) for column, place in places.items()}
+    with reader:
+        yield from reader
 
 
 def _cell(text: str, path: Path, column: str, row: int) -> float:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from workbench.core import AXIS_SIGNALS, InputError
+from workbench.frf.response import Frf
+from workbench.frf.sampled import System, second_order
 
 from .fit import Fit, Parameter, Problem, solve
-from .response import Frf
-from .sampled import System, second_order
 
 _OUTPUTS = {  # row over (q_motor, q_load, w_motor, w_load)
     "position": (1.0, 0.0, 0.0, 0.0),

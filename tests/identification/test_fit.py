@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.frf.machines import DRIVE, LEG, drive_recording, leg_recordings
 from workbench.core import InputError
-from workbench.frf import Channel, estimate, fit_actuator, fit_leg, fit_two_mass
+from workbench.frf import Channel, estimate
 from workbench.frf.sampled import System, response, second_order
-
-from .machines import DRIVE, LEG, drive_recording, leg_recordings
+from workbench.identification import fit_actuator, fit_leg, fit_two_mass
 
 POSTURES = ((-0.55, 0.497), (-0.2, 1.4))
 

@@ -13,14 +13,14 @@ along L and never looked for afresh: that keeps it on the branch of the start po
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from workbench.core import SimulationError
-
-from .tree import Tree
+from .coupling import Coupling
+from .errors import SimulationError
 
 #: Ratio of smallest to largest singular value below which a posture counts as a dead point.
 DEAD = 1e-9
@@ -30,6 +30,53 @@ CLOSED = 1e-10
 _NEAR = 0.2  # a posture this close [rad or m] to the last one is followed from there, else from the start
 _SHORTEST = 2.0**-12  # part of the way below which following gives up
 _EXACT = 1e-9  # a prediction this good [rad or m] may pass through a dead point, as a parallelogram does
+
+
+class _Tree(Protocol):
+    """The cut mechanism at one posture and speed in any simulator: N coordinates, m loops, k couplings."""
+
+    @property
+    def names(self) -> Sequence[str]: ...
+    def move(self, theta: np.ndarray) -> None: ...
+    def gap(self) -> np.ndarray: ...  # (3 m + k,) [m or rad]
+    def gap_jacobian(self) -> np.ndarray: ...  # (3 m + k, N)
+    def gap_bias(self) -> np.ndarray: ...  # its second derivative at zero acceleration of the tree (3 m + k,)
+
+
+@dataclass(frozen=True)
+class BoundJoints:
+    """Couplings as equations in the coordinates of a tree, zero where they hold.
+
+    Attributes:
+        pairs: each coupling, the coordinate that follows, and the one followed (None: it is held).
+    """
+
+    pairs: tuple[tuple[Coupling, int, int | None], ...]
+
+    @staticmethod
+    def of(couplings: Sequence[Coupling], place: Callable[[str], int]) -> BoundJoints:
+        """Those of a tree; `place` says which coordinate a joint is."""
+        return BoundJoints(
+            tuple((c, place(c.joint), place(c.follows) if c.follows else None) for c in couplings)
+        )
+
+    def gap(self, theta: np.ndarray) -> np.ndarray:
+        """How far each joint is from where it has to be (k,) [rad or m]."""
+        return np.array([theta[a] - c.at(0.0 if b is None else theta[b])[0] for c, a, b in self.pairs])
+
+    def jacobian(self, theta: np.ndarray) -> np.ndarray:
+        """d gap / d theta (k, N)."""
+        rows = np.zeros((len(self.pairs), len(theta)))
+        for row, (c, a, b) in zip(rows, self.pairs, strict=True):
+            row[a] = 1.0
+            if b is not None:
+                row[b] -= c.at(theta[b])[1]
+        return rows
+
+    def bias(self, theta: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Second derivative of the gap at zero acceleration (k,)."""
+        bends = (0.0 if b is None else -c.at(theta[b])[2] * rates[b] ** 2 for c, _, b in self.pairs)
+        return np.fromiter(bends, float, len(self.pairs))
 
 
 @dataclass(frozen=True)
@@ -60,12 +107,15 @@ class Closure:
         tree: the cut mechanism; it is moved about.
         independent: positions in theta of the independent coordinates, length n.
         start: a closed posture (N,) that is no dead point; the branch it lies on is kept.
+        through: whether the way may lead straight through a dead point, as that of a parallelogram.
     """
 
-    def __init__(self, tree: Tree, independent: Sequence[int], start: np.ndarray) -> None:
+    def __init__(
+        self, tree: _Tree, independent: Sequence[int], start: np.ndarray, *, through: bool = True
+    ) -> None:
         self.independent = list(independent)
         self.dependent = [i for i in range(len(start)) if i not in self.independent]
-        self._tree = tree
+        self._tree, self._through = tree, through
         self._start = self._last = self._posture(np.array(start, float))
 
     def at(self, q: np.ndarray) -> Posture:
@@ -168,7 +218,7 @@ class Closure:
             return None
         found = self._posture(theta)
         same_side = np.linalg.det(posture.gap_d.T @ found.gap_d) > 0.0
-        return found if same_side or off < _EXACT else None
+        return found if same_side or (self._through and off < _EXACT) else None
 
     def _posture(self, theta: np.ndarray) -> Posture:
         self._tree.move(theta)

@@ -19,11 +19,11 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from workbench.core import Estimate, InputError
+from workbench.frf.response import Frf
+from workbench.frf.sampled import System, response, response_and_slopes
+from workbench.frf.statistics import information_loss
 
 from .judge import Judgement, judge
-from .response import Frf
-from .sampled import System, response, response_and_slopes
-from .statistics import information_loss
 from .weights import weighted_by_rest, whitening, with_enough_residuals, without_band
 
 _ROUNDS = 3  # of weighting lines by what is left

@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from workbench.core import InputError
-
-from .response import Frf
+from workbench.frf.response import Frf
 
 _RESIDUALS = 20  # complex residuals wanted behind a covariance, beyond its rows
 _ROUNDING = 1e-6  # part of a response's size to which nothing is ever measured

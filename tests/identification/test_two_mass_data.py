@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from workbench.frf import estimate, find_resonances, fit_two_mass
+from workbench.frf import estimate, find_resonances
+from workbench.identification import fit_two_mass
 from workbench.recordings import load_recording
 
 from ..data_helpers import data_folder, write_toml

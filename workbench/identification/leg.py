@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 
 from workbench.core import InputError
+from workbench.frf.response import Frf
+from workbench.frf.sampled import System, second_order
 
 from .actuator import delays, motion_of, to_velocity
 from .fit import Fit, Parameter, Problem, solve
-from .response import Frf
-from .sampled import System, second_order
 
 _STARTS = 3
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from .response import Frf
-from .statistics import expected_distance
+from workbench.frf.response import Frf
+from workbench.frf.statistics import expected_distance
 
 _LEVEL = 1e-3  # chance of calling a true model inadequate, for each of the two tests
 
