@@ -9,9 +9,9 @@ import pytest
 
 from tests.s3n.postures import drake, model, series, states
 from tests.simulation.make import having
-from workbench.core import EffectKey, InputError
+from workbench.core import EffectKey, Estimate, InputError
 from workbench.effects import load_model
-from workbench.models import Model, read_model
+from workbench.models import AppliedEffect, Model, read_model
 from workbench.s3n import compiled_dynamics
 from workbench.s3n.normalise import write_normalised
 from workbench.s3n.posture import PostureDependent
@@ -141,3 +141,28 @@ def test_one_drive(tmp_path: Path) -> None:
 def test_effects_are_left_out_by_name() -> None:
     leg = having(read_model("leg"), EffectKey("viscous_damping", "hip"), damping=0.3)
     assert "viscous_damping@hip" in fit_native(leg, allow=None).left_out
+
+
+def test_effects_at_drives_are_in_the_file() -> None:
+    """What acts at a drive as friction, rotor or motor; what is left out is told."""
+    having_all = read_model("four_bar")
+    keys = {
+        "coulomb_friction": {"torque": 0.3},
+        "viscous_damping": {"damping": 0.05},
+        "reflected_inertia": {"inertia": 0.002},
+        "torque_constant_error": {"gain": 0.9},
+        "parallel_spring": {"stiffness": 1.0, "rest": 0.2},
+        "encoder_offset": {"angle": 0.02},
+    }
+    for name, values in keys.items():
+        parameters = {key: Estimate(value, 0.0, "") for key, value in values.items()}
+        having_all = having_all.with_effect(AppliedEffect(EffectKey(name, "knee"), parameters))
+    own = replace(having_all, effects=())
+    bare, made = (fit_native(m, chain=series("four_bar")) for m in (own, having_all))
+    assert made.left_out == ("parallel_spring@knee", "encoder_offset@knee")
+    knee = made.mujoco.tendon("knee").id
+    for field, more in (("frictionloss", 0.3), ("damping", 0.05), ("armature", 0.002)):
+        before, after = (getattr(m.mujoco, f"tendon_{field}")[knee] for m in (bare, made))
+        assert np.ravel(after - before)[0] == pytest.approx(more)
+    assert made.mujoco.actuator("knee").gainprm[0] == pytest.approx(0.9)
+    assert made.error.inertia_max == bare.error.inertia_max

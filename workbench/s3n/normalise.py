@@ -97,7 +97,7 @@ def normalise(
     add_motors(made, model, settle_axes(made, plant))
     removed = _keep(spec, own)
     anchor_assets(spec, model.serial)
-    left_out = tuple(str(e.key) for e in elastic.effects if _outside(elastic, e))
+    left_out = tuple(str(e.key) for e in elastic.effects if outside(elastic, e))
     if model.flank_retardation_s and any(e.key.effect == "backlash" for e in model.effects):
         left_out = (*left_out, "damping of flanks")
     spec.modelname = model.name
@@ -124,7 +124,7 @@ def write_normalised(tree: NormalisedTree, path: str | Path, *, force: bool = Fa
     return write_with_assets(tree.xml, path, force=force)[0]
 
 
-def _outside(model: Model, applied: AppliedEffect) -> bool:
+def outside(model: Model, applied: AppliedEffect) -> bool:
     """Whether an effect changes a stage of the torque chain that a motor of MuJoCo has not."""
     alone = Build.of(model)
     effect_named(applied.key.effect).install(alone, model, Placement.of(model, applied.key), applied.values)

@@ -11,14 +11,14 @@ drive each, that carry the links: what acts at a drive acts as in any other mach
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
 
-from workbench.core import SimulationError
+from workbench.core import DriveMap, SimulationError
 from workbench.effects import axis_units
 from workbench.models import Model
 
@@ -40,18 +40,24 @@ class _State(NamedTuple):
 class LinksOnDrives:
     """The links of a mechanism, as `core.Carried`.
 
+    The closed chain is solved when a torque is asked for.
+
     Args:
         model: names its closed chain and limits.
-
-    Raises:
-        InputError: no closed chain or limits.
     """
 
     def __init__(self, model: Model) -> None:
-        self._chain = PostureDependent(model)
-        found = drive_map(model, self._chain)
+        self._model = model
+
+    @cached_property
+    def _chain(self) -> PostureDependent:
+        return PostureDependent(self._model)
+
+    @cached_property
+    def _map(self) -> DriveMap:
+        found = drive_map(self._model, self._chain)
         assert found is not None
-        self._map = found
+        return found
 
     def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """As `core.Carried` has it."""
@@ -70,18 +76,14 @@ class LinksOnDrives:
         inside = np.clip(joints, *self._chain.box.T)
         if not np.abs(joints - inside).max(initial=0.0) < _BEYOND:
             self._chain.check(joints)
-            raise SimulationError(f"model '{self._chain.model.name}': no posture has its drives there")
+            raise SimulationError(f"model '{self._model.name}': no posture has its drives there")
         terms = self._chain.at(inside)
         back = np.linalg.inv(terms.jacobian)
         return _State(terms, np.einsum("kij,kj->ki", back, velocity), back)
 
 
 def on_drives(model: Model) -> Model:
-    """A model as its drives feel it; the model itself where its transmission is constant.
-
-    Raises:
-        InputError: no closed chain or limits.
-    """
+    """A model as its drives feel it; the model itself where its transmission is constant."""
     if not model.posture_dependent:
         return model
     return replace(

@@ -8,13 +8,14 @@ import mujoco
 import numpy as np
 
 from workbench.core import InputError, SimulationError
-from workbench.effects import Build, rigid_in_steps
-from workbench.models import Model, load_mjcf
+from workbench.effects import Build, build, effect_named, rigid_in_steps
+from workbench.models import AppliedEffect, Model, Placement, axis_tendon, load_mjcf
 
 from .additions import additions
 from .drives import add_motors
 from .mjcf import anchor_assets, exact_xml
-from .normalise import NormalisedTree
+from .normalise import NormalisedTree, outside
+from .on_drives import on_drives
 from .posture import PostureDependent
 from .posture_error import PostureError, posture_error
 from .posture_mjcf import write_fit
@@ -50,8 +51,8 @@ def fit_native(
 
     The links' inertials are chosen anew, each drive is a tendon in space whose length is the drive's
     position, with rotor, drag and motor, and weight that hangs on a drive is a spring's, which is right while
-    the base is level.
-    The model's effects are not in the file.
+    the base is level. Of effects at the drives of a transmission that changes, the file has rotor, damping,
+    dry friction and what a motor has; of others none.
 
     Args:
         model: with a closed chain and its limits.
@@ -81,13 +82,17 @@ def fit_native(
     if integrator is not None:
         spec.option.integrator = INTEGRATORS[integrator]
     tendons = write_fit(found, spec)
-    add_motors(replace(Build.of(model), spec=spec), model, tendons)
+    there = on_drives(model)
+    own = there.carried is not None
+    at_drives = build(there, spec.option.timestep) if own else Build.of(model)
+    add_motors(replace(Build.of(model), spec=spec, chain=at_drives.chain), model, tendons)
     anchor_assets(spec, model.serial)
     spec.modelname = model.name
     try:
-        compiled = spec.compile()
-        error = posture_error(chain, compiled, found.offsets)
-        added = additions(load_mjcf(model.serial).compile(), compiled)
+        error = posture_error(chain, spec.compile(), found.offsets)
+        for i, (tendon, row) in enumerate(zip(tendons, found.rows, strict=True) if own else ()):
+            _put_effects(at_drives, i, spec, tendon, model, row)
+        added = additions(load_mjcf(model.serial).compile(), spec.compile())
         spec.comment = _header(model, error, found.offsets)
         spec.compile()
         xml = exact_xml(spec)
@@ -100,8 +105,34 @@ def fit_native(
             f"{error.inertia_at}), and {allow:.1%} are allowed", file=model.source,
             remedy="allow more (--allow-error), narrow the limits, or run it scheduled",
         )  # fmt: skip
-    left_out = tuple(str(e.key) for e in model.effects)
+    left_out = tuple(
+        str(e.key) for e in model.effects if not own or outside(there, e) or _is_spring(there, e)
+    )
     return FittedTree(model, xml, compiled, added, left_out, tuple(removed), error, found.offsets)
+
+
+def _put_effects(
+    at_drives: Build, drive: int, spec: mujoco.MjSpec, tendon: str, model: Model, row: np.ndarray
+) -> None:
+    """What effects add to one drive, on its tendon in the file, or on the joint that it is."""
+    own, rotor = at_drives.spec.tendon(axis_tendon(drive)), at_drives.spec.joint(model.axes[drive])
+    joint = int(np.abs(row).argmax())
+    there = spec.tendon(tendon) if tendon else spec.joint(model.joints[joint])
+    ratio = 1.0 if tendon else abs(float(row[joint]))
+    # less than a rotor has stands on the joint, where a tendon has nothing to give
+    more = own.armature + rotor.armature - model.actuators.inertia[drive]
+    there.armature = max(there.armature + ratio**2 * more, 0.0)
+    there.damping[0] += ratio**2 * own.damping[0]
+    there.frictionloss += ratio * own.frictionloss
+    if own.frictionloss:
+        there.solref_friction, there.solimp_friction = rigid_in_steps(spec.option.timestep)
+
+
+def _is_spring(there: Model, applied: AppliedEffect) -> bool:
+    """Whether an effect is stiffness of a drive, whose tendon has springs of its own for the weight."""
+    alone = Build.of(there)
+    effect_named(applied.key.effect).install(alone, there, Placement.of(there, applied.key), applied.values)
+    return any(np.any(t.stiffness) for t in alone.spec.tendons)
 
 
 def error_lines(error: PostureError) -> list[str]:
