@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -89,30 +90,19 @@ def test_it_is_deployed_over_the_virtual_bus_and_the_run_comes_back_as_a_recordi
     assert result.error < 1.3 * result.noise_error
 
 
-def test_what_is_missing_is_seen_and_not_looked_for(trained: Path) -> None:
-    words = ["--hide", "viscous_damping@left", "--set", "damping=0.2"]
-    assert (
-        run(
-            "excite",
-            "ankle.toml",
-            "-o",
-            "plan.toml",
-            "--period",
-            0.9,
-            "--periods",
-            1,
-            "--amplitude",
-            2,
-            cwd=trained,
-        ).returncode
-        == 0
-    )
-    assert (
-        run("record", "ankle.toml", "plan.toml", "-o", "data", "--virtual", *words, cwd=trained).returncode
-        == 0
-    )
+def test_what_is_missing_at_a_drive_is_found_and_trained_with(trained: Path) -> None:
+    hidden = ["--hide", "viscous_damping@left", "--set", "damping=0.2"]
+    plan = ["--period", 1.8, "--periods", 1, "--amplitude", 2]
+    assert run("excite", "ankle.toml", "-o", "plan.toml", *plan, cwd=trained).returncode == 0
+    made = run("record", "ankle.toml", "plan.toml", "-o", "data", "--virtual", *hidden, cwd=trained)
+    assert made.returncode == 0, made.stderr
     files = sorted((trained / "data").glob("*.toml"))
     result = compare(load_model(trained / "ankle.toml"), load_recordings(files))
     assert not result.consistent and result.error > 1.5 * result.noise_error
-    done = run("diagnose", "ankle.toml", *files, cwd=trained)
-    assert done.returncode == 2 and "looked for through a constant one" in done.stderr
+    done = run("improve", "ankle.toml", *files, "-o", "better.toml", "--json", "found.json", cwd=trained)
+    assert done.returncode == 0, done.stderr
+    (step,) = json.loads((trained / "found.json").read_text())["steps"]
+    found = step["parameters"]["damping"]
+    assert (step["effect"], step["axis"]) == ("viscous_damping", "left")
+    assert abs(found["value"] - 0.2) < 3.0 * found["std"] < 0.02
+    assert make_machine("leg", load_model(trained / "better.toml")).left_out == ()

@@ -105,10 +105,17 @@ def fit_native(
             f"{error.inertia_at}), and {allow:.1%} are allowed", file=model.source,
             remedy="allow more (--allow-error), narrow the limits, or run it scheduled",
         )  # fmt: skip
-    left_out = tuple(
-        str(e.key) for e in model.effects if not own or outside(there, e) or _is_spring(there, e)
+    return FittedTree(model, xml, compiled, added, left_out(model), tuple(removed), error, found.offsets)
+
+
+def left_out(model: Model) -> tuple[str, ...]:
+    """Effects of a model that its fit has not."""
+    there = on_drives(model)
+    return tuple(
+        str(e.key)
+        for e in model.effects
+        if there.carried is None or outside(there, e) or _is_spring(there, e)
     )
-    return FittedTree(model, xml, compiled, added, left_out, tuple(removed), error, found.offsets)
 
 
 def _put_effects(

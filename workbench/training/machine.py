@@ -17,6 +17,7 @@ from workbench.core import DriveMap, InputError
 from workbench.models import Model, load_tree
 from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
 from workbench.s3n.mjcf import exact_xml
+from workbench.s3n.posture_fitted import left_out
 
 from .floor import lay_floor
 from .quadruped import LEGS, base_height, quadruped
@@ -145,11 +146,11 @@ def make_machine(
     ground = model.ground if kind == "leg" else None
     prompt = replace(model, actuators=replace(model.actuators, delay_s=0.0), ground=ground)
     if model.posture_dependent:
-        left_out = tuple(str(e.key) for e in model.effects)
+        missing = left_out(prompt)
         own, text, drives = prompt, *(fitted or _fitted(prompt))
     else:
         tree, drives = normalise(prompt, variant), None
-        own, text, left_out = tree.model, tree.xml, tree.left_out
+        own, text, missing = tree.model, tree.xml, tree.left_out
     leg = mujoco.MjSpec.from_string(text)
     leg.option.timestep = STEP_S
     leg.option.iterations, leg.option.ls_iterations = _SOLVER
@@ -189,7 +190,7 @@ def make_machine(
         limits=np.tile([[-ABDUCTION_LIMIT, ABDUCTION_LIMIT]] * first + [list(x) for x in limits], (legs, 1)),
         height=0.0 if kind == "leg" else base_height(compiled, joints, posture, legs),
         rotors=rotors_of(compiled, joints) if drives is None else no_rotors(len(joints)),
-        left_out=(*left_out, *floor),
+        left_out=(*missing, *floor),
         map=drives,
     )
 
