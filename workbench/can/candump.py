@@ -1,6 +1,6 @@
 """Logs in the form of candump: one line a frame, readable to its last whole line whatever happened.
 
-By hand: python-can's reader takes a line that was cut off for a shorter frame, and names no line that is none.
+By hand: python-can's reader takes a line that was cut off for a shorter frame, and does not name bad ones.
 """
 
 from __future__ import annotations
