@@ -5,6 +5,8 @@ from __future__ import annotations
 #: What needs more than requirements.lock -> the extra that brings it.
 EXTRA = {
     "training": "training",
+    "cli/test_matrix.py": "training",
+    "cli/test_train.py": "training",
     "core/test_drive_map.py": "training",
     "fleet/test_run.py::test_a_cluster_loses_nothing_either": "ray",
     "proposing/test_text_and_json.py::test_tensors_are_read_and_nothing_is_run": "training",
