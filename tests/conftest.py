@@ -45,8 +45,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _places(item: pytest.Item) -> Iterator[str]:
-    """``folder``, ``folder/file.py`` and ``folder/file.py::test`` of a test, without its parameters."""
+    """``folder``, ``folder/file.py`` and ``folder/file.py::test`` of a test, without and with parameters."""
     file = item.path.relative_to(_HERE).as_posix()
     parts: Sequence[str] = file.split("/")
     yield from ("/".join(parts[:k]) for k in range(1, len(parts) + 1))
-    yield f"{file}::{item.name.partition('[')[0]}"
+    yield from dict.fromkeys((f"{file}::{item.name.partition('[')[0]}", f"{file}::{item.name}"))

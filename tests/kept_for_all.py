@@ -5,6 +5,9 @@ from __future__ import annotations
 #: What needs more than requirements.lock -> the extra that brings it.
 EXTRA = {
     "training": "training",
+    "cli/test_bad_input.py::test_what_cannot_be_read_ends_in_one_line[export 0]": "training",
+    "cli/test_matrix.py": "training",
+    "cli/test_train.py": "training",
     "core/test_drive_map.py": "training",
     "fleet/test_run.py::test_a_cluster_loses_nothing_either": "ray",
     "proposing/test_text_and_json.py::test_tensors_are_read_and_nothing_is_run": "training",
@@ -16,6 +19,9 @@ SLOW = {
     "analyses": "whole studies, small",
     "benchmarks": "whole benchmarks, small",
     "cli/test_cli.py::test_the_loop_from_compare_to_compare": "a whole improvement, by its commands",
+    "cli/test_dry_run.py": "runs on virtual hardware, and their recordings explained",
+    "cli/test_reported_logs.py": _WHOLE,
+    "cli/test_reproducible.py": "a demo and an improvement, twice each",
     "deployment/test_fault_table.py": "every fault of the table on virtual hardware, in each protocol",
     "deployment/test_record_attacked.py": "a run is recorded again for each call to the disk that fails",
     "diagnosis/adequacy": _WHOLE,
@@ -33,6 +39,7 @@ SLOW = {
     "diagnosis/test_own_friction.py": _WHOLE,
     "diagnosis/test_rotor.py": _WHOLE,
     "diagnosis/test_rounds.py": _WHOLE,
+    "diagnosis/test_search.py": _WHOLE,
     "diagnosis/test_two_mass.py": _WHOLE,
     "diagnosis/test_unknown_loop.py": _WHOLE,
     "diagnosis/test_unlogged_delay.py": _WHOLE,

@@ -2,6 +2,7 @@
 
 They lie ready in a hidden folder. One rename of that folder decides that they are to be placed; whoever reads
 or writes there next places what a killed process has left. A lock tells it from one that is still at work.
+By hand: no file system renames several files at once, and a data base is none that an engineer opens.
 """
 
 from __future__ import annotations

@@ -61,7 +61,10 @@ def law(function: Callable[..., float]) -> Law:
 
 @intrinsic
 def _call(context: Any, address: Any, first: Any, second: Any, parameters: Any) -> Any:
-    """Call a law's machine code; `parameters` is an address of numbers."""
+    """Call a law's machine code; `parameters` is an address of numbers.
+
+    By hand: laws stand in arrays, by their addresses, and numba's own function types do not.
+    """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         kinds = [context.get_value_type(t) for t in (types.float64, types.float64, types.voidptr)]
