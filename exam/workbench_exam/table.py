@@ -62,15 +62,16 @@ def table(solvers: Mapping[str, Marks]) -> str:
         brier = "-" if r["brier"] is None else f"{r['brier']:.3f} ({r['sure']})"
         removed = "-" if r["removed"] is None else f"{r['removed']:.2f}"
         cells = [
-            name + (f" ({r['failed']} failed)" if r["failed"] else ""), _share(*r["right"], True),
-            _share(*r["named"], True), str(r["false"]), _share(*r["clean"]), _share(*r["strangers"]), brier,
-            _share(*r["held"]), removed, f"{r['seconds']:.2g}" if math.isfinite(r["seconds"]) else "-",
+            name + (f" ({r['failed']} failed)" if r["failed"] else ""), _share(r["right"], True),
+            _share(r["named"], True), str(r["false"]), _share(r["clean"]), _share(r["strangers"]), brier,
+            _share(r["held"]), removed, f"{r['seconds']:.2g}" if math.isfinite(r["seconds"]) else "-",
         ]  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
-def _share(good: int, of: int, interval: bool = False) -> str:
+def _share(counts: tuple[int, int], interval: bool = False) -> str:
+    good, of = counts
     if not of:
         return "-"
     low, high = wilson(good, of)

@@ -78,7 +78,7 @@ def has(machine: Machine, effect: str, axis: str) -> float:
 
 
 def along(machine: Machine, axis: str) -> np.ndarray | None:
-    """Unit vector from a link to the next joint or the tip, in its frame; None where these lie on its axis."""
+    """Unit vector from a link to the next joint or tip, in its frame; None where these lie on its axis."""
     way = plants.along(machine, machine.index(axis))
     return None if way is None else np.array(way)
 

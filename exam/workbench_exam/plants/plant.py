@@ -86,9 +86,9 @@ def with_effect(plant: Plant, effect: str, place: str | None, values: Mapping[st
         raise ValueError(f"no effect '{effect}'")
     if "stiffness" in more and (machine.couple or machine.links[where[0]].slides):
         raise ValueError(f"no soft coupling on '{place}'")
-    own = plain(machine)[1]
+    own = plain(machine)[1]._asdict()
     for name, value in more.items():
-        column = list(drives.get(name, getattr(own, name)))
+        column = list(drives[name] if name in drives else own[name])
         for i in where:
             column[i] = value
         drives[name] = tuple(map(float, column))

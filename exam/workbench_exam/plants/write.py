@@ -117,13 +117,13 @@ def drawn_of(told: dict[str, Any]) -> Drawn:
         replace(link, **{key: told["file"][key][i] for key in told["file"]})
         for i, link in enumerate(machine.links)
     )
-    items = [
+    hidden, strangers = (
         tuple(Item(h["effect"], h["place"], h["values"], h["shows"]) for h in told[key])
         for key in ("hidden", "strangers")
-    ]
+    )
     return Drawn(
-        told["kind"], told["family"], told["way"], told["seed"], Plant(replace(machine, links=links)), *items,
-        tuple(told["odd"]) if told["odd"] else None, told["tick"], told["every"],
+        told["kind"], told["family"], told["way"], told["seed"], Plant(replace(machine, links=links)),
+        hidden, strangers, tuple(told["odd"]) if told["odd"] else None, told["tick"], told["every"],
     )  # fmt: skip
 
 
