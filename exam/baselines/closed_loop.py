@@ -20,7 +20,7 @@ from workbench_exam.cases import Case
 
 _STEP = 2e-3  # s
 _SECONDS = 3.0  # of each recording
-_WORK = 2000  # simulations of all recordings
+_WORK = 1200  # simulations of all recordings
 _MATTERS = 1.3  # times the cost, where a number is put back
 _EFFECTS = (
     ("reflected_inertia", "inertia"),
