@@ -106,11 +106,11 @@ def _covered(each: Named, truth: Mapping[str, float]) -> dict[str, bool]:
 
 
 def _removed(judged: Mapping[str, float] | None) -> float | None:
-    """Share of the error that can be removed which is, at worst -1; None where nothing can be."""
+    """Share of the error that can be removed which is, from -1 to 1; None where nothing can be."""
     if judged is None or judged["before"] < judged["floor"] + 1.0:
         return None
     share = (judged["before"] - judged["after"]) / (judged["before"] - judged["floor"])
-    return max(-1.0, share) if math.isfinite(share) else -1.0
+    return min(1.0, max(-1.0, share)) if math.isfinite(share) else -1.0
 
 
 def wilson(good: int, of: int) -> tuple[float, float]:
