@@ -16,6 +16,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from workbench_exam.scoring import wilson
 from workbench_exam.table import Marks, reliability, row
 
@@ -66,9 +67,7 @@ def confusion(solvers: Mapping[str, Marks]) -> Figure:
     for ax, (name, found) in zip(axes[0], counted.items(), strict=True):
         for (hidden, said), count in found.items():
             y, x = names.index(hidden), names.index(said)
-            ax.add_patch(
-                plt.Rectangle((x - 0.5, y - 0.5), 1, 1, color=_BLUE if x == y else _ORANGE, alpha=0.35)
-            )
+            ax.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, color=_BLUE if x == y else _ORANGE, alpha=0.35))
             ax.text(x, y, str(count), ha="center", va="center")
         ax.set(
             xlim=(-0.5, len(names) - 0.5),
@@ -111,14 +110,18 @@ def calibration(solvers: Mapping[str, Marks]) -> Figure:
 def time_against_accuracy(solvers: Mapping[str, Marks]) -> Figure:
     """Share of cases that are right, with 95 % intervals, over the median time of a case."""
     figure, ax = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
-    for name, marks in solvers.items():
+    last, below = 0.0, False
+    for name, marks in sorted(solvers.items(), key=lambda item: row(item[1])["seconds"]):
         figures = row(marks)
         good, of = figures["right"]
         low, high = wilson(good, of)
         at = max(figures["seconds"], 1e-2)
+        below = at < 2.0 * last and not below  # names of neighbours stand above and below by turns
+        last = at
         ax.plot([at, at], [low, high], color=_GREY, lw=1)
         ax.plot(at, good / of, "o", color=_BLUE)
-        ax.annotate(f"{name} ({of})", (at, good / of), xytext=(6, 4), textcoords="offset points", fontsize=9)
+        beside = (6, -12) if below else (6, 4)
+        ax.annotate(f"{name} ({of})", (at, good / of), xytext=beside, textcoords="offset points", fontsize=9)
     ax.set(xscale="log", ylim=(0, 1), xlabel="median time of a case [s]", ylabel="cases right")
     ax.margins(x=0.25)
     return figure

@@ -47,6 +47,7 @@ def main() -> None:
     score.add_argument("cases", type=Path)
     score.add_argument("answers", type=Path, nargs="+", help="a folder a solver")
     score.add_argument("--key", default=OPEN_KEY)
+    score.add_argument("--first", type=int, help="only answers to so many cases")
     reveal = does.add_parser("reveal", help="write the truth into each case's folder, and check its seal")
     reveal.add_argument("cases", type=Path)
     reveal.add_argument("--key", default=OPEN_KEY)
@@ -116,7 +117,7 @@ def _score(a: argparse.Namespace) -> None:
     solvers: dict[str, Any] = {}
     for answers in a.answers:
         marks = []
-        for file in sorted(answers.glob("case-*.json")):
+        for file in sorted(answers.glob("case-*.json"))[: a.first]:
             told = truth_of(a.cases / file.stem, a.key)
             known = json.loads((a.cases / file.stem / "case.json").read_text("utf-8"))
             told["first_drive"] = known["drives"][0]
