@@ -1,6 +1,6 @@
 """This project as a solver of the exam: its command line on a case's folder.
 
-    python -m workbench_exam run benchmarks/exam_solver.py cases -o answers/workbench
+    workbench-exam run benchmarks/exam_solver.py cases -o answers/workbench
 
 It gets what any solver gets: `model.xml` (with the tip as the payload's site) and the three recordings.
 """

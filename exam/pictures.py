@@ -122,7 +122,7 @@ def time_against_accuracy(solvers: Mapping[str, Marks]) -> Figure:
         ax.plot(at, good / of, "o", color=_BLUE)
         beside = (6, -12) if below else (6, 4)
         ax.annotate(f"{name} ({of})", (at, good / of), xytext=beside, textcoords="offset points", fontsize=9)
-    ax.set(xscale="log", ylim=(0, 1), xlabel="median time of a case [s]", ylabel="cases right")
+    ax.set(xscale="log", ylim=(-0.08, 1), xlabel="median time of a case [s]", ylabel="cases right")
     ax.margins(x=0.25)
     return figure
 

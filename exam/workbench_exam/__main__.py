@@ -1,9 +1,9 @@
 """Make cases, ask a solver, score its answers.
 
-python -m workbench_exam make cases                              # the open set: 60 cases of seed 0
-python -m workbench_exam run baselines/nothing.py cases          # answers in answers/nothing
-python -m workbench_exam score cases answers/*                   # a table, and marks.json beside each one's
-answers python -m workbench_exam reveal cases --key KEY                  # truth.json into each case, after
+workbench-exam make cases                              # the open set: 60 cases of seed 0
+workbench-exam run baselines/nothing.py cases          # answers in answers/nothing
+workbench-exam score cases answers/*                   # a table, and marks.json beside each one's
+answers workbench-exam reveal cases --key KEY                  # truth.json into each case, after
 answers are in
 """
 
@@ -71,7 +71,7 @@ def cases_in(folder: Path) -> list[Path]:
     """
     found = sorted(file.parent for file in folder.glob("*/case.json"))
     if not found:
-        raise FileNotFoundError(f"{folder}: no cases; make them: python -m workbench_exam make {folder}")
+        raise FileNotFoundError(f"{folder}: no cases; make them: workbench-exam make {folder}")
     return found
 
 
