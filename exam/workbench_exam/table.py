@@ -64,7 +64,7 @@ def table(solvers: Mapping[str, Marks]) -> str:
         cells = [
             name + (f" ({r['failed']} failed)" if r["failed"] else ""), _share(r["right"], True),
             _share(r["named"], True), str(r["false"]), _share(r["clean"]), _share(r["strangers"]), brier,
-            _share(r["held"]), removed, f"{r['seconds']:.2g}" if math.isfinite(r["seconds"]) else "-",
+            _share(r["held"]), removed, f"{r['seconds']:.3g}" if math.isfinite(r["seconds"]) else "-",
         ]  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
