@@ -75,8 +75,8 @@ exam:
 	test -x build/exam/bin/python || $(PYTHON) -m venv build/exam
 	build/exam/bin/python -m pip install --quiet --disable-pip-version-check -c requirements.lock './exam[plants]' mujoco
 	build/exam/bin/python -m workbench_exam make build/exam/cases-$(CASES) --count $(CASES) --jobs $(WORKERS)
-	build/exam/bin/python -m workbench_exam run $(SOLVER) build/exam/cases-$(CASES) -o build/exam/answers/$(basename $(notdir $(SOLVER)))
-	build/exam/bin/python -m workbench_exam score build/exam/cases-$(CASES) build/exam/answers/$(basename $(notdir $(SOLVER)))
+	build/exam/bin/python -m workbench_exam run $(SOLVER) build/exam/cases-$(CASES) -o build/exam/answers-$(CASES)/$(basename $(notdir $(SOLVER)))
+	build/exam/bin/python -m workbench_exam score build/exam/cases-$(CASES) build/exam/answers-$(CASES)/$(basename $(notdir $(SOLVER)))
 
 format: setup
 	$(BIN)/ruff check --fix .
