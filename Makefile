@@ -11,16 +11,16 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test test-all check docs figures notebooks format clean interop
+.PHONY: setup training demo test test-all check docs figures notebooks format clean interop exam
 
 setup: $(STAMP)
 
-$(STAMP): requirements.lock pyproject.toml
+$(STAMP): requirements.lock pyproject.toml exam/pyproject.toml
 	@$(PYTHON) -c 'import sys; v = sys.version_info[:3]; sys.exit(v < (3, 11) and f"workbench needs Python 3.11 or later; {sys.executable} is {v[0]}.{v[1]}: set PYTHON=")'
 	@echo "installing what requirements.lock lists into .venv: once, some minutes, 2.4 GB on disk"
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e . -e exam
 	@touch $@
 
 training: $(TRAINING)
@@ -67,6 +67,16 @@ interop: setup
 	test -x build/interop/mujoco3/bin/python || $(PYTHON) -m venv build/interop/mujoco3
 	build/interop/mujoco3/bin/python -m pip install --quiet --disable-pip-version-check mujoco==$(MUJOCO3) numpy
 	$(BIN)/python benchmarks/interop.py mujoco3 --python build/interop/mujoco3/bin/python
+
+# A solver through the first CASES of the exam, from nothing: an environment of its own, cases, answers, a table.
+SOLVER ?= exam/baselines/least_squares_bic.py
+CASES ?= 24
+exam:
+	test -x build/exam/bin/python || $(PYTHON) -m venv build/exam
+	build/exam/bin/python -m pip install --quiet --disable-pip-version-check -c requirements.lock './exam[plants]' mujoco
+	build/exam/bin/python -m workbench_exam make build/exam/cases-$(CASES) --count $(CASES) --jobs $(WORKERS)
+	build/exam/bin/python -m workbench_exam run $(SOLVER) build/exam/cases-$(CASES) -o build/exam/answers-$(CASES)/$(basename $(notdir $(SOLVER)))
+	build/exam/bin/python -m workbench_exam score build/exam/cases-$(CASES) build/exam/answers-$(CASES)/$(basename $(notdir $(SOLVER)))
 
 format: setup
 	$(BIN)/ruff check --fix .

@@ -38,7 +38,8 @@ def third_party(folder: str, *, guarded: bool = True) -> set[str]:
     """Distributions that a folder imports; without `guarded`, only those that it cannot do without."""
     own = {"workbench", "tests", *sys.stdlib_module_names}
     # scripts find what lies beside them
-    own |= {entry.stem for scripts in ("benchmarks", "analyses") for entry in (ROOT / scripts).iterdir()}
+    beside = ("benchmarks", "analyses", "exam")
+    own |= {entry.stem for scripts in beside for entry in (ROOT / scripts).iterdir()}
     files = (ROOT / folder).rglob("*.py")
     modules = {module.split(".")[0] for file in files for module in imported(file, guarded)} - own
     return {DISTRIBUTIONS.get(module, module) for module in modules}

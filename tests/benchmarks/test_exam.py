@@ -4,12 +4,12 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from exam import scoring
 from exam.answers import Answer, Named, with_truth
 from exam.cases import KINDS, ODD, all_cases
 from exam.outsiders import OUTSIDE
 from exam.table import mistakes
 
+from exam import scoring
 from workbench.core import EffectKey
 from workbench.effects import load_model
 from workbench.rigs import DRAWN_EFFECTS, OUTSIDERS, HiddenEffect

@@ -9,91 +9,18 @@ import numpy as np
 import pytest
 from exam.answers import with_truth
 from exam.field.cases import FAMILIES, KINDS, field_cases
-from exam.field.chain import GRAVITY, Link, Machine, loaded, mjcf, numbers
-from exam.field.dynamics import acceleration, energy, needed
 from exam.field.judging import judged, refused
-from exam.field.machines import MACHINES, draw_machine
-from exam.field.march import STEP, step
 from exam.field.plant import Field, Way, has, recorded, stated, told
 from exam.second.hidden import Hidden
+from workbench_exam.plants.chain import loaded
+from workbench_exam.plants.files import mjcf
+from workbench_exam.plants.machines import draw_machine
 
 from workbench.core import Diagnosis, Disagreement, EffectKey
 from workbench.simulation import Run, simulate
 
-NOBODY = np.zeros((0, 6))
-PLAIN = {"damping": 0.0, "friction": 0.0}
 ARM = draw_machine("arm", 3)
 ARMS = field_cases("arm", 7)
-
-
-def bare(machine: Machine) -> Machine:
-    """Without friction and damping."""
-    return replace(machine, links=tuple(replace(link, **PLAIN) for link in machine.links))
-
-
-@pytest.mark.parametrize("family", FAMILIES)
-def test_torques_are_those_of_mujoco(family: str) -> None:
-    machine, draw = bare(draw_machine(family, 5)), np.random.default_rng(1)
-    model = mujoco.MjModel.from_xml_string(mjcf(machine))
-    data, out = mujoco.MjData(model), np.zeros(len(machine.axes))
-    for _ in range(5):
-        data.qpos[:], data.qvel[:], data.qacc[:] = draw.normal(size=(3, len(out))) * [[1.0], [4.0], [20.0]]
-        mujoco.mj_inverse(model, data)
-        needed(data.qpos.copy(), data.qvel.copy(), data.qacc.copy(), GRAVITY, numbers(machine.links), out)
-        np.testing.assert_allclose(out, data.qfrc_inverse, rtol=1e-6, atol=1e-6)
-
-
-@pytest.mark.parametrize("family", FAMILIES)
-def test_acceleration_undoes_torque(family: str) -> None:
-    links, draw = numbers(draw_machine(family, 6).links), np.random.default_rng(2)
-    q, w, a = draw.normal(size=(3, len(links.mass)))
-    torque = np.zeros(len(q))
-    needed(q, w, a, GRAVITY, links, torque)
-    back = acceleration(q, w, torque + links.damping * w, GRAVITY, links)
-    np.testing.assert_allclose(back, a, rtol=1e-8, atol=1e-8)
-
-
-@pytest.mark.parametrize("family", MACHINES)
-def test_free_motion_keeps_its_energy(family: str) -> None:
-    machine = bare(draw_machine(family, 8))
-    links, n = numbers(machine.links), len(machine.axes)
-    q, w = np.array(machine.posture) + 0.3, np.full(n, 0.5)
-    start, swing = energy(q, w, GRAVITY, links), 0.0
-    for k in range(5000):
-        step(k * STEP, STEP, q, w, np.zeros(n), np.zeros(n), links, NOBODY)
-        swing = max(swing, 0.5 * float(links.armature @ w**2))
-    assert energy(q, w, GRAVITY, links) == pytest.approx(start, abs=1e-6 * (1.0 + swing))
-
-
-def slider(friction: float) -> Machine:
-    link = Link(
-        "x", (1, 0, 0), (0, 0, 0), 1.5, (0, 0, 0), (1e-3, 1e-3, 1e-3), 0.5, 0.0, friction, slides=True
-    )
-    return Machine("slider", (link,), (0, 0, 0), (0.0,), (0.0,), (0.0,), (0.1,))
-
-
-def test_dry_friction_stops_a_mass_where_it_should_and_holds_it() -> None:
-    links = numbers(slider(3.0).links)
-    q, w, rub = np.zeros(1), np.array([1.2]), np.zeros(1)
-    places = []
-    for k in range(8000):
-        step(k * STEP, STEP, q, w, np.array([1.0]), rub, links, NOBODY)
-        places.append(q[0])
-    # 2 kg slowed by 3 N against a push of 1 N
-    assert q[0] == pytest.approx(1.2**2 / 2 / (2.0 / 2.0), rel=1e-3)
-    assert w[0] == 0.0 and places[-1] == places[-1500] and rub[0] == pytest.approx(-1.0)
-    step(0.0, STEP, q, w, np.array([3.1]), rub, links, NOBODY)
-    assert w[0] == pytest.approx(0.1 / 2.0 * STEP, rel=1e-6)
-
-
-def test_friction_holds_some_axes_while_others_move() -> None:
-    links = numbers(ARM.links)
-    rest = np.zeros(3)
-    needed(np.array(ARM.posture), rest, rest, GRAVITY, links, gravity := np.zeros(3))
-    q, w, rub, push = np.array(ARM.posture), np.zeros(3), np.zeros(3), gravity + np.array([0.0, 0.0, 3.0])
-    for k in range(300):
-        step(k * STEP, STEP, q, w, push, rub, links, NOBODY)
-    assert q[0] == ARM.posture[0] and q[2] > ARM.posture[2] + 0.01
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ what the case says. Kinds:
 
 What is hidden is stated as a diagnosis would: the catalogue's effects, with what the model lacks (negative
 where it says too much). Right is: each of these named at its axis or truly alike, each value within a tenth
-of the machine's, nothing else named, and the verdict that is true of the rest. The simulator shares nothing
-with `workbench`: recursive Newton-Euler, Runge-Kutta, and friction that sticks.
+of the machine's, nothing else named, and the verdict that is true of the rest. The simulator is
+that of the exam's package and shares nothing with `workbench`: recursive Newton-Euler, Runge-Kutta, friction
+that sticks.
 """

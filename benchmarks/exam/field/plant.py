@@ -7,24 +7,20 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from workbench_exam.plants import plant as plants
+from workbench_exam.plants.chain import Link, Machine, loaded
+from workbench_exam.plants.files import mjcf
+from workbench_exam.plants.machines import draw_machine
+from workbench_exam.plants.motions import KINDS
+from workbench_exam.plants.plant import JOINT, Plant, play
 
 from workbench.core import Controller, Excitation, Recording, SimulationError
 from workbench.effects import load_model
 from workbench.models import Model
 
 from ..second.hidden import Hidden
-from .chain import Link, Machine, loaded, mjcf, numbers
-from .machines import draw_machine
-from .march import FOLLOWER, PATCH, STEP, TONE, run
-from .motions import KINDS, reference
 
-#: A number of a joint, the effect that corrects it, and the name of its size.
-JOINT = {
-    "viscous_damping": ("damping", "damping"),
-    "coulomb_friction": ("friction", "torque"),
-    "reflected_inertia": ("armature", "inertia"),
-}
-_SETTLE = 1.5  # s
+RECORDED = KINDS[:3]  # the last is to judge by
 
 
 @dataclass(frozen=True)
@@ -82,16 +78,9 @@ def has(machine: Machine, effect: str, axis: str) -> float:
 
 
 def along(machine: Machine, axis: str) -> np.ndarray | None:
-    """Unit vector of a link towards the next joint, or the tip, in the link's frame, square to its axis.
-
-    None where these lie on the axis.
-    """
-    i = machine.index(axis)
-    target = np.array(machine.links[i + 1].offset if i + 1 < len(machine.links) else machine.tip, float)
-    own = np.array(machine.links[i].axis)
-    target = target - own * (own @ target)
-    length = float(np.linalg.norm(target))
-    return target / length if length > 1e-6 else None
+    """Unit vector from a link to the next joint or tip, in its frame; None where these lie on its axis."""
+    way = plants.along(machine, machine.index(axis))
+    return None if way is None else np.array(way)
 
 
 def heavier(machine: Machine, axis: str, share: float) -> Hidden:
@@ -143,7 +132,7 @@ def recorded(case: Field, folder: Path) -> tuple[Model, list[Recording]]:
     machine = case.machine
     file = folder / f"{machine.name}.xml"
     file.write_text(mjcf(stated(machine, case.hidden)), "utf-8")
-    return load_model(file), [_record(case, machine, number) for number in range(len(KINDS))]
+    return load_model(file), [_record(case, machine, number) for number in range(len(RECORDED))]
 
 
 def told(case: Field, recordings: Sequence[Recording]) -> list[Recording]:
@@ -161,60 +150,37 @@ def told(case: Field, recordings: Sequence[Recording]) -> list[Recording]:
 
 
 def _record(case: Field, machine: Machine, number: int) -> Recording:
-    way, name = case.way, KINDS[number][0]
+    way, name = case.way, RECORDED[number][0]
     if number == way.odd and way.load:
         last = loaded(machine.links[-1], way.load, machine.tip)
         machine = replace(machine, links=(*machine.links[:-1], last))
-    asked = reference(machine, case.seed, number, way.duration, way.tick)
-    logged = asked[:: way.every]
-    if way.held:
-        asked = np.repeat(logged, way.every, axis=0)[: len(asked)]
-    speed, torque, encoder = machine.noise
-    draw = np.random.default_rng([case.seed, number, 419])
-    n, driven = len(machine.axes), np.array([float(link.driven) for link in machine.links])
-    quiet = 0.0 if way.positions_alone else speed
-    shown = run(
-        asked[0], asked, round(way.tick / STEP), way.tick, np.array(machine.kp), np.array(machine.kd),
-        quiet * draw.standard_normal(asked.shape), np.full(n, encoder),
-        driven, numbers(machine.links),
-        _rows(case.strangers, machine), round(_SETTLE / way.tick),
-    )[:: way.every]  # fmt: skip
-    if not np.isfinite(shown).all():
-        raise SimulationError(f"the {case.family} ran away in '{name}'")
-    signals = {"position": shown[:, :n], "position_reference": logged}
+    if way.positions_alone:
+        machine = replace(machine, noise=(0.0, *machine.noise[1:]))
+    plant = Plant(machine)
+    for each in case.strangers:
+        plant = plants.stranger(plant, each.effect, each.axis or "", each.parameters)
+    held = way.every if way.held else 1
+    try:
+        ticks = play(plant, case.seed, number, way.duration, way.tick, held)
+    except ArithmeticError:
+        raise SimulationError(f"the {case.family} ran away in '{name}'") from None
+    rows = slice(None, None, way.every)
+    signals = {"position": ticks.angle[rows], "position_reference": ticks.asked[rows]}
     if not way.positions_alone:
-        measured = shown[:, 2 * n : 3 * n] + torque * draw.standard_normal((len(shown), n)) * driven
         unit = way.unit if number == way.odd else 1.0
         signals |= {
-            "velocity": shown[:, n : 2 * n],
-            "torque_command": shown[:, 2 * n : 3 * n],
-            "torque_measured": unit * measured,
+            "velocity": ticks.speed[rows],
+            "torque_command": ticks.command[rows],
+            "torque_measured": unit * ticks.sensed[rows],
         }
     return Recording(
         name=name,
         axes=machine.axes,
         coordinates="joint",
-        time=np.arange(len(shown)) * way.tick * way.every,
+        time=ticks.time[rows],
         signals=signals,
         units=tuple("m" if link.slides else "rad" for link in machine.links),
         controller=Controller("pd", "joint", kp=machine.kp, kd=machine.kd, period_s=way.tick),
         excitation=Excitation("reference"),
         rig=machine.name,
     )
-
-
-def _rows(strangers: Sequence[Hidden], machine: Machine) -> np.ndarray:
-    """The strangers as `march.strange` takes them."""
-    rows = []
-    for each in strangers:
-        p = each.parameters
-        own = machine.index(each.axis or "")
-        if each.effect == "rough_patch":
-            rows.append([PATCH, own, p["torque"], p["angle"], p["width"], 0])
-        elif each.effect == "follower":
-            rows.append([FOLLOWER, own, p["torque"], p["phase"], 0, p["other"]])
-        elif each.effect == "tone":
-            rows.append([TONE, own, p["torque"], p["frequency"], p["phase"], 0])
-        else:
-            raise KeyError(each.effect)
-    return np.array(rows, float).reshape(-1, 6)

@@ -87,42 +87,71 @@ def needed(q, w, a, gravity, m, out):
 
 @njit(cache=True, error_model="numpy")
 def inertias(q, m):
-    """Mass matrix (n, n), rotors included."""
+    """Mass matrix (n, n), joints' armature included: sums over links of their Jacobians' squares."""
     n = len(q)
-    full, still, unit, column = np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n)
+    full, turn, rot, old = np.zeros((n, n)), np.zeros((3, 3)), np.eye(3), np.eye(3)
+    axes, places, here = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(3)
+    fast, spin, lever, t = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros(3), np.zeros(3)
     for i in range(n):
-        unit[:] = 0.0
-        unit[i] = 1.0
-        needed(q, still, unit, 0.0, m, column)
-        full[:, i] = column
+        for k in range(3):
+            for j in range(3):
+                here[k] += rot[k, j] * (m.offset[i, j] + (m.axis[i, j] * q[i] if m.slides[i] else 0.0))
+        turned(m.axis[i], 0.0 if m.slides[i] else q[i], turn)
+        old[:] = rot
+        for k in range(3):
+            places[i, k], axes[i, k], lever[k] = here[k], 0.0, 0.0
+            for j in range(3):
+                axes[i, k] += old[k, j] * m.axis[i, j]
+                rot[k, j] = old[k, 0] * turn[0, j] + old[k, 1] * turn[1, j] + old[k, 2] * turn[2, j]
+        for k in range(3):
+            for j in range(3):
+                lever[k] += rot[k, j] * m.centre[i, j]
+        for j in range(i + 1):
+            if m.slides[j]:
+                fast[j], spin[j] = axes[j], 0.0
+                continue
+            for k in range(3):
+                t[k] = here[k] + lever[k] - places[j, k]
+                spin[j, k] = (
+                    rot[0, k] * axes[j, 0] + rot[1, k] * axes[j, 1] + rot[2, k] * axes[j, 2]
+                )  # in the link's frame
+            cross(axes[j], t, fast[j])
+        for j in range(i + 1):
+            for k in range(j + 1):
+                for c in range(3):
+                    full[j, k] += (
+                        m.mass[i] * fast[j, c] * fast[k, c] + m.inertia[i, c] * spin[j, c] * spin[k, c]
+                    )
+        full[i, i] += m.armature[i]
+    for j in range(n):
+        for k in range(j):
+            full[k, j] = full[j, k]
     return full
 
 
 @njit(cache=True, error_model="numpy")
-def acceleration(q, w, torque, gravity, m):
-    """Joint accelerations (n,) under joint torques, viscous damping included."""
-    n = len(q)
-    bias = np.zeros(n)
-    needed(q, w, np.zeros(n), gravity, m, bias)
-    return np.linalg.solve(inertias(q, m), torque - m.damping * w - bias)
+def factor(full):
+    """Cholesky's lower factor of a mass matrix, in place: the same on every machine, as no library's is."""
+    n = len(full)
+    for j in range(n):
+        for k in range(j):
+            full[j, j] -= full[j, k] * full[j, k]
+        full[j, j] = np.sqrt(full[j, j])
+        for i in range(j + 1, n):
+            for k in range(j):
+                full[i, j] -= full[i, k] * full[j, k]
+            full[i, j] /= full[j, j]
 
 
-def energy(q: np.ndarray, w: np.ndarray, gravity: float, m) -> float:
-    """Kinetic and potential energy [J], of places and speeds of the links and not of the equations above."""
-    rotation, place, total = np.eye(3), np.zeros(3), 0.0
-    spin, speed = np.zeros(3), np.zeros(3)  # in the world's frame
-    for i in range(len(q)):
-        axis = rotation @ m.axis[i]
-        arm = rotation @ (m.offset[i] + (m.axis[i] * q[i] if m.slides[i] else 0.0))
-        place, speed = place + arm, speed + np.cross(spin, arm)
-        if m.slides[i]:
-            speed = speed + axis * w[i]
-        else:
-            turn = np.zeros((3, 3))
-            turned(m.axis[i], q[i], turn)
-            rotation, spin = rotation @ turn, spin + axis * w[i]
-        lever = rotation @ m.centre[i]
-        at_centre, own = speed + np.cross(spin, lever), rotation.T @ spin
-        total += 0.5 * m.mass[i] * at_centre @ at_centre + 0.5 * own @ (m.inertia[i] * own)
-        total += 0.5 * m.armature[i] * w[i] ** 2 + m.mass[i] * gravity * (place + lever)[2]
-    return float(total)
+@njit(cache=True, error_model="numpy")
+def solve(lower, x):
+    """x = the accelerations (n,) under the torques `x`, in place; `lower` is of `factor`."""
+    n = len(x)
+    for i in range(n):
+        for k in range(i):
+            x[i] -= lower[i, k] * x[k]
+        x[i] /= lower[i, i]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            x[i] -= lower[k, i] * x[k]
+        x[i] /= lower[i, i]

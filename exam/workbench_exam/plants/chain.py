@@ -43,7 +43,9 @@ class Machine:
     """Links, the tip in the last link's frame, gains of its loop (N m/rad, N m s/rad), a posture, a reach.
 
     `posture` and `reach` are of the axes [rad or m]: where it moves about, and how far. `noise`: of speed
-    [rad/s] and torque [N m], and the encoder's step [rad or m].
+    [rad/s] and torque [N m], and the encoder's step [rad or m]. Where drives turn with several joints,
+    `drives` are their names and `couple` their angles over those of the joints; gains, posture, reach and the
+    links' armature, damping and friction are then the drives'.
     """
 
     name: str
@@ -54,11 +56,13 @@ class Machine:
     posture: tuple[float, ...]
     reach: tuple[float, ...]
     noise: tuple[float, float, float] = (0.008, 0.05, 2 * np.pi / 2**16)
+    drives: tuple[str, ...] = ()
+    couple: tuple[tuple[float, ...], ...] = ()
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of all joints."""
-        return tuple(link.name for link in self.links)
+        """Names of all drives, which are those of the joints where each has its own."""
+        return self.drives or tuple(link.name for link in self.links)
 
     def index(self, axis: str) -> int:
         """Number of an axis."""
@@ -97,40 +101,11 @@ def numbers(links: Sequence[Link]) -> Numbers:
 
 def loaded(link: Link, mass: float, at: Sequence[float]) -> Link:
     """The link with a point mass [kg] on it, at a place in its frame [m]."""
-    own, place = np.array(link.centre), np.array(at, float)
+    own, place = link.centre, tuple(map(float, at))
     total = link.mass + mass
-    centre = (link.mass * own + mass * place) / total
-    inertia = np.array(link.inertia)
+    centre = tuple((link.mass * a + mass * b) / total for a, b in zip(own, place, strict=True))
+    inertia = link.inertia
     for part, spot in ((link.mass, own), (mass, place)):
-        arm = spot - centre
-        inertia = inertia + part * (arm @ arm - arm**2)
-    return replace(link, mass=total, centre=tuple(centre), inertia=tuple(inertia))
-
-
-def mjcf(machine: Machine) -> str:
-    """The machine as an MJCF file."""
-    lines = [
-        f'<mujoco model="{machine.name}">',
-        '  <compiler angle="radian"/>',
-        f'  <option gravity="0 0 -{GRAVITY}" integrator="implicitfast"/>',
-        "  <worldbody>",
-    ]
-    for depth, link in enumerate(machine.links):
-        kind = ' type="slide"' if link.slides else ""
-        lines += [
-            f'{"  " * (depth + 2)}<body name="{link.name}_link" pos="{_row(link.offset)}">',
-            f'{"  " * (depth + 3)}<joint name="{link.name}"{kind} axis="{_row(link.axis)}" '
-            f'damping="{link.damping:.9g}" frictionloss="{link.friction:.9g}" '
-            f'armature="{link.armature:.9g}"/>',
-            f'{"  " * (depth + 3)}<inertial pos="{_row(link.centre)}" mass="{link.mass:.9g}" '
-            f'diaginertia="{_row(link.inertia)}"/>',
-        ]
-    depth = len(machine.links)
-    lines.append(f'{"  " * (depth + 2)}<site name="tip" pos="{_row(machine.tip)}"/>')
-    lines += [f"{'  ' * (d + 2)}</body>" for d in reversed(range(depth))]
-    motors = "".join(f'<motor name="{x.name}" joint="{x.name}"/>' for x in machine.links if x.driven)
-    return "\n".join([*lines, "  </worldbody>", f"  <actuator>{motors}</actuator>", "</mujoco>", ""])
-
-
-def _row(values: Sequence[float]) -> str:
-    return " ".join(f"{value:.9g}" for value in values)
+        x, y, z = ((a - c) ** 2 for a, c in zip(spot, centre, strict=True))
+        inertia = (inertia[0] + part * (y + z), inertia[1] + part * (x + z), inertia[2] + part * (x + y))
+    return replace(link, mass=total, centre=centre, inertia=inertia)

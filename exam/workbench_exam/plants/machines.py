@@ -19,8 +19,8 @@ class _Draw:
         self._generator = np.random.default_rng([seed, 401])
 
     def about(self, usual: float, factor: float = 1.4) -> float:
-        """Up to `factor` times more or less."""
-        return float(usual * factor ** self._generator.uniform(-1.0, 1.0))
+        """Up to `factor` times more or less, of so few digits that every machine draws the same."""
+        return float(f"{usual * factor ** self._generator.uniform(-1.0, 1.0):.6g}")
 
     def joint(self, armature: float, damping: float, friction: float) -> dict[str, Any]:
         """Numbers of a joint about these."""
@@ -104,11 +104,54 @@ def _cart(d: _Draw) -> Machine:
     )  # fmt: skip
 
 
+def _geared(d: _Draw) -> Machine:
+    long = d.about(0.4, 1.25)
+    links = (
+        Link("lift", Y, (0, 0, 0.6), m := d.about(1.6), (long / 2, 0, 0), _round(m * long**2 / 9),
+             **d.joint(0.09, 0.5, 0.7)),
+    )  # fmt: skip
+    return Machine(
+        "exam_geared", links, (long, 0, 0), (d.about(140.0, 1.25),), (d.about(7.0, 1.25),), (0.3,), (0.9,),
+    )  # fmt: skip
+
+
+def _leg(d: _Draw) -> Machine:
+    thigh, shank = d.about(0.18, 1.2), d.about(0.24, 1.2)
+    links = (
+        Link("hip", Y, (0, 0, 0.6), m := d.about(1.6), (0, 0, -d.about(0.07)), _round(m * thigh**2 / 6),
+             **d.joint(0.016, 0.1, 0.2)),
+        Link("knee", Y, (0, 0, -thigh), m := d.about(0.4), (0, 0, -d.about(0.1)), _round(m * shank**2 / 8),
+             **d.joint(0.016, 0.1, 0.2)),
+    )  # fmt: skip
+    return Machine(
+        "exam_leg", links, (0, 0, -shank), tuple(d.about(k, 1.25) for k in (50.0, 45.0)),
+        tuple(d.about(k, 1.25) for k in (1.5, 1.3)), (0.5, -0.6), (0.5, 0.6), (0.02, 0.03, 2 * np.pi / 2**16),
+        ("thigh_drive", "shank_drive"), ((1.0, 0.0), (1.0, 1.0)),
+    )  # fmt: skip
+
+
+def _differential(d: _Draw) -> Machine:
+    links = (
+        Link("pitch", Y, (0.1, 0, 0.5), d.about(0.9), (d.about(0.04), 0, 0), _round(0.004),
+             **d.joint(0.02, 0.15, 0.2)),
+        Link("roll", X, (0.08, 0, 0), d.about(0.8), (d.about(0.1), 0, d.about(0.04)), _round(0.005),
+             **d.joint(0.02, 0.15, 0.2)),
+    )  # fmt: skip
+    return Machine(
+        "exam_differential", links, (0.2, 0, 0.05), tuple(d.about(k, 1.25) for k in (40.0, 40.0)),
+        tuple(d.about(k, 1.25) for k in (1.6, 1.6)), (0.3, 0.1), (0.8, 0.8), (0.01, 0.03, 2 * np.pi / 2**16),
+        ("left", "right"), ((1.0, 1.0), (1.0, -1.0)),
+    )  # fmt: skip
+
+
 MACHINES: Mapping[str, Callable[[_Draw], Machine]] = {
     "arm": _arm,
     "quadruped": _quadruped,
     "six_axis": _six_axis,
     "cart": _cart,
+    "geared": _geared,
+    "leg": _leg,
+    "differential": _differential,
 }
 
 
