@@ -3,6 +3,7 @@
 from .bootstrap import Interval, resampled
 from .compare import Gait, Measure, compare_gaits
 from .cycle import Cycles, cycle_gap, cycles_of
+from .odometry import with_leg_odometry
 from .strides import Strides, duty_factor, strides_of
 from .swing import Limbs, SwingPrediction, limbs_of, predict_swing
 from .tracking import Parts, Tracking, split, tracking
@@ -27,4 +28,5 @@ __all__ = [
     "split",
     "strides_of",
     "tracking",
+    "with_leg_odometry",
 ]

@@ -13,10 +13,9 @@ from workbench.core import InputError, Recording
 from .bootstrap import Interval, resampled
 from .cycle import cycle_gap, cycles_of
 from .strides import Strides, duty_factor, strides_of
-from .swing import Limbs, predict_swing
+from .swing import LOADED, Limbs, predict_swing
 from .tracking import tracking
 
-LOADED_N = 1.0  # a foot that stands
 _LEAST = 0.1  # m/s, rad/s: a mean speed below which nothing was asked for
 _PERIODS = 1e-3  # by which two recordings' row periods may differ, as a share
 _PARTS = {"whole": "", "bias": ", bias", "slow": ", below 1 Hz", "ripple": ", ripple"}
@@ -192,9 +191,7 @@ def _strides(runs: Sequence[Recording], found: list[Strides]) -> list[Measure]:
 
 
 def _duty(runs: Sequence[Recording], strides: Sequence[Strides]) -> list[Measure]:
-    each = [
-        duty_factor(_loads(r, "the duty factor") > LOADED_N, s) for r, s in zip(runs, strides, strict=True)
-    ]
+    each = [duty_factor(_loads(r, "the duty factor") > LOADED, s) for r, s in zip(runs, strides, strict=True)]
     gap, *floor = (_less(each[0], other) for other in each[1:])
     return [Measure("duty factor", "", gap, floor[0] if floor else None, each[0], each[1])]
 

@@ -21,7 +21,7 @@ HORIZON_S = 0.018  # one policy step
 _STEP_S = 1e-3  # of the prediction, at most
 _HEAVY = 1e7  # kg and kg m^2
 _HIGH = 0.01  # m over the lowest foot: a foot in the air, where no force tells
-_LOADED = 1.0  # N
+LOADED = 1.0  # N
 NEEDS = ("base_orientation", "base_angular_velocity", "base_velocity")
 
 
@@ -171,7 +171,7 @@ def in_air(limbs: Limbs, recording: Recording, joints: np.ndarray) -> np.ndarray
     """Whether each foot is in the air (N, F), by its force, else by its height over the lowest foot."""
     force = recording.extra.get("ground_force")
     if force is not None and force.shape[1] == 3 * len(limbs.legs):
-        return np.linalg.norm(force.reshape(len(force), -1, 3), axis=-1) < _LOADED
+        return np.linalg.norm(force.reshape(len(force), -1, 3), axis=-1) < LOADED
     data, feet = mujoco.MjData(limbs.m), [foot for foot, _ in limbs.legs]
     height = np.zeros((len(joints), len(feet)))
     for row, (q, turn) in enumerate(zip(joints, recording.extra["base_orientation"], strict=True)):
