@@ -11,7 +11,7 @@ import numpy as np
 from transfer_paired import Spread, ladder
 from transfer_picture import gaps_figure
 from transfer_plants import SETS
-from transfer_policies import SIMULATORS, Trained
+from transfer_policies import SIMULATORS, Trained, policies_of
 from transfer_runs import Job, Kept, Made
 from transfer_tables import show, write_csv
 from transfer_trials import run_trials
@@ -34,6 +34,7 @@ class Study:
         seed: of the hardware's noise.
         out: folder.
         quick: short runs, one process.
+        trained: training seeds.
         files: models of the simulators, by name.
     """
 
@@ -42,6 +43,12 @@ class Study:
     out: Path
     quick: bool
     files: dict[str, Path]
+    trained: int = 5
+
+    def policies(self, task: str, method: str | None = None) -> list[Trained]:
+        """Those of a task, trained in one simulator or in all."""
+        every = policies_of(task, self.trained, self.quick)
+        return [p for p in every if method in (None, p.method)]
 
     def make(self, jobs: Sequence[Job]) -> list[Made]:
         """All runs, those that are new on all cores."""
@@ -73,8 +80,8 @@ def collected(
     measures: Sequence[str], hardware: Sequence[Made], again: Sequence[Made],
     simulated: dict[str, list[Made]], gaps: Callable[[Made, Made], dict[str, float]],
 ) -> dict[str, Values]:  # fmt: skip
-    """Gaps (U,) by measure and simulator, the hardware's second run among them."""
-    runs = {**simulated, AGAIN: again}
+    """Gaps (U,) by measure and simulator, the hardware's second run among them where there is one."""
+    runs = {**simulated, AGAIN: again} if again else simulated
     found = {name: [gaps(h, o) for h, o in zip(hardware, own, strict=True)] for name, own in runs.items()}
     return {m: {name: np.array([g[m] for g in own]) for name, own in found.items()} for m in measures}
 

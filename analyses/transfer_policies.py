@@ -38,11 +38,11 @@ class Trained:
     file: Path
 
 
-def policies_of(task: str, quick: bool = False) -> list[Trained]:
-    """All shipped policies of a task but those of other recordings' findings; `quick`: two of them."""
+def policies_of(task: str, trained: int, quick: bool = False) -> list[Trained]:
+    """The shipped policies of a task, of so many training seeds; `quick`: two of them."""
     found = [
         Trained(task, method, seed, POLICIES / f"{task}_{method}{f'_seed{seed}' if seed else ''}.zip")
-        for method in TRAINED_IN for seed in range(10)
+        for method in TRAINED_IN for seed in range(trained)
     ]  # fmt: skip
     there = [p for p in found if p.file.exists()]
     return [p for p in there if p.seed == 0 and p.method in ("kin_only", "s3n_full")] if quick else there

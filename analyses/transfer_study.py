@@ -21,7 +21,7 @@ from transfer_crossed import AGAIN, Study, Values, cells, collected, crossed, ta
 from transfer_measures import GAIT, PITCH, SWING, gait_gaps, pitch_gaps, seen_by_legs, swing_misses
 from transfer_paired import Spread
 from transfer_plants import SETS
-from transfer_policies import about, policies_of, simulators
+from transfer_policies import about, simulators
 from transfer_runs import Job, Made
 from transfer_tables import show
 
@@ -50,12 +50,14 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, Values]:
     parser.add_argument("--out", type=Path, default=Path("out/transfer"))
     parser.add_argument("--seed", type=int, default=0, help="of recordings that models are built from; noise")
     parser.add_argument("--set", choices=list(SETS), default="clean", help="what the drives hide")
+    parser.add_argument("--trained", type=int, default=5, help="training seeds of the policies")
     parser.add_argument("--models", type=Path, help="models that chirp_response.py left; else OUT/models")
     parser.add_argument("--quick", action="store_true", help="two policies, short runs, clean, nothing found")
     given = parser.parse_args(arguments)
     which = "clean" if given.quick else given.set
     files = simulators(which, given.seed, given.models or given.out / "models", given.quick)
-    result = QUESTIONS[given.question](Study(which, given.seed, given.out, given.quick, files))
+    study = Study(which, given.seed, given.out, given.quick, files, given.trained)
+    result = QUESTIONS[given.question](study)
     print(f"Contact in simulators: {EVALUATION}. {about(files)}")
     print(f"Wrote {given.out}.")
     return result
@@ -63,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, Values]:
 
 def gait(study: Study, robot: Robot | None = None, name: str = "gait") -> dict[str, Values]:
     """The lap: all policies in all simulators."""
-    units, robot = policies_of("circular", study.quick), robot or study.hardware()
+    units, robot = study.policies("circular"), robot or study.hardware()
     hardware, again, simulated = crossed(study, units, _seconds(study), robot)
     values = collected(list(GAIT), hardware, again, simulated, _lap_gaps)
     missed = {s: [swing_misses(h, file) for h in hardware] for s, file in study.files.items()}
@@ -82,7 +84,7 @@ def payload(study: Study) -> dict[str, Values]:
 
 def pitch(study: Study) -> dict[str, Values]:
     """Pitch in place: all policies in all simulators."""
-    units = policies_of("pitch-in-place", study.quick)
+    units = study.policies("pitch-in-place")
     hardware, again, simulated = crossed(study, units, 3.0 if study.quick else _PITCH_S, study.hardware())
     values = collected(list(PITCH), hardware, again, simulated, pitch_gaps)
     told(study, "pitch", f"Pitch in place, {study.which}", len(units), PITCH, values)
@@ -111,7 +113,7 @@ def jump(study: Study) -> dict[str, Values]:
 
 def contact(study: Study) -> dict[str, Values]:
     """What the law of the contact does to the lap, S3N-Full's policies."""
-    units = [p for p in policies_of("circular", study.quick) if p.method == "s3n_full"]
+    units = study.policies("circular", "s3n_full")
     rows, out = [], {}
     for name, law in _LAWS.items():
         hardware, again, simulated = crossed(study, units, _seconds(study), study.hardware(), law)
@@ -126,18 +128,18 @@ def contact(study: Study) -> dict[str, Values]:
 
 def robot(study: Study) -> dict[str, Values]:
     """A hardware with one part more than its drawing; simulators know nothing of it."""
-    units = [p for p in policies_of("circular", study.quick) if p.method == "s3n_full"]
+    units = study.policies("circular", "s3n_full")
     chosen = dict(list(PARTS.items())[:1]) if study.quick else PARTS
     out: dict[str, Values] = {}
+    ideal, again, simulated = crossed(study, units, _seconds(study), Robot())
     for name, part in {"as drawn": Robot(), **chosen}.items():
-        hardware, again, simulated = crossed(study, units, _seconds(study), part)
-        values = collected(list(GAIT), hardware, again, simulated, _lap_gaps)
+        runs = study.make([Job(_seconds(study), study.seed, u.file, robot=part) for u in units])
+        values = collected(list(GAIT), runs, again if name == "as drawn" else [], simulated, _lap_gaps)
         out[f"{name}: E_phi"], out[f"{name}: stride frequency"] = values["E_phi"], values["stride frequency"]
         out[f"{name}: swing leg's knee"] = {
-            s: np.array([swing_misses(h, f)["swing leg's knee"] for h in hardware])
+            s: np.array([swing_misses(h, f)["swing leg's knee"] for h in runs])
             for s, f in study.files.items()
         }
-    ideal, again, simulated = crossed(study, units, _seconds(study), Robot())
     for name, radius in _LEGS.items():
         one, two = ([seen_by_legs(h, radius) for h in runs] for runs in (ideal, again))
         out[f"{name}: E_phi"] = collected(["E_phi"], one, two, simulated, _lap_gaps)["E_phi"]
@@ -149,7 +151,7 @@ def robot(study: Study) -> dict[str, Values]:
 
 def paper(study: Study) -> dict[str, Values]:
     """The paper's design: a policy in the simulator that it was trained in, and its numbers."""
-    units = policies_of("circular", study.quick)
+    units = study.policies("circular")
     hardware, again, simulated = crossed(study, units, _seconds(study), study.hardware())
     rows, out = [], {}
     for method, (name, theirs) in PAPER.items():

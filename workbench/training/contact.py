@@ -2,8 +2,8 @@
 
 MuJoCo's contact is a spring and damper of acceleration, critically damped with a time constant (``solref``)
 that may not be shorter than twice the step. Its default, 20 ms, lets a foot sink where hardware is hard.
-Training has the stiffest that its step allows; what judges a policy resolves it, with short steps and a round
-friction cone. A law that was found (`contact_compliance`) goes before either.
+`TRAINING` is the stiffest that training's step allows (``train --stiff-contact``); `EVALUATION`, which judges
+a policy, resolves it, with short steps and a round friction cone.
 """
 
 from __future__ import annotations

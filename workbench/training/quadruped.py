@@ -9,8 +9,6 @@ from workbench.core import InputError
 from workbench.core.paths import models_folder
 from workbench.models import Model, load_mjcf
 
-from .contact import TRAINING
-
 LEGS = ("fl", "fr", "rl", "rr")
 FOOT_RADIUS = 0.02  # m
 HIP_MASS, HIP_INERTIA = 1e-3, 1e-6  # kg, kg m^2: of the hip bracket, which the reference leaves out
@@ -47,7 +45,6 @@ def quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
         site.parent.add_geom(
             name=f"{name}_sphere", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[FOOT_RADIUS, 0, 0], pos=site.pos,
             mass=0.0, contype=0, conaffinity=1, friction=[0.8, 0.005, 0.0001], priority=1,
-            solref=[TRAINING.time_constant_s, 1.0],
         )  # fmt: skip
         for kind, entry in (
             ("touch", mujoco.mjtSensor.mjSENS_TOUCH),
