@@ -6,6 +6,7 @@ from __future__ import annotations
 EXTRA = {
     "training": "training",
     "cli/test_bad_input.py::test_what_cannot_be_read_ends_in_one_line[export 0]": "training",
+    "cli/test_compare_gait.py": "training",
     "cli/test_matrix.py": "training",
     "cli/test_train.py": "training",
     "core/test_drive_map.py": "training",

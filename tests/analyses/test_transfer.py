@@ -3,25 +3,34 @@
 from pathlib import Path
 
 import chirp_response
-import circular_locomotion
 import closed_loop
 import numpy as np
-import pitch_in_place
 import pytest
+import transfer_runs
+import transfer_study
 from figure_table import figures, measured
 from transfer_chirp import reduction
+from transfer_paired import Spread, ladder
 from transfer_plants import SETS, other_leg
-from transfer_policies import Rollout
+from transfer_runs import Job, Kept
 from transfer_tables import spread
 
 from workbench.rigs import VirtualLeg
-from workbench.training.machine import STEP_S
+
+#: Columns of the quick tables.
+QUICK = ("Kin-Only", "S3N-Act", "S3N-Full")
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("study")
 
 
 def found(figure: str, folder: Path, *rows: str) -> dict[str, float]:
     """What `make figures` would read of a study's tables, of the clean set's rows with these names."""
     [table] = [f for f in figures() if f["id"] == figure]
-    chosen = [v for v in table["values"] if v["row"] in rows and not v.get("take")]
+    chosen = [v for v in table["values"] if (not rows or v["row"] in rows) and not v.get("take")]
+    chosen = [v for v in chosen if v["column"] in QUICK] if not rows else chosen
     values = [v for v in chosen if not v["file"].startswith("hidden")]
     assert values
     return {v["name"]: measured(v, folder, "") for v in values}
@@ -40,21 +49,30 @@ def test_the_contact_free_leg(tmp_path: Path) -> None:
     assert {"clean_reference_leg.md", "clean_curves.png", "clean_drive_hip.png", "chirp.csv"} <= files
 
 
-def test_pitch_in_place(tmp_path: Path) -> None:
-    results = pitch_in_place.main(["--quick", "--out", str(tmp_path)])["clean"]
-    for name in ("Kin-Only", "S3N-Full"):
-        assert 5.5 < results[name].range_rad_s[0] < 7.5  # the command has 6.28
-        assert results[name].pitch_percent[0] < 15.0 and results[name].force[0] < 40.0
-    assert (tmp_path / "pitch.png").stat().st_size > 10_000
-    assert set(found("pitch", tmp_path, "S3N-Full")) == {"full"}
+def test_a_lap_pitch_and_a_jump_tell_simulators_apart(study: Path) -> None:
+    """The quick size of three questions, with the models and runs of one folder."""
+    lap = transfer_study.main(["gait", "--quick", "--out", str(study)])
+    for measure in ("swing leg's knee", "swing leg's hip", "joint angles over the stride"):
+        own = [lap[measure][s] for s in ("kin_only", "s3n_act", "s3n_full")]
+        assert (own[0] > own[1]).all() and (own[1] > own[2]).all(), measure
+    assert (lap["E_phi"]["hardware again"] < lap["E_phi"]["kin_only"]).all()
+    jumped = transfer_study.main(["jump", "--quick", "--out", str(study)])["take-off speed"]
+    assert jumped["kin_only"][0] > 5.0 > 3.0 > jumped["s3n_act"][0] > jumped["hardware again"][0]
+    pitched = transfer_study.main(["pitch", "--quick", "--out", str(study)])
+    assert (pitched["force on a foot, RMSE"]["kin_only"] > pitched["force on a foot, RMSE"]["s3n_full"]).all()
+    files = {p.name for p in study.iterdir()}
+    assert {f"{q}_clean.{end}" for q in ("gait", "jump", "pitch") for end in ("md", "csv", "png")} <= files
+    for figure, name in (("gait", "stride_kin_only"), ("jump", "kin_only"), ("pitch", "kin_only")):
+        assert name in found(figure, study)
 
 
-def test_circular_locomotion(tmp_path: Path) -> None:
-    results = circular_locomotion.main(["--quick", "--out", str(tmp_path)])["clean"]
-    for gap in results.values():
-        assert 0.2 < gap.phase[0, 0] < 15.0 and gap.local.shape == (1, 1, 18)
-    stated = found("circular", tmp_path, "Kin-Only", "S3N-Full")
-    assert list(stated.values()) == pytest.approx([g.phase[0, 0] for g in results.values()], abs=0.01)
+def test_runs_are_computed_once(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    transfer_study.main(["jump", "--quick", "--out", str(study)])
+    monkeypatch.setattr(transfer_runs, "_jump", None)
+    transfer_study.main(["jump", "--quick", "--out", str(study)])
+    other = Job(0.0, 99)
+    with pytest.raises(TypeError):
+        Kept(study / "runs")(other)
 
 
 def test_the_whole_way_round(tmp_path: Path) -> None:
@@ -66,37 +84,15 @@ def test_the_whole_way_round(tmp_path: Path) -> None:
     assert stated["found"] == pytest.approx(last.gap[0] / last.noise[0], abs=0.01)
 
 
-def test_the_circle_s_metrics_are_those_of_the_equations() -> None:
-    t = STEP_S * np.arange(round(circular_locomotion._LAP_S / STEP_S))
-    still = np.zeros_like(t)
-    simulation = Rollout(still + 0.8, still + 0.8, still, still, None)
-    hardware = Rollout(still + 0.72, 0.8 + 0.16 * np.sign(np.sin(40.0 * t)), still, still, None)
-    gap = circular_locomotion.gap([[hardware, hardware], [simulation, hardware]], [simulation, simulation])
-    assert gap.local.shape == (2, 2, 72) and gap.again[0].tolist() == [0.0]
-    np.testing.assert_allclose(gap.phase, [[15.0, 15.0], [0.0, 15.0]], rtol=5e-3)  # half of 10 % and 20 %
-    np.testing.assert_allclose(gap.whole, gap.phase, rtol=1e-2)
-    assert gap.forward[0, 0] == pytest.approx(0.08) and gap.again[1, 0] == pytest.approx(gap.phase[0, 0])
-    assert circular_locomotion.of_seeds(gap.phase, 0) == "11 ± 5"
-    assert float(circular_locomotion.within(gap.phase)) == pytest.approx(7.5, abs=0.05)
-    short = still[:200]
-    fallen = Rollout(short, short, short, short, 0.5)
-    for own in (simulation, fallen):
-        gap = circular_locomotion.gap([[fallen, hardware], [hardware, hardware]], [own, simulation])
-        assert np.isnan(gap.phase[0, 0]) and gap.local.shape == (2, 2, 72)
-        assert np.isnan(gap.phase[0, 1]) == (own is fallen) and np.isfinite(gap.phase[1]).all()
-
-
-def test_a_shift_in_phase_is_a_gap_and_a_whole_cycle_is_none() -> None:
-    t = STEP_S * np.arange(round(2.3 / STEP_S))
-    flat = np.zeros_like(t)
-
-    def swing(lag: float) -> Rollout:
-        return Rollout(flat, flat, 3.0 * np.sin(10 * np.pi * (t - lag)), 40.0 + flat, None)
-
-    late, same = (pitch_in_place.result([swing(lag)], [swing(0.0)], 4) for lag in (0.01, 0.2))
-    wanted = 100.0 * 2.0 * 3.0 * np.sin(0.05 * np.pi) / np.sqrt(2.0) / 6.0
-    assert late.pitch_percent[0] == pytest.approx(wanted, rel=0.01)
-    assert same.pitch_percent[0] < 0.1 and late.force[0] == 0.0
+def test_a_ladder_is_of_paired_differences() -> None:
+    """Pairs that differ by more than they scatter are told apart, whatever their own spread."""
+    pairs = np.array([1.0, 5.0, 9.0, 13.0])
+    scattered = pairs + np.array([0.5, -0.5, 0.4, -0.4])
+    assert ladder({"a": pairs + 1.0, "b": pairs, "c": scattered}) == "a > b = c"
+    assert ladder({"a": pairs, "b": pairs + 1.0}) == "a < b"
+    one = Spread.of(np.array([1.0, np.nan, 3.0]))
+    assert one.mean == 2.0 and one.half == pytest.approx(12.706, rel=1e-3)  # Student's t of one degree
+    assert Spread.of(np.array([2.0])).text() == "2.00" and Spread.of(np.array([])).text() == "–"
 
 
 def test_other_legs_are_legs_that_the_rig_can_be() -> None:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from workbench.core import SimulationError
+from workbench.core import InputError, SimulationError
 
 from .common import (
     ForceOption,
@@ -23,6 +23,7 @@ from .common import (
     files_of,
     open_sources,
 )
+from .compare_gait import compare_gait
 from .progress import progress
 
 
@@ -35,14 +36,54 @@ def compare(
         float | None,
         typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 if the error is larger than this."),
     ] = None,
+    gait: Annotated[
+        str | None,
+        typer.Option(
+            "--gait",
+            metavar="SIM",
+            help="Measure the gait: REC is the hardware's, SIM a simulator's of the same command.",
+        ),
+    ] = None,
+    again: Annotated[
+        str | None,
+        typer.Option(
+            "--again", metavar="REC", help="With --gait: another run of the hardware, as the floor."
+        ),
+    ] = None,
+    command: Annotated[
+        str | None,
+        typer.Option(
+            "--command",
+            metavar="V,W",
+            help="With --gait: speed [m/s] and yaw rate [rad/s] asked for; else the hardware's means.",
+        ),
+    ] = None,
+    start: Annotated[
+        float,
+        typer.Option(
+            "--from", min=0.0, metavar="SECONDS", help="With --gait: what comes earlier is left out."
+        ),
+    ] = 0.0,
     seed: SeedOption = 0,
     force: ForceOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Run the model the way each recording was made, and say how far it is from it and from the noise.
 
+    With --gait, of a robot that walks: strides, cycles, E_phi, and the prediction of the swing leg.
+
     Example: workbench compare leg recordings/chirp_hip.toml --html report.html
     """
+    if gait is not None:
+        if html is not None or fail_above is not None:
+            raise InputError("--gait makes a table and JSON", remedy="leave --html and --fail-above out")
+        compare_gait(model, recordings, gait, again, command, start, json, force, quiet)
+        return
+    if again is not None or command is not None or start:
+        raise InputError(
+            "--again, --command and --from belong to --gait",
+            remedy="name the simulator's recording: --gait SIM",
+        )
     from workbench.comparison import compare_logs
     from workbench.diagnosis import doubts
     from workbench.effects import load_model

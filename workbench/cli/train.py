@@ -60,6 +60,10 @@ def train(
             autocompletion=complete.legs,
         ),
     ] = None,
+    stiff: Annotated[
+        bool,
+        typer.Option("--stiff-contact", help="Feet of a quadruped give way by 6 ms, not by MuJoCo's 20 ms."),
+    ] = False,
     save_every: Annotated[int, typer.Option("--save-every", min=1, help="Iterations a checkpoint.")] = 50,
     threads: Annotated[
         int, typer.Option("--threads", min=0, help="Of the simulation; 0 takes all cores.")
@@ -85,6 +89,7 @@ def train(
     Example: workbench train reach --variant s3n_full --unverified -o runs/reach
     """
     from workbench.effects import load_model
+    from workbench.training.contact import TRAINING
     from workbench.training.machine import make_machine
     from workbench.training.randomisation import LEG_RANDOMISATION, Randomisation
     from workbench.training.record import objections, read_record, record_path, summary
@@ -132,7 +137,7 @@ def train(
             file=file,
             remedy="make it with `workbench approve`, or train with --unverified",
         )
-    machine = posed(wanted, make_machine(wanted.machine, loaded, variant))
+    machine = posed(wanted, make_machine(wanted.machine, loaded, variant, law=TRAINING if stiff else None))
     if machine.floating and shown:
         echo(f"The quadruped is the reference trunk on four legs of {loaded.name}.")
     if machine.left_out and shown:

@@ -99,6 +99,11 @@ def turned_axes(model: Model, recordings: Sequence[Recording]) -> Turned | None:
 
 
 def _explains(left: np.ndarray, before: np.ndarray) -> bool:
-    """Whether some axes' torque is explained that was not, and no other axis's worse than before."""
+    """Whether some axes' torque is explained that was not, and no other axis's worse than before.
+
+    Where a turn leaves an axis that nothing explains, as play does, it is no turn that is missing.
+    """
+    if left.max() > 1.0:
+        return False
     mended = (left < _LEFT * before) & (before > _BAD)
     return bool(mended.any() and (left <= np.maximum(_WORSE * before, _BAD)).all())

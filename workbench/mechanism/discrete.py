@@ -12,13 +12,22 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import CollisionFilterDeclaration, GeometrySet, HalfSpace, Sphere
+from pydrake.geometry import (
+    AddContactMaterial,
+    Box,
+    CollisionFilterDeclaration,
+    GeometrySet,
+    HalfSpace,
+    ProximityProperties,
+    Sphere,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlantSceneGraph,
     CoulombFriction,
     DiscreteContactApproximation,
 )
+from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
@@ -29,6 +38,8 @@ from .loops import find_frame, loop_pairs
 from .parse import finished, parse, quiet
 from .simulate import Motion
 
+_TILE, _TILES = 0.4, 9  # m, each way
+
 
 @dataclass(frozen=True)
 class Ground:
@@ -38,11 +49,15 @@ class Ground:
         feet: frames that carry a sphere.
         radius: of the spheres [m].
         friction: coefficient of dry friction, static and sliding.
+        stiffness: of a contact [N/m]; None: as hard as the solver has it.
+        roughness: height up to which tiles of the ground stand out of it [m], about the origin.
     """
 
     feet: tuple[str, ...] = ("foot",)
     radius: float = 0.02
     friction: float = 0.8
+    stiffness: float | None = None
+    roughness: float = 0.0
 
 
 class DiscreteChain:
@@ -131,6 +146,17 @@ class DiscreteChain:
         velocities = self.plant.GetVelocities(self._context)
         velocities[start : start + 6] += more
         self.plant.SetVelocities(self._context, velocities)
+
+    def load(self, mass: float, at: Sequence[float]) -> None:
+        """Fixes a point mass [kg] to the floating base, at a place in its frame (3,) [m]."""
+        [index] = self.plant.GetFloatingBaseBodies()
+        body = self.plant.get_body(index)
+        own = body.CalcSpatialInertiaInBodyFrame(self._context)
+        x, y, z = at
+        about = UnitInertia(y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z)
+        place: Any = np.array(at, float)
+        own += SpatialInertia(mass, place, about)
+        body.SetSpatialInertiaInBodyFrame(self._context, own)
 
     def advance(self, torque: np.ndarray) -> None:
         """One step with drive torques (n,) [N m]."""
@@ -277,16 +303,36 @@ def _couple(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
 
 def _stand(plant: Any, model: Any, mechanism: Mechanism, ground: Ground) -> list[Any]:
     """The ground and the feet's spheres; returns the feet's bodies."""
-    friction: Any = CoulombFriction(ground.friction, ground.friction)
-    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction)
+    surface: Any = ProximityProperties()
+    stiffness = None if ground.stiffness is None else 2.0 * ground.stiffness  # half of it gives way each
+    AddContactMaterial(
+        properties=surface, point_stiffness=stiffness,
+        friction=CoulombFriction(ground.friction, ground.friction),
+    )  # fmt: skip
+    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", surface)
+    for k, (place, box) in enumerate(_tiles(ground.roughness)):
+        plant.RegisterCollisionGeometry(plant.world_body(), place, box, f"tile{k}", surface)
     bodies: list[Any] = []
     for name in ground.feet:
         frame = find_frame(plant, model, mechanism, name, "foot")
         centre: Any = _point(frame)
         at = RigidTransform(centre)
-        plant.RegisterCollisionGeometry(frame.body(), at, Sphere(ground.radius), f"{name}_sphere", friction)
+        plant.RegisterCollisionGeometry(frame.body(), at, Sphere(ground.radius), f"{name}_sphere", surface)
         bodies.append(frame.body().index())
     return bodies
+
+
+def _tiles(height: float) -> list[tuple[Any, Any]]:
+    """Tiles of a rough ground with their places: what a lap of 1 m radius to the left passes over."""
+    if not height:
+        return []
+    heights = np.random.default_rng(17).uniform(0.0, height, (_TILES, _TILES))
+    at = [
+        (float(_TILE * (i - _TILES // 2)), float(_TILE * (k - _TILES // 5)))
+        for i, k in np.ndindex(heights.shape)
+    ]
+    places: list[Any] = [np.array([x, y, h - 0.05]) for (x, y), h in zip(at, heights.ravel(), strict=True)]
+    return [(RigidTransform(place), Box(_TILE, _TILE, 0.1)) for place in places]
 
 
 def _only_ground(plant: Any, model: Any, scene: Any) -> None:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         save_figure,
         spectrum_figure,
     )
+    from .gait import gait_dict, gait_table
     from .page import render_page, write_page
     from .search_sheet import trace_sheet
     from .sections import sentence
@@ -34,6 +35,8 @@ __all__ = [
     "diagnosis_dict",
     "diagnosis_table",
     "effect_dict",
+    "gait_dict",
+    "gait_table",
     "house_style",
     "improvement_dict",
     "improvement_table",
@@ -61,6 +64,8 @@ _HOME = {
     "Sheet": "sheet",
     "compare_table": "tables",
     "diagnosis_table": "tables",
+    "gait_dict": "gait",
+    "gait_table": "gait",
     "house_style": "figures",
     "improvement_table": "tables",
     "ladder_figure": "figures",

@@ -19,6 +19,7 @@ from workbench.s3n import PostureDependent, drive_map, fit_native, normalise
 from workbench.s3n.mjcf import exact_xml
 from workbench.s3n.posture_fitted import left_out
 
+from .contact import ContactLaw
 from .floor import lay_floor
 from .quadruped import LEGS, base_height, quadruped
 from .rotors import Rotors, no_rotors, rotors_of
@@ -110,8 +111,9 @@ class Machine:
 
 
 def make_machine(
-    kind: str, model: Model, variant: str | None = None, fitted: tuple[str, DriveMap] | None = None
-) -> Machine:
+    kind: str, model: Model, variant: str | None = None, fitted: tuple[str, DriveMap] | None = None,
+    law: ContactLaw | None = None,
+) -> Machine:  # fmt: skip
     """The machine of this kind from the model of a leg.
 
     Args:
@@ -119,6 +121,7 @@ def make_machine(
         model: a leg with two drives, hip and knee, and a PD loop in joint coordinates.
         variant: a plain variant of S3N in place of the model's own.
         fitted: MJCF and drives' positions of a limb whose transmission changes, where that was done before.
+        law: time constant of a quadruped's contacts, in place of MuJoCo's default.
 
     Raises:
         InputError: the model has another loop, a delay that is no whole number of control steps, no foot, or
@@ -158,6 +161,9 @@ def make_machine(
     spec.compile()
     floor: tuple[str, ...] = ()
     if kind == "quadruped":
+        if law is not None:
+            for foot in LEGS:
+                spec.geom(f"{foot}_sphere").solref = law.time_constant_s, 1.0
         floor = lay_floor(spec, model, [f"{leg}_sphere" for leg in LEGS], "ground")
     xml = exact_xml(spec)
     compiled = mujoco.MjModel.from_xml_string(xml)

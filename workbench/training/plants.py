@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -12,15 +11,17 @@ import numpy as np
 from workbench.core import InputError
 from workbench.core.paths import closed_chain_file
 from workbench.mechanism import DiscreteChain, Ground
-from workbench.rigs import DriveSide, DriveTrain, HiddenEffect, drive_side
+from workbench.rigs import DriveSide, DriveTrain, drive_side
 from workbench.rigs.quadruped import quadruped_mechanism
 
+from .contact import ContactLaw
 from .machine import LEGS, STEP_S, Machine
+from .payload import loaded
 from .quadruped import FOOT_RADIUS
+from .robot import IDEAL, Robot
 from .situation import base_state
 
 _SUBSTEPS = 6  # of Drake in a control step: 0.5 ms
-_FRICTION = 0.8
 _FALL = 0.005  # m that the quadruped is let down from
 
 
@@ -61,23 +62,21 @@ class ClosedChainPlant:
 
     Args:
         machine: tells which mechanism, and the drives' inertia and damping.
-        hidden: effects in the drives of every leg, beyond those of `machine`.
-        friction: coefficient of the ground.
+        robot: what it has beyond `machine`; on the ground all of it, on a stand the effects of its drives.
 
     Raises:
         InputError: an effect that drives cannot hide here.
     """
 
-    def __init__(
-        self, machine: Machine, hidden: Sequence[HiddenEffect] = (), friction: float = _FRICTION
-    ) -> None:
-        self._machine = machine
+    def __init__(self, machine: Machine, robot: Robot = IDEAL) -> None:
+        self._machine, self._robot = machine, robot
         model = machine.model
         step = STEP_S / _SUBSTEPS
         if machine.floating:
             _refuse_other_legs(machine)
             mechanism = quadruped_mechanism()
-            ground = Ground(tuple(f"{x}_foot" for x in LEGS), FOOT_RADIUS, friction)
+            feet = tuple(f"{x}_foot" for x in LEGS)
+            ground = Ground(feet, FOOT_RADIUS, robot.friction, robot.ground_stiffness, robot.roughness)
         else:
             if model.closed_chain is None:
                 raise InputError(
@@ -85,14 +84,19 @@ class ClosedChainPlant:
                     remedy="name its mechanism, or evaluate it as the tree that it is",
                 )  # fmt: skip
             mechanism, ground = model.closed_chain, None
-        self._drives, self._hides = DriveTrain(_sides(machine, hidden), step), bool(hidden)
+        sides = _sides(machine, robot)
+        self._drives, self._hides = DriveTrain(sides, step), bool(robot.hidden or robot.drive_friction)
         self._chain = DiscreteChain(
             mechanism, list(self._drives.rotor), list(self._drives.damping), step, ground
         )
+        for mass, at in ((robot.payload, (0.0,) * 3), (robot.trunk_mass, robot.trunk_at)):
+            if mass:
+                self._chain.load(mass, at)
         self._force = np.zeros((len(LEGS) if machine.floating else 0, 3))
 
     def reset(self, drives: np.ndarray, height: float) -> None:
         """At rest at drive positions (n,)."""
+        height += self._robot.roughness
         base = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0, height]) if self._machine.floating else None
         self._chain.reset(drives, base=base)
         self._drives.reset(drives)
@@ -140,17 +144,19 @@ def _refuse_other_legs(machine: Machine) -> None:
         )  # fmt: skip
 
 
-def _sides(machine: Machine, hidden: Sequence[HiddenEffect]) -> list[DriveSide]:
-    """Every drive with its own inertia and damping and what is hidden in it; abductions hide nothing."""
+def _sides(machine: Machine, robot: Robot) -> list[DriveSide]:
+    """Every drive with its own inertia, damping and friction and what is hidden in it; not in abductions."""
     own, nominal = machine.model.actuators, DriveSide()
     leg = []
     for axis, inertia, damping in zip(machine.model.axes, own.inertia, own.damping, strict=True):
-        side = drive_side(hidden, axis)
+        side = drive_side(robot.hidden, axis)
         more = side.inertia - nominal.inertia, side.damping - nominal.damping
-        leg.append(replace(side, inertia=inertia + more[0], damping=damping + more[1]))
+        rubs = side.friction + robot.drive_friction
+        leg.append(replace(side, inertia=inertia + more[0], damping=damping + more[1], friction=rubs))
     if not machine.floating:
         return leg
-    return [DriveSide(own.inertia[0], own.damping[0]), *leg] * len(LEGS)
+    abduction = DriveSide(own.inertia[0], own.damping[0], friction=robot.drive_friction)
+    return [abduction, *leg] * len(LEGS)
 
 
 class TrainedPlant:
@@ -158,17 +164,27 @@ class TrainedPlant:
 
     Args:
         machine: the machine.
+        law: of its contacts and steps, in place of the machine's own.
+        payload: mass at the trunk's centre [kg].
     """
 
-    def __init__(self, machine: Machine) -> None:
-        self._machine, self._data = machine, mujoco.MjData(machine.mujoco)
-        m = machine.mujoco
-        self._feet = [m.geom(f"{leg}_sphere").id for leg in LEGS] if machine.floating else []
+    def __init__(self, machine: Machine, law: ContactLaw | None = None, payload: float = 0.0) -> None:
+        self._machine, m = machine, machine.mujoco
+        feet = [f"{leg}_sphere" for leg in LEGS] if machine.floating else []
+        if law is not None:
+            m = law.applied(m, feet)
+        if payload:
+            m = loaded(m, payload)
+        self._m, self._data = m, mujoco.MjData(m)
+        self._substeps = round(STEP_S / m.opt.timestep)
+        self._feet = [m.geom(foot).id for foot in feet]
+        self._force = np.zeros((len(feet), 3))
 
     def reset(self, drives: np.ndarray, height: float) -> None:
         """At rest at drive positions (n,)."""
         m, data = self._machine, self._data
-        mujoco.mj_resetData(m.mujoco, data)
+        mujoco.mj_resetData(self._m, data)
+        self._force = np.zeros_like(self._force)
         data.qpos[m.places] = m.joint_motion(drives, np.zeros(m.size))[0]
         data.qpos[m.rotors.places] = m.rotors.follow @ data.qpos[m.places]
         if m.floating:
@@ -177,7 +193,11 @@ class TrainedPlant:
     def advance(self, torque: np.ndarray) -> None:
         """One control step."""
         self._data.ctrl[:] = torque
-        mujoco.mj_step(self._machine.mujoco, self._data)
+        force = np.zeros_like(self._force)
+        for _ in range(self._substeps):
+            mujoco.mj_step(self._m, self._data)
+            force += self._loads()
+        self._force = force / self._substeps
 
     def state(self) -> State:
         """Now."""
@@ -191,11 +211,11 @@ class TrainedPlant:
             motion = m.map.drives(position), m.map.jacobian(position) @ velocity
         if not m.floating:
             return State(*motion, np.zeros(0), np.zeros(0), np.zeros((0, 3)))
-        return State(*motion, data.qpos[:7].copy(), data.qvel[:6].copy(), self._loads())
+        return State(*motion, data.qpos[:7].copy(), data.qvel[:6].copy(), self._force)
 
     def _loads(self) -> np.ndarray:
         """Force of the ground on each foot (F, 3) in the last step."""
-        m, data, loads, six = self._machine.mujoco, self._data, np.zeros((len(self._feet), 3)), np.zeros(6)
+        m, data, loads, six = self._m, self._data, np.zeros((len(self._feet), 3)), np.zeros(6)
         for i in range(data.ncon):
             contact = data.contact[i]
             for side, foot in enumerate((contact.geom1, contact.geom2)):

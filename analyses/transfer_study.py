@@ -1,0 +1,182 @@
+"""Policies, or a jump, on the virtual quadruped and in simulators that know more and more of it.
+
+    python analyses/transfer_study.py gait --out out/transfer
+
+One table a question: ``gait`` (a lap of 0.8 m/s and 0.8 rad/s), ``pitch`` (in place, 5 Hz), ``jump`` (a
+script), ``payload`` (the lap with 4 kg), ``contact`` (the law of the contact), ``robot`` (a hardware that is
+less ideal) and ``paper`` (every policy in its own simulator alone). Every policy runs in every simulator,
+against the same hardware run; hardware again is another run of it, with other noise. Runs and models are
+kept in the folder.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from transfer_crossed import AGAIN, Study, Values, cells, collected, crossed, table, told
+from transfer_measures import GAIT, PITCH, SWING, gait_gaps, pitch_gaps, seen_by_legs, swing_misses
+from transfer_paired import Spread
+from transfer_plants import SETS
+from transfer_policies import about, simulators
+from transfer_runs import Job, Made
+from transfer_tables import show
+
+from workbench.training.contact import EVALUATION, TRAINING, ContactLaw
+from workbench.training.quadruped import FOOT_RADIUS
+from workbench.training.robot import PARTS, Robot
+from workbench.training.tasks import CIRCLE
+
+PAPER = {
+    "kin_only": ("Kin-Only", "17.3, 19.46"),
+    "kin_only_hr": ("Kin-Only HR", "21.5, 24.17"),
+    "s3n_act": ("S3N-Act", "15.7, 18.26"),
+    "s3n_full": ("S3N-Full", "9.9, 12.23"),
+}
+_LAP_S = 2 * np.pi / CIRCLE[2]
+_PITCH_S = 1.0 + 40 / 5.0
+_LAWS = {"default": ContactLaw(0.02, 0.003, elliptic=False), "training": TRAINING, "evaluation": EVALUATION}
+_LEGS = {"leg odometry, foot a point": 0.0, "leg odometry, radius known": FOOT_RADIUS}
+_lap_gaps = partial(gait_gaps, command=(CIRCLE[0], CIRCLE[2]))
+
+
+def main(arguments: Sequence[str] | None = None) -> dict[str, Values]:
+    """Run, print, write; returns values (U,) by measure and simulator."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("question", choices=list(QUESTIONS))
+    parser.add_argument("--out", type=Path, default=Path("out/transfer"))
+    parser.add_argument("--seed", type=int, default=0, help="of recordings that models are built from; noise")
+    parser.add_argument("--set", choices=list(SETS), default="clean", help="what the drives hide")
+    parser.add_argument("--trained", type=int, default=5, help="training seeds of the policies")
+    parser.add_argument("--models", type=Path, help="models that chirp_response.py left; else OUT/models")
+    parser.add_argument("--quick", action="store_true", help="two policies, short runs, clean, nothing found")
+    given = parser.parse_args(arguments)
+    which = "clean" if given.quick else given.set
+    files = simulators(which, given.seed, given.models or given.out / "models", given.quick)
+    study = Study(which, given.seed, given.out, given.quick, files, given.trained)
+    result = QUESTIONS[given.question](study)
+    print(f"Contact in simulators: {EVALUATION}. {about(files)}")
+    print(f"Wrote {given.out}.")
+    return result
+
+
+def gait(study: Study, robot: Robot | None = None, name: str = "gait") -> dict[str, Values]:
+    """The lap: all policies in all simulators."""
+    units, robot = study.policies("circular"), robot or study.hardware()
+    hardware, again, simulated = crossed(study, units, _seconds(study), robot)
+    values = collected(list(GAIT), hardware, again, simulated, _lap_gaps)
+    missed = {s: [swing_misses(h, file) for h in hardware] for s, file in study.files.items()}
+    for measure in SWING:
+        values[measure] = {s: np.array([m[measure] for m in own]) for s, own in missed.items()}
+    load = f" with {robot.payload:g} kg" if robot.payload else ""
+    title = f"A lap at 0.8 m/s and 0.8 rad/s{load}, {study.which}"
+    told(study, name, title, len(units), GAIT | SWING, values)
+    return values
+
+
+def payload(study: Study) -> dict[str, Values]:
+    """The lap with 4 kg that simulators know of."""
+    return gait(study, study.hardware(payload=4.0), "payload")
+
+
+def pitch(study: Study) -> dict[str, Values]:
+    """Pitch in place: all policies in all simulators."""
+    units = study.policies("pitch-in-place")
+    hardware, again, simulated = crossed(study, units, 3.0 if study.quick else _PITCH_S, study.hardware())
+    values = collected(list(PITCH), hardware, again, simulated, pitch_gaps)
+    told(study, "pitch", f"Pitch in place, {study.which}", len(units), PITCH, values)
+    return values
+
+
+def jump(study: Study) -> dict[str, Values]:
+    """The scripted jump at several heights."""
+    heights = (1.0,) if study.quick else tuple(np.linspace(0.7, 1.0, 7))
+    jobs = [Job(0.0, study.seed + k, robot=study.hardware(), height=h) for k in (0, 1) for h in heights]
+    jobs += [Job(0.0, 0, model=file, height=h) for file in study.files.values() for h in heights]
+    made = study.make(jobs)
+    hardware, again, *others = (made[i : i + len(heights)] for i in range(0, len(made), len(heights)))
+    measures = {"apex": "mm", "take-off speed": "%"}
+
+    def gaps(one: Made, other: Made) -> dict[str, float]:
+        faster = 100.0 * abs(other.take_off / one.take_off - 1.0)
+        return {"apex": 1e3 * abs(other.apex - one.apex), "take-off speed": faster}
+
+    values = collected(list(measures), hardware, again, dict(zip(study.files, others, strict=True)), gaps)
+    best = hardware[-1]
+    title = f"A scripted jump, {study.which} (to {best.apex:.3f} m, off at {best.take_off:.2f} m/s)"
+    told(study, "jump", title, len(heights), measures, values)
+    return values
+
+
+def contact(study: Study) -> dict[str, Values]:
+    """What the law of the contact does to the lap, S3N-Full's policies."""
+    units = study.policies("circular", "s3n_full")
+    rows, out = [], {}
+    for name, law in _LAWS.items():
+        hardware, again, simulated = crossed(study, units, _seconds(study), study.hardware(), law)
+        values = collected(list(GAIT), hardware, again, simulated, _lap_gaps)
+        for m in ("E_phi", "foot force over the stride"):
+            rows.append((f"{m} [{GAIT[m]}], {name}: {law}", *cells(study, values[m])))
+            out[f"{name}: {m}"] = values[m]
+    title = f"The law of the contact, S3N-Full's policies on the lap, {study.which}"
+    table(study, "contact", title, len(units), rows)
+    return out
+
+
+def robot(study: Study) -> dict[str, Values]:
+    """A hardware with one part more than its drawing; simulators know nothing of it."""
+    units = study.policies("circular", "s3n_full")
+    chosen = dict(list(PARTS.items())[:1]) if study.quick else PARTS
+    out: dict[str, Values] = {}
+    ideal, again, simulated = crossed(study, units, _seconds(study), Robot())
+    for name, part in {"as drawn": Robot(), **chosen}.items():
+        runs = study.make([Job(_seconds(study), study.seed, u.file, robot=part) for u in units])
+        values = collected(list(GAIT), runs, again if name == "as drawn" else [], simulated, _lap_gaps)
+        out[f"{name}: E_phi"], out[f"{name}: stride frequency"] = values["E_phi"], values["stride frequency"]
+        out[f"{name}: swing leg's knee"] = {
+            s: np.array([swing_misses(h, f)["swing leg's knee"] for h in runs])
+            for s, f in study.files.items()
+        }
+    for name, radius in _LEGS.items():
+        one, two = ([seen_by_legs(h, radius) for h in runs] for runs in (ideal, again))
+        out[f"{name}: E_phi"] = collected(["E_phi"], one, two, simulated, _lap_gaps)["E_phi"]
+    rows = [(f"{name} [%]", *cells(study, values)) for name, values in out.items()]
+    title = "A robot that is less ideal, S3N-Full's policies on the lap"
+    table(study, "robot", title, len(units), rows)
+    return out
+
+
+def paper(study: Study) -> dict[str, Values]:
+    """The paper's design: a policy in the simulator that it was trained in, and its numbers."""
+    units = study.policies("circular")
+    hardware, again, simulated = crossed(study, units, _seconds(study), study.hardware())
+    rows, out = [], {}
+    for method, (name, theirs) in PAPER.items():
+        mine = [k for k, u in enumerate(units) if u.method == method]
+        own = {method: [simulated[method.removesuffix("_hr")][k] for k in mine]}
+        one, two = ([runs[k] for k in mine] for runs in (hardware, again))
+        out[method] = found = collected(["E_phi", "E_RMSE"], one, two, own, _lap_gaps)
+        shown = [Spread.of(found[m][s]).text() for m in found for s in (method, AGAIN)]
+        rows.append((name, *shown, theirs))
+    columns = ("method", "E_phi [%]", "again", "E_RMSE [%]", "again", "paper: E_phi, E_RMSE")
+    title = (
+        f"Each policy in its own simulator, {study.which}: mean over training seeds ± half its 95 % interval"
+    )
+    show(study.out, study.file("paper"), title, columns, rows)
+    return {f"{method}: {m}": v for method, found in out.items() for m, v in found.items()}
+
+
+QUESTIONS: dict[str, Callable[[Study], dict[str, Values]]] = {
+    f.__name__: f for f in (gait, pitch, jump, payload, contact, robot, paper)
+}
+
+
+def _seconds(study: Study) -> float:
+    return (0.4 if study.quick else 1.0) * _LAP_S
+
+
+if __name__ == "__main__":
+    main()

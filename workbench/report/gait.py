@@ -1,0 +1,80 @@
+"""Measures of a gait as a table and as JSON."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from rich.console import Group
+
+from workbench.core import FORMAT
+from workbench.gait import Gait, Interval, Measure
+
+from .json_parts import clean
+from .layout import table, text
+
+
+def gait_table(result: Gait) -> Group:
+    """A line a measure: both recordings, the gap, and what the hardware's second run leaves."""
+    floor = [("hardware again", "right")] if result.again else []
+    shown = table("measure", ("gap (95 %)", "right"), *floor)
+    for m in result.measures:
+        cells = [_cell(m.gap), *([_cell(m.floor)] if result.again else [])]
+        shown.add_row(text(_name(m)), *cells)
+    forward, yaw = result.command
+    return Group(
+        text(f"{result.hardware} against {result.simulator}; shares of {forward:.3g} m/s, {yaw:.3g} rad/s."),
+        shown,
+    )
+
+
+def gait_dict(result: Gait, not_predicted: str | None = None) -> dict[str, Any]:
+    """The JSON of ``workbench compare --gait``.
+
+    Args:
+        result: the measures.
+        not_predicted: why the swing leg's prediction could not be made with the model, if so.
+    """
+    return clean(
+        {
+            "format": FORMAT,
+            "hardware": result.hardware,
+            "simulator": result.simulator,
+            "again": result.again,
+            "command": list(result.command),
+            "measures": [
+                {
+                    "name": m.name,
+                    "unit": m.unit,
+                    "seen_in": m.seen_in,
+                    **{key: _dict(getattr(m, key)) for key in ("hardware", "simulator", "gap", "floor")},
+                }
+                for m in result.measures
+            ],
+            "lacking": [*result.lacking, *([not_predicted] if not_predicted else [])],
+        }
+    )
+
+
+def _dict(value: Interval | None) -> dict[str, float | None] | None:
+    if value is None:
+        return None
+    return {
+        name: x if np.isfinite(x) else None
+        for name, x in (("value", value.value), ("low", value.low), ("high", value.high))
+    }
+
+
+def _name(m: Measure) -> str:
+    name = f"{m.name} [{m.unit}]" if m.unit else m.name
+    if m.hardware is None or m.simulator is None:
+        return name
+    return f"{name}: {m.hardware.value:.3g}, {m.simulator.value:.3g} {m.seen_in}".rstrip()
+
+
+def _cell(value: Interval | None) -> str:
+    if value is None:
+        return ""
+    if not np.isfinite(value.low):
+        return f"{value.value:.3g}"
+    return f"{value.value:.3g} ({value.low:.3g}, {value.high:.3g})"

@@ -1,0 +1,15 @@
+"""A machine's legs as the prediction of the swing leg takes them."""
+
+from __future__ import annotations
+
+from workbench.gait import Limbs, limbs_of
+
+from .machine import LEGS, Machine
+
+
+def machine_limbs(machine: Machine) -> Limbs:
+    """Of a quadruped; drives that move apart from their links start amid their play."""
+    rotors = machine.rotors
+    apart = (rotors.places, rotors.dofs, rotors.follow, rotors.drives) if len(rotors.places) else None
+    feet = [f"{leg}_sphere" for leg in LEGS]
+    return limbs_of(machine.mujoco, machine.joints, machine.transmission, feet, apart)
