@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from workbench.core import InputError, Recording
 from workbench.models import Model
-from workbench.simulation import prepare, scored_torque
+from workbench.simulation import prepare, refuse_joint_coordinates, scored_torque
 
 from .by_posture import ByPosture
 from .closed_loop import ClosedLoop, with_loops
@@ -37,6 +37,8 @@ def replay_of(model: Model, recordings: Sequence[Recording], noise: NoiseModel |
     if model.posture_dependent:
         return ByPosture.of(model, recordings, noise)
     if model.carried is not None:
+        for each in recordings:
+            refuse_joint_coordinates(each)
         _refuse_blind(recordings, f"no torque is known. {_CARRIED}: effects show in the torque alone", _NAME)
         return MeasuredMotion(followed(recordings, _CARRIED), noise, model)
     if any(map(on_ground, recordings)):

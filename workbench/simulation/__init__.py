@@ -10,7 +10,7 @@ from .law import law_torque
 from .linear import Loop, linearise, slopes
 from .march import Disturbance, propagate
 from .motion import motion_of
-from .posture_run import PosturePlant, run_posture
+from .posture_run import PosturePlant, refuse_joint_coordinates, run_posture
 from .run import Run, simulate
 from .sense import true_motion
 from .shooting import Shots, Tangents, Windows, shoot
@@ -49,6 +49,7 @@ __all__ = [
     "prepare",
     "propagate",
     "rate_read",
+    "refuse_joint_coordinates",
     "required_torque",
     "rigid_torque",
     "run_posture",

@@ -145,12 +145,21 @@ class _Sensors:
         return torque
 
 
-def _refuse(e: Experiment, recording: Recording) -> None:
+def refuse_joint_coordinates(recording: Recording) -> None:
+    """Refuse a recording that is not of the drives, where the transmission changes with the posture.
+
+    Raises:
+        InputError: it is in joint coordinates.
+    """
     if recording.coordinates != "actuator":
         raise InputError(
             "it is in joint coordinates, and the transmission changes with the posture",
             file=recording.source, column="coordinates", remedy="record the drives' own positions",
         )  # fmt: skip
+
+
+def _refuse(e: Experiment, recording: Recording) -> None:
+    refuse_joint_coordinates(recording)
     if e.controller.kind not in ("pd", "none"):
         raise InputError(
             f"a loop of kind '{e.controller.kind}' is not run on a mechanism whose transmission changes",

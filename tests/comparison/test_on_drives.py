@@ -1,0 +1,51 @@
+"""Recordings of a mechanism whose transmission changes, held against it from its drives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from workbench import compare, frf
+from workbench.comparison import replay_of
+from workbench.core import EffectKey, Estimate, InputError, Recording
+from workbench.models import AppliedEffect, read_model
+from workbench.s3n import on_drives
+from workbench.simulation import PosturePlant, SensorNoise, as_recording, held_posture, run_posture
+
+MODEL = read_model("four_bar")
+
+
+@pytest.fixture(scope="module")
+def log() -> Recording:
+    """Two seconds of multisines with the noise of sensors, by the closed chain's own equation."""
+    design = frf.multisine(
+        MODEL.axes, name="m", period_s=2.0, rms=1.0, f_min_hz=0.5, f_max_hz=10.0, rate_hz=500.0,
+        hold=held_posture(MODEL, {}), mixing="orthogonal", periods=1, transient_periods=0, realisations=1,
+        phases="schroeder", driven="torque_feedforward", seed=1,
+    )  # fmt: skip
+    sensors = SensorNoise(np.full(2, 1e-5), np.zeros(2), np.full(2, 0.01), np.full(2, 0.01), 3)
+    return run_posture(PosturePlant(MODEL), as_recording(MODEL, design, 0), [sensors])[0]
+
+
+def _with(effect: str, **values: float) -> AppliedEffect:
+    return AppliedEffect(EffectKey(effect, "knee"), {k: Estimate(v, 0.0, "") for k, v in values.items()})
+
+
+def test_the_right_model_is_at_the_noise_and_one_with_an_effect_too_many_is_not(log: Recording) -> None:
+    # an effect of no size is compared along the motion; so is one that the machine has not
+    idle, wrong = (MODEL.with_effect(_with("viscous_damping", damping=d)) for d in (0.0, 0.2))
+    right = compare(idle, [log])
+    assert right.error < 1.3 * right.noise_error
+    assert any("transmission changes" in note for note in right.notes)
+    assert compare(wrong, [log]).error > 3.0 * right.noise_error
+
+
+def test_logs_that_show_no_torque_of_the_drives_are_refused(log: Recording) -> None:
+    model = on_drives(MODEL)
+    with pytest.raises(InputError, match="in joint coordinates"):
+        replay_of(model, [replace(log, coordinates="joint")])
+    bare = replace(log, signals={k: x for k, x in log.signals.items() if "torque" not in k})
+    with pytest.raises(InputError, match="no torque is known"):
+        replay_of(model, [bare])
