@@ -7,12 +7,14 @@ from pathlib import Path
 from workbench.core import InputError
 from workbench.core.paths import models_folder
 
+from .packaged import packaged_robot
+
 
 def find_model(path: str | Path) -> Path:
-    """The file meant by `path`: itself, or a shipped model of that name (``leg``, ``models/leg.toml``).
+    """The file meant by `path`: itself, a shipped model (``leg``, ``models/leg.toml``), or a packaged robot.
 
     Raises:
-        InputError: neither exists; names the shipped models.
+        InputError: there is none; names the shipped models, or what the package of robots lacks.
     """
     given = Path(path)
     if given.is_file():
@@ -20,6 +22,9 @@ def find_model(path: str | Path) -> Path:
     shipped = models_folder() / f"{given.stem}.toml"
     if given.suffix in ("", ".toml") and given.parent.name in ("", "models") and shipped.is_file():
         return shipped
+    packaged = packaged_robot(str(path))
+    if packaged is not None:
+        return packaged
     names = ", ".join(sorted(p.stem for p in models_folder().glob("*.toml")))
     raise InputError(
         "no such model file", file=path, remedy=f"give a .toml, .xml or .urdf file, or one of {names}"

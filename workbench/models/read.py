@@ -22,7 +22,8 @@ def read_model(path: str | Path) -> Model:
     """Read a model from a TOML file, or from an MJCF or URDF with identity transmission and no drives.
 
     Args:
-        path: a ``.toml``, ``.xml`` or ``.urdf`` file, or the name of a shipped model.
+        path: a ``.toml``, ``.xml`` or ``.urdf`` file, or the name of a shipped model or a packaged robot
+            (``robot_descriptions:ur10e_mj_description``, ``mujoco_menagerie:universal_robots_ur10e``).
 
     Raises:
         InputError: anything wrong with the file; one line with the key and the remedy.
