@@ -26,7 +26,7 @@ ModelArgument = Annotated[
     str,
     typer.Argument(
         metavar="MODEL",
-        help="Model file (.toml, .xml or .urdf), or a shipped model's name.",
+        help="Model file (.toml, .xml, .urdf), a shipped model's name, or robot_descriptions:NAME.",
         autocompletion=complete.models,
     ),
 ]
@@ -43,6 +43,26 @@ JsonOption = Annotated[
 ]
 HtmlOption = Annotated[
     str | None, typer.Option("--html", metavar="FILE", help="Write the result as a self-contained page.")
+]
+
+
+def _can_be_written(path: str | None) -> str | None:
+    """Refuse a result whose library is missing before minutes are spent on it."""
+    if path is None:
+        return None
+    from workbench.report import check_mcap
+
+    return check_mcap(path)
+
+
+McapOption = Annotated[
+    str | None,
+    typer.Option(
+        "--mcap",
+        metavar="FILE",
+        callback=_can_be_written,
+        help="Write measured and simulated signals for Foxglove and PlotJuggler.",
+    ),
 ]
 WholeOption = Annotated[
     bool, typer.Option("--whole", help="Fit every row of long logs, however much memory that takes.")
@@ -160,6 +180,7 @@ def deliver(
     *,
     json: str | None,
     html: str | None,
+    mcap: str | None = None,
     force: bool,
     quiet: bool,
     files: Sequence[Path],
@@ -167,7 +188,7 @@ def deliver(
     truth: Sequence[Mapping[str, Any]] | None = None,
     more: Mapping[str, Any] | None = None,
 ) -> None:
-    """Print the table, write JSON and page; `more` is of the JSON alone."""
+    """Print the table, write JSON, page and MCAP; `more` is of the JSON alone."""
     from workbench import report
 
     if isinstance(result, Comparison):
@@ -184,6 +205,8 @@ def deliver(
         write_result({**content, **(more or {})}, json, files=files, seeds=seeds, force=force)
     if html:
         report.write_page(result, html, **_made_by(files, seeds), truth=truth, force=force)
+    if mcap:
+        report.write_mcap(result, mcap, force=force)
 
 
 def write_result(

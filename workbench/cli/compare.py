@@ -13,6 +13,7 @@ from .common import (
     ForceOption,
     HtmlOption,
     JsonOption,
+    McapOption,
     ModelArgument,
     QuietOption,
     RecordingsArgument,
@@ -32,6 +33,7 @@ def compare(
     recordings: RecordingsArgument,
     json: JsonOption = None,
     html: HtmlOption = None,
+    mcap: McapOption = None,
     fail_above: Annotated[
         float | None,
         typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 if the error is larger than this."),
@@ -75,8 +77,10 @@ def compare(
     Example: workbench compare leg recordings/chirp_hip.toml --html report.html
     """
     if gait is not None:
-        if html is not None or fail_above is not None:
-            raise InputError("--gait makes a table and JSON", remedy="leave --html and --fail-above out")
+        if html is not None or mcap is not None or fail_above is not None:
+            raise InputError(
+                "--gait makes a table and JSON", remedy="leave --html, --mcap and --fail-above out"
+            )
         compare_gait(model, recordings, gait, again, command, start, json, force, quiet)
         return
     if again is not None or command is not None or start:
@@ -88,7 +92,7 @@ def compare(
     from workbench.diagnosis import doubts
     from workbench.effects import load_model
 
-    check_outputs(json, html, force=force)
+    check_outputs(json, html, mcap, force=force)
     loaded, data = load_model(model), open_sources(recordings)
     with progress(quiet) as tell:
         tell("simulating the recordings, with and without noise")
@@ -104,6 +108,7 @@ def compare(
         result,
         json=json,
         html=html,
+        mcap=mcap,
         force=force,
         quiet=quiet,
         files=files_of(loaded, data),

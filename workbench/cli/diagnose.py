@@ -14,6 +14,7 @@ from .common import (
     HoldoutOption,
     HtmlOption,
     JsonOption,
+    McapOption,
     ModelArgument,
     QuietOption,
     RecordingsArgument,
@@ -34,6 +35,7 @@ def diagnose(
     holdout: HoldoutOption = None,
     json: JsonOption = None,
     html: HtmlOption = None,
+    mcap: McapOption = None,
     shape: Annotated[
         str | None,
         typer.Option(
@@ -63,14 +65,14 @@ def diagnose(
     from workbench.effects import load_model
     from workbench.report import trace_sheet
 
-    check_outputs(json, html, shape, trace, force=force)
+    check_outputs(json, html, mcap, shape, trace, force=force)
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
         result = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
     result = replace(result, used=data.share, notes=(*result.notes, *data.notes))
     files, seeds = files_of(loaded, [*data.training, *data.held_out]), {"noise": seed}
-    deliver(result, json=json, html=html, force=force, quiet=quiet, files=files, seeds=seeds)
+    deliver(result, json=json, html=html, mcap=mcap, force=force, quiet=quiet, files=files, seeds=seeds)
     if trace is not None:
         deliver_sheet(trace_sheet(result), trace, files=files, seeds=seeds, force=force)
     if shape is not None:

@@ -14,6 +14,7 @@ from .common import (
     HoldoutOption,
     HtmlOption,
     JsonOption,
+    McapOption,
     ModelArgument,
     QuietOption,
     RecordingsArgument,
@@ -38,6 +39,7 @@ def improve(
     holdout: HoldoutOption = None,
     json: JsonOption = None,
     html: HtmlOption = None,
+    mcap: McapOption = None,
     nearest: Annotated[
         bool,
         typer.Option("--nearest", help="If no cause can be named, add the effects that come nearest."),
@@ -59,7 +61,7 @@ def improve(
 
     if into is None:
         check_model_output(output, force=force)
-    check_outputs(json, html, force=force)
+    check_outputs(json, html, mcap, force=force)
     loaded = load_model(model)
     if into is not None:
         check_into(loaded, into, output, force=force)
@@ -85,6 +87,7 @@ def improve(
         result,
         json=json,
         html=html,
+        mcap=mcap,
         force=force,
         quiet=quiet,
         files=files_of(loaded, [*data.training, *data.held_out]),

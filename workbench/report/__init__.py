@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         spectrum_figure,
     )
     from .gait import gait_dict, gait_table
+    from .mcap_file import check_mcap, write_mcap
     from .page import render_page, write_page
     from .search_sheet import trace_sheet
     from .sections import sentence
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Sheet",
+    "check_mcap",
     "compare_table",
     "comparison_dict",
     "diagnosis_dict",
@@ -56,12 +58,14 @@ __all__ = [
     "verification_sheet",
     "verification_table",
     "write_json",
+    "write_mcap",
     "write_page",
     "write_sheet",
 ]
 
 _HOME = {
     "Sheet": "sheet",
+    "check_mcap": "mcap_file",
     "compare_table": "tables",
     "diagnosis_table": "tables",
     "gait_dict": "gait",
@@ -80,6 +84,7 @@ _HOME = {
     "truth_table": "tables",
     "spectrum_figure": "figures",
     "verification_sheet": "check_sheet",
+    "write_mcap": "mcap_file",
     "write_page": "page",
     "write_sheet": "sheet",
 }

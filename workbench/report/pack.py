@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.core import Comparison, RecordingError
+from workbench.core import Comparison, Diagnosis, Improvement, RecordingError
 
 from .numbers import handy, plain
 from .residuals import (
@@ -91,6 +91,16 @@ def plots(before: Comparison, after: Comparison | None) -> tuple[dict[str, Any],
         "start": {"recording": shown.index(start[0]), "axis": before.axes.index(start[1])},
     }
     return out, compress(b"".join(block.parts))
+
+
+def comparisons(
+    result: Comparison | Diagnosis | Improvement,
+) -> tuple[Comparison | None, Comparison | None]:
+    """The comparisons of a result: as the model was given, and with the effects that were found, if any."""
+    if isinstance(result, Comparison):
+        return result, None
+    added = result.findings if isinstance(result, Diagnosis) else result.steps
+    return result.before, result.after if added else None
 
 
 def partner(after: Comparison | None, before: Comparison, index: int) -> RecordingError | None:

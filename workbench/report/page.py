@@ -14,7 +14,7 @@ from workbench.core.files import check_free, write_whole
 from .figures import figure_bytes, overlay_figure
 from .json import Truth
 from .numbers import plain
-from .pack import plots, worst_view
+from .pack import comparisons, plots, worst_view
 from .residual_strip import residual_strips
 from .residuals import worst_window
 from .sections import sections
@@ -60,7 +60,7 @@ def render_page(
     truth: Truth | None = None,
 ) -> str:
     """The page as HTML text; see `write_page`."""
-    before, after = _comparisons(result)
+    before, after = comparisons(result)
     values, curves, fallback = None, "", None
     parts = sections(result, before, after, truth)
     if before is not None and before.recordings and before.axes:
@@ -77,13 +77,6 @@ def render_page(
         strips=residual_strips(before, after),
         shape_picture=_shape_picture(result) if parts["shapes"] else "",
     )
-
-
-def _comparisons(result: Comparison | Diagnosis | Improvement) -> tuple[Comparison | None, Comparison | None]:
-    if isinstance(result, Comparison):
-        return result, None
-    added = result.findings if isinstance(result, Diagnosis) else result.steps
-    return result.before, result.after if added else None
 
 
 def _fallback(before: Comparison, after: Comparison | None) -> dict[str, str]:

@@ -1,0 +1,123 @@
+"""Measured and simulated signals as MCAP, which Foxglove and PlotJuggler open."""
+
+from __future__ import annotations
+
+import heapq
+import io
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording, RecordingError
+from workbench.core.files import check_free, write_whole
+from workbench.core.recording import AXIS_SIGNALS
+from workbench.core.units import KINDS
+
+from .pack import comparisons, partner
+from .residuals import SIGNALS, has
+
+#: Name of a signal -> (N, n).
+_Signals = Mapping[str, np.ndarray]
+#: Time [ns], channel, JSON.
+_Message = tuple[int, int, bytes]
+
+
+def check_mcap(path: str | None) -> str | None:
+    """The path as it was given, or None; refused where MCAP cannot be written.
+
+    Raises:
+        InputError: the package that writes it is missing.
+    """
+    if path is not None:
+        try:
+            import mcap.writer  # noqa: F401
+        except ImportError as error:
+            remedy = "install it with: pip install -e '.[logs]' in the checkout"
+            raise InputError("MCAP needs the package mcap", file=path, remedy=remedy) from error
+    return path
+
+
+def write_mcap(
+    result: Comparison | Diagnosis | Improvement, path: str | Path, *, force: bool = False
+) -> Path:
+    """Write what was measured and simulated as one MCAP file, whole or not at all.
+
+    Each recording has the topics ``/NAME/measured``, ``/NAME/simulated`` and ``/NAME/residual`` (measured
+    minus simulated), and where effects were found ``/NAME/simulated_with_effects`` and
+    ``/NAME/residual_with_effects``. A message is JSON, ``{"position": {"hip": 0.1, "knee": 0.2}, ...}``, in
+    the SI units that the schema of its topic names. Times are those of the recording, whose first row is 0.
+    Rows that do not count and numbers that are not finite are left out.
+
+    Args:
+        result: with the comparisons in it; of a long log they hold the worst stretch.
+        path: the file.
+        force: overwrite a file that is there already.
+
+    Raises:
+        InputError: the file exists and `force` is false, or the package mcap is missing.
+    """
+    check_free(path, force=force)
+    check_mcap(str(path))
+    from mcap.writer import Writer
+
+    stream = io.BytesIO()
+    writer = Writer(stream)
+    writer.start(library="workbench")
+    series: list[Iterator[_Message]] = []
+    for topic, recording, signals in _topics(*comparisons(result)):
+        schema = json.dumps(_schema(recording, signals)).encode()
+        schema_id = writer.register_schema(f"workbench{topic.replace('/', '.')}", "jsonschema", schema)
+        series.append(_messages(writer.register_channel(topic, "json", schema_id), recording, signals))
+    for time, channel, message in heapq.merge(*series):
+        writer.add_message(channel, time, message, time)
+    writer.finish()
+    return write_whole(path, stream.getvalue(), force=force)
+
+
+def _topics(before: Comparison | None, after: Comparison | None) -> Iterator[tuple[str, Recording, _Signals]]:
+    """Topic, the recording that has its times, rows and axes, and what stands in its messages."""
+    names: list[str] = []
+    for i, entry in enumerate(before.recordings if before else ()):
+        name = entry.recording.name
+        names.append(name)
+        prefix = f"/{name}" if names.count(name) == 1 else f"/{name}_{names.count(name)}"
+        yield f"{prefix}/measured", entry.recording, entry.recording.signals
+        later = partner(after, before, i) if before else None
+        for run, end in ((entry, ""), (later, "_with_effects")):
+            if run is not None:
+                yield f"{prefix}/simulated{end}", run.recording, run.simulated.signals
+                yield f"{prefix}/residual{end}", run.recording, _residual(run)
+
+
+def _residual(entry: RecordingError) -> _Signals:
+    return {name: entry.residual(name) for name, _ in SIGNALS if has(entry, name)}
+
+
+def _schema(recording: Recording, signals: _Signals) -> dict[str, Any]:
+    """JSON schema of a topic's messages, each number with its SI unit as description."""
+
+    def of_signal(name: str) -> dict[str, Any]:
+        choices = KINDS[AXIS_SIGNALS[name]]
+        chosen = [choices[0 if unit == "rad" else -1] for unit in recording.units]
+        numbers = {
+            axis: {"type": "number", "description": unit}
+            for axis, unit in zip(recording.axes, chosen, strict=True)
+        }
+        return {"type": "object", "properties": numbers}
+
+    known = {name: of_signal(name) for name in signals if name in AXIS_SIGNALS}
+    return {"type": "object", "properties": known}
+
+
+def _messages(channel: int, recording: Recording, signals: _Signals) -> Iterator[_Message]:
+    known = {name: np.asarray(rows) for name, rows in signals.items() if name in AXIS_SIGNALS}
+    stamps = np.rint(recording.time * 1e9).astype(np.int64)
+    for i in np.flatnonzero(recording.valid):
+        message = {
+            name: {axis: float(x) for axis, x in zip(recording.axes, rows[i], strict=True) if np.isfinite(x)}
+            for name, rows in known.items()
+        }
+        yield int(stamps[i]), channel, json.dumps(message).encode()
