@@ -5,7 +5,9 @@ import os
 import re
 import subprocess
 import sys
+import tarfile
 import tomllib
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -144,3 +146,40 @@ def test_the_citation_names_the_version() -> None:
     [version] = re.findall(r"^version: (.+)$", text, re.M)
     [changelog] = re.findall(r"^## ([\d.]+)$", (ROOT / "CHANGELOG.md").read_text(), re.M)[:1]
     assert version == PROJECT["version"] == changelog
+
+
+def test_a_wheel_built_from_the_sdist_is_whole_and_runs_outside_of_a_clone(tmp_path: Path) -> None:
+    build = "import hatchling.build as build; print(build.build_{}({!r}))"
+
+    def built(what: str, folder: Path) -> Path:
+        code = build.format(what, str(tmp_path))
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=folder, check=True, capture_output=True, text=True
+        )
+        return tmp_path / done.stdout.split()[-1]
+
+    with tarfile.open(built("sdist", ROOT)) as sdist:
+        sdist.extractall(tmp_path, filter="data")
+    [source] = (entry for entry in tmp_path.iterdir() if entry.is_dir())
+    with zipfile.ZipFile(built("wheel", source)) as wheel:
+        wheel.extractall(tmp_path / "site")
+    for inside, folder in (("workbench", "workbench"), ("workbench/_models", "models")):
+        files = {file.relative_to(ROOT / folder) for file in (ROOT / folder).rglob("*") if file.is_file()}
+        files = {file for file in files if "__pycache__" not in file.parts}
+        assert len(files) > 10 and all((tmp_path / "site" / inside / file).is_file() for file in files)
+    metadata = (tmp_path / "site" / f"workbench-{PROJECT['version']}.dist-info" / "METADATA").read_text()
+    assert "Description-Content-Type: text/markdown" in metadata and "License-Expression: MIT" in metadata
+    code = (
+        "import workbench; from workbench.cli import main; print(workbench.load_model('leg').source); main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, "--version"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(tmp_path / "site")},
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    model, said = done.stdout.splitlines()
+    assert Path(model) == tmp_path / "site" / "workbench" / "_models" / "leg.toml"
+    assert said == f"workbench {PROJECT['version']}"
