@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import tomli_w
 import typer
+from mcap.reader import make_reader
 
 from tests.can.make import motor, table
 from tests.cli.here import run
@@ -142,6 +143,7 @@ SUFFIX |= dict.fromkeys(("record", "fleet", "train", "evaluate"), "")
 ENDINGS = {
     "--json": ".json",
     "--html": ".html",
+    "--mcap": ".mcap",
     "--trace": ".html",
 }  # of an option that writes a FILE; of others: a picture
 READS = {"--record"}  # options of a FILE that is there already
@@ -224,6 +226,9 @@ def test_every_output_of_every_command(name: str, k: int, files: dict[str, Path]
         assert page.lstrip().lower().startswith("<!doctype html") and page.rstrip().endswith("</html>")
     for picture in (p for p in made.values() if p.suffix == ".png" and p.exists()):
         assert picture.read_bytes().startswith(b"\x89PNG")
+    if "--mcap" in made:
+        with made["--mcap"].open("rb") as stream:
+            assert any(make_reader(stream, validate_crcs=True).iter_messages())
     if "--output" in made and made["--output"].exists() and name in READ:
         READ[name](made["--output"])
     before = {p: p.read_bytes() for p in made.values() if p.is_file()}
