@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import InputError, Recording
+from workbench.core.paths import models_folder
 from workbench.frf import Design, Limit, chirp, multisine, scale_to_limits
-from workbench.models import Model, find_model
+from workbench.models import Model
 from workbench.recordings.velocity import derive_velocity
 from workbench.simulation import held_posture, holds, joint_limits, limits_of, predictor, whole_period
 
@@ -89,10 +90,7 @@ def _fastest(recording: Recording) -> float:
 
 def _opened_by(model: Model) -> str:
     """What names the model on a command line: a shipped one's name, else its file."""
-    try:
-        shipped = find_model(model.name) == model.source
-    except InputError:
-        shipped = False
+    shipped = model.source == models_folder() / f"{model.name}.toml"
     return model.name if shipped or model.source is None else shlex.quote(str(model.source))
 
 
