@@ -48,11 +48,11 @@ HtmlOption = Annotated[
 
 def _can_be_written(path: str | None) -> str | None:
     """Refuse a result whose library is missing before minutes are spent on it."""
-    if path is None:
-        return None
-    from workbench.report import check_mcap
+    if path is not None:
+        from workbench.report import check_mcap
 
-    return check_mcap(path)
+        check_mcap(path)
+    return path
 
 
 McapOption = Annotated[

@@ -12,7 +12,7 @@ from typing import Any
 from workbench.core import InputError
 
 #: What stands before the colon -> the package's name where packages are installed from.
-PACKAGES = {"robot_descriptions": "robot_descriptions", "mujoco_menagerie": "mujoco-menagerie"}
+_PACKAGES = {"robot_descriptions": "robot_descriptions", "mujoco_menagerie": "mujoco-menagerie"}
 
 
 def packaged_robot(name: str) -> Path | None:
@@ -29,15 +29,15 @@ def packaged_robot(name: str) -> Path | None:
         InputError: the package is not installed, has no such robot, or could not download it.
     """
     package, _, robot = name.partition(":")
-    if package not in PACKAGES:
+    if package not in _PACKAGES:
         return None
     try:
         module = import_module(package)
     except ImportError as error:
         raise InputError(
-            f"needs the package {PACKAGES[package]}",
+            f"needs the package {_PACKAGES[package]}",
             file=name,
-            remedy=f"install it: pip install {PACKAGES[package]}",
+            remedy=f"install it: pip install {_PACKAGES[package]}",
         ) from error
     menagerie = package == "mujoco_menagerie"
     known = list(module.names() if menagerie else module.DESCRIPTIONS)

@@ -25,19 +25,17 @@ _Signals = Mapping[str, np.ndarray]
 _Message = tuple[int, int, bytes]
 
 
-def check_mcap(path: str | None) -> str | None:
-    """The path as it was given, or None; refused where MCAP cannot be written.
+def check_mcap(path: str | Path) -> None:
+    """Refuse a file that cannot be written as MCAP, before any work is done for it.
 
     Raises:
         InputError: the package that writes it is missing.
     """
-    if path is not None:
-        try:
-            import mcap.writer  # noqa: F401
-        except ImportError as error:
-            remedy = "install it with: pip install -e '.[logs]' in the checkout"
-            raise InputError("MCAP needs the package mcap", file=path, remedy=remedy) from error
-    return path
+    try:
+        import mcap.writer  # noqa: F401
+    except ImportError as error:
+        remedy = "install it with: pip install -e '.[logs]' in the checkout"
+        raise InputError("MCAP needs the package mcap", file=path, remedy=remedy) from error
 
 
 def write_mcap(
@@ -60,7 +58,7 @@ def write_mcap(
         InputError: the file exists and `force` is false, or the package mcap is missing.
     """
     check_free(path, force=force)
-    check_mcap(str(path))
+    check_mcap(path)
     from mcap.writer import Writer
 
     stream = io.BytesIO()
