@@ -23,5 +23,5 @@ def test_a_loop_in_which_nothing_explains_the_log_is_not_searched(tmp_path: Path
     assert finding.parameters["along"].value == pytest.approx(1.3 * 0.07, rel=0.05)
     (asked,) = (text for text in said if "ways the loop may work" in text)
     ways = int(asked.split()[3])
-    again = [text for text in said if "another way in which the loop may work" in text]
+    again = [text for text in said if "another assumption about the loop" in text]
     assert ways > 1 and len(again) < ways - 1, said

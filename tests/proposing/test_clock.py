@@ -181,7 +181,7 @@ def test_rows_that_stand_there_several_times_are_taken_once_and_said(tmp_path: P
     data["t"] = LOG.t[0] + np.arange(count * N) * (LOG.t[1] - LOG.t[0]) / count
     proposal, recording = imported(put(tmp_path, text(data)), Answers(model_axes=("hip", "knee")))
     often = "twice" if count == 2 else f"{count} times"
-    assert f"Every row stands there {often}" in " ".join(proposal.notes)
+    assert f"Every row is repeated {often}" in " ".join(proposal.notes)
     assert len(recording) == N and recording.period == pytest.approx(LOG.t[1] - LOG.t[0])
     np.testing.assert_allclose(recording.position, LOG.q, atol=1e-6)
 

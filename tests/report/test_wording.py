@@ -167,7 +167,7 @@ def test_places_of_one_effect_share_a_phrase() -> None:
 
 def test_a_loop_that_noise_blows_up_is_no_verdict_on_the_data(comparison) -> None:
     lost = replace(comparison, error=304.0, noise_error=345.0, consistent=False)
-    assert "cannot run these loops" in sentence(lost) and "order of the axes" in sentence(lost)
+    assert "cannot run in these loops" in sentence(lost) and "order of the axes" in sentence(lost)
 
 
 def test_it_is_said_why_no_motion_was_compared():

@@ -157,7 +157,7 @@ def import_mechanism(
         return
     kind = "changes with the posture" if made.posture_dependent else "is constant"
     if made.posture_dependent and constant_transmission(ClosedChain(made.closed_chain)).constant:
-        kind = "is constant, but what hangs on the loops turns otherwise in each posture"
+        kind = "is constant, but the links in the loops turn differently in each posture"
     beside = " and ".join(file.name for file in _beside(made, path, output))
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
     for line in contents.bonds:

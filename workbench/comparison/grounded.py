@@ -104,8 +104,8 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
         for run in clean:
             if not np.isfinite(run.position).all():
                 raise SimulationError(
-                    f"model '{model.name}' flies apart on the ground of '{run.name}': check the place of its "
-                    "ground, the size of its feet, and how stiff their contact is"
+                    f"model '{model.name}' diverges on the ground of '{run.name}': check the position "
+                    "of its ground, the size of its feet, and how stiff their contact is"
                 )
         smooth = [self._quiet(s) for s in self._standing]
         still = on_all_cores(lambda s: s.run(plant), smooth)

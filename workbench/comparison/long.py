@@ -194,7 +194,7 @@ def _notes(model: Model, parts: Sequence[_Part]) -> tuple[str, ...]:
             f"its measured state; curves show the worst, {start:.0f} to {start + r.duration:.0f} s"
         )
         if model.has("thermal_derating"):
-            notes.append(f"{p.source.name}: the motors' heat begins anew with each stretch")
+            notes.append(f"{p.source.name}: the motors' temperature restarts with each stretch")
         if r.controller.kind == "none" and not follows_motion(r):
-            notes.append(f"{p.source.name}: nothing holds the machine: each stretch drifts by itself")
+            notes.append(f"{p.source.name}: no controller holds the machine, so that each stretch drifts")
     return tuple(notes)

@@ -59,7 +59,7 @@ def _gains(model: Model, recordings: Sequence[Recording], finding: Finding) -> I
             if line:
                 yield line
     if len(stating) > _MOST:
-        yield f"the same gains stand in {len(stating) - _MOST} more recordings"
+        yield f"{len(stating) - _MOST} more recordings state the same gains"
 
 
 def _gain(

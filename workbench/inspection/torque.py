@@ -152,6 +152,6 @@ def remark_on_command_limits(recording: Recording) -> list[Remark]:
     for i, extreme, share in command_limits(recording):
         axis, command = recording.axes[i], recording.signals["torque_command"][:, i]
         side = "upper" if extreme == command.max() else "lower"
-        text = f"Command of '{axis}' stands at its {side} limit of {extreme:.4g} in {100 * share:.2g} %."
+        text = f"Command of '{axis}' is at its {side} limit of {extreme:.4g} in {100 * share:.2g} %."
         remarks.append(Remark("warning", "saturation", axis, text, {"limit": extreme, "share": share}))
     return remarks

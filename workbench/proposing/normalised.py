@@ -39,9 +39,9 @@ def ask_range(draft: Draft, rows: Clean, positions: Sequence[str], units: Sequen
         )
         return
     text = (
-        f"Positions go up to {top:.3g}: degrees, or parts of each joint's range (-100 to 100, as LeRobot has "
-        "them unless told otherwise)? Nothing in the data tells. For parts give the degrees of one, half the "
-        "range over 100, one a joint."
+        f"Positions go up to {top:.3g}: degrees, or scaled to each joint's range (-100 to 100, "
+        "LeRobot's default)? The data do not show it. If scaled, give the degrees per unit for each "
+        "joint: half its range over 100."
     )
     example = ",".join(["1.1*deg"] * len(positions))
     option = f"--unit position=deg (or e.g. --unit position={example})"

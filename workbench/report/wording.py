@@ -176,8 +176,8 @@ def comparison_sentence(result: Comparison) -> str:
     tail = f", {times} the noise floor of {number(result.noise_error)}" if times else ""
     if result.noise_error > HOPELESS:
         return (
-            "The model cannot run these loops: noise alone throws it further off than all that was measured. "
-            "Check the order of the axes, units, signs and gains."
+            "The model cannot run in these loops: sensor noise alone makes its error larger than the "
+            "measured motion. Check the order of the axes, units, signs and gains."
         )
     if result.outlier is not None and result.error <= 1.06 * result.noise_error:
         worst = outlier_phrase(result.outlier)

@@ -55,7 +55,7 @@ def test_the_command_makes_an_experiment_of_that_band(
 
 def test_what_is_too_fast_for_the_log_asks_for_a_faster_one(logs: list[Recording]) -> None:
     said = follow_up(LEG, rest("frequency", 300.0, 500.0), logs)
-    assert "faster than its 1000 rows a second" in said and "excite leg" not in said
+    assert "faster than 1000 rows per second" in said and "excite leg" not in said
 
 
 def test_what_sits_at_a_time_is_asked_for_again(logs: list[Recording]) -> None:
