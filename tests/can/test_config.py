@@ -99,7 +99,7 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (table([HIP, motor("hip", 2)]), "axis 'hip' stands twice"),
+        (table([HIP, motor("hip", 2)]), "axis 'hip' is given twice"),
         (table([HIP, motor("knee", 1)]), "id 0x1 is used by 'hip' too"),
         (table([HIP, {**KNEE, "reply_id": 1}]), "0x1 is also where 'hip' is commanded"),
         (table([{k: v for k, v in HIP.items() if k != "reply_id"}]), "reply_id': is missing"),
@@ -125,9 +125,12 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
             "no frame carries a torque of 40",
         ),
         (table([MOTEUS]), "moteus drives speak CAN-FD"),
-        (flexible([MOTEUS, {**KNEE, "axis": "toe"}]), "damiao drives take CAN-FD frames for errors"),
+        (flexible([MOTEUS, {**KNEE, "axis": "toe"}]), "damiao drives treat CAN-FD frames as errors"),
         (flexible([MOTEUS, {**MOTEUS, "axis": "toe"}]), "'toe' uses 0x100 too"),
-        (flexible([MOTEUS], loop={"pd": "drive", "kd": 0.5}), "no larger part of kd than of kp"),
+        (
+            flexible([MOTEUS], loop={"pd": "drive", "kd": 0.5}),
+            "cannot use a larger share of its range for kd",
+        ),
         (flexible([MOTEUS], loop={"damping": 0.5}), "a moteus damps with its whole kd of 1, not with 0.5"),
         (flexible([MOTEUS | {"registers": "int8"}]), "'int16' or 'float'"),
         (flexible([MOTEUS], rate=500_000), "500000 is slower than the 1000000"),

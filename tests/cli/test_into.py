@@ -136,7 +136,7 @@ def test_what_would_not_do_is_refused_in_one_line(tmp_path: Path) -> None:
         "new.xml")  # fmt: skip
     assert "give it the ending .xml" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "new.toml")
     assert "give it the ending .xml" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "new.urdf")
-    assert "does not stand on this file" in refused(tmp_path, *dry, "--into", "other.xml", "-o", "new.xml")
+    assert "is not based on this file" in refused(tmp_path, *dry, "--into", "other.xml", "-o", "new.xml")
     assert "no such file" in refused(tmp_path, *dry, "--into", "none.xml", "-o", "new.xml")
     assert "--force" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "own.xml")
     assert "'meshes' by where it lies" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "sub/new.xml")

@@ -93,7 +93,7 @@ def test_approve_says_no_where_the_data_say_no(tmp_path: Path) -> None:
         (("train", "reach"), "-o runs/reach"),
         (("train", "reach", "-o", "x", "--legs", "some", "--unverified"), "heavy_leg_rand"),
         (("train", "reach", "-o", "x", "--variant", "magic", "--unverified"), "no plain variant"),
-        (("train", "reach", "-o", "x", "--resume", "--unverified"), "no run to go on with"),
+        (("train", "reach", "-o", "x", "--resume", "--unverified"), "no run to continue"),
         (("train", "reach", "-o", "x", "--device", "cuda:99", "--unverified"), "this machine has"),
         (("train", "reach", "-o", "x", "--device", "gpu", "--unverified"), "'gpu' is no device"),
         (("export", "nowhere", "-o", "x.zip"), "no run here"),

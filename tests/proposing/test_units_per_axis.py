@@ -72,7 +72,7 @@ def test_velocities_overrule_the_clocks_name_and_say_so(tmp_path: Path) -> None:
     data = {name.replace("Stamp [ms]", "Stamp [s]"): values for name, values in mixed(LOG).items()}
     proposal = propose(open_table(put(tmp_path, data)))
     assert proposal.description["units"]["time"] == "ms"
-    assert any("'Stamp [s]' is in s by its name" in note and "ms is taken" in note for note in proposal.notes)
+    assert any("The name of 'Stamp [s]' says s" in note and "ms is used" in note for note in proposal.notes)
 
 
 def test_a_column_in_another_unit_than_its_axis_is_scaled(tmp_path: Path) -> None:

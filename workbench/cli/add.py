@@ -85,7 +85,7 @@ def add(
         if into is not None:
             raise InputError(f"{_AS_IN_MJCF} is no number of a file", remedy="leave --into out")
         added, new = [], soft(loaded, values, diagnosis)
-        what = "dry friction that sets in as its MJCF has it"
+        what = "dry friction with the onset of its MJCF"
     else:
         added, new = with_effects(loaded, effect, values, diagnosis)
         what = ", ".join(str(a.key) for a in added)

@@ -50,7 +50,7 @@ def check_into(model: Model, into: str, output: str, *, force: bool) -> None:
     check_outputs(output, force=force)
     if target.resolve().parent != source.resolve().parent and (named := _beside(text)):
         raise InputError(
-            f"{source.name} names '{named}' by where it lies itself", file=output,
+            f"{source.name} names '{named}' relative to its own folder", file=output,
             remedy=f"write the copy into {source.parent}",
         )  # fmt: skip
 

@@ -75,8 +75,8 @@ def _ways(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
             else ""
         )
         raise InputError(
-            f"the way to {mechanism.foot or 'the last joint'} passes {', '.join(moving) or 'no joint'}, and "
-            "a serial tree has one joint a drive",
+            f"the way to {mechanism.foot or 'the last joint'} passes {', '.join(moving) or 'no joint'}, "
+            "and a serial tree has one joint per drive",
             file=mechanism.file, column="closed_chain.joints",
             remedy=f"name these as serial joints, hold those that stay, or name another foot{limb}",
         )  # fmt: skip

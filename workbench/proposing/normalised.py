@@ -33,9 +33,9 @@ def ask_range(draft: Draft, rows: Clean, positions: Sequence[str], units: Sequen
         return
     if not _servos(draft, rows, positions):
         draft.notes.append(
-            f"Nothing but their size, up to {top:.3g}, says that positions are degrees; parts of each "
-            "joint's range (-100 to 100) look the same. If so: --unit position=1.1*deg,... "
-            "(half the range over 100)."
+            f"Only their size, up to {top:.3g}, suggests that positions are degrees. Values scaled to "
+            "each joint's range (-100 to 100) look the same. If they are scaled: --unit "
+            "position=1.1*deg,... (half the range over 100)."
         )
         return
     text = (

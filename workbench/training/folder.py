@@ -38,7 +38,7 @@ def open_folder(
         try:
             before = json.loads(file.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise InputError("no run to go on with", file=file, remedy="name the folder of a run") from error
+            raise InputError("no run to continue", file=file, remedy="name the folder of a run") from error
         for key in ("task", "variant", "model", "processes"):
             if before.get(key) != config[key]:
                 raise InputError(

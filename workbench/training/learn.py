@@ -199,8 +199,8 @@ def _refuse_hopeless(episode_s: float, task: Task, machine: Machine) -> None:
     )
     raise SimulationError(
         f"this cannot be trained: after {_JUDGED} iterations episodes last {episode_s:.3f} s of "
-        f"{task.episode_s:g} s. {machine.model.name} falls as soon as it begins in its posture ({what}); "
-        "try another posture, or gains that hold it"
+        f"{task.episode_s:g} s. {machine.model.name} falls at once from its start posture ({what}); try "
+        "another posture, or gains that hold it"
     )
 
 

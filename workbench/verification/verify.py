@@ -36,10 +36,12 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
     subject = Subject.of(model.on_its_stand("a check of serial trees"), samples, seed, tolerance)
     checks, skipped = kinematic_checks(subject), []
     if subject.left_out:
-        skipped.append(f"{', '.join(subject.left_out)}: what is no structure of S3N plays no part here")
+        skipped.append(
+            f"{', '.join(subject.left_out)}: effects outside the structure of S3N are not checked here"
+        )
     if subject.unreached:
         left = f"{subject.unreached} of {samples} random states within the limits"
-        skipped.append(f"{left}: the closed chain cannot be in them")
+        skipped.append(f"{left}: the closed chain cannot reach them")
     right = all(c.passed for c in checks if c.name == "transmission")
     checks += engine_checks(subject)
     checks += power_checks(subject)

@@ -18,8 +18,8 @@ _ADVICE = {
     "speed": "move through these speeds in both directions, with large and with small accelerations",
     "position": "move slowly back and forth across this range",
     "frequency": "excite only this band",
-    "time": "repeat the same run. If the error returns at the same time, it depends on the motion. If not, its "
-    "cause is elsewhere, such as temperature or an outside force",
+    "time": "repeat the same run. If the error returns at the same time, it depends on the motion. If not, "
+    "look for another cause, such as temperature or an outside force",
 }
 
 
