@@ -114,7 +114,7 @@ def test_a_log_that_its_reader_would_never_leave(packed: bool, tmp_path: Path) -
     container = raw[at : at + 8] + length.to_bytes(4, "little") + raw[at + 12 : at + 16]
     container += (2 if packed else 0).to_bytes(2, "little") + raw[at + 18 : at + 32] + body
     (tmp_path / "run.blf").write_bytes(raw[:at] + container + bytes(length % 4))
-    assert "no readable log: an object of 0 bytes is shorter than its header" in refused(path).problem
+    assert "not a readable log: an object of 0 bytes is shorter than its header" in refused(path).problem
 
 
 def test_a_log_that_crashes_its_reader(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

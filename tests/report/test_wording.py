@@ -66,12 +66,15 @@ def test_verdicts(comparison, diagnosis, improvement):
     assert (
         sentence(unknown)
         == "Something is missing: no effect that was tried explains what is missing; 73 % of the squared "
-        "error above the noise stays."
+        "error above the noise remains."
     )
     spent = sentence(replace(unknown, stopped="budget"))
     assert "before it had tried everything" in spent and "no effect" not in spent
     partly = replace(diagnosis, verdict="partly_explained", unexplained_fraction=0.4)
-    end = "That is certain, and not all: 40 % of the squared error above the noise has another cause."
+    end = (
+        "This is certain, but it is not the whole cause: 40 % of the squared error above the noise "
+        "has another cause."
+    )
     assert sentence(partly).endswith(end)
     two = replace(diagnosis, findings=diagnosis.findings * 2)
     assert sentence(two).startswith("Two effects are missing: Coulomb friction on the knee drive and ")

@@ -103,8 +103,8 @@ def deploy(
     if not quiet and json != "-":
         trip = result["round_trip_ms"]
         echo(
-            f"{result['ticks']} ticks, {100 * result['missed_share']:.2g} % missed; round trip "
-            f"{trip['p50']:.3g} ms (median), {trip['p99']:.3g} ms (99th percentile)."
+            f"{result['ticks']} ticks, {100 * result['missed_share']:.2g} % of the ticks missed; round "
+            f"trip {trip['p50']:.3g} ms (median), {trip['p99']:.3g} ms (99th percentile)."
         )
         echo(_ending(result))
     if log:

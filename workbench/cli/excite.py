@@ -190,8 +190,8 @@ def excite(
         kept = f"Scaled to {scaled.factor:.3g} of" if scaled.factor < 1 else "Left at"
         share = 100 * scaled.usage[scaled.binding]
         echo(
-            f"{kept} the amplitude asked for: tightest is the {scaled.binding}, of which {share:.3g} % "
-            "is used."
+            f"{kept} the requested amplitude: the tightest limit is {scaled.binding}, of which "
+            f"{share:.3g} % is used."
         )
 
 

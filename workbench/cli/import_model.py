@@ -177,7 +177,7 @@ def import_mechanism(
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         echo(
-            "A parallelogram; over the serial tree its linkage has "
+            "A parallelogram; to the serial tree its linkage adds "
             + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
             + "."
         )

@@ -56,7 +56,9 @@ def check_fetched(path: Path) -> None:
     with path.open("rb") as file:
         if file.read(len(_POINTER)) == _POINTER:
             remedy = "run 'git lfs pull' in its repository"
-            raise InputError("stands for a file that was not fetched with Git LFS", file=path, remedy=remedy)
+            raise InputError(
+                "is a placeholder of a file that was not fetched with Git LFS", file=path, remedy=remedy
+            )
 
 
 def check_cells(count: int, path: Path) -> None:

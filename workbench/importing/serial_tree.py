@@ -70,7 +70,8 @@ def _ways(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
         beyond = [name for name in mechanism.joints if extra and _behind(plant, model, name, extra[0])]
         limb = (
             f"; or, where loops move {extra[0].name()}, end the limb before it (leave out "
-            f"{', '.join(beyond)} and its drive, with --hold-rest) and take what is beyond by itself"
+            f"{', '.join(beyond)} and its drive, with --hold-rest) and import the part beyond it "
+            "separately"
             if beyond
             else ""
         )

@@ -200,8 +200,8 @@ def loop_sentence(result: Comparison) -> str:
     which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     alike = ", in all recordings alike" if len(names) < len(still) else ""
     return (
-        f"How the loop of {which} was closed is not known, so that only the torque that the motion needs is "
-        f"compared{alike}. Its gains go into [controller]."
+        f"The controller of {which} is not known, so that only the torque that the motion needs is "
+        f"compared{alike}. State its gains in [controller]."
     )
 
 
@@ -252,4 +252,4 @@ def removed_sentence(step: Step) -> str:
     """What a step made needless, or nothing."""
     if not step.removed:
         return ""
-    return f"This made {any_of([effect_phrase(k) for k in step.removed], 'and')} needless."
+    return f"This made {any_of([effect_phrase(k) for k in step.removed], 'and')} unnecessary."

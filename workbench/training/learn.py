@@ -153,9 +153,7 @@ def learn(
         spent += took
         row = tally.row()
         if not all(map(math.isfinite, losses.values())):
-            raise SimulationError(
-                f"learning broke down in iteration {iteration + 1}: its losses are {losses}"
-            )
+            raise SimulationError(f"training diverged in iteration {iteration + 1}: its losses are {losses}")
         done = iteration + 1
         if done == first + _JUDGED:
             _refuse_hopeless(row["episode_s"], task, machine)

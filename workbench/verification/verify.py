@@ -61,8 +61,9 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
             checks += posture_checks(subject, seed)
             if subject.model.size > MOST_DRIVES:
                 skipped.append(
-                    f"motion, frequency response, all of the workspace: with more than {MOST_DRIVES} drives "
-                    "terms are held at random states alone; import each limb by itself for these"
+                    f"motion, frequency response, all of the workspace: with more than {MOST_DRIVES} "
+                    "drives, terms are compared at random states only; import each limb by itself for "
+                    "these"
                 )
             elif all(check.passed for check in checks):
                 facts |= fitted_facts(subject)
