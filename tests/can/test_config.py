@@ -141,7 +141,7 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
         (table([{**HIP, "sing": -1}]), "did you mean 'sign'?"),
         (table([{**HIP, "limits": {**HIP["limits"], "torque": 40.0}}]), "40 is beyond the range of 25"),
         (table([{**HIP, "ranges": {"source": "a guess"}}]), "position': is missing"),
-        (table([motor("hip", 1, protocol="mit", ranges={"source": "drive"})]), "do not tell their ranges"),
+        (table([motor("hip", 1, protocol="mit", ranges={"source": "drive"})]), "do not report their ranges"),
         (table([{**HIP, "watchdog_s": 0.2}]), "less than or equal to 0.025"),
         (table([HIP], loop={"period_s": 0.008}), "less than three periods"),
         (table([motor("hip", 1, protocol="mit", watchdog_source="")]), "cannot be read back"),

@@ -110,7 +110,7 @@ def test_its_watchdog_is_set_switched_on_and_read_back() -> None:
             codec.write(Parameter("watchdog", bad))
     with pytest.raises(FrameError, match="does not tell"):
         drive(None).read("watchdog")
-    with pytest.raises(FrameError, match="cannot be told"):
+    with pytest.raises(FrameError, match="cannot be set"):
         drive(None).write(Parameter("watchdog", 0.02))
     assert drive(None).parameters == () and codec.parameters == ("watchdog",)
 

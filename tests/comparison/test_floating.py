@@ -66,7 +66,7 @@ def test_what_does_not_fit_is_told_in_one_line(robot: Model) -> None:
     turned = np.tile([np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0], (len(made), 1))
     refused = {
         "no column says where it was; name its columns, or fix the base": other(base_position=None),
-        "3 columns, and it takes 4": other(base_orientation=made.extra["base_position"]),
+        "3 columns instead of 4": other(base_orientation=made.extra["base_position"]),
         "its four numbers have the length 2 in row 1; give unit quaternions": other(
             base_orientation=2.0 * made.extra["base_orientation"]
         ),

@@ -105,5 +105,5 @@ def test_what_does_not_fit_is_told_in_one_line(tmp_path) -> None:
     save_recording(recording, tmp_path / "press.toml")
     text = (tmp_path / "press.toml").read_text()
     (tmp_path / "press.toml").write_text(text.replace('    "ground_force_2",\n', ""))
-    with pytest.raises(InputError, match=r"columns.ground_force.*no multiple of three; give fx, fy, fz"):
+    with pytest.raises(InputError, match=r"columns.ground_force.*not a multiple of three; give fx, fy, fz"):
         load_recording(tmp_path / "press.toml")

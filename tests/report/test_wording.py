@@ -193,7 +193,7 @@ def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
     scales = {"kp_scale": Estimate(0.8, 0.005, "1"), "kd_scale": Estimate(1.3, 0.01, "1")}
     key = EffectKey("controller_gain_error", "lift")
     gains = replace(diagnosis.findings[0], key=key, parameters=scales)
-    line = "mend run.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
+    line = "correct run.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
     told = replace(diagnosis, findings=(gains,), mend=(line,))
     assert sentence(told) == (
         "The controller's gains are stated wrongly: on the lift drive kp is 0.800 ± 0.010 and kd is "

@@ -70,7 +70,7 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
     yield from _unknown_bus(c, f"{key}.bus", motor.bus)
     if motor.reads_ranges and motor.protocol != "damiao":
         remedy = "give position, velocity, torque, and who says so"
-        yield f"{key}.ranges.source", f"{motor.protocol} drives do not tell their ranges", remedy
+        yield f"{key}.ranges.source", f"{motor.protocol} drives do not report their ranges", remedy
     for name in ("position", "velocity", "torque"):
         if getattr(r, name) is None and not motor.reads_ranges:
             yield f"{key}.ranges.{name}", "is missing", 'give it and its source, or source = "drive"'

@@ -83,7 +83,7 @@ def add(
         check_into(loaded, into, output, force=force)
     if effect == _AS_IN_MJCF:
         if into is not None:
-            raise InputError(f"{_AS_IN_MJCF} is no number of a file", remedy="leave --into out")
+            raise InputError(f"{_AS_IN_MJCF} is not a number in a file", remedy="leave --into out")
         added, new = [], soft(loaded, values, diagnosis)
         what = "dry friction with the onset of its MJCF"
     else:

@@ -90,7 +90,7 @@ def deploy(
             typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True, err=True)
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):
-        raise InputError("a velocity is no number", remedy="give three: --velocity 0.4 0 0")
+        raise InputError("a velocity is not a number", remedy="give three: --velocity 0.4 0 0")
     result = run(
         robot, policy, seconds, seed=seed, twist=velocity, unapproved=unapproved,
         watchdogs_tested=watchdogs_tested, teleop=teleop, cpu=cpu, say=say,

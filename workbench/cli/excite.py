@@ -39,7 +39,7 @@ def excite(
             "--output",
             "-o",
             metavar="DESIGN",
-            help="The TOML file of the design; its tables go beside it.  [required]",
+            help="The TOML file of the design; its tables go into the same folder.  [required]",
         ),
     ] = "",
     kind: Annotated[Literal["multisine", "chirp"], typer.Option(help="Kind of excitation.")] = "multisine",

@@ -168,7 +168,8 @@ def import_mechanism(
     if lost:
         said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())
         echo(
-            f"Left out are springs and dry friction, and damping of joints without a drive: {said} N m s/rad."
+            f"Left out are springs, dry friction, and the damping of joints without a drive: {said} N m "
+            "s/rad."
         )
     rotors = {name: value for name, value in contents.armature.items() if value and name not in names}
     if rotors:

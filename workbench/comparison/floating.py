@@ -55,7 +55,7 @@ def with_base(recording: Recording, model: Model) -> Recording:
             )  # fmt: skip
         if values is not None and values.shape[1] != count:
             raise _refusal(
-                recording, name, f"{values.shape[1]} columns, and it takes {count}", "see docs/recordings.md"
+                recording, name, f"{values.shape[1]} columns instead of {count}", "see docs/recordings.md"
             )
     angles, rates = _angles(recording)
     position = recording.extra["base_position"]

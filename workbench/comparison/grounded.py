@@ -227,7 +227,7 @@ def _step_of(recording: Recording, model: Model) -> tuple[tuple[int, float], int
         rows = recording.period / own.timestep
         if rows < 0.5 or abs(rows - round(rows)) > 1e-6:
             raise InputError(
-                f"its rows are {recording.period:g} s apart, and the model's file has steps of "
+                f"its rows are {recording.period:g} s apart, but the model's file has steps of "
                 f"{own.timestep:g} s", file=recording.source, column="timing.stepped",
                 remedy="leave it out where another file made the recording",
             )  # fmt: skip

@@ -63,7 +63,8 @@ def compare_logs(
         return compare(model, held, draws=draws, seed=seed)
     if model.floats:
         raise InputError(
-            f"the base of model '{model.name}' floats, which is not run from logs too long to be held",
+            f"the base of model '{model.name}' floats, and such models are not run on logs too long for "
+            "the memory",
             file=next(s.source for s in sources if not isinstance(s, Recording)),
             remedy="cut shorter recordings out of them",
         )  # fmt: skip
@@ -75,7 +76,7 @@ def compare_logs(
     standing = next((r for r in sample if on_ground(r)), None)
     if standing is not None:
         raise InputError(
-            "recordings on the ground are not run from logs too long to be held", file=standing.source,
+            "recordings on the ground are not run if they are too long for the memory", file=standing.source,
             column="columns.ground_force", remedy="cut shorter ones out of them",
         )  # fmt: skip
     replay = replay_of(model, sample)

@@ -62,7 +62,7 @@ class Turned:
         now = f"{100 * self.before:.2g} %" if self.before < 1.0 else "all"
         return (
             f"negated ({which}{both}), the model leaves {100 * self.after:.2g} % of the torque "
-            f"unexplained, as it stands {now}"
+            f"unexplained; as recorded, {now}"
         )
 
 

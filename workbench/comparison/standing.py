@@ -41,7 +41,7 @@ def check_ground(model: Model, recording: Recording) -> None:
     measured = recording.extra.get(FORCE)
     if model.ground is None:
         raise refuse(
-            f"the recording is on the ground, and model '{model.name}' has none",
+            f"the recording is on the ground, but model '{model.name}' has no ground",
             f"columns.{'base_position' if measured is None else FORCE}",
             "add a [ground] table to the model (docs/models.md), or leave these columns out",
         )  # fmt: skip

@@ -104,7 +104,7 @@ def inside(folder: Path, path: Path) -> Path:
             "leads nowhere", file=path, remedy="put the file itself there, not a link"
         ) from error
     if not real.is_relative_to(folder.resolve()):
-        raise InputError("leads out of its folder", file=path, remedy=remedy)
+        raise InputError("is outside its folder", file=path, remedy=remedy)
     return real
 
 

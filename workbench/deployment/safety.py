@@ -131,7 +131,7 @@ def _sight(limits: Limits, state: SafetyState, seen: Seen) -> Problem | None:
         (~np.isfinite(seen.position) | ~np.isfinite(seen.velocity), "feedback is not a number"),
         (not seen.base_age < limits.stale_s, f"no data of the base for {lost}"),
         (seen.faulty, "a drive reports a fault"),
-        (not seen.gap <= limits.watchdog_s, "commands came further apart than a drive's watchdog waits"),
+        (not seen.gap <= limits.watchdog_s, "the time between commands was longer than a drive's watchdog"),
         (
             tilt > limits.tilt,
             f"tilted by {np.degrees(tilt):.0f} degrees, beyond {np.degrees(limits.tilt):.0f}",

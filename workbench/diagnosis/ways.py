@@ -183,7 +183,7 @@ def _matched(
     rows = sum(int(r.valid.sum()) for r in fitted)
     if rows < POLICY.fewest_rows:
         raise InputError(
-            f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
+            f"{rows} rows are too few to distinguish one effect from another", file=fitted[0].source,
             remedy=f"record for longer, {POLICY.fewest_rows} rows at least and seconds of motion",
         )  # fmt: skip
     if all(np.ptp(r.position[r.valid], axis=0).max() == 0.0 for r in fitted):

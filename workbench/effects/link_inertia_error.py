@@ -55,8 +55,8 @@ class LinkInertiaError(Effect):
         "without weight",
         reveal="fast chirps of this axis and of the ones before it, one after the other",
         mujoco="native: the body's inertia",
-        needs="a hinge whose link has a mass and hangs on another axis, else it is reflected_inertia; of a "
-        "parallelogram the linkage's increments say it",
+        needs="a hinge whose link has a mass and is moved by another axis (otherwise use reflected_inertia); "
+        "for a parallelogram, use the linkage's increments",
     )
     search = Search(tier=1)
 

@@ -36,7 +36,7 @@ def usable_rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -
         draft.notes.append(f"{int((~measured).sum())} rows are not measured, as '{valid}' says.")
     rows = clean(data, time or "t", used, draft.answers.episode)
     if len(next(iter(rows.columns.values()))) < 8:
-        remedy = "record more, or mend the time column"
+        remedy = "record more, or correct the time column"
         raise InputError("has fewer than eight usable rows", file=draft.table.file, remedy=remedy)
     draft.notes += rows.notes
     _check_run(draft, rows.runs)

@@ -210,7 +210,7 @@ def _check_names(d: Description, path: Path) -> None:
     forces = len(d.columns.get("ground_force", ()))
     if forces % 3:
         raise InputError(
-            f"has {forces} column(s), which is no multiple of three",
+            f"has {forces} column(s), which is not a multiple of three",
             file=path,
             column="columns.ground_force",
             remedy="give fx, fy, fz for every foot",

@@ -25,8 +25,9 @@ def trace_sheet(result: Diagnosis) -> Sheet:
     """The page of a trace: a drawing, a table of what was tried, and the rivals of every effect added."""
     trace = result.trace
     first = (
-        "Each line starts from a model and adds effects. It replaces the best so far if it explains what "
-        "that does not, leaves less than half of its excess error, or is as good and simpler."
+        "Each line starts from a model and adds effects. It replaces the best so far if it explains "
+        "the recordings and that one does not, leaves less than half of its excess error, or is as "
+        "good and simpler."
         if trace
         else "Nothing was searched: the model explains the recordings as it is."
     )

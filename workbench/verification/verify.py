@@ -55,7 +55,7 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
         facts = {}
         skipped.append(f"the exact variant on a free base: {error}")
     if subject.chain is None:
-        skipped.append("the closed chain: the model names none ([closed_chain])")
+        skipped.append("the closed chain: the model has no [closed_chain]")
     elif subject.model.posture_dependent:
         try:
             checks += posture_checks(subject, seed)

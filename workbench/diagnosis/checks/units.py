@@ -106,7 +106,7 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
     now = f"{100 * before:.2g} %" if before < 1.0 else "all"
     raise InputError(
         f"possible unit error: `import` guessed that of {kind}; {factor:.4g} times as large (as between "
-        f"{meant}) the model leaves {100 * left:.2g} % of the torque unexplained, as it stands {now}",
+        f"{meant}) the model leaves {100 * left:.2g} % of the torque unexplained; as recorded, {now}",
         file=some[0].source, column=f"units.{kind}",
         remedy="state the right unit there and delete guessed_units; if the guess is right, only delete "
             "guessed_units",

@@ -152,7 +152,7 @@ def resonance_lines(found: Responses, axis: str | None) -> list[str]:
             low, high = (interval(r.frequency) for r in pair)
             lines.append(
                 f"{name} has an anti-resonance at {low} and a resonance at {high} (95 %) that the model "
-                "does not have, as of two inertias joined by a compliance"
+                "does not have, typical of two inertias joined by a compliance"
             )
     return lines
 
