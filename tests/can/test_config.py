@@ -136,7 +136,7 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
         ),
         (flexible([MOTEUS], loop={"damping": 0.5}), "a moteus damps with its whole kd of 1, not with 0.5"),
         (flexible([MOTEUS | {"registers": "int8"}]), "'int16' or 'float'"),
-        (flexible([MOTEUS], rate=500_000), "500000 is slower than the 1000000"),
+        (flexible([MOTEUS], rate=500_000), "500000 is slower than the arbitration rate 1000000"),
         (table([HIP, {**KNEE, "bus": "can7"}]), "no bus is called 'can7'"),
         (table([{**HIP, "sing": -1}]), "did you mean 'sign'?"),
         (table([{**HIP, "limits": {**HIP["limits"], "torque": 40.0}}]), "40 is beyond the range of 25"),

@@ -108,7 +108,7 @@ def nameless_order(folder: Path) -> None:
 def test_yes_is_an_answer_to_is_it_so(tmp_path: Path) -> None:
     nameless_order(tmp_path)
     shown = at_a_terminal(tmp_path, "yes", "import", "run.csv", "--model", "arm.xml")
-    assert "Is it so" in shown and "Wrote run.toml" in shown
+    assert "Is this assignment right" in shown and "Wrote run.toml" in shown
     assert load_recording(tmp_path / "run.toml").axes == ("first", "second")
 
 

@@ -47,7 +47,7 @@ def test_units_that_no_number_tells(tmp_path: Path) -> None:
         assert "turn sure the model's weight and inertia" in said
         imported(tmp_path, logs / f"{name}.csv.gz", "--yes", "--force")
     told = run("diagnose", logs / "leg.xml", tmp_path / "motA.toml", "--holdout", tmp_path / "motB.toml")
-    assert told.returncode == 2 and "perhaps the unit" in told.stderr
+    assert told.returncode == 2 and "possible unit error" in told.stderr
     assert "revolutions and radians" in told.stderr
 
 

@@ -95,7 +95,7 @@ def test_approve_says_no_where_the_data_say_no(tmp_path: Path) -> None:
         (("train", "reach", "-o", "x", "--variant", "magic", "--unverified"), "no plain variant"),
         (("train", "reach", "-o", "x", "--resume", "--unverified"), "no run to continue"),
         (("train", "reach", "-o", "x", "--device", "cuda:99", "--unverified"), "this machine has"),
-        (("train", "reach", "-o", "x", "--device", "gpu", "--unverified"), "'gpu' is no device"),
+        (("train", "reach", "-o", "x", "--device", "gpu", "--unverified"), "'gpu' is not a device"),
         (("export", "nowhere", "-o", "x.zip"), "no run here"),
         (("evaluate", "nothing.zip", "-o", "x"), "no such bundle"),
     ],

@@ -76,7 +76,7 @@ def test_what_does_not_fit_is_told_in_one_line(robot: Model) -> None:
     for line, recording in refused.items():
         with pytest.raises(InputError, match=line):
             compare(robot, [recording])
-    with pytest.raises(InputError, match="has none; add a \\[ground\\] table"):
+    with pytest.raises(InputError, match="has no ground; add a \\[ground\\] table"):
         compare(replace(robot, ground=None), [other(ground_force=None)])
     fixed = replace(robot, floats=False, axes=robot.driven, joints=robot.driven)
     with pytest.raises(InputError, match="the base moves, but that of model 'robot' is fixed"):

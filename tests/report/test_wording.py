@@ -178,7 +178,7 @@ def test_it_is_said_why_no_motion_was_compared():
     assert loop_sentence(known) == ""
     entries = [replace(known.recordings[0], position_rmse=np.full(2, np.nan)), known.recordings[1]]
     unknown = replace(known, recordings=tuple(entries))
-    said = "How the loop of chirp_hip was closed is not known"
+    said = "The controller of chirp_hip is not known"
     assert loop_sentence(unknown).startswith(said)
     assert said in Page(render_page(unknown, command="workbench compare")).text
 
@@ -199,7 +199,7 @@ def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
         "The controller's gains are stated wrongly: on the lift drive kp is 0.800 ± 0.010 and kd is "
         "1.300 ± 0.020 times what is stated."
     )
-    assert f"M{line[1:]}." in Page(render_page(told, command="workbench diagnose")).text
+    assert f"C{line[1:]}." in Page(render_page(told, command="workbench diagnose")).text
     assert diagnosis_dict(told)["mend"] == [line]
     both = sentence(replace(told, findings=(gains, diagnosis.findings[0])))
     assert "Something is missing too: Coulomb friction" in both

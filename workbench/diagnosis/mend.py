@@ -116,7 +116,7 @@ def _of_model(model: Model, finding: Finding) -> Iterator[str]:
             continue  # it stands in another file, or in none
         if made.written and made.changes:
             where = _changed(old_lines, made.content.splitlines())
-            yield f"mend {_shown(file)}{where}: {'; '.join(map(_change, made.changes))}"
+            yield f"correct {_shown(file)}{where}: {'; '.join(map(_change, made.changes))}"
             return
 
 

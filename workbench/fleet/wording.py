@@ -21,15 +21,15 @@ def sentence(fleet: Fleet) -> str:
     total, done = len(fleet.robots), fleet.diagnosed
     lacking = [r for r in done if r["verdict"] in ("missing_effect", "partly_explained")]
     open_ = [r for r in done if r["verdict"] == "unexplained"]
-    parts = [f"{len(lacking)} of {total} robots lack an effect that was found"]
+    parts = [f"{len(lacking)} of {total} robots have a missing effect that was found"]
     if fleet.effects:
         first = fleet.effects[0]
         parts[0] += f", {len(first.robots)} of them {effect_phrase(first.key)}"
     if open_:
-        parts.append(f"{len(open_)} lack something that was not found")
+        parts.append(f"{len(open_)} with an unexplained error")
     fine = len(done) - len(lacking) - len(open_)
     if fine:
-        parts.append(f"{fine} lack nothing")
+        parts.append(f"{fine} consistent")
     if fleet.failed:
         parts.append(f"{len(fleet.failed)} could not be diagnosed")
     return "; ".join(parts) + "."
