@@ -102,7 +102,7 @@ def test_observations_that_drives_cannot_tell_are_refused(tmp_path: Path) -> Non
     first, *rest = loaded.observations
     for wrong, said in (
         (type(first)("foot_load", 0, 2, 1.0, ""), "'foot_load', which is not available here"),
-        (type(first)("gravity", 0, 3, 1.0, ""), "'gravity', and there is no inertial unit"),
+        (type(first)("gravity", 0, 3, 1.0, ""), "'gravity', but there is no inertial unit"),
         (type(first)("reach_ahead", 0, 2, 1.0, ""), "has 2 numbers from 0, here 8"),
     ):
         changed = PolicyBundle(**{**vars(loaded), "observations": (wrong, *rest)})

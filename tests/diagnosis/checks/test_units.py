@@ -50,7 +50,7 @@ def finding(gain: float) -> Finding:
 @pytest.mark.parametrize(("gain", "doubt"), [(0.171, True), (9.8, True), (0.85, False), (1.3, False)])
 def test_a_finding_that_is_a_factor_between_units(gain: float, doubt: bool) -> None:
     (found,) = doubted([finding(gain)], [guessed("position", "velocity", "torque")])
-    assert found.evidence[0].startswith("perhaps the unit") == doubt
+    assert found.evidence[0].startswith("possible unit error") == doubt
     assert found.evidence[-1] == "what it removes"
     assert doubted([finding(gain)], [moved()]) == (finding(gain),)
 
