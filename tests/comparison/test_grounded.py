@@ -81,7 +81,7 @@ def test_what_does_not_fit_is_told_in_one_line(tmp_path) -> None:
     recording = clean()[0]
     force = recording.extra["ground_force"]
     refused = {
-        "model 'leg' has none; add a \\[ground\\] table": (load_model("leg"), recording),
+        "model 'leg' has no ground; add a \\[ground\\] table": (load_model("leg"), recording),
         "6 columns, and model 'leg_on_plate' has 1 feet": (
             MODEL,
             replace(recording, extra={"ground_force": np.hstack([force, force])}),
