@@ -324,7 +324,7 @@ FAULTS: tuple[Fault, ...] = (
     Fault("the inertial unit is frozen", _unit(_STILL)),
     Fault("the robot is tilted beyond its limit", _unit(_TILTED)),
     Fault("the robot falls without tilting", _unit(_FALLS)),
-    Fault("an action is no number", lambda b: setattr(b.controller, "spoil", np.nan)),
+    Fault("an action is not a number", lambda b: setattr(b.controller, "spoil", np.nan)),
     Fault("an action is huge", lambda b: setattr(b.controller, "spoil", 60.0)),
     Fault("a policy repeats its last action", lambda b: setattr(b.controller, "stuck", b.network.now())),
     Fault("a policy raises an error", _in_controller(_raises(RuntimeError("no network")))),

@@ -81,7 +81,7 @@ def test_links_and_doubles(tmp_path: Path) -> None:
     refused(tmp_path / "link.zip", "is a link")
     with zipfile.ZipFile(bundle(tmp_path / "twice.zip"), "a") as archive, pytest.warns(UserWarning):
         archive.writestr("machine.xml", "<mujoco/>")
-    refused(tmp_path / "twice.zip", "stands twice")
+    refused(tmp_path / "twice.zip", "occurs twice")
 
 
 def test_what_unpacks_for_ever(tmp_path: Path) -> None:

@@ -70,7 +70,10 @@ def test_a_dbc_of_an_odrive_is_that_of_its_node_and_a_moteus_has_none(tmp_path: 
     content["bus"].append({**content["bus"][0], "name": "fd", "channel": "fd", "data_bitrate": 5_000_000})
     out = tmp_path / "robot.dbc"
     told = CliRunner().invoke(app, ["can", "dbc", str(written(tmp_path, content)), "-o", str(out)])
-    assert told.exit_code == 0 and "2 drive(s). No DBC expresses a moteus: nothing of heel" in told.output
+    assert (
+        told.exit_code == 0
+        and "2 drive(s). A DBC cannot describe a moteus, so the file leaves out heel" in told.output
+    )
     database = cantools.database.load_file(out)
     assert len(database.messages) == 26
     motion = database.get_message_by_name("motion_toe")
@@ -99,7 +102,7 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (table([HIP, motor("hip", 2)]), "axis 'hip' stands twice"),
+        (table([HIP, motor("hip", 2)]), "axis 'hip' is given twice"),
         (table([HIP, motor("knee", 1)]), "id 0x1 is used by 'hip' too"),
         (table([HIP, {**KNEE, "reply_id": 1}]), "0x1 is also where 'hip' is commanded"),
         (table([{k: v for k, v in HIP.items() if k != "reply_id"}]), "reply_id': is missing"),
@@ -125,17 +128,20 @@ def flexible(motors: list[dict], rate: int = 5_000_000, **more: object) -> dict:
             "no frame carries a torque of 40",
         ),
         (table([MOTEUS]), "moteus drives speak CAN-FD"),
-        (flexible([MOTEUS, {**KNEE, "axis": "toe"}]), "damiao drives take CAN-FD frames for errors"),
+        (flexible([MOTEUS, {**KNEE, "axis": "toe"}]), "damiao drives treat CAN-FD frames as errors"),
         (flexible([MOTEUS, {**MOTEUS, "axis": "toe"}]), "'toe' uses 0x100 too"),
-        (flexible([MOTEUS], loop={"pd": "drive", "kd": 0.5}), "no larger part of kd than of kp"),
+        (
+            flexible([MOTEUS], loop={"pd": "drive", "kd": 0.5}),
+            "cannot use a larger share of its range for kd",
+        ),
         (flexible([MOTEUS], loop={"damping": 0.5}), "a moteus damps with its whole kd of 1, not with 0.5"),
         (flexible([MOTEUS | {"registers": "int8"}]), "'int16' or 'float'"),
-        (flexible([MOTEUS], rate=500_000), "500000 is slower than the 1000000"),
+        (flexible([MOTEUS], rate=500_000), "500000 is slower than the arbitration rate 1000000"),
         (table([HIP, {**KNEE, "bus": "can7"}]), "no bus is called 'can7'"),
         (table([{**HIP, "sing": -1}]), "did you mean 'sign'?"),
         (table([{**HIP, "limits": {**HIP["limits"], "torque": 40.0}}]), "40 is beyond the range of 25"),
         (table([{**HIP, "ranges": {"source": "a guess"}}]), "position': is missing"),
-        (table([motor("hip", 1, protocol="mit", ranges={"source": "drive"})]), "do not tell their ranges"),
+        (table([motor("hip", 1, protocol="mit", ranges={"source": "drive"})]), "do not report their ranges"),
         (table([{**HIP, "watchdog_s": 0.2}]), "less than or equal to 0.025"),
         (table([HIP], loop={"period_s": 0.008}), "less than three periods"),
         (table([motor("hip", 1, protocol="mit", watchdog_source="")]), "cannot be read back"),

@@ -107,12 +107,12 @@ def test_its_watchdog_is_read_back_and_can_be_none_that_is_off() -> None:
     assert other.asked(FLOAT.read("watchdog")) == ["look"]
     [frame] = other.answer(Feedback(0, 0, 0))
     assert FLOAT.decode(frame) == Parameter("watchdog", pytest.approx(0.02))
-    with pytest.raises(FrameError, match=r"cannot be told a watchdog of 0\.5"):
+    with pytest.raises(FrameError, match=r"cannot be set to a watchdog of 0\.5"):
         FLOAT.write(Parameter("watchdog", 0.5))
     for bad in (0.0, math.nan, -1.0, math.inf):
         with pytest.raises(FrameError, match="watchdog"):
             Moteus(1, 0, RANGES, bad)
-    with pytest.raises(FrameError, match="do not tell their mode"):
+    with pytest.raises(FrameError, match="do not report their mode"):
         FLOAT.read("mode")
 
 

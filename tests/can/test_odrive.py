@@ -108,9 +108,9 @@ def test_its_watchdog_is_set_switched_on_and_read_back() -> None:
     for bad in (0.0, math.nan, -1.0, math.inf):
         with pytest.raises(FrameError, match="watchdog"):
             codec.write(Parameter("watchdog", bad))
-    with pytest.raises(FrameError, match="does not tell"):
+    with pytest.raises(FrameError, match="does not report"):
         drive(None).read("watchdog")
-    with pytest.raises(FrameError, match="cannot be told"):
+    with pytest.raises(FrameError, match="cannot be set"):
         drive(None).write(Parameter("watchdog", 0.02))
     assert drive(None).parameters == () and codec.parameters == ("watchdog",)
 

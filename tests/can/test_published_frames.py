@@ -135,7 +135,7 @@ def test_mit_drives_can_be_asked_for_nothing() -> None:
     for ask in (*asks, lambda: drive.tell(Parameter("watchdog", 0.02))):
         with pytest.raises(FrameError, match="mit drives cannot be"):
             ask()
-    with pytest.raises(FrameError, match="do not tell their torque"):
+    with pytest.raises(FrameError, match="do not report their torque"):
         DRIVES["robstride"].read("torque")
 
 

@@ -108,7 +108,7 @@ def nameless_order(folder: Path) -> None:
 def test_yes_is_an_answer_to_is_it_so(tmp_path: Path) -> None:
     nameless_order(tmp_path)
     shown = at_a_terminal(tmp_path, "yes", "import", "run.csv", "--model", "arm.xml")
-    assert "Is it so" in shown and "Wrote run.toml" in shown
+    assert "Is this assignment right" in shown and "Wrote run.toml" in shown
     assert load_recording(tmp_path / "run.toml").axes == ("first", "second")
 
 
@@ -129,7 +129,7 @@ def test_what_is_no_answer_is_asked_again_with_what_is_possible(wrong: str, tmp_
 def test_a_unit_that_is_none_is_asked_again(wrong: str, tmp_path: Path) -> None:
     torque_in_doubt(tmp_path)
     shown = " ".join(at_a_terminal(tmp_path, f"{wrong}\n3", "import", "run.csv").split())
-    assert "Give one of these, by its number or as it stands there." in shown and "Wrote run.toml" in shown
+    assert "Give one of these, by its number or its name." in shown and "Wrote run.toml" in shown
     assert np.abs(load_recording(tmp_path / "run.toml").signals["torque_measured"] - LOG.tau).max() < 1e-9
 
 
@@ -137,7 +137,7 @@ def test_a_refusal_shows_what_was_worked_out(tmp_path: Path) -> None:
     torque_in_doubt(tmp_path)
     done = run("import", "run.csv", cwd=tmp_path)
     assert done.returncode == 2 and len(done.stderr.strip().splitlines()) == 1
-    assert "run.csv: 600 rows, so far" in done.stdout
+    assert "run.csv: 600 rows; not finished: a question is open" in done.stdout
     assert "pos_hip, pos_knee" in done.stdout and "unit of torque" in done.stdout and "a guess" in done.stdout
     assert run("import", "run.csv", "-q", cwd=tmp_path).stdout == ""
 
@@ -151,7 +151,7 @@ def test_a_refusal_shows_what_was_worked_out(tmp_path: Path) -> None:
         (["--unit", "torque"], "e.g. --unit position=deg,deg,mm,deg"),
         (
             ["--unit", "position=deg,deg,mm"],
-            "3 units of position for 2 axes; give one, or one an axis: --unit",
+            "3 units of position for 2 axes; give one, or one per axis: --unit",
         ),
         (
             ["--unit", "position=deg", "--unit", "position=rad"],

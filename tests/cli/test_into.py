@@ -136,13 +136,13 @@ def test_what_would_not_do_is_refused_in_one_line(tmp_path: Path) -> None:
         "new.xml")  # fmt: skip
     assert "give it the ending .xml" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "new.toml")
     assert "give it the ending .xml" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "new.urdf")
-    assert "does not stand on this file" in refused(tmp_path, *dry, "--into", "other.xml", "-o", "new.xml")
+    assert "is not based on this file" in refused(tmp_path, *dry, "--into", "other.xml", "-o", "new.xml")
     assert "no such file" in refused(tmp_path, *dry, "--into", "none.xml", "-o", "new.xml")
     assert "--force" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "own.xml")
-    assert "'meshes' by where it lies" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "sub/new.xml")
+    assert "'meshes' relative to" in refused(tmp_path, *dry, "--into", "own.xml", "-o", "sub/new.xml")
     assert "--into ROBOT" in refused(tmp_path, *dry, "-o", "new.xml")
     words = "own.xml", "friction_as_in_mjcf", "--into", "own.xml", "-o", "new.xml"
-    assert "no number of a file" in refused(tmp_path, *words)
+    assert "is not a number in a file" in refused(tmp_path, *words)
 
 
 def test_effects_that_a_model_file_has_already_are_written_too(tmp_path: Path) -> None:
@@ -151,7 +151,7 @@ def test_effects_that_a_model_file_has_already_are_written_too(tmp_path: Path) -
     assert run("add", *words, cwd=tmp_path).returncode == 0
     words = "first.toml", "viscous_damping@lift", "damping=0.1", "--into", own, "-o", "sub/new.xml"
     ended = run("add", *words, cwd=tmp_path)
-    assert ended.returncode == 0 and "take out of its [[effects]]" in " ".join(ended.stdout.split())
+    assert ended.returncode == 0 and "delete those of its [[effects]]" in " ".join(ended.stdout.split())
     assert 'name="lift" axis="0 1 0" damping="0.8"' in (tmp_path / "sub/new.xml").read_text()
 
 

@@ -30,7 +30,7 @@ def test_signs(tmp_path: Path, pair: str, named: str) -> None:
     logs = report_folder("signs")
     for name in pair.split():
         said = imported(tmp_path, logs / f"{name}.csv.gz", "--model", logs / "leg.xml")
-        assert named in said and "Next: turn what counts the other way" in said
+        assert named in said and "Next: negate the columns with the wrong sign" in said
     first, second = (tmp_path / f"{name}.toml" for name in pair.split())
     told = run("diagnose", logs / "leg.xml", first, "--holdout", second, cwd=tmp_path)
     assert told.returncode == 2 and named in told.stderr
@@ -42,12 +42,12 @@ def test_units_that_no_number_tells(tmp_path: Path) -> None:
     logs = report_folder("units_sure")
     for name in ("motA", "motB"):
         said = imported(tmp_path, logs / f"{name}.csv.gz", code=2)
-        assert "cannot be told: What is the unit of position: rad or deg or turn" in said
+        assert "needs an answer. What is the unit of position: rad or deg or turn" in said
         said = imported(tmp_path, logs / f"{name}.csv.gz", "--model", logs / "leg.xml")
         assert "turn sure the model's weight and inertia" in said
         imported(tmp_path, logs / f"{name}.csv.gz", "--yes", "--force")
     told = run("diagnose", logs / "leg.xml", tmp_path / "motA.toml", "--holdout", tmp_path / "motB.toml")
-    assert told.returncode == 2 and "perhaps the unit" in told.stderr
+    assert told.returncode == 2 and "possible unit error" in told.stderr
     assert "revolutions and radians" in told.stderr
 
 
@@ -55,10 +55,10 @@ def test_a_factor_of_ten_and_parts_of_a_range_and_currents_are_asked(tmp_path: P
     logs = report_folder("units_sure")
     ten = imported(tmp_path, logs / "tenA.csv.gz", code=2)
     assert "Velocity is 10 times the derivative of position" in ten and "velocity=0.1*rad/s" in ten
-    assert "parts of each joint's range" in imported(tmp_path, logs / "lerobot_ds", code=2)
+    assert "scaled to each joint's range" in imported(tmp_path, logs / "lerobot_ds", code=2)
     named = ("--column", "torque_measured=hip_current,knee_current")
     asked = imported(tmp_path, logs / "amperes.csv.gz", *named, code=2)
-    assert "What torque constant has each drive" in asked
+    assert "What is the torque constant of each drive" in asked
     assert "N m per A" in imported(tmp_path, logs / "amperes.csv.gz", *named, "--unit", "torque=A", code=2)
     imported(tmp_path, logs / "amperes.csv.gz", *named, "--unit", "torque=1.27*N*m,1.1*N*m")
 
@@ -91,7 +91,10 @@ def test_encoders_that_wrap(tmp_path: Path, log: str, model: str, friction: str)
 def test_the_loop_that_a_log_shows(tmp_path: Path) -> None:
     logs = report_folder("loop_of_the_log")
     seen = " ".join(run("inspect", logs / "aw.toml", columns=200).stdout.split())
-    assert "in joint coordinates the logged command follows the stated law (0.0001 % of it stays)" in seen
+    assert (
+        "in joint coordinates the logged command follows the stated law (0.0001 % of it remains unexplained)"
+        in seen
+    )
     told = run("diagnose", logs / "own.toml", logs / "afw.toml", "--holdout", logs / "bfw.toml")
     assert told.returncode == 2 and 'write coordinates = "joint"' in told.stderr
     said = imported(tmp_path, logs / "lowcmd.csv.gz", "--model", logs / "leg.xml")

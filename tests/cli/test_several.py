@@ -61,9 +61,9 @@ def test_models_among_recordings_are_left_out_with_a_note(imported: Path) -> Non
     ended = run("inspect", "data/better.toml", "data/check.toml", "data/sweep.toml", cwd=imported)
     assert ended.returncode == 0 and "note: data/better.toml is a model" in ended.stderr
     alone = run("inspect", "data/better.toml", cwd=imported)
-    assert alone.returncode == 2 and "is no recording" in alone.stderr
+    assert alone.returncode == 2 and "is not a recording" in alone.stderr
     assert [r.name for r in load_recordings(str(imported / "data" / "*.toml"))] == ["check", "sweep"]
-    with pytest.raises(InputError, match="is no recording"):
+    with pytest.raises(InputError, match="is not a recording"):
         load_recordings(str(imported / "data" / "bet*.toml"))
 
 

@@ -65,8 +65,8 @@ def test_what_does_not_fit_is_told_in_one_line(robot: Model) -> None:
 
     turned = np.tile([np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0], (len(made), 1))
     refused = {
-        "nothing says where it was; name its columns, or fix the base": other(base_position=None),
-        "3 columns, and it takes 4": other(base_orientation=made.extra["base_position"]),
+        "no column says where it was; name its columns, or fix the base": other(base_position=None),
+        "3 columns instead of 4": other(base_orientation=made.extra["base_position"]),
         "its four numbers have the length 2 in row 1; give unit quaternions": other(
             base_orientation=2.0 * made.extra["base_orientation"]
         ),
@@ -76,10 +76,10 @@ def test_what_does_not_fit_is_told_in_one_line(robot: Model) -> None:
     for line, recording in refused.items():
         with pytest.raises(InputError, match=line):
             compare(robot, [recording])
-    with pytest.raises(InputError, match="has none; add a \\[ground\\] table"):
+    with pytest.raises(InputError, match="has no ground; add a \\[ground\\] table"):
         compare(replace(robot, ground=None), [other(ground_force=None)])
     fixed = replace(robot, floats=False, axes=robot.driven, joints=robot.driven)
-    with pytest.raises(InputError, match="the base moves, and that of model 'robot' is fixed"):
+    with pytest.raises(InputError, match="the base moves, but that of model 'robot' is fixed"):
         compare(replace(fixed, transmission=np.eye(fixed.size)), [made])
 
 

@@ -34,7 +34,10 @@ def test_a_right_model_scores_the_noise_floor() -> None:
         assert entry.ground_force_rmse is not None and entry.ground_force_rmse.shape == (3,)
     shown = comparison_dict(result)["recordings"][0]
     assert len(shown["ground_force_rmse"]) == len(shown["ground_force_noise"]) == 3
-    assert any("no foot slips: the ground's friction is at least 0." in note for note in result.notes)
+    assert any(
+        "no foot slips, so that only a lower limit of the ground's friction is known: 0." in note
+        for note in result.notes
+    )
 
 
 def test_a_wrong_ground_is_far_above_it() -> None:
@@ -78,7 +81,7 @@ def test_what_does_not_fit_is_told_in_one_line(tmp_path) -> None:
     recording = clean()[0]
     force = recording.extra["ground_force"]
     refused = {
-        "model 'leg' has none; add a \\[ground\\] table": (load_model("leg"), recording),
+        "model 'leg' has no ground; add a \\[ground\\] table": (load_model("leg"), recording),
         "6 columns, and model 'leg_on_plate' has 1 feet": (
             MODEL,
             replace(recording, extra={"ground_force": np.hstack([force, force])}),
@@ -87,7 +90,7 @@ def test_what_does_not_fit_is_told_in_one_line(tmp_path) -> None:
             having(MODEL, EffectKey("joint_compliance", "knee"), stiffness=60.0, damping=0.1),
             recording,
         ),
-        "the base moves, and that of model 'leg_on_plate' is fixed; give its MJCF a <freejoint/>": (
+        "the base moves, but that of model 'leg_on_plate' is fixed; give its MJCF a <freejoint/>": (
             MODEL,
             replace(recording, extra={**recording.extra, "base_position": force}),
         ),
@@ -102,5 +105,5 @@ def test_what_does_not_fit_is_told_in_one_line(tmp_path) -> None:
     save_recording(recording, tmp_path / "press.toml")
     text = (tmp_path / "press.toml").read_text()
     (tmp_path / "press.toml").write_text(text.replace('    "ground_force_2",\n', ""))
-    with pytest.raises(InputError, match=r"columns.ground_force.*no multiple of three; give fx, fy, fz"):
+    with pytest.raises(InputError, match=r"columns.ground_force.*not a multiple of three; give fx, fy, fz"):
         load_recording(tmp_path / "press.toml")

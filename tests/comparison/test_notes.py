@@ -40,10 +40,10 @@ def test_only_loops_that_nobody_states_are_called_unknown() -> None:
     without = {name: x for name, x in strange.signals.items() if not name.endswith("reference")}
     blind = replace(LEG, controller=Controller())
     said = loop_sentence(compare(blind, [known, strange]))
-    assert said.startswith("How the loop of b was closed is not known, so that only the torque")
+    assert said.startswith("The controller of b is not known, so that only the torque")
     assert "compared, in all recordings alike" in said
     by_model = replace(known, controller=Controller())
     said = loop_sentence(compare(LEG, [by_model, replace(strange, signals=without)]))
-    assert said.startswith("How the loop of b was closed") and "alike" in said
+    assert said.startswith("The controller of b") and "alike" in said
     said = loop_sentence(compare(blind, [strange]))
-    assert said.startswith("How the loop of b was closed") and "alike" not in said
+    assert said.startswith("The controller of b") and "alike" not in said

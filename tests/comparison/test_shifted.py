@@ -32,7 +32,7 @@ def test_the_zero_of_an_encoder_is_elsewhere(leg: Model, by: tuple[float, float]
     assert found is not None and found.after < 0.02
     back = np.array([found.by.get(axis, 0.0) for axis in log.axes]) + by
     np.testing.assert_allclose(np.exp(1j * back), 1.0, atol=1e-9)
-    with pytest.raises(InputError, match="another zero"):
+    with pytest.raises(InputError, match="a different zero"):
         refuse_wrong_sign_of_torque(leg, [log])
 
 

@@ -138,7 +138,7 @@ def test_a_floor_that_is_as_large_as_the_signal_is_no_verdict(tmp_path: Path) ->
     moves, rests = _swings(model), _swings(model, 0.0, 0.0)
     result = compare(model, [moves])
     assert result.noise_error < 0.1 and told(result) is result
-    with pytest.raises(SimulationError, match=r"noise alone throws it 1\.28 times"):
+    with pytest.raises(SimulationError, match=r"noise alone makes its error 1\.28 times"):
         told(replace(result, noise_error=1.28, noise_error_std=0.02))
     # what only noise moves leaves a perfect model about 1, and a run from a noisy state more
     assert not noise_rules(0.9, [moves]) and noise_rules(1.2, [moves])

@@ -40,7 +40,7 @@ def test_what_corrects_one_number_twice_stays_two_rows() -> None:
     ],
 )
 def test_lists_of_other_lengths_are_refused(parameters: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match="as many numbers"):
+    with pytest.raises(ValueError, match="same number of values"):
         apart({"effect": "cogging", "axis": "a", "parameters": parameters})
 
 

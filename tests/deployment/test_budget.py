@@ -30,9 +30,9 @@ def test_a_loop_that_keeps_its_times_lacks_nothing() -> None:
         (punctual(round_trips=[2.6e-3] * 200), 0.0, "an exchange takes 2.6 ms (99 %), of the 2.55 ms"),
         (punctual(), 2e-3, "takes 0.8 ms and the policy 2 ms"),
         (punctual(round_trips=[]), 0.0, "an exchange takes nan ms"),
-        (punctual(late=[5e-5] * 199 + [0.0035]), 0.0, "late by 3.5 ms, and 3 ms are to spare"),
+        (punctual(late=[5e-5] * 199 + [0.0035]), 0.0, "late by 3.5 ms, and 3 ms remain"),
         (punctual(skipped=5), 0.0, "2.4 % of the ticks"),
-        (punctual(incomplete=10), 0.0, "10 of 200 exchanges lacked an answer"),
+        (punctual(incomplete=10), 0.0, "10 of 200 exchanges had no answer"),
     ],
 )
 def test_what_is_lacking_is_named(seen: Punctuality, policy: float, said: str) -> None:

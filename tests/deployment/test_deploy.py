@@ -101,8 +101,8 @@ def test_observations_that_drives_cannot_tell_are_refused(tmp_path: Path) -> Non
     config, loaded = load_config(leg(tmp_path)), read_bundle(bundle(tmp_path))
     first, *rest = loaded.observations
     for wrong, said in (
-        (type(first)("foot_load", 0, 2, 1.0, ""), "'foot_load', which nothing here can tell"),
-        (type(first)("gravity", 0, 3, 1.0, ""), "'gravity', and there is no inertial unit"),
+        (type(first)("foot_load", 0, 2, 1.0, ""), "'foot_load', which is not available here"),
+        (type(first)("gravity", 0, 3, 1.0, ""), "'gravity', but there is no inertial unit"),
         (type(first)("reach_ahead", 0, 2, 1.0, ""), "has 2 numbers from 0, here 8"),
     ):
         changed = PolicyBundle(**{**vars(loaded), "observations": (wrong, *rest)})
@@ -160,7 +160,7 @@ def test_a_policy_that_fails_damps(tmp_path: Path) -> None:
     host.verify()
     host.operator.arm = True
     host.run(0.5)
-    assert host.state.phase == "damp" and host.state.fault == "an action is no number"
+    assert host.state.phase == "damp" and host.state.fault == "an action is not a number"
 
 
 def test_the_tracker_tracks(tmp_path: Path) -> None:

@@ -108,7 +108,7 @@ def test_a_stated_transmission_is_that_of_the_model(tmp_path: Path) -> None:
     ("more", "said"),
     [
         ({}, "name a model, or write the transmission"),
-        ({"transmission": [[1.0, 0.0]]}, "is no table of 2 rows of 2"),
+        ({"transmission": [[1.0, 0.0]]}, "is not a table of 2 rows of 2"),
         ({"transmission": [[1.0, 1.0], [1.0, 1.0]]}, "has no inverse"),
     ],
 )

@@ -79,7 +79,7 @@ def test_an_inertial_unit_that_falls_silent_damps(tmp_path: Path) -> None:
     silent = network.now()
     network.wires["fl"].lost = lambda node, frame: frame.id == 0x60
     host.run(0.05, lambda h, _: h.state.phase == "damp")
-    assert host.state.fault == "no word of the base for 9 ms"
+    assert host.state.fault == "no data of the base for 9 ms"
     assert host.state.since - silent <= 0.009 + config.loop.period_s
 
 

@@ -150,7 +150,7 @@ FAULTS = {
     "no feedback": {"age": np.array([0.009, 0.0])},
     "never heard": {"age": np.array([np.inf, 0.0])},
     "age unknown": {"age": np.array([np.nan, 0.0])},
-    "no word of the base": {"base_age": 0.009},
+    "no data of the base": {"base_age": 0.009},
     "no number": {"position": np.array([np.nan, 1.0])},
     "no speed": {"velocity": np.array([0.0, -np.inf])},
     "drive": {"faulty": np.array([False, True])},

@@ -34,13 +34,13 @@ def test_one_missing_effect_is_named_with_its_size(
     assert abs(estimate.value - value) < max(3.0 * estimate.std, 0.01 * value)
     assert effect not in {k.effect for k in found.not_excited}
     assert "torque_constant_error" in {k.effect for k in found.not_excited}, "no motor pushed"
-    assert any("a payload was not looked for" in note for note in found.notes)
+    assert any("no payload was searched for" in note for note in found.notes)
 
 
 def test_nothing_is_invented(tmp_path: Path) -> None:
     found = asked(tmp_path)
     assert found.verdict == "consistent"
-    assert found.notes and all("run swing by swing" in note for note in found.notes)
+    assert found.notes and all("each swing is simulated" in note for note in found.notes)
 
 
 def test_a_spring_of_another_law_is_not_the_nearest_effect(tmp_path: Path) -> None:

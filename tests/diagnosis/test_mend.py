@@ -41,7 +41,7 @@ def test_wrong_gains_lead_to_the_line_of_the_recording(
     gains = found("controller_gain_error", "lift", kp_scale=0.8, kd_scale=1.0004)
     data = [recording(tmp_path, f"run{k}") for k in range(5)]
     lines = mend_lines(model, data, [gains])
-    first = "mend run0.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
+    first = "correct run0.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
     assert lines[0] == first and "kd" not in " ".join(lines)
     assert len(lines) == 4 and "2 more recordings" in lines[-1]
 
@@ -53,12 +53,12 @@ def test_a_wrong_number_of_an_mjcf_leads_to_its_line(tmp_path: Path, monkeypatch
     line = 1 + next(k for k, text in enumerate(file.read_text().splitlines()) if 'name="lift"' in text)
     damping = found("viscous_damping", "lift", "damping", 0.5, damping=0.3)
     assert mend_lines(model, [], [damping]) == (
-        f"mend arm.xml, line {line}: damping of lift is 0.5 and should be 0.8",
+        f"correct arm.xml, line {line}: damping of lift is 0.5 and should be 0.8",
     )
     mass = found("first_moment_error", "lift", "first moment", None, along=0.03 * 2.4, across=0.0)
     [told] = mend_lines(model, [], [mass])
     assert told.startswith(
-        f"mend arm.xml, line {line + 1}: centre of the body of lift is (0.17 0 0) and should be (0.2 0 0)"
+        f"correct arm.xml, line {line + 1}: centre of the body of lift is (0.17 0 0) and should be (0.2 0 0)"
     )
 
 

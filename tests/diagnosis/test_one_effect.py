@@ -34,5 +34,5 @@ def test_a_choice_that_is_not_the_cause_is_fitted_all_the_same() -> None:
 
 def test_what_explains_nothing_is_refused() -> None:
     training, _ = recordings(HiddenEffect("viscous_damping", "knee", parameters={"damping": 0.3}))
-    with pytest.raises(InputError, match="explains nothing"):
+    with pytest.raises(InputError, match="does not lower the error"):
         fit_effect(LEG, training, EffectKey("backlash", "hip"))

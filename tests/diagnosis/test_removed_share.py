@@ -56,7 +56,7 @@ def test_a_step_its_ranking_and_its_evidence_have_the_same_share() -> None:
         (0.13, 0.0673, "removes 82.7 % of"),
         (0.13, 0.04, "removes 100.0 % of"),
         (0.13, 0.15, "adds 37.4 % to"),
-        (0.0454, 0.044, "too little of it: their error was 1.03 times the noise"),
+        (0.0454, 0.044, "not informative enough: their error was 1.03 times the noise"),
     ],
 )
 def test_held_out_recordings_have_the_share_of_the_errors_beside_it(

@@ -21,7 +21,7 @@ def test_a_loop_in_which_nothing_explains_the_log_is_not_searched(tmp_path: Path
     said: list[str] = []
     (finding,) = diagnose(model, logs, progress=said.append).findings
     assert finding.parameters["along"].value == pytest.approx(1.3 * 0.07, rel=0.05)
-    (asked,) = (text for text in said if "ways the loop may work" in text)
-    ways = int(asked.split()[3])
-    again = [text for text in said if "another way in which the loop may work" in text]
+    (asked,) = (text for text in said if "assumptions about how the loop works" in text)
+    ways = int(asked.split()[1])
+    again = [text for text in said if "another assumption about the loop" in text]
     assert ways > 1 and len(again) < ways - 1, said

@@ -69,7 +69,7 @@ def test_a_joint_of_an_included_file_is_looked_for_there(tmp_path: Path) -> None
         into_file(model, file)
     made = into_file(model, tmp_path / "parts/tree.xml")
     assert len(made.changes) == 3 and made.content.startswith(b"<mujocoinclude>")
-    with pytest.raises(InputError, match="does not stand on this file"):
+    with pytest.raises(InputError, match="is not based on this file"):
         into_file(model, bench_arm(tmp_path, "other"))
 
 

@@ -75,7 +75,7 @@ def test_a_missing_spring_is_noticed_and_widens_the_intervals() -> None:
     assert fit.judgement.cost > 2 * fit.judgement.expected and not fit.judgement.white
     good = fit_actuator(frf)
     assert fit.parameters["damping"].std > 3 * good.parameters["damping"].std
-    assert any("weighted by what the model leaves" in n for n in fit.notes)
+    assert any("weighted by the model's residual" in n for n in fit.notes)
 
 
 @pytest.mark.parametrize("output", ["velocity", "position"])

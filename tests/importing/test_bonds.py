@@ -241,7 +241,7 @@ def test_a_rod_between_balls_and_a_stiff_spring_as_in_cassie(tmp_path: Path) -> 
     assert free.returncode == 2 and "spring can still move" in free.stderr and "--hold" in free.stderr
     done = run("import", file, *words, "--hold", "spring=0", "-o", tmp_path / "own.toml")
     assert done.returncode == 0, done.stderr
-    assert "rods that do not turn about themselves here: ball" in " ".join(done.stdout.split())
+    assert "taken as not turning about their own axis: ball" in " ".join(done.stdout.split())
     model = read_model(tmp_path / "own.toml")
     assert model.closed_chain is not None and verify(model, samples=4).passed
     # the motor's way is that of MuJoCo's ball and connect: distance of the rod's ends is the rod's length

@@ -88,7 +88,7 @@ def test_a_joint_that_loops_move_on_the_way_is_refused_with_what_to_do(tmp_path:
         "import", file, *words, "--start", "left_ankle=0.4", "--hold-rest", "-o", tmp_path / "own.toml"
     )
     assert done.returncode == 2
-    assert "one joint a drive" in done.stderr and "leave out left_ankle and its drive" in done.stderr
+    assert "one joint per drive" in done.stderr and "leave out left_ankle and its drive" in done.stderr
 
 
 def test_a_keyframe_is_where_assembly_begins(tmp_path: Path) -> None:

@@ -247,7 +247,7 @@ def test_saturated_torque(sound: Recording) -> None:
 def test_command_at_its_limit(sound: Recording) -> None:
     limit = 0.4 * np.abs(sound.signals["torque_command"][:, 1]).max()
     cut = sound.with_signals(torque_command=np.clip(sound.signals["torque_command"], -limit, limit))
-    found = [r for r in alarms(cut) if "Command of 'b' stands" in r.text]
+    found = [r for r in alarms(cut) if "Command of 'b' is at its" in r.text]
     assert found and abs(found[0].value["limit"]) == pytest.approx(limit)
 
 

@@ -89,7 +89,7 @@ def test_the_measured_drive(tmp_path: Path) -> None:
     for gain in ("kp_0", "kd_0"):
         assert remark.value["factors"][gain]["value"] == pytest.approx(1.0, abs=3e-4)
     assert (
-        "As good: a speed that was measured and not logged, of 1 tick before, and kd of 'slide' 1.152"
+        "Equally good: a speed that was measured and not logged, of 1 tick before, and kd of 'slide' 1.152"
         in remark.text
     )
 

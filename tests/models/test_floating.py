@@ -82,7 +82,7 @@ def test_what_no_model_can_be_is_told(folder) -> None:
         "body 'fl_bracket' floats inside of another": xml.replace("<freejoint/>", "").replace(
             '<joint name="fl_roll" axis="1 0 0" armature="0.01"/>', "<freejoint/>"
         ),
-        "joint 'base_x' is called as an axis of the base is": xml.replace('"fl_knee"', '"base_x"'),
+        "joint 'base_x' has the name of an axis of the base": xml.replace('"fl_knee"', '"base_x"'),
         "joint 'fl_hip' is a ball": xml.replace('name="fl_hip" axis="0 1 0"', 'name="fl_hip" type="ball"'),
     }
     for line, text in wrong.items():

@@ -80,7 +80,7 @@ BAD: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
     "an inertia that is no number": ({"actuators": {"inertia": float("nan")}}, ("actuators.inertia",)),
     "gains for one axis of two": (
         {"controller": {"kind": "pd", "kp": [1.0], "kd": [1.0]}},
-        ("controller.kp", "give one an axis"),
+        ("controller.kp", "give one per axis"),
     ),
     "a loop without gains": ({"controller": {"kind": "pd", "kp": 5.0}}, ("controller.kd", "give")),
     "a payload at no site": ({"payload": {"site": "toe"}}, ("toe", "payload.site", "foot")),

@@ -96,7 +96,7 @@ def test_a_counter_that_begins_anew_goes_on(tmp_path: Path, name: str, period: f
         put(tmp_path, text({name: ticks, **{n: v for n, v in data.items() if n != "t"}}))
     )
     same(recording, LOG, tolerance=1e-9)
-    assert any("begins anew" in note for note in proposal.notes)
+    assert any("restarts" in note for note in proposal.notes)
 
 
 def test_most_of_a_log_is_not_left_out_without_a_question(tmp_path: Path) -> None:
@@ -181,7 +181,7 @@ def test_rows_that_stand_there_several_times_are_taken_once_and_said(tmp_path: P
     data["t"] = LOG.t[0] + np.arange(count * N) * (LOG.t[1] - LOG.t[0]) / count
     proposal, recording = imported(put(tmp_path, text(data)), Answers(model_axes=("hip", "knee")))
     often = "twice" if count == 2 else f"{count} times"
-    assert f"Every row stands there {often}" in " ".join(proposal.notes)
+    assert f"Every row is repeated {often}" in " ".join(proposal.notes)
     assert len(recording) == N and recording.period == pytest.approx(LOG.t[1] - LOG.t[0])
     np.testing.assert_allclose(recording.position, LOG.q, atol=1e-6)
 
@@ -195,4 +195,4 @@ def test_rows_that_are_no_copies_stay(tmp_path: Path) -> None:
     slow = {"t": LOG.t, "pos_a": np.round(LOG.q[:, 0] * 60) / 60, "pos_b": np.round(LOG.q[:, 1] * 60) / 60}
     for data in (noisy, slow):
         proposal = propose(open_table(put(tmp_path, text(data))))
-        assert not any("stands there" in note for note in proposal.notes)
+        assert not any("is repeated" in note for note in proposal.notes)

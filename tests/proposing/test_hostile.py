@@ -128,11 +128,11 @@ def test_links_that_lead_out(tmp_path: Path) -> None:
     data = folder / "data" / "chunk-000" / "episode_000000.parquet"
     data.rename(tmp_path / "outside.parquet")
     data.symlink_to(tmp_path / "outside.parquet")
-    refused(folder, "leads out")
+    refused(folder, "outside its folder")
     info = folder / "meta" / "info.json"
     info.rename(tmp_path / "info.json")
     info.symlink_to(tmp_path / "info.json")
-    refused(folder, "leads out")
+    refused(folder, "outside its folder")
 
 
 def test_bags_whose_files_lie_elsewhere(tmp_path: Path) -> None:
@@ -149,13 +149,13 @@ def test_bags_whose_files_lie_elsewhere(tmp_path: Path) -> None:
         "relative_file_paths": ["../secret.db3"],
     }
     (bag / "metadata.yaml").write_text(json.dumps({"rosbag2_bagfile_information": content}))
-    refused(bag, "no readable bag")
+    refused(bag, "not a readable bag")
     (bag / "secret.db3").symlink_to(tmp_path / "secret.db3")
-    refused(bag, "leads out")
+    refused(bag, "outside its folder")
     (bag / "secret.db3").unlink()
     packed = {**content, "compression_mode": "FILE", "compression_format": "zstd"}
     (bag / "metadata.yaml").write_text(json.dumps({"rosbag2_bagfile_information": packed}))
-    refused(bag, "no readable bag|compressed")
+    refused(bag, "not a readable bag|compressed")
 
 
 def test_json_that_nests_without_end(tmp_path: Path) -> None:

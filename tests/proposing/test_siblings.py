@@ -30,7 +30,7 @@ def test_a_held_joint_among_arrays_and_a_tool_beside_them(tmp_path: Path) -> Non
     assert recording.axes == named
     for name, values in (("position", q), ("velocity", qd), ("torque_command", command)):
         np.testing.assert_allclose(recording.signals[name], values, atol=1e-9)
-    assert any("Not among the axes" in note and "ee_0, ee_1, ee_2" in note for note in proposal.notes)
+    assert any("Not taken as axes" in note and "ee_0, ee_1, ee_2" in note for note in proposal.notes)
     assert not any("derivative" in note for note in proposal.notes), "what stands still has no slope to hold"
 
 

@@ -50,7 +50,7 @@ def test_they_tell_the_rate(nameless: Path) -> None:
 
 def test_a_stated_rate_that_all_speeds_contradict_is_called_that(nameless: Path) -> None:
     proposal, recording = imported(nameless, answers(400.0, "column_1", "column_2"))
-    (note,) = [n for n in proposal.notes if "rows a second" in n]
+    (note,) = [n for n in proposal.notes if "rows per second" in n]
     assert "on every axis" in note and float(note.split("--rate ")[1]) == pytest.approx(200.0, rel=0.03)
     (problem,) = [r for r in inspect([recording]).recordings[0].remarks if r.severity == "problem"]
     assert problem.topic == "clock" and problem.value["rate_hz"] == pytest.approx(200.0, rel=0.03)
@@ -62,7 +62,7 @@ def test_degrees_a_second_are_no_wrong_rate(nameless: Path) -> None:
     np.savetxt(nameless, table, delimiter=",")
     said = Answers(**{**vars(answers(200.0, "column_1", "column_2")), "units": {"velocity": "rad/s"}})
     notes = propose(open_table(nameless), said).notes
-    assert not [n for n in notes if "rows a second" in n] and any("deg/s" in n for n in notes)
+    assert not [n for n in notes if "rows per second" in n] and any("deg/s" in n for n in notes)
 
 
 def test_too_many_positions_are_shown_by_their_columns(nameless: Path) -> None:

@@ -157,7 +157,7 @@ def test_time_starting_anew_is_another_run(tmp_path: Path) -> None:
     data = {k: np.concatenate([v[:300], v]) for k, v in columns(LOG).items()}
     proposal, recording = imported(put(tmp_path, text(data)))
     same(recording, LOG, tolerance=1e-9)
-    assert any("starts anew" in note for note in proposal.notes)
+    assert any("restarts" in note for note in proposal.notes)
 
 
 def test_text_that_breaks_off_within_a_letter_is_refused(tmp_path: Path) -> None:

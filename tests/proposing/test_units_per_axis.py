@@ -72,7 +72,7 @@ def test_velocities_overrule_the_clocks_name_and_say_so(tmp_path: Path) -> None:
     data = {name.replace("Stamp [ms]", "Stamp [s]"): values for name, values in mixed(LOG).items()}
     proposal = propose(open_table(put(tmp_path, data)))
     assert proposal.description["units"]["time"] == "ms"
-    assert any("'Stamp [s]' is in s by its name" in note and "ms is taken" in note for note in proposal.notes)
+    assert any("The name of 'Stamp [s]' says s" in note and "ms is used" in note for note in proposal.notes)
 
 
 def test_a_column_in_another_unit_than_its_axis_is_scaled(tmp_path: Path) -> None:
@@ -94,7 +94,7 @@ def test_one_unit_for_axes_that_move_differently_is_refused(tmp_path: Path) -> N
     table = open_table(put(tmp_path, mixed(LOG)))
     with pytest.raises(InputError, match="'z', which moves along a line") as caught:
         propose(table, Answers(units={"position": "rad"}))
-    assert caught.value.remedy == "give one an axis: --unit position=rad,mm"
+    assert caught.value.remedy == "give one per axis: --unit position=rad,mm"
 
 
 def test_the_user_says_one_unit_an_axis(tmp_path: Path) -> None:
@@ -118,7 +118,7 @@ def test_names_count_without_units(tmp_path: Path, speed: bool) -> None:
     assert units["position"] == ["deg", "mm"] and units["torque"] == ["N*m", "N"]
     assert not any(note.startswith("Not used") for note in proposal.notes)
     taken = next(a for a in proposal.assumptions if a.what == "torque_measured")
-    assert "taken for torque" in taken.because and taken.word == "likely"
+    assert "read as torque" in taken.because and taken.word == "likely"
 
 
 def test_the_loop_is_found_without_units(tmp_path: Path) -> None:

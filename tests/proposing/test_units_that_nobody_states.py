@@ -184,5 +184,5 @@ def test_parts_of_a_range_are_asked_or_noted(tmp_path: Path, names: str, gain: f
     np.savetxt(tmp_path / "run.csv", np.column_stack([t, q]), delimiter=",", header=header, comments="")
     proposal = propose(open_table(tmp_path / "run.csv"))
     assert [q.key for q in proposal.questions] == ["unit.position"] * asked
-    noted = any("parts of each joint's range" in note for note in proposal.notes)
+    noted = any("caled to each joint's range" in note for note in proposal.notes)
     assert noted == (not asked and "deg" not in names)

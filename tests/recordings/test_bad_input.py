@@ -80,7 +80,7 @@ def test_what_is_no_recording_is_told_what_to_do_with_it(
 ) -> None:
     (tmp_path / name).write_text(text)
     error = refused(tmp_path / name)
-    assert error.problem == "is no recording" and remedy.format(folder=tmp_path) in str(error)
+    assert error.problem == "is not a recording" and remedy.format(folder=tmp_path) in str(error)
 
 
 @pytest.mark.parametrize("version", [0, "1"])

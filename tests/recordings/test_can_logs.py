@@ -83,5 +83,5 @@ def test_what_a_reader_would_leave_out_is_refused(tmp_path: Path) -> None:
     place = raw.index(b"LOBJ") + 16  # the first container's method of compression
     raw[place : place + 2] = b"\x02\x02"
     (tmp_path / "run.blf").write_bytes(raw)
-    with pytest.raises(InputError, match=r"no readable log: Unknown compression method \(514\)"):
+    with pytest.raises(InputError, match=r"not a readable log: Unknown compression method \(514\)"):
         load_recording(path)

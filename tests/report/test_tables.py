@@ -70,7 +70,7 @@ def test_a_held_out_error_stands_beside_its_own_noise_floor(diagnosis):
 
 def test_improve_lists_every_step_and_the_noise_floor(improvement):
     text = printed(improvement_table(improvement))
-    assert "without " in text and "needless now" in text
+    assert "removed: no longer needed" in " ".join(text.split())
     assert "+ Coulomb friction" in text and "+ Torque gain" in text
     floor = next(line for line in text.splitlines() if line.startswith("Noise floor"))
     assert "0.0303" in floor, "held-out recordings have a floor of their own"
@@ -121,7 +121,7 @@ def test_what_is_only_nearest_is_not_called_a_cause(improvement, diagnosis):
     near = replace(improvement, verdict="unexplained", nearest=True, diagnosis=beside)
     text = " ".join(printed(improvement_table(near)).split())
     assert "No effect that was tried explains what is missing." in text
-    assert "With what comes nearest, Coulomb friction" in text
+    assert "With the closest effects, Coulomb friction" in text
     assert line[1:] in text
 
 

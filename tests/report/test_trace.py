@@ -41,7 +41,7 @@ def test_its_own_page_says_why_and_from_what(diagnosis: Diagnosis) -> None:
     ):
         assert words in page.text, words
     (picture,) = [a for tag, a in page.tags if tag == "img"]
-    assert picture["alt"] and "2 things were tried" in picture["alt"]
+    assert picture["alt"] and "2 starts and changes were tried" in picture["alt"]
 
 
 def test_where_nothing_was_searched_it_says_so(diagnosis: Diagnosis) -> None:

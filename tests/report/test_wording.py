@@ -66,12 +66,15 @@ def test_verdicts(comparison, diagnosis, improvement):
     assert (
         sentence(unknown)
         == "Something is missing: no effect that was tried explains what is missing; 73 % of the squared "
-        "error above the noise stays."
+        "error above the noise remains."
     )
     spent = sentence(replace(unknown, stopped="budget"))
     assert "before it had tried everything" in spent and "no effect" not in spent
     partly = replace(diagnosis, verdict="partly_explained", unexplained_fraction=0.4)
-    end = "That is certain, and not all: 40 % of the squared error above the noise has another cause."
+    end = (
+        "This is certain, but it is not the whole cause: 40 % of the squared error above the noise "
+        "has another cause."
+    )
     assert sentence(partly).endswith(end)
     two = replace(diagnosis, findings=diagnosis.findings * 2)
     assert sentence(two).startswith("Two effects are missing: Coulomb friction on the knee drive and ")
@@ -167,7 +170,7 @@ def test_places_of_one_effect_share_a_phrase() -> None:
 
 def test_a_loop_that_noise_blows_up_is_no_verdict_on_the_data(comparison) -> None:
     lost = replace(comparison, error=304.0, noise_error=345.0, consistent=False)
-    assert "cannot run these loops" in sentence(lost) and "order of the axes" in sentence(lost)
+    assert "cannot run in these loops" in sentence(lost) and "order of the axes" in sentence(lost)
 
 
 def test_it_is_said_why_no_motion_was_compared():
@@ -175,7 +178,7 @@ def test_it_is_said_why_no_motion_was_compared():
     assert loop_sentence(known) == ""
     entries = [replace(known.recordings[0], position_rmse=np.full(2, np.nan)), known.recordings[1]]
     unknown = replace(known, recordings=tuple(entries))
-    said = "How the loop of chirp_hip was closed is not known"
+    said = "The controller of chirp_hip is not known"
     assert loop_sentence(unknown).startswith(said)
     assert said in Page(render_page(unknown, command="workbench compare")).text
 
@@ -190,13 +193,13 @@ def test_gains_that_are_stated_wrongly_are_no_missing_effect(diagnosis) -> None:
     scales = {"kp_scale": Estimate(0.8, 0.005, "1"), "kd_scale": Estimate(1.3, 0.01, "1")}
     key = EffectKey("controller_gain_error", "lift")
     gains = replace(diagnosis.findings[0], key=key, parameters=scales)
-    line = "mend run.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
+    line = "correct run.toml, line 6 ([controller]): kp of lift is 150 and should be 120"
     told = replace(diagnosis, findings=(gains,), mend=(line,))
     assert sentence(told) == (
         "The controller's gains are stated wrongly: on the lift drive kp is 0.800 ± 0.010 and kd is "
         "1.300 ± 0.020 times what is stated."
     )
-    assert f"M{line[1:]}." in Page(render_page(told, command="workbench diagnose")).text
+    assert f"C{line[1:]}." in Page(render_page(told, command="workbench diagnose")).text
     assert diagnosis_dict(told)["mend"] == [line]
     both = sentence(replace(told, findings=(gains, diagnosis.findings[0])))
     assert "Something is missing too: Coulomb friction" in both

@@ -66,7 +66,7 @@ def test_several_effects_sit_apart_and_are_not_much_the_same(count: int) -> None
 
 
 def test_more_effects_than_go_together_are_refused() -> None:
-    with pytest.raises(InputError, match="no 2 of these effects go together"):
+    with pytest.raises(InputError, match="no 2 of these effects can be combined"):
         draw_several(0, 2, ["command_delay", "payload_mass"])
 
 

@@ -146,5 +146,5 @@ def test_the_loop_runs_at_its_own_rate(row: float, loop: float) -> None:
 
 
 def test_a_loop_between_rows_is_refused() -> None:
-    with pytest.raises(InputError, match="no whole number of rows"):
+    with pytest.raises(InputError, match="not a whole number of rows"):
         VirtualLeg(control_period=2.5e-3).run([step_experiment(0.0)])

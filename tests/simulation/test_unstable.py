@@ -77,7 +77,7 @@ def test_the_effect_its_value_and_the_time_are_named() -> None:
 def test_gains_are_named_where_no_effect_is_to_blame() -> None:
     model = load_model("leg")
     free = replace(model, actuators=replace(model.actuators, torque_limit=(np.inf, np.inf)))
-    with pytest.raises(SimulationError, match="no single effect makes it so, and its loop has kp 1e"):
+    with pytest.raises(SimulationError, match="no single effect causes this, and its loop has kp 1e"):
         simulate([Run(free, recording(kp=1e7))])
 
 

@@ -103,7 +103,7 @@ def test_a_policy_of_other_legs_does_not_walk_on_the_reference_quadruped(tmp_pat
     chain = made.model.closed_chain
     assert chain is not None
     legs = replace(made, model=replace(made.model, closed_chain=replace(chain, file=other)))
-    with pytest.raises(InputError, match="the hardware that walks is the reference quadruped"):
+    with pytest.raises(InputError, match="the only walking virtual hardware is the reference quadruped"):
         ClosedChainPlant(legs)
 
 

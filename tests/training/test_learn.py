@@ -97,7 +97,7 @@ def test_runs_are_neither_overwritten_nor_mixed(tmp_path: Path) -> None:
         run(tmp_path / "run", 1)
     with pytest.raises(InputError, match="began with seed = 0"):
         run(tmp_path / "run", 2, seed=1, resume=True)
-    with pytest.raises(InputError, match="no run to go on with"):
+    with pytest.raises(InputError, match="no run to continue"):
         run(tmp_path / "nothing", 2, resume=True)
     run(tmp_path / "run", 2, seed=1, force=True)
     assert json.loads((tmp_path / "run" / CONFIG).read_text())["settings"]["seed"] == 1

@@ -132,7 +132,7 @@ def test_models_that_cannot_train_are_refused(change: dict, says: str) -> None:
 
 def test_a_delay_between_steps_is_refused() -> None:
     model = load_model("leg")
-    with pytest.raises(InputError, match="no whole number"):
+    with pytest.raises(InputError, match="not a whole number"):
         make_machine("leg", replace(model, actuators=replace(model.actuators, delay_s=0.004)))
 
 

@@ -55,7 +55,7 @@ def test_values_change_within_what_a_body_can_have(bench: Bench) -> None:
     index = len(bench.model.effects) - 1
     bench.set_value(index, "torque", 0.3)
     assert bench.model.effects[index].parameters["torque"] == Estimate(0.3, 0.0, "N*m")
-    with pytest.raises(InputError, match="a body can have"):
+    with pytest.raises(InputError, match="a body can physically have"):
         bench.set_value(index, "torque", -0.1)
     assert bench.model.effects[index].values == {"torque": 0.3}
     assert bench.has(KNEE)

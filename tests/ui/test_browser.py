@@ -93,7 +93,7 @@ def test_an_effect_is_found_added_with_a_click_and_the_error_falls(
 
     # what was found is missing no more
     said = chrome.ask("words()")
-    assert "What was found is in the model now." in said and "Something is missing" not in said
+    assert "The effects that were found are in the model now." in said and "Something is missing" not in said
     # a slider that is dragged has curves in sight that move
     chrome.wait("deep('.noUi-handle')")
     chrome.ask("window.scrollTo(0, 0)")

@@ -54,5 +54,5 @@ def test_no_words_contradict_an_error_above_the_noise() -> None:
     from workbench.ui.where import where_words
 
     above = replace(build.comparison(0.0), where=())
-    assert "nothing stands out" not in where_words(above) and "above the noise" in where_words(above)
-    assert "nothing stands out" in where_words(build.comparison(0.25))
+    assert "no larger than the noise" not in where_words(above) and "above the noise" in where_words(above)
+    assert "no larger than the noise" in where_words(build.comparison(0.25))

@@ -93,7 +93,7 @@ def test_states_that_the_mechanism_cannot_be_in_are_counted(tmp_path: Path) -> N
     subject, result = Subject.of(model, 40, 0, 1e-9), verify(model, samples=40)
     assert 0 < subject.unreached < 20 and len(subject.states) == 40 - subject.unreached
     left = f"{subject.unreached} of 40 random states within the limits"
-    assert f"{left}: the closed chain cannot be in them" in result.not_checked
+    assert f"{left}: the closed chain cannot reach them" in result.not_checked
 
 
 def test_without_limits_the_terms_are_compared_all_the_same(tmp_path: Path) -> None:

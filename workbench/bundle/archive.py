@@ -52,4 +52,4 @@ def _check_entries(entries: list[zipfile.ZipInfo], file: Path) -> None:
         if stat.S_ISLNK(entry.external_attr >> 16):
             raise InputError(f"'{name}' is a link", file=file, remedy=_REMEDY)
         if names.count(name) > 1:
-            raise InputError(f"'{name}' stands twice", file=file, remedy=_REMEDY)
+            raise InputError(f"'{name}' occurs twice", file=file, remedy=_REMEDY)

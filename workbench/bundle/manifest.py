@@ -39,7 +39,7 @@ class DriveMapTable(_Table):
         n, terms = len(self.middle), len(self.powers)
         fits = len(self.half) == len(self.factors) == n and all(len(row) == n for row in self.powers)
         if not fits or any(len(row) != terms for row in self.factors):
-            raise ValueError("the drive_map's rows are not one a joint and a term")
+            raise ValueError("drive_map needs one entry per joint, and one factor per joint and term")
         return self
 
 
@@ -71,9 +71,9 @@ class ControlTable(_Table):
         if any(len(row) != n for row in self.transmission):
             raise ValueError("the transmission is not square")
         if self.drive_map is not None and len(self.drive_map.middle) != n:
-            raise ValueError(f"drive_map is of {len(self.drive_map.middle)} joints, not {n}")
+            raise ValueError(f"drive_map has {len(self.drive_map.middle)} joints, not {n}")
         if any(len(row) != 2 or row[0] > row[1] for row in self.command_range or []):
-            raise ValueError("a command_range is lowest and highest")
+            raise ValueError("a command_range needs two numbers, lowest and highest")
         return self
 
 

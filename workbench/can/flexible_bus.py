@@ -12,7 +12,7 @@ def flexible_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     for bus in c.bus:
         key, own = f"bus '{bus.name}'", {motor.protocol for motor in c.on(bus.name)}
         if bus.data_bitrate and bus.data_bitrate < bus.bitrate:
-            problem = f"{bus.data_bitrate} is slower than the {bus.bitrate} of what arbitrates"
+            problem = f"{bus.data_bitrate} is slower than the arbitration rate {bus.bitrate}"
             yield f"{key}.data_bitrate", problem, "correct one of them"
         if "moteus" not in own:
             continue
@@ -20,7 +20,7 @@ def flexible_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
             problem = "moteus drives speak CAN-FD"
             yield f"{key}.data_bitrate", problem, "give the rate of its data, as 5_000_000"
         if others := own - {"moteus"}:
-            problem = f"{', '.join(sorted(others))} drives take CAN-FD frames for errors"
+            problem = f"{', '.join(sorted(others))} drives treat CAN-FD frames as errors"
             yield f"{key}.data_bitrate", problem, "put moteus drives on a bus of their own"
     kds = dict(zip(c.axes, c.gains()[1], strict=False))
     for motor in c.motor:
@@ -30,7 +30,10 @@ def flexible_problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
         if motor.protocol != "moteus":
             continue
         if c.loop.pd == "drive":
-            problem = f"'{motor.axis}' takes no larger part of kd than of kp, which fades in"
+            problem = (
+                f"'{motor.axis}' cannot use a larger share of its range for kd than for kp, because kp "
+                "fades in"
+            )
             yield "loop.pd", problem, 'write pd = "host"'
         if c.loop.damping != kd:
             problem = f"a moteus damps with its whole kd of {kd:g}, not with {c.loop.damping:g}"

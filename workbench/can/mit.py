@@ -90,7 +90,7 @@ class Mit(Packed):
         Raises:
             FrameError: always.
         """
-        raise FrameError(f"{self.name} drives cannot be told their {parameter.name}")
+        raise FrameError(f"{self.name} drives cannot be given their {parameter.name}")
 
     def decode(self, frame: Frame) -> Feedback | Parameter | None:
         """What this drive says; None where the frame is another's.

@@ -127,7 +127,7 @@ class Moteus:
             FrameError: these drives do not tell it.
         """
         if name != "watchdog":
-            raise FrameError(f"moteus drives do not tell their {name}")
+            raise FrameError(f"moteus drives do not report their {name}")
         return self._to_drive(head(READ, 3, _WATCHDOG, 1))
 
     def write(self, parameter: Parameter) -> Frame:
@@ -137,7 +137,7 @@ class Moteus:
             FrameError: another parameter, or another watchdog than the commands'.
         """
         if parameter != ("watchdog", self.watchdog_s):
-            raise FrameError(f"this moteus cannot be told a {parameter.name} of {parameter.value:g}")
+            raise FrameError(f"this moteus cannot be set to a {parameter.name} of {parameter.value:g}")
         patience = packed(WRITE, {_WATCHDOG: self.watchdog_s}, self._kind, _STEPS)
         return self._to_drive(packed(WRITE, {_MODE: _STOPPED}, 0, _STEPS) + patience)
 

@@ -130,7 +130,7 @@ class Odrive:
             FrameError: it does not tell it.
         """
         if name != "watchdog" or self._endpoints is None:
-            raise FrameError(f"this odrive does not tell its {name}")
+            raise FrameError(f"this odrive does not report its {name}")
         self._told.clear()
         ask = [self._frame("ask_parameter", what=_READ, endpoint=at, value=0) for at in self._endpoints]
         return tuple(frame._replace(data=frame.data[:4]) for frame in ask)
@@ -142,7 +142,7 @@ class Odrive:
             FrameError: it has none of that name, or cannot hold that number.
         """
         if parameter.name != "watchdog" or self._endpoints is None:
-            raise FrameError(f"this odrive cannot be told its {parameter.name}")
+            raise FrameError(f"this odrive's {parameter.name} cannot be set")
         if not (isfinite(parameter.value) and parameter.value > 0.0):
             raise FrameError(f"a watchdog of {parameter.value:g} s cannot be sent")
         (raw,) = struct.unpack("<I", struct.pack("<f", parameter.value))

@@ -19,9 +19,9 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     """Key, problem and remedy of everything that is wrong."""
     names = [bus.name for bus in c.bus]
     for name in sorted({n for n in names if names.count(n) > 1}):
-        yield "bus.name", f"bus '{name}' stands twice", "give each bus its own name"
+        yield "bus.name", f"bus '{name}' is given twice", "give each bus its own name"
     for axis in sorted({a for a in c.axes if c.axes.count(a) > 1}):
-        yield "motor.axis", f"axis '{axis}' stands twice", "give each motor its own axis"
+        yield "motor.axis", f"axis '{axis}' is given twice", "give each motor its own axis"
     for motor in c.motor:
         yield from _motor_problems(motor, c)
     for bus in names:
@@ -32,7 +32,7 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
     n = len(c.motor)
     for key, values in (("loop.kp", c.loop.kp), ("loop.kd", c.loop.kd)):
         if len(values) not in (1, n):
-            yield key, f"has {len(values)} values for {n} axes", "give one, or one an axis"
+            yield key, f"has {len(values)} values for {n} axes", "give one, or one per axis"
     real = [bus.name for bus in c.bus if bus.interface != "workbench"]
     if c.bench.time_scale != 1.0 and real:
         remedy = 'remove it, or give every bus interface = "workbench"'
@@ -48,7 +48,7 @@ def problems(c: CanConfig) -> Iterator[tuple[str, str, str]]:
         for key, values in (("joints", mechanism.joints), ("limits", mechanism.limits)):
             if values and len(values) != len(mechanism.axes):
                 problem = f"has {len(values)} entries for {len(mechanism.axes)} axes"
-                yield f"mechanism.{key}", problem, "give one an axis"
+                yield f"mechanism.{key}", problem, "give one per axis"
 
 
 def _transmission_problems(mechanism: MechanismTable) -> Iterator[tuple[str, str, str]]:
@@ -56,7 +56,11 @@ def _transmission_problems(mechanism: MechanismTable) -> Iterator[tuple[str, str
     if not rows and not mechanism.model:
         yield "mechanism.model", "is missing", "name a model, or write the transmission's rows"
     elif rows and (len(rows) != n or any(len(row) != n for row in rows)):
-        yield "mechanism.transmission", f"is no table of {n} rows of {n}", "give one row an axis, q_p = J q_s"
+        yield (
+            "mechanism.transmission",
+            f"is not a table of {n} rows of {n}",
+            "give one row per axis, q_p = J q_s",
+        )
     elif rows and abs(np.linalg.det(np.array(rows))) < 1e-6:
         yield "mechanism.transmission", "has no inverse", "correct its rows: q_p = J q_s"
 
@@ -66,7 +70,7 @@ def _motor_problems(motor: MotorTable, c: CanConfig) -> Iterator[tuple[str, str,
     yield from _unknown_bus(c, f"{key}.bus", motor.bus)
     if motor.reads_ranges and motor.protocol != "damiao":
         remedy = "give position, velocity, torque, and who says so"
-        yield f"{key}.ranges.source", f"{motor.protocol} drives do not tell their ranges", remedy
+        yield f"{key}.ranges.source", f"{motor.protocol} drives do not report their ranges", remedy
     for name in ("position", "velocity", "torque"):
         if getattr(r, name) is None and not motor.reads_ranges:
             yield f"{key}.ranges.{name}", "is missing", 'give it and its source, or source = "drive"'

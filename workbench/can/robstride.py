@@ -178,7 +178,7 @@ class Robstride(Packed):
 
 def _index(name: ParameterName) -> int:
     if name not in _INDICES:
-        raise FrameError(f"robstride drives do not tell their {name}")
+        raise FrameError(f"robstride drives do not report their {name}")
     return _INDICES[name]
 
 

@@ -83,9 +83,9 @@ def add(
         check_into(loaded, into, output, force=force)
     if effect == _AS_IN_MJCF:
         if into is not None:
-            raise InputError(f"{_AS_IN_MJCF} is no number of a file", remedy="leave --into out")
+            raise InputError(f"{_AS_IN_MJCF} is not a number in a file", remedy="leave --into out")
         added, new = [], soft(loaded, values, diagnosis)
-        what = "dry friction that sets in as its MJCF has it"
+        what = "dry friction with the onset of its MJCF"
     else:
         added, new = with_effects(loaded, effect, values, diagnosis)
         what = ", ".join(str(a.key) for a in added)

@@ -64,7 +64,7 @@ def load(
         print_table(_table(loads))
     full = [each.bus for each in loads if not each.fits]
     if full:
-        echo(f"Too full: {', '.join(full)}; use more buses or a longer period.", err=True)
+        echo(f"The load is too high on {', '.join(full)}; use more buses or a longer period.", err=True)
         raise typer.Exit(1)
 
 
@@ -105,7 +105,11 @@ def dbc(
         write_result(made, json, files=[Path(config)], force=force)
     if not quiet and json != "-":
         without = [motor.axis for motor in loaded.motor if motor.protocol == "moteus"]
-        none = f" No DBC expresses a moteus: nothing of {', '.join(without)}." if without else ""
+        none = (
+            f" A DBC cannot describe a moteus, so the file leaves out {', '.join(without)}."
+            if without
+            else ""
+        )
         echo(f"Wrote {output}: the frames of {len(drives) - len(without)} drive(s).{none}")
 
 

@@ -99,7 +99,7 @@ def without_models(paths: Sequence[str]) -> list[str]:
     models = [p for p in paths if is_model_file(Path(p))]
     if not models or len(models) == len(paths):
         return list(paths)
-    what = "is a model, no recording" if len(models) == 1 else "are models, no recordings"
+    what = "is a model, not a recording" if len(models) == 1 else "are models, not recordings"
     echo(f"note: {', '.join(models)} {what}: left out", err=True)
     return [p for p in paths if p not in models]
 

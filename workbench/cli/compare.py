@@ -43,13 +43,15 @@ def compare(
         typer.Option(
             "--gait",
             metavar="SIM",
-            help="Measure the gait: REC is the hardware's, SIM a simulator's of the same command.",
+            help="Compare the gait: REC comes from hardware, SIM from a simulator that ran the same command.",
         ),
     ] = None,
     again: Annotated[
         str | None,
         typer.Option(
-            "--again", metavar="REC", help="With --gait: another run of the hardware, as the floor."
+            "--again",
+            metavar="REC",
+            help="With --gait: a second run of the hardware, which gives the noise floor.",
         ),
     ] = None,
     command: Annotated[
@@ -57,13 +59,13 @@ def compare(
         typer.Option(
             "--command",
             metavar="V,W",
-            help="With --gait: speed [m/s] and yaw rate [rad/s] asked for; else the hardware's means.",
+            help="With --gait: commanded speed [m/s] and yaw rate [rad/s]; default: the hardware's means.",
         ),
     ] = None,
     start: Annotated[
         float,
         typer.Option(
-            "--from", min=0.0, metavar="SECONDS", help="With --gait: what comes earlier is left out."
+            "--from", min=0.0, metavar="SECONDS", help="With --gait: leave out all rows before this time."
         ),
     ] = 0.0,
     seed: SeedOption = 0,

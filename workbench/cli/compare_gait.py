@@ -61,7 +61,7 @@ def _limbs(model: Model) -> tuple[Limbs | None, str | None]:
         names = {compiled.geom(k).name for k in range(compiled.ngeom)}
         if unknown := [foot for foot in feet if foot not in names]:
             raise InputError(
-                f"foot {unknown[0]} is no geom", file=model.source, column="ground.feet",
+                f"foot {unknown[0]} is not a geom of the model", file=model.source, column="ground.feet",
                 remedy="give the feet's geoms a name",
             )  # fmt: skip
         return limbs_of(compiled, model.joints[:n], model.transmission[:n, :n], feet), None

@@ -86,7 +86,7 @@ def demo(
     else:
         hidden = () if clean else (draw_hidden(seed),)
         say("A virtual parallel leg, the reference leg, with something hidden in it is recorded: two chirps,")
-        say("two multisines, a slow sweep, and a validation motion that judges.")
+        say("two multisines, a slow sweep, and a validation motion that is held out for testing.")
         files = VirtualLeg(hidden, seed=seed).record_to(
             folder / "recordings", demo_experiments(seed), force=force
         )

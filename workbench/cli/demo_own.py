@@ -76,7 +76,7 @@ def _as_its_mechanism(model: Model, say: Callable[[str], Any]) -> Model:
             remedy="give it a [controller], as docs/models.md shows",
         )  # fmt: skip
     if model.linkage is not None and model.variant != "exact":
-        say(f"The model is taken as variant exact, not {model.variant}: its linkage is no secret here.")
+        say(f"The model is taken as variant exact, not {model.variant}: its linkage is known here.")
         return with_variant(model, "exact")
     return model
 

@@ -31,19 +31,26 @@ def deploy(
         bool, typer.Option("--dry-run", help="Virtual motors in simulated time; no bus is touched.")
     ] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Move without asking.")] = False,
-    cpu: Annotated[int | None, typer.Option(min=0, help="Processor to stay on.")] = None,
+    cpu: Annotated[int | None, typer.Option(min=0, help="Run on this processor only.")] = None,
     velocity: Annotated[
         tuple[float, float, float],
-        typer.Option(metavar="X Y TURN", help="What a walking policy is to reach [m/s, m/s, rad/s]."),
+        typer.Option(metavar="X Y TURN", help="Commanded velocity of a walking policy [m/s, m/s, rad/s]."),
     ] = (0.0, 0.0, 0.0),
     unapproved: Annotated[
         bool, typer.Option("--unapproved", help="Drive hardware with a policy that is not approved.")
     ] = False,
     watchdogs_tested: Annotated[
-        bool, typer.Option("--watchdogs-tested", help="I saw each drive stop without its host: full torque.")
+        bool,
+        typer.Option(
+            "--watchdogs-tested",
+            help="Confirm that you saw each drive stop without its host; permits full torque.",
+        ),
     ] = False,
     teleop: Annotated[
-        str, typer.Option(metavar="HOW", help="Ask for other speeds: keys (w s q e a d x), pad, or udp:PORT.")
+        str,
+        typer.Option(
+            metavar="HOW", help="Change the commanded velocity: keys (w s q e a d x), pad, or udp:PORT."
+        ),
     ] = "",
     output: Annotated[
         str | None,
@@ -51,7 +58,7 @@ def deploy(
             "--output",
             "-o",
             metavar="FOLDER",
-            help="Where the run is kept, its frames and a recording; of hardware else deployed/DATE.",
+            help="Folder for the run's frames and its recording; default for hardware: deployed/DATE.",
         ),
     ] = None,
     seed: SeedOption = 0,
@@ -83,7 +90,7 @@ def deploy(
             typer.confirm(f"This moves {', '.join(robot.axes)}: all clear?", abort=True, err=True)
     say = (lambda line: None) if quiet else (lambda line: print(line, file=sys.stderr, flush=True))
     if not all(map(math.isfinite, velocity)):
-        raise InputError("a velocity is no number", remedy="give three: --velocity 0.4 0 0")
+        raise InputError("a velocity is not a number", remedy="give three: --velocity 0.4 0 0")
     result = run(
         robot, policy, seconds, seed=seed, twist=velocity, unapproved=unapproved,
         watchdogs_tested=watchdogs_tested, teleop=teleop, cpu=cpu, say=say,
@@ -96,8 +103,8 @@ def deploy(
     if not quiet and json != "-":
         trip = result["round_trip_ms"]
         echo(
-            f"{result['ticks']} ticks, {100 * result['missed_share']:.2g} % missed; round trip "
-            f"{trip['p50']:.3g} ms (half of them), {trip['p99']:.3g} ms (99 %)."
+            f"{result['ticks']} ticks, {100 * result['missed_share']:.2g} % of the ticks missed; round "
+            f"trip {trip['p50']:.3g} ms (median), {trip['p99']:.3g} ms (99th percentile)."
         )
         echo(_ending(result))
     if log:
@@ -151,7 +158,10 @@ def _kept(robot: CanConfig, log: Path, force: bool) -> str:
         return f"Wrote {keep(from_run(robot, log), log.parent, log, force)}."
     except ImportError:
         again = f"workbench record {robot.source} --from-logs -o {log.parent}"
-        return f"Wrote {log}; what makes a recording of it is not installed here; elsewhere: {again}"
+        return (
+            f"Wrote {log}; the packages that make a recording of it are not installed here. On another "
+            f"computer: {again}"
+        )
     except InputError as error:
         return f"No recording: {error}"
 

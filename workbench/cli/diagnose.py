@@ -41,7 +41,7 @@ def diagnose(
         typer.Option(
             "--shape",
             metavar="FILE",
-            help="Picture (.png, .svg) of what no effect explains: a shape, not a cause.",
+            help="Picture (.png, .svg) of the torque that no effect explains: a description, not a cause.",
         ),
     ] = None,
     trace: Annotated[
@@ -49,7 +49,7 @@ def diagnose(
         typer.Option(
             "--trace",
             metavar="FILE",
-            help="Page of everything that was tried, what it left, and why it was rejected.",
+            help="Page of everything that was tried, the error that remained, and why it was rejected.",
         ),
     ] = None,
     whole: WholeOption = False,

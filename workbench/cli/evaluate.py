@@ -19,7 +19,9 @@ def evaluate(
         str, typer.Option("--output", "-o", metavar="FOLDER", help="Where recordings go.  [required]")
     ] = "",
     seconds: Annotated[float, typer.Option("--seconds", min=1.5, max=600.0, help="How long it runs.")] = 4.0,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the command and of the sensors' noise.")] = 0,
+    seed: Annotated[
+        int, typer.Option("--seed", min=0, help="Seed of the command and of the sensors' noise.")
+    ] = 0,
     task: Annotated[
         str | None, typer.Option("--task", metavar="FILE", help="The task's file, where it is Python.")
     ] = None,
@@ -71,7 +73,10 @@ def evaluate(
             echo(f"  {score:32s} {'  '.join(values)}")
         echo(f"Wrote 2 recordings to {folder}.")
         if robot:
-            echo(f"Hold them against the world that it was trained in: workbench compare {folder}/robot.toml")
+            echo(
+                "Compare them with the simulation that it was trained in: workbench compare "
+                f"{folder}/robot.toml"
+            )
     fell = content["hardware"]["fell_s"]
     if fell is not None:
         if not quiet and json != "-":

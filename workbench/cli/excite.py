@@ -39,10 +39,10 @@ def excite(
             "--output",
             "-o",
             metavar="DESIGN",
-            help="The TOML file of the design; its tables go beside it.  [required]",
+            help="The TOML file of the design; its tables go into the same folder.  [required]",
         ),
     ] = "",
-    kind: Annotated[Literal["multisine", "chirp"], typer.Option(help="What is played.")] = "multisine",
+    kind: Annotated[Literal["multisine", "chirp"], typer.Option(help="Kind of excitation.")] = "multisine",
     drive: Annotated[
         Literal["torque", "position"], typer.Option(help="Add torque to the feedback, or move its reference.")
     ] = "torque",
@@ -56,7 +56,7 @@ def excite(
     f_min: Annotated[float, typer.Option(help="Lowest frequency [Hz].")] = 0.2,
     f_max: Annotated[float, typer.Option(help="Highest frequency [Hz].")] = 60.0,
     period: Annotated[float, typer.Option(help="Period, or length of a sweep [s].")] = 5.0,
-    periods: Annotated[int, typer.Option(help="Periods that are used; default for a chirp: 1.")] = 4,
+    periods: Annotated[int, typer.Option(help="Periods that are evaluated; default for a chirp: 1.")] = 4,
     transient: Annotated[
         int, typer.Option(help="Periods before these, to settle; default for a chirp: 0.")
     ] = 1,
@@ -71,7 +71,9 @@ def excite(
     phases: Annotated[
         Literal["schroeder", "low_crest", "random"], typer.Option(help="Phases of the lines.")
     ] = "schroeder",
-    realisations: Annotated[int, typer.Option(help="Number of sets, each with new random phases.")] = 1,
+    realisations: Annotated[
+        int, typer.Option(help="Number of sets of experiments, each with new random phases.")
+    ] = 1,
     mixing: Annotated[
         Literal["orthogonal", "single"],
         typer.Option(help="All axes in every experiment, or one at a time (the default for a chirp)."),
@@ -188,8 +190,8 @@ def excite(
         kept = f"Scaled to {scaled.factor:.3g} of" if scaled.factor < 1 else "Left at"
         share = 100 * scaled.usage[scaled.binding]
         echo(
-            f"{kept} the amplitude asked for: tightest is the {scaled.binding}, of whose room {share:.3g} % "
-            "is used."
+            f"{kept} the requested amplitude: the tightest limit is {scaled.binding}, of which "
+            f"{share:.3g} % is used."
         )
 
 

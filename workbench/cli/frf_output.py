@@ -22,8 +22,9 @@ def frf_table(found: Sequence[FrfComparison]) -> Group:
         where = ", ".join(f"{x:.3g}" for x in frf.posture)
         parts.append(
             text(
-                f"Posture {where}: {len(frf)} lines, {frf.frequency[0]:.3g} to {frf.frequency[-1]:.3g} Hz, "
-                f"{frf.periods} periods; the measurement itself is sure to {100 * c.overall_noise:.2g} %."
+                f"Posture {where}: {len(frf)} lines, {frf.frequency[0]:.3g} to {frf.frequency[-1]:.3g} "
+                f"Hz, {frf.periods} periods; the measurement's own uncertainty is "
+                f"{100 * c.overall_noise:.2g} %."
             )
         )
         rows = table("model", ("relative error", "right"), ("x uncertainty", "right"), ("worst at", "right"))

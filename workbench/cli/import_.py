@@ -47,19 +47,19 @@ def import_(
     ] = None,
     column: Annotated[
         list[str] | None,
-        typer.Option("--column", metavar="SIGNAL=A,B", help="Table: columns of a signal, one an axis."),
+        typer.Option("--column", metavar="SIGNAL=A,B", help="Table: columns of a signal, one per axis."),
     ] = None,
     unit: Annotated[
         list[str] | None,
         typer.Option(
             "--unit",
             metavar="KIND=UNIT",
-            help="Table: unit of time, position, velocity, torque; or one an axis: position=deg,deg,mm,deg.",
+            help="Table: unit of time, position, velocity, torque; or one per axis: position=deg,deg,mm,deg.",
         ),
     ] = None,
     rate: Annotated[
         float | None,
-        typer.Option("--rate", metavar="HZ", help="Table: rows a second; no column is time."),
+        typer.Option("--rate", metavar="HZ", help="Table: rows per second, if no column is time."),
     ] = None,
     counts: Annotated[
         float | None, typer.Option("--counts", metavar="N", help="Table: encoder counts per turn.")
@@ -69,7 +69,7 @@ def import_(
     ] = "",
     kp: Annotated[
         list[float] | None,
-        typer.Option("--kp", help="The loop's gain [N m/rad; N/m of a slide], one or each."),
+        typer.Option("--kp", help="The loop's gain [N m/rad; N/m of a slide], one value or one per axis."),
     ] = None,
     kd: Annotated[
         list[float] | None, typer.Option("--kd", help="The loop's damping [N m s/rad; N s/m].")
@@ -77,7 +77,12 @@ def import_(
     period: Annotated[float | None, typer.Option("--period", metavar="S", help="The loop's period.")] = None,
     episode: Annotated[
         int | None,
-        typer.Option("--episode", min=0, metavar="K", help="LeRobot, or a log of several runs: which one."),
+        typer.Option(
+            "--episode",
+            min=0,
+            metavar="K",
+            help="LeRobot, or a log of several runs: number of the run, from 0.",
+        ),
     ] = None,
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="Table: take the likeliest answer to every question.")
@@ -107,7 +112,7 @@ def import_(
     limits: Annotated[
         list[str] | None,
         typer.Option(
-            "--limits", metavar="JOINT=LOW:HIGH", help="Range of a serial joint; else the file's own."
+            "--limits", metavar="JOINT=LOW:HIGH", help="Range of a serial joint; default: the file's own."
         ),
     ] = None,
     start: Annotated[
@@ -121,29 +126,30 @@ def import_(
         typer.Option(
             "--hold",
             metavar="JOINT=ANGLE",
-            help="A joint that has no drive and stays there: a stiff spring, say.",
+            help="A joint without a drive that stays at this position, such as one on a stiff spring.",
         ),
     ] = None,
     hold_rest: Annotated[
         bool,
         typer.Option(
-            "--hold-rest", help="Hold what neither drives nor loops move: one limb of a whole robot."
+            "--hold-rest",
+            help="Hold all joints that neither drives nor loops move, to import one limb of a whole robot.",
         ),
     ] = False,
     gear: Annotated[
-        list[float] | None, typer.Option("--gear", help="Gear ratio, one for all drives or one each.")
+        list[float] | None, typer.Option("--gear", help="Gear ratio, one for all drives or one per drive.")
     ] = None,
     rotor_inertia: Annotated[
         list[float] | None,
-        typer.Option("--rotor-inertia", help="At the rotor [kg m^2], one for all or one each."),
+        typer.Option("--rotor-inertia", help="At the rotor [kg m^2], one for all or one per drive."),
     ] = None,
     rotor_damping: Annotated[
         list[float] | None,
-        typer.Option("--rotor-damping", help="At the rotor [N m s/rad], one for all or one each."),
+        typer.Option("--rotor-damping", help="At the rotor [N m s/rad], one for all or one per drive."),
     ] = None,
     torque_limit: Annotated[
         list[float] | None,
-        typer.Option("--torque-limit", help="At the output [N m], one for all or one each."),
+        typer.Option("--torque-limit", help="At the output [N m], one for all or one per drive."),
     ] = None,
     delay: Annotated[
         float, typer.Option("--delay", min=0.0, max=1.0, help="From command to torque [s].")

@@ -53,12 +53,14 @@ def answered(
 
         from .import_tables import assumed_table
 
-        report.print_table(assumed_table(proposal, f"{table.file.name}: {len(table)} rows, so far"))
+        report.print_table(
+            assumed_table(proposal, f"{table.file.name}: {len(table)} rows; not finished: a question is open")
+        )
     texts = " ".join(q.text for q in questions)
     remedy = "pass " + " ".join(q.option for q in questions)
     if not yes and all(q.best for q in questions):
-        remedy += ", or --yes for the likeliest"
-    raise InputError(f"cannot be told: {texts}", file=table.file, remedy=remedy)
+        remedy += ", or --yes for the likeliest answers"
+    raise InputError(f"needs an answer. {texts}", file=table.file, remedy=remedy)
 
 
 def _asked(question: Question, answers: Answers, table: Table) -> Answers:
@@ -93,7 +95,7 @@ def _asked(question: Question, answers: Answers, table: Table) -> Answers:
             echo(f"With '{text}': {error.problem}. {possible}", err=True)
         else:
             return new
-    raise InputError(f"cannot be told: {question.text}", file=table.file, remedy=f"pass {question.option}")
+    raise InputError(f"needs an answer. {question.text}", file=table.file, remedy=f"pass {question.option}")
 
 
 def _possible(question: Question) -> str:
@@ -102,5 +104,5 @@ def _possible(question: Question) -> str:
         names = question.best.replace(",", ", ")
         return f"Answer y, or give the names {names} in the order of the file's joints, with commas between."
     if question.choices:
-        return "Give one of these, by its number or as it stands there."
+        return "Give one of these, by its number or its name."
     return "Answer y, or give a number above zero." if question.best else "Give a number above zero."

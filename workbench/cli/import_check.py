@@ -28,7 +28,7 @@ def with_model(found: Inspection, model: str, recording: Recording) -> Inspectio
             text = f"All columns of {named} are swapped, against the model: {swapped}."
             problem = Remark("problem", "swap", swapped.axes[0], text, {"axes": list(swapped.axes)})
         elif shifted := shifted_axes(loaded, [recording]):
-            text = f"Positions count from another zero than in the model: {shifted}."
+            text = f"Positions are measured from a different zero than in the model: {shifted}."
             problem = Remark("problem", "zero", next(iter(shifted.by)), text, {"offset": shifted.by})
         else:
             return found

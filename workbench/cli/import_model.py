@@ -157,7 +157,7 @@ def import_mechanism(
         return
     kind = "changes with the posture" if made.posture_dependent else "is constant"
     if made.posture_dependent and constant_transmission(ClosedChain(made.closed_chain)).constant:
-        kind = "is constant, but what hangs on the loops turns otherwise in each posture"
+        kind = "is constant, but the links in the loops turn differently in each posture"
     beside = " and ".join(file.name for file in _beside(made, path, output))
     echo(f"Wrote {output} and {beside}: the transmission {kind}: {made.transmission.tolist()}.")
     for line in contents.bonds:
@@ -168,7 +168,8 @@ def import_mechanism(
     if lost:
         said = ", ".join(f"{name} {value:.3g}" for name, value in lost.items())
         echo(
-            f"Left out are springs and dry friction, and damping of joints without a drive: {said} N m s/rad."
+            f"Left out are springs, dry friction, and the damping of joints without a drive: {said} N m "
+            "s/rad."
         )
     rotors = {name: value for name, value in contents.armature.items() if value and name not in names}
     if rotors:
@@ -177,7 +178,7 @@ def import_mechanism(
     if made.linkage is not None:
         sizes = {k: v for k, v in vars(made.linkage).items() if k not in ("identified", "crank")}
         echo(
-            "A parallelogram; over the serial tree its linkage has "
+            "A parallelogram; to the serial tree its linkage adds "
             + ", ".join(f"{k} = {v:.6g} {'kg m²' if k[0] == 'M' else 'N m'}" for k, v in sizes.items())
             + "."
         )

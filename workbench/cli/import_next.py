@@ -39,8 +39,8 @@ def next_step(
             names = ",".join(name["column"] if isinstance(name, dict) else name for name in amperes)
             constants = ",".join(["K*N*m"] * len(amperes))
             return (
-                f"Next: make a torque of the currents, K being N m per A: --column torque_measured={names} "
-                f"--unit torque={constants}; or give the gains (--kp, --kd)."
+                "Next: convert the currents to torque, with K in N m per A: --column "
+                f"torque_measured={names} --unit torque={constants}; or give the gains (--kp, --kd)."
             )
         return "Next: name the torque (--column torque_measured=…) or the gains (--kp, --kd)."
     return f"Next: workbench inspect {target}. Then: workbench compare {model or 'MODEL'} {target}"
@@ -50,7 +50,9 @@ def _way(remark: Remark, description: Mapping[str, Any]) -> str:
     """How one problem is mended."""
     column = _column(remark, description)
     if remark.topic == "sign":
-        return f"turn what counts the other way, e.g. {{column = '{column}', scale = -1.0}} in [columns]"
+        return (
+            f"negate the columns with the wrong sign, e.g. {{column = '{column}', scale = -1.0}} in [columns]"
+        )
     if remark.topic == "swap":
         return "exchange the swapped names in [columns], or give --column with --force"
     if remark.topic == "zero":
@@ -58,8 +60,8 @@ def _way(remark: Remark, description: Mapping[str, Any]) -> str:
     if remark.topic == "unit":
         return f"give the right unit in [units], or a factor, e.g. {{column = '{column}', scale = 2.0}}"
     if "rate_hz" in remark.value:
-        return f"mend the clock, e.g. --rate {remark.value['rate_hz']:.4g} --force if no column is time"
-    return "mend the log, or what [columns], [units] and [controller] say of it"
+        return f"correct the clock, e.g. --rate {remark.value['rate_hz']:.4g} --force if no column is time"
+    return "correct the log, or its [columns], [units] and [controller]"
 
 
 def _column(remark: Remark, description: Mapping[str, Any]) -> str:

@@ -44,13 +44,13 @@ def check_into(model: Model, into: str, output: str, *, force: bool) -> None:
     text = open_text(model, source)
     if target.suffix.lower() != source.suffix.lower():
         raise InputError(
-            f"what is written is a copy of {source.name}", file=output,
+            f"the output is a copy of {source.name}", file=output,
             remedy=f"give it the ending {source.suffix}, or leave --into out",
         )  # fmt: skip
     check_outputs(output, force=force)
     if target.resolve().parent != source.resolve().parent and (named := _beside(text)):
         raise InputError(
-            f"{source.name} names '{named}' by where it lies itself", file=output,
+            f"{source.name} names '{named}' relative to its own folder", file=output,
             remedy=f"write the copy into {source.parent}",
         )  # fmt: skip
 
@@ -89,7 +89,7 @@ class Into:
         if made.left and not made.written:
             raise InputError(
                 f"it has no number for {_phrases(made)}", file=into,
-                remedy="leave --into out: -o NEW.toml keeps what has no number there",
+                remedy="leave --into out: -o NEW.toml keeps effects that have no number there",
             )  # fmt: skip
         return Into(into, output, given, made)
 
@@ -132,8 +132,8 @@ class Into:
             out.append(f"{self.model.serial.name} still includes {self.source}, not {self.output}")
         elif file and file.suffix == ".toml" and any(e in self.made.written for e in self.model.effects):
             out.append(
-                f"to use {self.output} with {file.name}, name it there as serial, and take out of its "
-                "[[effects]] those that are in the numbers now"
+                f"to use {self.output} with {file.name}, name it there as serial, and delete those of "
+                "its [[effects]] that are now in the numbers"
             )
         return out
 

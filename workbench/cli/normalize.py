@@ -54,7 +54,7 @@ def normalize(
         typer.Option(
             "--for",
             metavar="TARGET",
-            help="What reads it: mujoco (4), mujoco3, mjlab, newton or urdf; what that loses is listed.",
+            help="Target program: mujoco (4), mujoco3, mjlab, newton or urdf; what that loses is listed.",
             autocompletion=complete.targets,
         ),
     ] = "mujoco",

@@ -36,7 +36,9 @@ def normalize_table(tree: NormalisedTree, base: FloatingBaseError | None, unknow
         parts.append(Text(f"Note: {note}."))
     if isinstance(tree, FittedTree):
         off = ", ".join(error_lines(tree.error))
-        parts.append(Text(f"Not exact. Off from the closed chain, level base, over its limits: {off}."))
+        parts.append(
+            Text(f"Not exact. Differences from the closed chain on a level base, over its limits: {off}.")
+        )
         return Group(*parts)
     missing = omissions(tree.model)
     held = f"On its fixed base it moves as the model's variant {tree.model.variant} does"

@@ -55,7 +55,7 @@ def record(
     yes: Annotated[bool, typer.Option("--yes", help="Over CAN: move without asking.")] = False,
     from_logs: Annotated[
         bool,
-        typer.Option("--from-logs", help="Over CAN: of the folder's logs that broke off."),
+        typer.Option("--from-logs", help="Over CAN: rebuild recordings from interrupted logs in the folder."),
     ] = False,
     json: JsonOption = None,
     force: ForceOption = False,
@@ -74,7 +74,7 @@ def record(
     if rig not in ("leg", "leg_on_plate", "actuator") and is_model(rig):
         if not virtual:
             raise InputError(
-                f"'{rig}' is a model, and no machine",
+                f"'{rig}' is a model, not a machine",
                 remedy="add --virtual for hardware that is made of it, or give a CAN file",
             )  # fmt: skip
         check_outputs(json, force=force)
@@ -103,7 +103,7 @@ def record(
             )
     elif rig == "actuator":
         if hide:
-            raise InputError("the actuator's bench hides nothing", remedy="hide it in the leg")
+            raise InputError("the actuator's bench cannot hide an effect", remedy="hide it in the leg")
         files = _on_the_bench(experiments or [], Path(output), seed, force)
     else:
         hidden = hidden_effects(hide, set_)

@@ -34,11 +34,14 @@ def show(
     model: Annotated[
         str | None,
         typer.Option(
-            "--model", metavar="MODEL", help="Of a recording: its machine.", autocompletion=complete.models
+            "--model",
+            metavar="MODEL",
+            help="Of a recording: the model of its machine.",
+            autocompletion=complete.models,
         ),
     ] = None,
     seconds: Annotated[
-        float, typer.Option("--seconds", min=1.5, max=60.0, help="Of a bundle: how long it runs.")
+        float, typer.Option("--seconds", min=1.5, max=60.0, help="Of a bundle: length of the run.")
     ] = 4.0,
     task: Annotated[
         str | None,

@@ -40,15 +40,15 @@ def train(
         typer.Option(
             "--variant",
             metavar="NAME",
-            help="kin_only, s3n_act, s3n_full or exact; else the model's.",
+            help="kin_only, s3n_act, s3n_full or exact; default: the model's.",
             autocompletion=complete.variants,
         ),
     ] = None,
-    envs: Annotated[int, typer.Option("--envs", min=2, help="Worlds side by side.")] = 256,
+    envs: Annotated[int, typer.Option("--envs", min=2, help="Number of parallel simulated worlds.")] = 256,
     iterations: Annotated[
-        int | None, typer.Option("--iterations", min=1, help="Of PPO in all; else as the task has it.")
+        int | None, typer.Option("--iterations", min=1, help="Total PPO iterations; default: the task's.")
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of everything that is random.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of all random numbers.")] = 0,
     device: Annotated[
         str, typer.Option("--device", help="cpu, cuda or cuda:N.", autocompletion=complete.devices)
     ] = "cpu",
@@ -56,23 +56,28 @@ def train(
         str | None,
         typer.Option(
             "--legs",
-            help="Links drawn per world: none, leg_rand, heavy_leg_rand; else the task's.",
+            help="Randomise link properties per world: none, leg_rand, heavy_leg_rand; default: the task's.",
             autocompletion=complete.legs,
         ),
     ] = None,
     stiff: Annotated[
         bool,
-        typer.Option("--stiff-contact", help="Feet of a quadruped give way by 6 ms, not by MuJoCo's 20 ms."),
+        typer.Option(
+            "--stiff-contact",
+            help="Stiff feet of a quadruped: contact time constant 6 ms, not MuJoCo's 20 ms.",
+        ),
     ] = False,
-    save_every: Annotated[int, typer.Option("--save-every", min=1, help="Iterations a checkpoint.")] = 50,
+    save_every: Annotated[
+        int, typer.Option("--save-every", min=1, help="Iterations between checkpoints.")
+    ] = 50,
     threads: Annotated[
-        int, typer.Option("--threads", min=0, help="Of the simulation; 0 takes all cores.")
+        int, typer.Option("--threads", min=0, help="Threads of the simulation; 0: all cores.")
     ] = 0,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in the folder.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue the run in the folder.")] = False,
     record: Annotated[
         str | None,
         typer.Option(
-            "--record", metavar="FILE", help="The model's verification record; else beside its file."
+            "--record", metavar="FILE", help="The model's verification record; default: beside its file."
         ),
     ] = None,
     unverified: Annotated[

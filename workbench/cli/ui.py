@@ -30,9 +30,11 @@ def ui(
         str | None, typer.Option("--holdout", metavar="REC", help="Recording that only tests the fit.")
     ] = None,
     port: Annotated[
-        int, typer.Option("--port", min=0, max=65535, help="Port of the page; 0: any free one.")
+        int, typer.Option("--port", min=0, max=65535, help="Port of the page; 0: any free port.")
     ] = 0,
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True,
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="Open the page in a browser.")
+    ] = True,
     seed: SeedOption = 0,
 ) -> None:
     """Open the live workbench in the browser, on this machine only, until interrupted.

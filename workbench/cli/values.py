@@ -32,7 +32,8 @@ def with_values(found: list[Any], values: dict[str, list[float]]) -> list[Any]:
         if len(numbers) != len(found):
             raise InputError(
                 f"{name}: values given {len(numbers)}, wanted {len(found)}",
-                remedy="give each parameter as many, with commas between them: torque=0.8,0.2 order=7,28",
+                remedy="give each parameter the same number of values, separated by commas: torque=0.8,0.2 "
+                "order=7,28",
             )
     return [
         AppliedEffect(a.key, {**a.parameters, **{n: Estimate(v[k], 0.0, "") for n, v in values.items()}})

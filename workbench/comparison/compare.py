@@ -96,6 +96,7 @@ def noise_rules(floor: float, recordings: Sequence[Recording]) -> bool:
 def cannot_run(model: str, floor: float, *, ground: bool = False) -> str:
     """What is said of a model whose noise floor `noise_rules`; what to look at first, on the `ground` too."""
     return (
-        f"model '{model}' cannot run these loops: noise alone throws it {floor:.3g} times as far off as all "
-        "that was measured; check the order of the axes, units, signs and gains, and what touches what"
+        f"model '{model}' cannot run in these loops: sensor noise alone makes its error {floor:.3g} "
+        "times the measured motion; check the order of the axes, units, signs, gains and contacts "
+        "between bodies"
     ) + (", where the ground is and how soft ([ground]), and log base_velocity" if ground else "")

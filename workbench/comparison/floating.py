@@ -42,7 +42,7 @@ def with_base(recording: Recording, model: Model) -> Recording:
         for name, still in _STILL.items():
             if _range(recording, name) > still:
                 raise _refusal(
-                    recording, name, f"the base moves, and that of model '{model.name}' is fixed",
+                    recording, name, f"the base moves, but that of model '{model.name}' is fixed",
                     "give its MJCF a <freejoint/>, or leave these columns out",
                 )  # fmt: skip
         return recording
@@ -50,12 +50,12 @@ def with_base(recording: Recording, model: Model) -> Recording:
         values = recording.extra.get(name)
         if values is None and name in POSE:
             raise _refusal(
-                recording, name, f"the base of model '{model.name}' floats, and nothing says where it was",
+                recording, name, f"the base of model '{model.name}' floats, but no column says where it was",
                 "name its columns, or fix the base in the MJCF (take the <freejoint/> out)",
             )  # fmt: skip
         if values is not None and values.shape[1] != count:
             raise _refusal(
-                recording, name, f"{values.shape[1]} columns, and it takes {count}", "see docs/recordings.md"
+                recording, name, f"{values.shape[1]} columns instead of {count}", "see docs/recordings.md"
             )
     angles, rates = _angles(recording)
     position = recording.extra["base_position"]

@@ -104,8 +104,8 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
         for run in clean:
             if not np.isfinite(run.position).all():
                 raise SimulationError(
-                    f"model '{model.name}' flies apart on the ground of '{run.name}': check the place of its "
-                    "ground, the size of its feet, and how stiff their contact is"
+                    f"model '{model.name}' diverges on the ground of '{run.name}': check the position "
+                    "of its ground, the size of its feet, and how stiff their contact is"
                 )
         smooth = [self._quiet(s) for s in self._standing]
         still = on_all_cores(lambda s: s.run(plant), smooth)
@@ -227,7 +227,7 @@ def _step_of(recording: Recording, model: Model) -> tuple[tuple[int, float], int
         rows = recording.period / own.timestep
         if rows < 0.5 or abs(rows - round(rows)) > 1e-6:
             raise InputError(
-                f"its rows are {recording.period:g} s apart, and the model's file has steps of "
+                f"its rows are {recording.period:g} s apart, but the model's file has steps of "
                 f"{own.timestep:g} s", file=recording.source, column="timing.stepped",
                 remedy="leave it out where another file made the recording",
             )  # fmt: skip

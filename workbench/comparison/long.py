@@ -63,7 +63,8 @@ def compare_logs(
         return compare(model, held, draws=draws, seed=seed)
     if model.floats:
         raise InputError(
-            f"the base of model '{model.name}' floats, which is not run from logs too long to be held",
+            f"the base of model '{model.name}' floats, and such models are not run on logs too long for "
+            "the memory",
             file=next(s.source for s in sources if not isinstance(s, Recording)),
             remedy="cut shorter recordings out of them",
         )  # fmt: skip
@@ -75,7 +76,7 @@ def compare_logs(
     standing = next((r for r in sample if on_ground(r)), None)
     if standing is not None:
         raise InputError(
-            "recordings on the ground are not run from logs too long to be held", file=standing.source,
+            "recordings on the ground are not run if they are too long for the memory", file=standing.source,
             column="columns.ground_force", remedy="cut shorter ones out of them",
         )  # fmt: skip
     replay = replay_of(model, sample)
@@ -194,7 +195,7 @@ def _notes(model: Model, parts: Sequence[_Part]) -> tuple[str, ...]:
             f"its measured state; curves show the worst, {start:.0f} to {start + r.duration:.0f} s"
         )
         if model.has("thermal_derating"):
-            notes.append(f"{p.source.name}: the motors' heat begins anew with each stretch")
+            notes.append(f"{p.source.name}: the motors' temperature restarts with each stretch")
         if r.controller.kind == "none" and not follows_motion(r):
-            notes.append(f"{p.source.name}: nothing holds the machine: each stretch drifts by itself")
+            notes.append(f"{p.source.name}: no controller holds the machine, so that each stretch drifts")
     return tuple(notes)

@@ -48,7 +48,7 @@ def matched_ways(model: Model, recordings: Sequence[Recording]) -> tuple[tuple[R
         check_axes(r, model)
         if len(r) < _FEWEST:
             raise InputError(
-                f"{len(r)} rows are too few to tell motion from noise", file=r.source,
+                f"{len(r)} rows are too few to distinguish motion from noise", file=r.source,
                 remedy=f"record for longer, {_FEWEST} rows at least and seconds of motion",
             )  # fmt: skip
         if on_ground(r):

@@ -61,8 +61,8 @@ class Turned:
         both = "; the data cannot tell which" if len(names) > 1 else ""
         now = f"{100 * self.before:.2g} %" if self.before < 1.0 else "all"
         return (
-            f"turned round ({which}{both}), the model leaves {100 * self.after:.2g} % of the torque "
-            f"unexplained, as it stands {now}"
+            f"negated ({which}{both}), the model leaves {100 * self.after:.2g} % of the torque "
+            f"unexplained; as recorded, {now}"
         )
 
 

@@ -41,7 +41,7 @@ def check_ground(model: Model, recording: Recording) -> None:
     measured = recording.extra.get(FORCE)
     if model.ground is None:
         raise refuse(
-            f"the recording is on the ground, and model '{model.name}' has none",
+            f"the recording is on the ground, but model '{model.name}' has no ground",
             f"columns.{'base_position' if measured is None else FORCE}",
             "add a [ground] table to the model (docs/models.md), or leave these columns out",
         )  # fmt: skip
@@ -187,11 +187,13 @@ def _notes(contact: Contact, measured: bool) -> tuple[str, ...]:
     how = "run in short windows from measured states, under the logged torque"
     if not measured:
         return (f"{how}; without the ground's force, position alone is compared",)
-    notes = [f"on the ground: {how}; 'torque' is what the ground's force is to the axes"]
+    notes = [f"on the ground: {how}; 'torque' is the ground's force expressed as torque of the axes"]
     held = contact.pressed > 10.0 * contact.force_noise
     if held.any() and len(ratio_in_slip(contact)) < FEWEST_SLIPS:
         least = float(np.quantile(contact.dragged[held] / contact.pressed[held], 0.99))
-        notes.append(f"no foot slips: the ground's friction is at least {least:.2f}, and may be any more")
+        notes.append(
+            f"no foot slips, so that only a lower limit of the ground's friction is known: {least:.2f}"
+        )
     return tuple(notes)
 
 

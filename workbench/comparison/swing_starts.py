@@ -41,7 +41,7 @@ def swing_starts(recording: Recording, levels: NoiseLevels) -> tuple[np.ndarray,
     held = 0 if released < swing // 10 else released + swing // 10
     if rows < held + swing // 4 + 2 * _LEAST:
         raise InputError(
-            f"{rows - held} rows are too few for a motion that nothing drives", file=recording.source,
+            f"{rows - held} rows are too few for a free motion", file=recording.source,
             remedy="record for longer, or faster",
         )  # fmt: skip
     half = _half(recording, levels, noise, swing // 8, slice(held, None))

@@ -197,7 +197,7 @@ def _swinging(recording: Recording, levels: NoiseLevels) -> _Swinging:
     starts, half = swing_starts(recording, levels)
     valid = np.array(recording.valid)
     valid[: starts[0]] = False
-    note = "Nothing drives it: run swing by swing from measured states"
+    note = "No drive acts: each swing is simulated from its measured state"
     note += f", from {recording.time[starts[0]]:.3g} s on"
     return _Swinging(replace(recording, valid=valid, notes=(*recording.notes, note)), starts, half)
 

@@ -29,7 +29,7 @@ def refuse_overlaps(model: Model, recordings: Sequence[Recording]) -> None:
         named = ", ".join(f"'{one}' and '{other}'" for one, other in wrong)
         apart = "".join(f'<exclude body1="{one}" body2="{other}"/>' for one, other in wrong)
         raise InputError(
-            f"shapes of {named} overlap at every measured pose, so that their contact holds the joints",
+            f"shapes of {named} overlap at every measured pose, so that their contact blocks the joints",
             file=model.serial, column="contact", remedy=f"keep them apart: <contact>{apart}</contact>",
         )  # fmt: skip
 
@@ -49,8 +49,8 @@ def contact_notes(model: Model, recordings: Sequence[Recording]) -> tuple[str, .
         if pair not in left_out:
             one, other = sorted(pair)
             notes.append(
-                f"'{one}' and '{other}' touch at {100 * share:.0f} % of the measured poses; what is said of "
-                "torques along the measured motion leaves their contact out"
+                f"'{one}' and '{other}' touch at {100 * share:.0f} % of the measured poses; torques "
+                "along the measured motion are computed without this contact"
             )
     return tuple(notes)
 

@@ -128,7 +128,7 @@ def noted(reading: Reading) -> tuple[Recording, ...]:
             held = bool(out[i].timing.reference_held)
             how = "standing still from row to row" if held else "a smooth line through the rows"
             sure = reading.sure_between_rows
-            why = "which explains the recordings" if sure else "though the recordings hardly tell"
+            why = "which explains the recordings" if sure else "although the recordings hardly show it"
             notes.append(
                 f"the loop is faster than its log; its reference between rows is taken as {how}, {why}: "
                 f"state reference_held = {str(held).lower()} in [timing] if you know it"
@@ -139,7 +139,7 @@ def noted(reading: Reading) -> tuple[Recording, ...]:
             line = f"no speed was logged; the loop's is taken as {taken}, which explains the recordings"
         else:
             line = (
-                "no speed was logged, and the recordings alone do not tell how the loop got it; "
+                "no speed was logged, and the recordings alone do not show how the loop computed it; "
                 f"it is taken as {taken}"
             )
         notes.append(f'{line}: state velocity = "{speed}" in [controller] if you know it')

@@ -56,7 +56,9 @@ def check_fetched(path: Path) -> None:
     with path.open("rb") as file:
         if file.read(len(_POINTER)) == _POINTER:
             remedy = "run 'git lfs pull' in its repository"
-            raise InputError("stands for a file that was not fetched with Git LFS", file=path, remedy=remedy)
+            raise InputError(
+                "is a placeholder of a file that was not fetched with Git LFS", file=path, remedy=remedy
+            )
 
 
 def check_cells(count: int, path: Path) -> None:
@@ -102,7 +104,7 @@ def inside(folder: Path, path: Path) -> Path:
             "leads nowhere", file=path, remedy="put the file itself there, not a link"
         ) from error
     if not real.is_relative_to(folder.resolve()):
-        raise InputError("leads out of its folder", file=path, remedy=remedy)
+        raise InputError("is outside its folder", file=path, remedy=remedy)
     return real
 
 

@@ -48,7 +48,7 @@ def apart(row: Mapping[str, Any]) -> list[tuple[EffectKey, dict[str, Estimate]]]
     parameters = {name: _listed(p) for name, p in row["parameters"].items()}
     lengths = {len(values) for values, _, _ in parameters.values()}
     if len(lengths) > 1:
-        raise ValueError(f"{', '.join(parameters)} have to be as many numbers each")
+        raise ValueError(f"{', '.join(parameters)} need the same number of values")
     location = row.get("location") or "actuator"
     return [
         (
@@ -68,5 +68,5 @@ def _listed(parameter: Any) -> tuple[list[float], list[float], str]:
     values = [float("nan") if v is None else float(v) for v in values]
     stds = list(std) if isinstance(std, (list, tuple)) else [std] * len(values)
     if len(stds) != len(values) or not values:
-        raise ValueError("value and std have to be as many numbers each")
+        raise ValueError("value and std need the same number of values")
     return values, [float("inf") if s is None else float(s) for s in stds], parameter.get("unit", "")

@@ -67,7 +67,7 @@ def _mimic(name: str, mimic: ElementTree.Element, file: Path) -> Coupling:
         factor, offset, reference = number("multiplier", 1.0), number("offset", 0.0), number("reference", 0.0)
     except (KeyError, ValueError) as error:
         raise InputError(
-            f"joint '{name}' has a <mimic> without a joint, or with a number that is none",
+            f"joint '{name}' has a <mimic> without a joint, or with a value that is not a number",
             file=file, column="mimic", remedy="give joint, multiplier and offset",
         ) from error  # fmt: skip
     return Coupling(name, leader, (offset - factor * reference, factor))

@@ -71,7 +71,7 @@ def _finish(ready: Path) -> None:
     with suppress(FileNotFoundError):  # the list goes last: without it all are in their places
         names = json.loads((ready / _NAMES).read_text(encoding="utf-8"))
         if not isinstance(names, list) or not all(isinstance(n, str) and _plain(n) for n in names):
-            raise ValueError("its list of names is none")
+            raise ValueError("its list of names is not valid")
         for k, name in enumerate(names):
             with suppress(FileNotFoundError):  # it is in its place already
                 os.replace(ready / str(k), ready.parent / name)

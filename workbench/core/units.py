@@ -74,7 +74,7 @@ def to_si(unit: str, kind: str) -> tuple[float, float, str]:
             one = registry.Quantity(1.0, parsed).to(target).magnitude
             return float(one - zero), float(zero), si
     expected = " or ".join(KINDS[kind])
-    raise ValueError(f"unit '{unit}' is not a unit of {kind} (expected {expected} or alike)")
+    raise ValueError(f"unit '{unit}' is not a unit of {kind} (expected {expected} or similar)")
 
 
 def torque_unit(position_unit: str) -> str:

@@ -71,15 +71,17 @@ def check_inside(name: str, folder: Path | None, file: Path | None, key: str) ->
     Raises:
         InputError: it is absolute, goes up, or is a link that leads out.
     """
-    remedy = "put it beside or below the file that names it, and name it from there"
+    remedy = "put it in the folder of the file that names it, or below, and name it relative to that folder"
     if folder is None:
         raise InputError(f"names the file '{name}'", file=file, column=key, remedy="put its content in place")
     if "\0" in name or ":" in name or Path(name).is_absolute():
-        raise InputError(f"'{name}' is no path from here", file=file, column=key, remedy=remedy)
+        raise InputError(
+            f"'{name}' is not a path inside the file's folder", file=file, column=key, remedy=remedy
+        )
     try:
         target = (folder / name).resolve()
     except (OSError, RuntimeError) as error:
         raise InputError(f"'{name}' cannot be found", file=file, column=key, remedy=remedy) from error
     if not target.is_relative_to(folder.resolve()):
-        raise InputError(f"'{name}' leads out of its folder", file=file, column=key, remedy=remedy)
+        raise InputError(f"'{name}' is outside its folder", file=file, column=key, remedy=remedy)
     return target

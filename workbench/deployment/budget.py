@@ -69,13 +69,13 @@ def lacking(seen: Punctuality, period: float, stale: float, policy: float = 0.0)
     if not trip + policy <= _ANSWERS * period:
         of = f" and the policy {1e3 * policy:.2g} ms" if policy else ""
         found.append(
-            f"an exchange takes {1e3 * trip:.2g} ms{of} (99 %), of the {1e3 * _ANSWERS * period:.3g} ms that "
-            "there are: use more buses, a longer period or a smaller policy"
+            f"an exchange takes {1e3 * trip:.2g} ms{of} (99 %), of the {1e3 * _ANSWERS * period:.3g} ms "
+            "available: use more buses, a longer period or a smaller policy"
         )
     if late + period > stale - period:
         found.append(
-            f"the machine was late by {1e3 * late:.2g} ms, and {1e3 * (stale - 2 * period):.2g} ms are to "
-            "spare before feedback is too old: free a processor (--cpu), permit realtime scheduling"
+            f"the machine was late by {1e3 * late:.2g} ms, and {1e3 * (stale - 2 * period):.2g} ms "
+            "remain before feedback is too old: free a processor (--cpu), permit realtime scheduling"
         )
     if seen.missed > _MISSED:
         found.append(
@@ -84,7 +84,7 @@ def lacking(seen: Punctuality, period: float, stale: float, policy: float = 0.0)
         )
     if seen.incomplete:
         found.append(
-            f"{seen.incomplete} of {seen.ticks} exchanges lacked an answer: check wiring, termination, "
-            "bit rate, and who else uses the processors"
+            f"{seen.incomplete} of {seen.ticks} exchanges had no answer: check wiring, termination, bit "
+            "rate, and other programs on the processors"
         )
     return found

@@ -56,7 +56,7 @@ def exchanges(config: CanConfig, log: Iterable[Logged], begun: float, ticks: int
     if not np.isfinite(late).all():
         axis = config.axes[int(np.flatnonzero(~np.isfinite(late))[0])]
         raise InputError(
-            f"the log has no feedback of '{axis}' in what was played", remedy="was it cut short?"
+            f"the log has no feedback of '{axis}' in what was played", remedy="the log may be cut short"
         )
     rows = nominal + np.mean(late)
     return _side_by_side(

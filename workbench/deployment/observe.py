@@ -96,11 +96,13 @@ def check_layout(entries: tuple[ObservationEntry, ...], n: int, config: CanConfi
         if entry.name not in OBSERVATIONS:
             known = ", ".join(OBSERVATIONS)
             raise InputError(
-                f"the policy sees '{entry.name}', which nothing here can tell", remedy=f"known: {known}"
+                f"the policy needs the observation '{entry.name}', which is not available here",
+                remedy=f"known: {known}",
             )
         if entry.name in OF_THE_BASE and config.imu is None:
             raise InputError(
-                f"the policy sees '{entry.name}', and there is no inertial unit", file=config.source,
+                f"the policy needs the observation '{entry.name}', but there is no inertial unit",
+                file=config.source,
                 column="imu", remedy="say where it is: [imu] with bus, protocol and id",
             )  # fmt: skip
         size = len(OBSERVATIONS[entry.name](sight))

@@ -32,8 +32,9 @@ class Player:
         rows = design.rate_hz * period
         if abs(rows - round(rows)) > 1e-9 or rows < 1:
             raise InputError(
-                f"the design has {design.rate_hz:g} rows a second, the loop a period of {1e3 * period:g} ms",
-                remedy="design it with a whole number of rows a period: --rate 1000",
+                f"the design has {design.rate_hz:g} rows per second, the loop a period of "
+                f"{1e3 * period:g} ms",
+                remedy="design it with a whole number of rows per period: --rate 1000",
             )
         _, signals = design.play(experiment)
         n = len(design.axes)

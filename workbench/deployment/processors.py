@@ -23,13 +23,13 @@ class Crowd:
 
     def lacking(self) -> list[str]:
         """A line where the processors are wanted by others; else none."""
-        held = "a loop that is held up for some milliseconds ends its run: stop other programs"
+        held = "a delay of a few milliseconds ends the run: stop other programs"
         waited, elapsed = _waited(self._file), time.monotonic() - self._begin
         if waited is not None and self._waited is not None:
             share = (waited - self._waited) / max(elapsed, 1e-3)
             if share <= _MOST:
                 return []
-            return [f"somebody waited for a processor {100 * min(share, 1.0):.0f} % of the time, and {held}"]
+            return [f"programs waited for a processor {100 * min(share, 1.0):.0f} % of the time, and {held}"]
         load, there = os.getloadavg()[0], os.cpu_count() or 1
         return [f"{load:.1f} programs want {there} processor(s), and {held}"] if load > there else []
 

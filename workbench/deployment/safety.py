@@ -128,10 +128,10 @@ def _sight(limits: Limits, state: SafetyState, seen: Seen) -> Problem | None:
     tilt = _tilt(seen.gravity)
     checks: tuple[tuple[np.ndarray | bool, str], ...] = (
         (~(seen.age < limits.stale_s), f"no feedback for {lost}"),
-        (~np.isfinite(seen.position) | ~np.isfinite(seen.velocity), "feedback is no number"),
-        (not seen.base_age < limits.stale_s, f"no word of the base for {lost}"),
+        (~np.isfinite(seen.position) | ~np.isfinite(seen.velocity), "feedback is not a number"),
+        (not seen.base_age < limits.stale_s, f"no data of the base for {lost}"),
         (seen.faulty, "a drive reports a fault"),
-        (not seen.gap <= limits.watchdog_s, "commands came further apart than a drive's watchdog waits"),
+        (not seen.gap <= limits.watchdog_s, "the time between commands was longer than a drive's watchdog"),
         (
             tilt > limits.tilt,
             f"tilted by {np.degrees(tilt):.0f} degrees, beyond {np.degrees(limits.tilt):.0f}",
@@ -162,7 +162,7 @@ def _wish(limits: Limits, wanted: Wanted | None) -> str | None:
         return "the policy is late"
     s = wanted.setpoints
     if not np.isfinite([*s.position, *s.velocity, *s.kp, *s.kd, *s.torque]).all():
-        return "an action is no number"
+        return "an action is not a number"
     middle, half = 0.5 * (limits.low + limits.high), 0.5 * (limits.high - limits.low)
     far = (np.abs(s.position - middle) > _HUGE * half) & (s.kp > 0.0)
     if far.any() or (np.abs(s.torque) > _HUGE * limits.torque).any():

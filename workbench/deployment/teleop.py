@@ -164,4 +164,6 @@ def teleoperated(
         finally:
             socket_.close()
     else:
-        raise InputError(f"'{how}' is no way to ask", column="--teleop", remedy="give keys, pad, or udp:PORT")
+        raise InputError(
+            f"'{how}' is not a way to steer", column="--teleop", remedy="give keys, pad, or udp:PORT"
+        )

@@ -53,13 +53,16 @@ class Trained:
         if not twist.any():
             return twist, ""
         if not self.looks:
-            return np.zeros(3), "the policy looks at no velocity: what is asked for is left out"
+            return np.zeros(3), "the policy does not use a commanded velocity: it is left out"
         if self.commands is None:
             return twist, "the bundle does not say within which velocities it was trained"
         within = np.clip(twist, *self.commands.T)
         if np.array_equal(within, twist):
             return twist, ""
-        return within, f"asked for {_three(twist)}, clipped to {_three(within)}: it was trained for no more"
+        return (
+            within,
+            f"the command {_three(twist)} is clipped to {_three(within)}, the range of the training",
+        )
 
 
 def trained_of(bundle: PolicyBundle) -> Trained:

@@ -68,7 +68,7 @@ def _verify(index: int, config: CanConfig, network: Network, feedback: Feedback)
         if not _ask(
             network, feedback, motor.bus, request, lambda: feedback.parameter(index, name) is not None
         ):
-            raise VerifyError(f"'{motor.axis}' does not tell its {name}")
+            raise VerifyError(f"'{motor.axis}' does not report its {name}")
         value = feedback.parameter(index, name)
         assert value is not None
         told[name] = value
@@ -103,7 +103,7 @@ def _check_ranges(index: int, config: CanConfig, read: tuple[float, float, float
         wanted = getattr(motor.ranges, name)
         if wanted is not None and abs(value - wanted) > 1e-3 * wanted:
             raise VerifyError(
-                f"'{motor.axis}' says its {name} range is {value:g}, the configuration says {wanted:g}"
+                f"'{motor.axis}' reports a {name} range of {value:g}, the configuration says {wanted:g}"
             )
     for key, problem, remedy in range_problems(motor, read, config):
         raise VerifyError(f"{key}: {problem}; {remedy}")

@@ -25,12 +25,12 @@ from .search_result import SearchResult
 from .verdict import NAMED, verdict_of
 
 _NO_PAYLOAD = (
-    "a payload was not looked for: the model names no place for one; add a site where the machine ends, or "
-    "name one in [payload]"
+    "no payload was searched for, because the model has no site for one; add a site at the end of the "
+    "last link, or name a site in [payload]"
 )
 _CARRIED = (
-    "the transmission changes with the posture: what acts at the drives was looked for; a payload, wrong "
-    "links, springs and gaps were not"
+    "the transmission changes with the posture, so only effects at the drives were searched for; "
+    "payloads, link errors, springs and gaps were not"
 )
 
 
@@ -157,8 +157,8 @@ def _parting(found: SearchResult) -> tuple[str, ...]:
     if not found.final.hypothesis.diverges or own < POLICY.noise_slack * noise:
         return ()
     return (
-        f"with a gap, runs of models that do equally well part: an error of {own:.3g} is no sign that "
-        f"anything is missing, although noise alone makes {noise:.3g}",
+        f"with a gap, trajectories diverge for small parameter changes: an error of {own:.3g} does not "
+        f"show that anything is missing, although noise alone gives {noise:.3g}",
     )
 
 

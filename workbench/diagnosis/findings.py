@@ -213,7 +213,7 @@ def cut_short_line(found: SearchResult) -> tuple[str, ...]:
     if found.stopped != "budget":
         return ()
     return (
-        "the search used up its budget of simulation before it had tried everything, so effects that it did "
-        "not find may still be there; to search further, give fewer or shorter recordings, or diagnose the "
-        "model that `improve` writes",
+        "the search reached its simulation limit before every candidate was tried, so more effects may "
+        "be missing; to search further, give fewer or shorter recordings, or diagnose the model that "
+        "`improve` writes",
     )

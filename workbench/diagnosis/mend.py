@@ -59,7 +59,7 @@ def _gains(model: Model, recordings: Sequence[Recording], finding: Finding) -> I
             if line:
                 yield line
     if len(stating) > _MOST:
-        yield f"the same gains stand in {len(stating) - _MOST} more recordings"
+        yield f"{len(stating) - _MOST} more recordings state the same gains"
 
 
 def _gain(
@@ -74,7 +74,7 @@ def _gain(
         return ""
     old = values[index]
     where, new = _where(file, "controller", name), scale.value * old
-    return f"mend {where}: {name} of {called} is {old:.4g} and should be {new:.4g}"
+    return f"correct {where}: {name} of {called} is {old:.4g} and should be {new:.4g}"
 
 
 def _where(file: Path, table: str, key: str) -> str:
@@ -104,8 +104,8 @@ def _of_model(model: Model, finding: Finding) -> Iterator[str]:
         new = old + finding.parameters[parameter].value
         if old and new >= 0.0:
             yield (
-                f"mend {_where(model.source, 'actuators', name)}: {name} of {key.axis} is {old:.4g} and "
-                f"should be {new:.4g}"
+                f"correct {_where(model.source, 'actuators', name)}: {name} of {key.axis} is {old:.4g} "
+                f"and should be {new:.4g}"
             )
             return
     for file in (f for f in model.files if f.suffix.lower() in _XML):
@@ -116,7 +116,7 @@ def _of_model(model: Model, finding: Finding) -> Iterator[str]:
             continue  # it stands in another file, or in none
         if made.written and made.changes:
             where = _changed(old_lines, made.content.splitlines())
-            yield f"mend {_shown(file)}{where}: {'; '.join(map(_change, made.changes))}"
+            yield f"correct {_shown(file)}{where}: {'; '.join(map(_change, made.changes))}"
             return
 
 

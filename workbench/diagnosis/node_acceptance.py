@@ -36,13 +36,15 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
     if not best.steps:
         return bool(child.steps), "the best so far" if child.steps else "no effect helps by itself"
     if best.diverges and child.keys > best.keys:
-        return False, "it adds effects to the best so far, of whose diverging runs the rest says nothing"
+        return False, (
+            "it adds effects to the best so far, whose runs diverge, so that its remaining error says nothing"
+        )
     if not best.done and halves_excess(rescored(child.current, best.data), best.current, best.data):
         return True, "it leaves less than half of the excess error of the best so far"
     # of two with as many parameters the one that was fitted in its loop
     size, others = (child.size, child.jointly), (best.size, best.jointly)
     if child.as_good and size <= others:
-        return True, "it does as well with no more parameters"
+        return True, "it is as good, with no more parameters"
     if size < others and (child.done or at_noise_floor(child.current, child.data)):
         return True, "noise explains the rest, with fewer parameters"
     return False, "it leaves more than half of the excess error of the best so far, and is no simpler"
@@ -61,4 +63,4 @@ def _too_little(node: Node, problem: Problem) -> str:
     asked = POLICY.explained_elsewhere if node.bold else POLICY.explained
     # cut, not rounded: what is not enough must not read as if it were
     gone = f"it explains {int(100 * share)} % of the squared error above the noise"
-    return f"{gone}, less than the {100 * asked:.0f} % that are asked for" if share < asked else gone
+    return f"{gone}, less than the {100 * asked:.0f} % required" if share < asked else gone

@@ -59,7 +59,7 @@ def fit_effect(
     candidate = next((c for c in tried if c.key == key), None)
     if candidate is None:
         raise InputError(
-            f"{key} explains nothing of what these recordings lack",
+            f"{key} does not lower the error on these recordings",
             remedy="choose another effect, or recordings in which it would show",
         )
     hypothesis = with_candidate(linearisation, candidate, start)

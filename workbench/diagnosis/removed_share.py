@@ -49,7 +49,9 @@ class HeldOutFall:
         squares = self.before**2, self.after**2, self.floor**2
         if squares[0] < POLICY.holdout_informative * squares[2]:
             times = self.before / self.floor
-            return f"held-out recordings show too little of it: their error was {times:.2f} times the noise"
+            return (
+                f"held-out recordings are not informative enough: their error was {times:.2f} times the noise"
+            )
         return removes(removed_share(*squares), "held-out recordings")
 
 

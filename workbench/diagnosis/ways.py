@@ -104,7 +104,7 @@ def best_way(
     tried = []
     for k, way in enumerate(ways):
         if k:
-            progress(f"searching again with another way in which the loop may work, {k + 1} of {len(ways)}")
+            progress(f"searching again with another assumption about the loop, {k + 1} of {len(ways)}")
         tried.append(way.searched())
     ties = _ties(tried)
     # a loop that reads noise otherwise leaves another level of it
@@ -130,7 +130,7 @@ def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
     """
     if len(ways) == 1:
         return ways
-    progress(f"testing which of {len(ways)} ways the loop may work")
+    progress(f"testing {len(ways)} assumptions about how the loop works")
     found = [search(way.asked, only_jointly=True) for way in ways]
     ties = [k for k in _ties(found) if _is_at_noise(found[k])]
     return [ways[k] for k in ties] or ways
@@ -183,13 +183,13 @@ def _matched(
     rows = sum(int(r.valid.sum()) for r in fitted)
     if rows < POLICY.fewest_rows:
         raise InputError(
-            f"{rows} rows are too few to tell one effect from another", file=fitted[0].source,
+            f"{rows} rows are too few to distinguish one effect from another", file=fitted[0].source,
             remedy=f"record for longer, {POLICY.fewest_rows} rows at least and seconds of motion",
         )  # fmt: skip
     if all(np.ptp(r.position[r.valid], axis=0).max() == 0.0 for r in fitted):
         raise InputError(
             "no axis moves in these recordings", file=fitted[0].source,
-            remedy="record some motion: what stands still shows no effect",
+            remedy="record motion: an axis at rest shows no effect",
         )  # fmt: skip
     refuse_coordinates(model, (*fitted, *tests))
     refuse_unit(model, fitted)

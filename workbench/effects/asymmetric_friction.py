@@ -32,7 +32,7 @@ class AsymmetricFriction(Effect):
     locations = ("actuator", "joint")
     words = Words(
         source="Janot, Gautier, Brunot, Workshop on Nonlinear System Identification Benchmarks, 2019",
-        shows="torque residual against speed has another slope or step for each direction",
+        shows="torque residual against speed has a different slope or step in each direction",
         reveal="steady runs at the same speeds in both directions",
         mujoco="torque function of the speed: the level of the axis's friction loss, step by step",
     )

@@ -45,7 +45,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
         raise refuse(f"{effect.name} acts on all axes at once", f"leave '@{key.axis}' out")
     seats = effect.locations or ("actuator",)
     if key.location not in seats:
-        raise refuse(f"{effect.name} cannot sit at the {key.location}", f"it sits at the {seats[0]}")
+        raise refuse(f"{effect.name} cannot be at the {key.location}", f"its place is the {seats[0]}")
     if key.copy > 1 and effect.search.repeats is None:
         raise refuse(f"{effect.name} has one value of each parameter", "give one number, not a list")
     if not effect.applies(model, key):
@@ -74,7 +74,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
             allowed = f"{lower:g} to {upper:g}{in_unit}"
             raise refuse(
                 f"{effect.name}: {name} = {estimate.value:g} lies outside {allowed}",
-                "give a value that a body can have",
+                "give a value that a body can physically have",
             )
         checked[name] = Estimate(estimate.value, estimate.std, unit)
     coefficients, shape = effect.parameters.to_coefficients({name: e.value for name, e in checked.items()})
@@ -83,7 +83,7 @@ def check_effect(model: Model, applied: AppliedEffect) -> AppliedEffect:
     if np.any(coefficients < low - slack) or np.any(coefficients > high + slack):
         given = ", ".join(f"{name} = {e.value:g}" for name, e in checked.items())
         limits = ", ".join(f"{a:g} to {b:g}" for a, b in zip(low, high, strict=True))
-        raise refuse(f"{effect.name}: {given} is beyond what a body can have", f"limits are {limits}")
+        raise refuse(f"{effect.name}: {given} is impossible for a body", f"limits are {limits}")
     return AppliedEffect(key, checked)
 
 

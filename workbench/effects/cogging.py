@@ -170,7 +170,7 @@ class Cogging(Effect):
             "order",
             "1/rev",
             lower=0.1,
-            about="periods a turn; a list of several, with as many torques and phases",
+            about="periods per turn; a list for several, with as many torques and phases",
             example=24.0,
             linear=False,
             told=_told,
@@ -182,7 +182,7 @@ class Cogging(Effect):
     words = Words(
         source="Jahns and Soong, Pulsating torque minimization techniques, IEEE Trans. Ind. "
         "Electron. 43(2), 1996",
-        shows="torque residual a sine of the angle, of the same size at every speed",
+        shows="torque residual follows a sine of the angle, with the same size at every speed",
         reveal="a slow steady sweep over the whole range, in both directions",
         mujoco="torque function of the position",
     )

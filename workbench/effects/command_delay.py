@@ -33,7 +33,7 @@ class CommandDelay(Effect):
     locations = WHOLE
     words = Words(
         source="transport delay of bus and drive; the paper's T_d (Eq. 15)",
-        shows="measured torque late against the command; FRF phase falls with frequency",
+        shows="measured torque lags the command; FRF phase falls with frequency",
         reveal="a multisine up to a quarter of the control rate",
         mujoco="native: delay of the actuator",
     )

@@ -40,7 +40,7 @@ class ContactCompliance(OnGround):
     locations = WHOLE
     words = Words(
         source="Kelvin-Voigt contact; K. L. Johnson, Contact Mechanics, 1985, Ch. 6 and 11",
-        shows="normal force that grows with how deep the foot goes, where the model has a hard ground",
+        shows="normal force that grows with the foot's depth, where the model has hard ground",
         reveal="pressing slowly to several forces (stiffness), then stepping and bouncing on it (damping)",
         mujoco="native: solref (-s, -b) and solimp of the contact pair, elliptic cone; exact but for "
         "a thousandth "

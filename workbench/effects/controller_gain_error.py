@@ -28,7 +28,7 @@ class ControllerGainError(Effect):
     stage = SignalStage.CONTROLLER
     words = Words(
         source="PD law of the loop; units, scaling or rounding of gains in the drive",
-        shows="torque command not what the stated gains make of the logged motion",
+        shows="the torque command differs from the one that the stated gains give for the logged motion",
         reveal="steps of the reference, with command, position and velocity logged",
         mujoco="gains of the controller that runs with the model",
     )

@@ -31,7 +31,7 @@ class EncoderEccentricity(Effect):
     stage = SignalStage.SENSOR
     words = Words(
         source="disc off centre by d reads d/R sin(q + p) too much; Heidenhain, Rotary Encoders",
-        shows="position error with one period a turn; over a small arc like an offset and a scale",
+        shows="position error with one period per turn; over a small arc like an offset and a scale",
         reveal="a steady turn all the way round, or the widest arc, against a second encoder",
         mujoco="function of the position that is read",
         needs="an axis that turns",

@@ -21,7 +21,7 @@ class EncoderOffset(Effect):
     stage = SignalStage.SENSOR
     words = Words(
         source="homing error; Hollerbach, Khalil, Gautier, Springer Handbook of Robotics, Ch. 6",
-        shows="torque residual as of gravity and inertia at another posture, whatever the speed",
+        shows="torque residual like gravity and inertia at a shifted posture, at every speed",
         reveal="holding still all over the range, and an independent measurement of the angle",
         mujoco="offset of the position that is read",
     )

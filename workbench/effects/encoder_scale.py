@@ -19,7 +19,8 @@ class EncoderScale(Effect):
     stage = SignalStage.SENSOR
     words = Words(
         source="wrong gear ratio or counts per turn; Springer Handbook of Robotics, Ch. 6",
-        shows="inertia, damping and gravity of one axis all by one factor; gravity of another arc",
+        shows="inertia, damping and gravity of one axis are all wrong by one factor; gravity follows a "
+        "scaled angle",
         reveal="a move between two stops whose distance is known",
         mujoco="factor of the position and the velocity that are read",
     )

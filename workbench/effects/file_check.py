@@ -37,13 +37,13 @@ def check_same(model: Model, file: Path, content: bytes) -> None:
             here = compile_plant(replace(model, serial=serial, effects=())).mujoco
         except WorkbenchError as error:
             said = str(error).replace(folder, str(model.serial.parent))
-            raise InputError(f"with these numbers it is no machine: {said}", file=file) from error
+            raise InputError(f"with these numbers it is not a possible machine: {said}", file=file) from error
     for what, one, other in zip(_WHAT, _numbers(there), _numbers(here), strict=True):
         if not np.max(np.abs(one - other), initial=0.0) <= _SAME * np.max(np.abs(one), initial=0.0):
             raise InputError(
                 f"with these numbers it is not the model: the {what} differs", file=file,
-                remedy="a setting of the file stands above them (inertiafromgeom, settotalmass, a flag): "
-                "take it out, or write the model as .toml",
+                remedy="a setting of the file overrides them (inertiafromgeom, settotalmass, a flag): take "
+                    "it out, or write the model as .toml",
             )  # fmt: skip
 
 

@@ -135,11 +135,11 @@ class FirstMomentError(Effect):
     words = Words(
         source="base parameters of a link; Khalil and Dombre, Modeling, Identification and Control "
         "of Robots, Ch. 9",
-        shows="torque residual as of the link's weight and acceleration, on its axis and those before it",
+        shows="torque residual like the link's weight and acceleration, on its axis and those before it",
         reveal="a slow sweep of this axis over its whole range, the others held; then a fast one",
         mujoco="native: the body's centre of mass, and its mass",
         needs="a link that has a mass, and on a slide one that another axis moves or that the slide lifts; "
-        "of a parallelogram the linkage's increments say it",
+        "for a parallelogram, use the linkage's increments",
     )
     search = Search(frf_signature=FrfSignature.EVEN)
 

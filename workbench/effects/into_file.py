@@ -105,9 +105,9 @@ def open_text(model: Model, file: Path) -> XmlText:
     own = [model.serial] if is_urdf(model.serial) else check_mjcf(model.serial)
     if file.resolve() not in {each.resolve() for each in own}:
         raise InputError(
-            f"model '{model.name}' does not stand on this file",
+            f"model '{model.name}' is not based on this file",
             file=file,
-            remedy=f"it stands on {model.serial}",
+            remedy=f"it is based on {model.serial}",
         )
     return XmlText(file.read_bytes(), file)
 
@@ -134,7 +134,7 @@ def _joints(
         if after < -_ROUNDING * max(abs(before), *(abs(n.more) for n in more)):
             raise InputError(
                 f"joint '{joint}' would have {number} {after:.3g}", file=file, column=number,
-                remedy=f"it has {before:.3g}; what is too much stands in {model.source or 'the model'}",
+                remedy=f"it has {before:.3g}; the excess comes from {model.source or 'the model'}",
             )  # fmt: skip
         after = max(after, 0.0)
         values = totals.setdefault(joint, {})

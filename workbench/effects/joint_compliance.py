@@ -55,7 +55,7 @@ class JointCompliance(Compliance):
     locations = ("actuator", "joint")
     words = Words(
         source="Spong, Modeling and control of elastic joint robots, J. Dyn. Sys. Meas. Control 109, 1987",
-        shows="less inertia above, more below an antiresonance of the links; FRF with a dip and a peak",
+        shows="FRF with an anti-resonance and a resonance; more inertia below the anti-resonance, less above",
         reveal="a chirp or multisine of this axis up to beyond the resonance",
         mujoco="native: a joint for the motor, and a tendon with stiffness and damping to the links",
         needs="inertia on both sides: of the drive in [actuators] or as armature, and of the link; once",

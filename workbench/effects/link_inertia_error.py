@@ -51,12 +51,12 @@ class LinkInertiaError(Effect):
     corrects = OfBody(_own, "inertia", called="inertia")
     words = Words(
         source="Newton-Euler; Khalil and Dombre, Modeling, Identification and Control of Robots, Ch. 9",
-        shows="torque residual with the acceleration of the whole link, axes before it included, and "
-        "no weight",
+        shows="torque residual proportional to the link's acceleration, on its axis and those before it, "
+        "without weight",
         reveal="fast chirps of this axis and of the ones before it, one after the other",
         mujoco="native: the body's inertia",
-        needs="a hinge whose link has a mass and hangs on another axis, else it is reflected_inertia; of a "
-        "parallelogram the linkage's increments say it",
+        needs="a hinge whose link has a mass and is moved by another axis (otherwise use reflected_inertia); "
+        "for a parallelogram, use the linkage's increments",
     )
     search = Search(tier=1)
 

@@ -27,7 +27,7 @@ class LinkageGravity(Structural):
     locations = WHOLE
     words = Words(
         source="potential energy of the parallelogram; the paper leaves it out (after Eq. 21)",
-        shows="torque residual a sine of each drive's angle, at every speed",
+        shows="torque residual follows a sine of each drive's angle, at every speed",
         reveal="a slow sweep over the widest range of both drives",
         mujoco="native: bodies on the links that have weight and next to no mass (fixed base)",
         needs="a parallelogram: two drives that turn two joints by ((1, 0), (1, 1))",

@@ -30,7 +30,7 @@ class LoadDependentFriction(Effect):
     locations = ("actuator", "joint")
     words = Words(
         source="Hamon, Gautier, Garrec, New dry friction model with load- and velocity-dependence, ICRA 2010",
-        shows="torque residual steps at each reversal, the more the higher the motor torque",
+        shows="torque residual steps at each reversal, by more at higher motor torque",
         reveal="slow motion with many reversals, once with and once without a load",
         mujoco="torque function of the motor torque: the level of the axis's friction loss, step by step",
     )

@@ -23,7 +23,7 @@ class PayloadMass(Effect):
     locations = WHOLE
     words = Words(
         source="Newton-Euler for a point mass; Lynch and Park, Modern Robotics, Ch. 8",
-        shows="inertia on all axes that move the site together with gravity of the same mass",
+        shows="extra inertia and weight, as from one mass, on every axis that moves the site",
         reveal="a slow sweep over the whole range (weight), then a fast chirp (inertia)",
         mujoco="native: a body of that mass at the site",
         needs="a place: name a site of the MJCF in [payload], or add one at the end",

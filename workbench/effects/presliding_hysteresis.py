@@ -64,7 +64,8 @@ class PreslidingHysteresis(Effect):
     locations = ("actuator", "joint")
     words = Words(
         source="Dahl, A solid friction model, Aerospace Corp. TOR-0158(3107-18)-1, 1968",
-        shows="torque residual a loop over position that closes after each reversal, alike at every speed",
+        shows="torque residual forms a loop over position that closes after each reversal, alike at every "
+        "speed",
         reveal="small slow reversals within the presliding distance, then larger ones",
         mujoco="state of a tendon's spring, step by step; as plain MJCF a spring with `springyield` "
         "(MuJoCo 4), "

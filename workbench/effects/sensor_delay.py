@@ -25,8 +25,7 @@ class SensorDelay(Effect):
     locations = WHOLE
     words = Words(
         source="transport delay of sensors and bus",
-        shows="motion late against the measured torque; FRF phase falls with frequency, the torque's "
-        "does not",
+        shows="motion lags the measured torque; FRF phase falls with frequency, the torque's does not",
         reveal="a multisine up to a quarter of the control rate, with measured torque",
         mujoco="native: delay of the sensors",
     )

@@ -27,8 +27,8 @@ class VelocityFilterLag(Effect):
     words = Words(
         source="first-order low-pass of the drive's speed estimate; Ellis, Control System Design "
         "Guide, Ch. 9",
-        shows="less damping of the loop at high frequency; measured velocity behind the measured "
-        "position's rate",
+        shows="less damping of the loop at high frequency; measured velocity lags the rate of the measured "
+        "position",
         reveal="a chirp or multisine beyond the filter's corner, with position and velocity logged",
         mujoco="filter of the velocity that is read",
     )

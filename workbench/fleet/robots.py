@@ -114,7 +114,7 @@ def _rig(file: Path) -> str:
     rig = _toml(file).get("rig")
     if not isinstance(rig, str) or not rig.strip():
         raise InputError(
-            "says of no robot that it is its recording", file=file, column="rig",
+            "does not name its robot", file=file, column="rig",
             remedy="name the robot there, as in rig = \"leg-07\"",
         )  # fmt: skip
     return rig.strip()

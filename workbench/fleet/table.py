@@ -46,7 +46,9 @@ def fleet_table(fleet: Fleet) -> Group:
     ]
     parts += [text(f"Note: {note}") for r in fleet.diagnosed for note in r["improvement"]["notes"]]
     if any(e.spreads for e in fleet.effects):
-        parts.append(Text("± is half a 95 % interval; scatter of robots is in units of what these allow."))
+        parts.append(
+            Text("± is half a 95 % interval; scatter of robots is a multiple of what these intervals allow.")
+        )
     return Group(*parts)
 
 

@@ -21,15 +21,15 @@ def sentence(fleet: Fleet) -> str:
     total, done = len(fleet.robots), fleet.diagnosed
     lacking = [r for r in done if r["verdict"] in ("missing_effect", "partly_explained")]
     open_ = [r for r in done if r["verdict"] == "unexplained"]
-    parts = [f"{len(lacking)} of {total} robots lack an effect that was found"]
+    parts = [f"{len(lacking)} of {total} robots have a missing effect that was found"]
     if fleet.effects:
         first = fleet.effects[0]
         parts[0] += f", {len(first.robots)} of them {effect_phrase(first.key)}"
     if open_:
-        parts.append(f"{len(open_)} something that was not")
+        parts.append(f"{len(open_)} with an unexplained error")
     fine = len(done) - len(lacking) - len(open_)
     if fine:
-        parts.append(f"{fine} nothing")
+        parts.append(f"{fine} consistent")
     if fleet.failed:
         parts.append(f"{len(fleet.failed)} could not be diagnosed")
     return "; ".join(parts) + "."
@@ -94,7 +94,7 @@ def seen(effect: Shared) -> str:
     """Who has it, who may, and whose recordings would not show it."""
     parts = [f"{len(effect.robots)}: {_names(effect.robots)}"]
     parts += [f"perhaps {_names(effect.perhaps)}"] if effect.perhaps else []
-    parts += [f"not to be seen in {_names(effect.unseen)}"] if effect.unseen else []
+    parts += [f"not identifiable in {_names(effect.unseen)}"] if effect.unseen else []
     return "; ".join(parts)
 
 

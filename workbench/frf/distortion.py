@@ -70,7 +70,7 @@ def distortion(recordings: Sequence[Recording], **options: object) -> Distortion
     g = frf_of(m, "fast").response
     if not len(m.listening[0]) and not len(m.listening[1]):
         raise InputError(
-            "no line of the band stayed silent",
+            "no line of the band was left unexcited",
             file=recordings[0].source,
             column="excitation.lines",
             remedy="excite odd lines only, some of them left out (grid 'odd_random')",

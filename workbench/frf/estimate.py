@@ -119,7 +119,7 @@ def frf_of(measured: Measured, method: Literal["auto", "robust", "fast"] = "auto
     elif len(m.listening[0]):
         extra, dof = distortion_covariance(m, g, noise_v, unit, free)
         covariance = noise + extra
-        notes.append("The variance of nonlinear distortion is that of the silent odd lines nearby.")
+        notes.append("The variance of nonlinear distortion is that of the unexcited odd lines nearby.")
         wanted = "fast"
     else:
         notes.append("The variance is that of noise alone: one realisation does not show distortion.")

@@ -109,7 +109,7 @@ def local_polynomial(
         method="local_polynomial",
         periods=len(recordings),
         realisations=1,
-        notes=("The variance is what local fits leave: noise, and distortion of a rough excitation.",),
+        notes=("The variance is the residual of local fits: noise, and distortion of a rough excitation.",),
     )
 
 
@@ -203,7 +203,8 @@ def _solve(
             raise InputError(
                 f"around {frequency[bad]:.4g} Hz the inputs cannot be told apart",
                 file=recording.source,
-                remedy="give a second record that drives the axes differently, or `estimate` what repeats",
+                remedy="give a second record that drives the axes differently, or use `estimate` for a "
+                "periodic excitation",
             )
         back = np.conj(np.swapaxes(q, 1, 2))
         inside = back @ y

@@ -129,7 +129,7 @@ def _alike(runs: Sequence[Recording]) -> None:
     for other in runs[1:]:
         if other.axes != one.axes or other.coordinates != one.coordinates:
             raise InputError(
-                f"it has not the axes and coordinates of {one.name}", file=other.source,
+                f"its axes or coordinates differ from those of {one.name}", file=other.source,
                 remedy="give two recordings of one robot",
             )  # fmt: skip
         if abs(other.period / one.period - 1.0) > _PERIODS:
@@ -153,7 +153,7 @@ def _tracked(runs: Sequence[Recording], command: np.ndarray) -> list[Measure]:
     speeds = [base_speeds(r) for r in runs]
     if not command.any():
         raise InputError(
-            "E_phi is a share of a speed, and the robot goes nowhere", file=runs[0].source,
+            "E_phi is relative to the speed, which is zero here", file=runs[0].source,
             remedy="give --command, or look at the other measures",
         )  # fmt: skip
     gaps = [tracking(speeds[0], other, command, runs[0].period) for other in speeds[1:]]

@@ -97,7 +97,9 @@ def limbs_of(
             body = int(m.body_parentid[body])
         legs.append((geom, tuple(reversed(chain))))
     if len({len(chain) for _, chain in legs}) != 1 or not legs[0][1]:
-        raise InputError("feet hang on chains of different lengths", remedy="name one foot a leg in [ground]")
+        raise InputError(
+            "feet hang on chains of different lengths", remedy="name one foot per leg in [ground]"
+        )
     labels = tuple(joints[k].split("_", 1)[-1] for k in legs[0][1])
     return Limbs(
         m, places, dofs, begin, read, np.asarray(transmission, float), tuple(legs), labels, m.nu == n

@@ -54,7 +54,7 @@ def fit_actuator(frf: Frf, *, delay_max_s: float = 0.03) -> Fit:
 
     notes = ()
     if frf.inputs[0].signal == "torque_measured":
-        notes = ("The torque was measured behind the command's delay: 'delay' is not that of the command.",)
+        notes = ("The torque was measured after the command's delay, so 'delay' does not include it.",)
     starts = [np.array([*np.maximum(x, 1e-6), delay]) for x, delay in _starts(frf, moves, least, delay_max_s)]
     return solve(Problem("actuator", parameters, (frf,), (system,), starts, {}, notes))
 

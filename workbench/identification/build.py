@@ -121,7 +121,7 @@ def serial_form(model: Model) -> tuple[np.ndarray, np.ndarray]:
     off = max(np.ptp(mass[:, 0, 0]), np.ptp(mass[:, 1, 1]), np.abs(mass[:, 0, 1] - m12 * cosine).max())
     if off > 1e-6 * m11:
         raise InputError(
-            f"the serial tree of '{model.name}' is no thigh and shank measured from straight down",
+            f"the serial tree of '{model.name}' is not a thigh and shank whose angles are zero straight down",
             file=model.serial, remedy="align its zeros: both links hang along gravity at angle zero",
         )  # fmt: skip
     g = -np.sum(pull * sine, axis=0) / np.sum(sine**2, axis=0)

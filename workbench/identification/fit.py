@@ -120,7 +120,7 @@ def solve(problem: Problem) -> Fit:
             left = [g - f.response for g, f in zip(_responses(problem, theta), problem.frfs, strict=True)]
             frfs = [weighted_by_rest(f, d) for f, d in zip(problem.frfs, left, strict=True)]
             theta, jac, rest = _minimised(problem, frfs, [theta])
-        notes.append("Lines are weighted by what the model leaves there, not by noise alone.")
+        notes.append("Lines are weighted by the model's residual there, not by noise alone.")
     inverse = np.linalg.pinv(jac.T @ jac, rcond=1e-14, hermitian=True)
     covariance = inverse @ (jac.T * _losses(frfs)) @ jac @ inverse
     if not judgement.adequate:
@@ -169,7 +169,9 @@ def _minimised(
         if np.isfinite(end.cost) and (best is None or end.cost < best.cost):
             best = end
     if best is None:
-        raise InputError(f"no start of {problem.model} leads anywhere", remedy="give other first guesses")
+        raise InputError(
+            f"the fit of {problem.model} fails from every start", remedy="give other first guesses"
+        )
     return best.x, np.asarray(best.jac), _residuals(problem, frfs, whiten, best.x)[0]
 
 

@@ -42,10 +42,10 @@ class Judgement:
     @property
     def sentence(self) -> str:
         """What a person should know."""
-        left = f"what is left is {self.cost / self.expected:.3g} times what noise leaves"
+        left = f"the residual is {self.cost / self.expected:.3g} times what noise alone gives"
         if self.adequate:
             return f"The model order is enough: {left}, and white along frequency."
-        along = "" if self.white else f", and hangs together along frequency ({self.correlation:.2f})"
+        along = "" if self.white else f", and correlated along frequency ({self.correlation:.2f})"
         return f"The model order is not enough, or the machine distorts: {left}{along}."
 
 

@@ -90,7 +90,7 @@ def fit_leg(
     starts = _starts(group, moves, least, delay_max_s, len(parameters))
     notes = ()
     if group[0].inputs[0].signal == "torque_measured":
-        notes = ("The torque was measured behind the command's delay: 'delay' is not that of the command.",)
+        notes = ("The torque was measured after the command's delay, so 'delay' does not include it.",)
     systems = tuple(system_at(k, f) for k, f in enumerate(group))
     return solve(Problem("leg", tuple(parameters), tuple(group), systems, starts, {}, notes))
 

@@ -76,7 +76,8 @@ def _sheet(
 ) -> Sheet:  # fmt: skip
     j = fit.judgement
     judged = SheetTable(
-        "What the fit leaves, weighted by the measured covariances, beside what a true model would leave",
+        "The residual of the fit, weighted by the measured covariances, beside the residual that a "
+        "true model would have",
         ("Test", ">Found", ">Expected", ">Deviation", "Passed"),
         (
             ("size", number(j.cost), number(j.expected), number(j.std), "yes" if j.size_fine else "no"),
@@ -98,7 +99,7 @@ def _sheet(
         key_numbers=(
             *((label, text.split(" ± ")[0], f"± {text.split(' ± ')[1]}" if " ± " in text else "")
               for label, text in key),
-            ("Left", f"{number(j.cost / j.expected)} ×", "what noise leaves"),
+            ("Left", f"{number(j.cost / j.expected)} ×", "what noise alone gives"),
         ),
         sections=(
             Section("estimates", "Estimates", tables=(table,)),

@@ -35,8 +35,8 @@ class Assemblies:
         chosen = " ".join(f"--start {name}={value:.3g}" for name, value in other.items())
         own = _said({name: self.own[name] for name in _differs(self.own, self.others[0])})
         return (
-            f"The loops close in {1 + len(self.others)} ways. At {there} this model has {own}; the other is "
-            f"{ways}: {chosen}"
+            f"The loops close in {1 + len(self.others)} ways. At {there}, this model has {own}; the "
+            f"other is {ways}: {chosen}"
         )
 
 

@@ -48,7 +48,10 @@ class Contents(Beside):
         said = [f"loops that it closes: {self.loops}{where}"] if self.loops else []
         said += [f"couplings: {', '.join(follow)}"] if follow else []
         if self.round_rods:
-            said.append(f"balls of rods that do not turn about themselves here: {', '.join(self.round_rods)}")
+            said.append(
+                "ball joints of rods, taken as not turning about their own axis: "
+                f"{', '.join(self.round_rods)}"
+            )
         return said
 
 

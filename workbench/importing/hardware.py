@@ -42,7 +42,7 @@ def own_rig(
     """
     if model.floats:
         raise InputError(
-            "its base floats, and virtual hardware of your own stands on its stand", file=model.source,
+            "its base floats, but virtual hardware of your own needs a fixed base", file=model.source,
             remedy="give the model of one limb, its base held",
         )  # fmt: skip
     if model.controller.kind == "cascade_pv":

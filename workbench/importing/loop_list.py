@@ -82,7 +82,9 @@ def loop_list(file: Path) -> LoopList | None:
         raise InputError(f"is no YAML: {said}", file=own, remedy="correct what it names") from error
     except (ValidationError, RecursionError) as error:
         first = (
-            error.errors()[0] if isinstance(error, ValidationError) else {"loc": (), "msg": "nests too deep"}
+            error.errors()[0]
+            if isinstance(error, ValidationError)
+            else {"loc": (), "msg": "is nested too deeply"}
         )
         raise InputError(
             str(first["msg"]).lower(), file=own, column=".".join(map(str, first["loc"])),

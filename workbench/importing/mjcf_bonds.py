@@ -67,8 +67,8 @@ def across_rod(m: mujoco.MjModel, j: int, file: Path) -> np.ndarray:
     if np.linalg.norm(rod) < 1e-6 or body in m.body_parentid[1:]:
         raise InputError(
             f"joint '{m.joint(j).name}' is a ball", file=file,
-            remedy="a ball is read where its body is a rod whose other end one <connect> holds; else give "
-            "hinges and slides",
+            remedy="a ball joint is allowed only for a rod whose other end one <connect> holds; otherwise "
+                "use hinges and slides",
         )  # fmt: skip
     return np.linalg.svd(rod[None])[2][1:]
 

@@ -70,13 +70,14 @@ def _ways(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
         beyond = [name for name in mechanism.joints if extra and _behind(plant, model, name, extra[0])]
         limb = (
             f"; or, where loops move {extra[0].name()}, end the limb before it (leave out "
-            f"{', '.join(beyond)} and its drive, with --hold-rest) and take what is beyond by itself"
+            f"{', '.join(beyond)} and its drive, with --hold-rest) and import the part beyond it "
+            "separately"
             if beyond
             else ""
         )
         raise InputError(
-            f"the way to {mechanism.foot or 'the last joint'} passes {', '.join(moving) or 'no joint'}, and "
-            "a serial tree has one joint a drive",
+            f"the way to {mechanism.foot or 'the last joint'} passes {', '.join(moving) or 'no joint'}, "
+            "and a serial tree has one joint per drive",
             file=mechanism.file, column="closed_chain.joints",
             remedy=f"name these as serial joints, hold those that stay, or name another foot{limb}",
         )  # fmt: skip

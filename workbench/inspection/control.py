@@ -62,7 +62,10 @@ def remark_on_control(recording: Recording, transmission: np.ndarray | None) -> 
         if other is not None:
             return remarks + other
     if fit.rest > _FAIR:
-        text = f"The logged command does not follow the stated law: {100 * fit.rest:.2g} % of it stays."
+        text = (
+            f"The logged command does not follow the stated law: {100 * fit.rest:.2g} % of it remains "
+            "unexplained."
+        )
         if recording.coordinates != c.coordinates and transmission is None:
             text += " Its coordinates differ from the signals'; give the transmission."
         return [*remarks, Remark("warning", "controller", None, text, {"unexplained": fit.rest})]
@@ -105,7 +108,7 @@ def _alternative(
         late = ticks(recording, ratio, phase, lag)
         fit, m = min(((fit_gains(late, c, m), m) for m in tried), key=lambda found: found[0].rest)
         if fit.rest < enough:
-            text = f"The command answers measurements of {lag} row(s) earlier."
+            text = f"The command uses measurements from {lag} row(s) earlier."
             severity = "note" if recording.timing.delay == "loop" or lag <= 1 else "warning"
             value = {"rows": lag, "delay_s": lag * recording.period}
             return [Remark(severity, "clock", None, text, value), *_read_gains(recording, fit, m)]
@@ -124,7 +127,7 @@ def _alternative(
     _, signals, a, b, fit, m = best
     what = {"command": "torque_command", "reference": "position_reference"}
     named = "The " + " and ".join(what.get(s, s) for s in signals) if len(signals) < 5 else "All"
-    text = f"{named} columns of '{axes[a]}' and '{axes[b]}' are swapped: exchanged, the law holds."
+    text = f"{named} columns of '{axes[a]}' and '{axes[b]}' are swapped: after an exchange, the law holds."
     value = {"axes": [axes[a], axes[b]], "signals": list(signals), "unexplained": fit.rest}
     return [Remark("problem", "swap", None, text, value), *_read_gains(recording, fit, m)]
 
@@ -139,9 +142,9 @@ def _read_gains(recording: Recording, fit: Fit, m: np.ndarray) -> list[Remark]:
     gains = {k: f for k, (f, s) in known.items() if not k.startswith("feedforward")}
     sure = max(_OFF, 2 * fit.rest)
     off = {k: f for k, (f, std) in known.items() if abs(f - 1) > max(sure, 5 * std)}
-    rough = f"{100 * fit.rest:.1g} % of it stays"
+    rough = f"{100 * fit.rest:.1g} % of it remains unexplained"
     if not off:
-        text = f"The logged command is the stated law; {rough}."
+        text = f"The logged command follows the stated law; {rough}."
         return [Remark("ok" if fit.rest < _EXACT else "note", "gains", None, text, value)]
     common = _common(gains)
     if common is not None and len(gains) > 1 and abs(common - 1) > sure:
@@ -162,7 +165,7 @@ def _one_gain(recording: Recording, key: str, factor: float, std: float, value: 
     number = f"{factor:.4g} +- {std:.1g} times"
     value = {**value, "gain": name, "factor": factor, "std": std}
     if name == "feedforward":
-        text = f"Feedforward of '{axis}' stands in the command {number}."
+        text = f"The command contains the feedforward of '{axis}' {number}."
         return Remark("problem", "sign" if factor < 0 else "unit", axis, text, value)
     stated = getattr(recording.controller, {"kd": "kv"}.get(name, name) if _cascade(recording) else name)
     text = f"{name} of '{axis}' is {number} the stated one"

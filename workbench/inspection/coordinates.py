@@ -29,8 +29,8 @@ class Elsewhere:
     def __str__(self) -> str:
         return (
             f"in {self.coordinates} coordinates the logged command follows the stated law "
-            f"({100 * self.rest:.1g} % of it stays), in {self.stated} coordinates, as stated, it does not "
-            f"({100 * self.rest_stated:.2g} % stays)"
+            f"({100 * self.rest:.1g} % of it remains unexplained), in {self.stated} coordinates, as "
+            f"stated, it does not ({100 * self.rest_stated:.2g} % remains)"
         )
 
 

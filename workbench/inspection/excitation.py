@@ -30,7 +30,12 @@ def excited_axes(recording: Recording, noise: NoiseLevels) -> tuple[Excited, ...
 def remark_on_excitation(recording: Recording, excited: tuple[Excited, ...]) -> list[Remark]:
     """Notes on held axes and on motion that reaches past the log's rate."""
     remarks = [
-        Remark("note", "excitation", e.axis, f"Axis '{e.axis}' is held: it cannot show an effect of its own.")
+        Remark(
+            "note",
+            "excitation",
+            e.axis,
+            f"Axis '{e.axis}' is held still, so that it cannot show its own effects.",
+        )
         for e in excited
         if e.held
     ]

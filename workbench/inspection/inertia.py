@@ -46,7 +46,10 @@ def remark_on_inertia(recording: Recording, held: np.ndarray) -> list[Remark]:
         cross, straight = mobility[i, j] * mobility[j, i], mobility[i, i] * mobility[j, j]
         if cross > 9 * abs(straight) and min(explained[i], explained[j]) > _EXPLAINED:
             swapped |= {i, j}
-            text = f"'{names[i]}' moves with the torque of '{names[j]}' and the other way round: swapped."
+            text = (
+                f"'{names[i]}' accelerates with the torque of '{names[j]}' and the reverse: their columns "
+                "are swapped."
+            )
             remarks.append(Remark("problem", "swap", None, text, {**value, "axes": [names[i], names[j]]}))
     for i, axis in enumerate(names):
         backward = mobility[i, i] < -_SURE * spread[i, i] and explained[i] > _EXPLAINED

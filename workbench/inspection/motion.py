@@ -61,10 +61,10 @@ def _one_clock(each: Sequence[Sequence[Remark]], period: float) -> Remark | None
     if len(each) < 2 or len(wrong) < len(each) or named or np.ptp(factors) > _SCALE * factors.min():
         return None
     factor = float(np.median(factors))
-    rates = f"{factor / period:.4g} rows a second and not {1 / period:.4g}"
+    rates = f"{factor / period:.4g} rows per second and not {1 / period:.4g}"
     text = (
         f"Velocity of every axis is {factor:.4g} times the derivative of its position: most likely the "
-        f"clock, {rates}; else a gear or a unit alike on all."
+        f"clock is wrong ({rates}); otherwise the same gear ratio or unit is wrong on all axes."
     )
     return Remark("problem", "clock", None, text, {"factor": factor, "rate_hz": factor / period})
 

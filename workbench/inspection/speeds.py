@@ -76,11 +76,11 @@ def remark_on_speed(found: Sequence[Explanation], axes: Sequence[str]) -> Remark
     best, *others = found
     stated = [e for e in others if not e.off]
     shown = [*stated[:2], *[e for e in others if e.off][:1]]
-    rest = f"{100 * best.fit.rest:.1g} % of it stays"
-    text = f"With {best.told(axes)}, the logged command is the stated law; {rest}."
+    rest = f"{100 * best.fit.rest:.1g} % of it remains unexplained"
+    text = f"With {best.told(axes)}, the logged command follows the stated law; {rest}."
     if shown:
         ways = "; ".join(e.told(axes) for e in shown)
-        text += f" As good: {ways}. No speed was logged that could tell which."
+        text += f" Equally good: {ways}. No speed was logged, so that they cannot be distinguished."
     value = {
         "factors": {k: {"value": f, "std": s} for k, (f, s) in best.fit.by_name.items()},
         "unexplained": best.fit.rest,

@@ -88,7 +88,7 @@ def _follows(
         text = f"Measured torque of '{axis}' is {abs(gain):.4g} times its command: {cause}."
         remarks.append(Remark(severity, "unit", axis, text, {"factor": gain, "meaning": meaning}))
     if not is_broad(np.diff(command)):
-        text = f"The command of '{axis}' has too few frequencies to tell a delay of its measured torque."
+        text = f"The command of '{axis}' has too few frequencies to show a delay of its measured torque."
         remarks.append(Remark("note", "delay", axis, text, {"gain": gain}))
     elif delay < -0.25 * period:
         text = f"Measured torque of '{axis}' comes {-1e3 * delay:.3g} ms before its command."
@@ -152,6 +152,6 @@ def remark_on_command_limits(recording: Recording) -> list[Remark]:
     for i, extreme, share in command_limits(recording):
         axis, command = recording.axes[i], recording.signals["torque_command"][:, i]
         side = "upper" if extreme == command.max() else "lower"
-        text = f"Command of '{axis}' stands at its {side} limit of {extreme:.4g} in {100 * share:.2g} %."
+        text = f"Command of '{axis}' is at its {side} limit of {extreme:.4g} in {100 * share:.2g} %."
         remarks.append(Remark("warning", "saturation", axis, text, {"limit": extreme, "share": share}))
     return remarks

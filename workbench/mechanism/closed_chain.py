@@ -279,7 +279,7 @@ def _check_names(mechanism: Mechanism) -> None:
         if not n or len(names) != n or len(set(names)) != n:
             raise InputError(
                 f"{n} drives, and {key} are {', '.join(names) or 'none'}", file=mechanism.file,
-                column=f"closed_chain.{key}", remedy="name one serial joint a drive, each once",
+                column=f"closed_chain.{key}", remedy="name one serial joint per drive, each once",
             )  # fmt: skip
 
 

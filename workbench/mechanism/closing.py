@@ -184,5 +184,5 @@ def _gap_text(tree: Tree) -> str:
     with np.errstate(over="ignore"):  # an infinite gap is one that stays open too
         gaps = tree.open_loops()
         if not gaps.size:
-            return "a joint that follows another cannot be where it has to"
+            return "a joint that follows another cannot reach its position"
     return f"{gaps.max():.3g} m stay open at loop {int(gaps.argmax()) + 1}"

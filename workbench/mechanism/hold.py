@@ -46,7 +46,7 @@ def held_rest(mechanism: Mechanism, first: Sequence[str] = ()) -> tuple[Coupling
             bonds, held = more, [*held, i]
     if rank(np.vstack([bonds, driven])) < count:
         raise InputError(
-            f"with all else held {', '.join(mechanism.joints)} still move without a drive",
+            f"with all other joints held {', '.join(mechanism.joints)} still move without a drive",
             file=mechanism.file, column="closed_chain.loops",
             remedy="name the drive, or the loop that is missing",
         )  # fmt: skip

@@ -103,7 +103,7 @@ def _ball_loop(node: ElementTree.Element, file: Path) -> BallLoop:
         (ax, ay, az), (bx, by, bz) = map(float, first), map(float, second)
     except (KeyError, ValueError) as error:
         raise InputError(
-            "a ball constraint lacks a body or a point", file=file, column="drake:ball_constraint",
+            "a ball constraint has no body or no point", file=file, column="drake:ball_constraint",
             remedy="give body_A, body_B, p_AP and p_BQ",
         ) from error  # fmt: skip
     return BallLoop(bodies, ((ax, ay, az), (bx, by, bz)))
@@ -181,7 +181,7 @@ def _refuse_missing_inertias(plant: Any, file: Path) -> None:
         name = link.get("name", "")
         if link.find("inertial") is None and name in moving:
             raise InputError(
-                f"link '{name}' has no <inertial>, which SDF takes for 1 kg", file=file, column="inertial",
+                f"link '{name}' has no <inertial>, which SDF reads as 1 kg", file=file, column="inertial",
                 remedy="give it a mass and an inertia, or put a <frame> in its place",
             )  # fmt: skip
 

@@ -48,7 +48,7 @@ def take_apart(spec: mujoco.MjSpec, file: Path) -> None:
     taken = {joint.name for joint in spec.joints} & set(BASE_AXES)
     if taken:
         raise InputError(
-            f"joint '{min(taken)}' is called as an axis of the base is", file=file, remedy="rename it"
+            f"joint '{min(taken)}' has the name of an axis of the base", file=file, remedy="rename it"
         )
     for key in list(spec.keys):  # postures of seven numbers for a base
         spec.delete(key)

@@ -90,7 +90,7 @@ def _per_axis(value: list[float] | float, n: int, file: Path, key: str) -> tuple
     values = [value] * n if isinstance(value, (int, float)) else value
     if len(values) != n:
         raise InputError(
-            f"{len(values)} values for {n} axes", file=file, column=key, remedy="give one an axis"
+            f"{len(values)} values for {n} axes", file=file, column=key, remedy="give one per axis"
         )
     return tuple(float(v) for v in values)
 
@@ -116,19 +116,19 @@ def _transmission(
                 remedy=f"joints are {', '.join(known)}",
             )  # fmt: skip
     if len(set(axes)) != n or len(set(joints)) != len(joints):
-        raise InputError("a name stands twice", file=file, column="axes", remedy="name each axis once")
+        raise InputError("a name is given twice", file=file, column="axes", remedy="name each axis once")
     rows = np.eye(n).tolist() if given is None or given.matrix is None else given.matrix
     if n == 0 or len(joints) != n or len(rows) != n or any(len(row) != n for row in rows):
         raise InputError(
             f"{n} axes, {len(joints)} joints and matrix rows of {[len(row) for row in rows]} numbers",
             file=file, column="transmission",
-            remedy="the matrix must be square, one row an axis and one column a joint",
+            remedy="the matrix must be square, one row per axis and one column per joint",
         )  # fmt: skip
     matrix = np.array(rows, float)
     if not np.linalg.cond(matrix) < _SINGULAR:
         raise InputError(
             "the transmission matrix is singular", file=file, column="transmission.matrix",
-            remedy="its rows must be independent: each drive moves what no mixture of the others does",
+            remedy="its rows must be independent: no row may be a combination of the others",
         )  # fmt: skip
     return tuple(axes), tuple(joints), matrix
 
@@ -204,12 +204,12 @@ def _mechanism(table: ModelTable, n: int, file: Path) -> Mechanism | None:
         if count != n:
             raise InputError(
                 f"{count} names for {n} axes", file=file, column=f"closed_chain.{key}",
-                remedy="name one joint of the closed chain an axis",
+                remedy="name one joint of the closed chain per axis",
             )  # fmt: skip
     if chain.limits and (len(chain.limits) != n or any(low >= high for low, high in chain.limits)):
         raise InputError(
             f"limits are not {n} pairs of a lower and a higher number", file=file,
-            column="closed_chain.limits", remedy="give one pair a serial joint",
+            column="closed_chain.limits", remedy="give one pair per serial joint",
         )  # fmt: skip
     return Mechanism(
         _resolve(file, chain.file, "closed_chain.file"),
@@ -260,7 +260,7 @@ def _controller(table: ModelTable, n: int, file: Path) -> Controller:
         if key not in per_axis:
             raise InputError(
                 f"controller of kind '{c.kind}' has no {key}", file=file, column=f"controller.{key}",
-                remedy=f"give {', '.join(needed)}, one value an axis",
+                remedy=f"give {', '.join(needed)}, one value per axis",
             )  # fmt: skip
     return Controller(
         kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, velocity=c.velocity, **per_axis

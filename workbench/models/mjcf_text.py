@@ -62,7 +62,7 @@ class MjcfText:
         stated = None if body is None else body.child("inertial")
         if body is None or (stated is None and any(each.tag == "include" for each in body.children)):
             raise InputError(
-                f"what joint '{joint}' carries stands in another file than the joint",
+                f"joint '{joint}' and the inertia of its body are in different files",
                 file=self._text.file, remedy="put the joint and the <inertial> of its body into one file",
             )  # fmt: skip
         if stated is None:  # it came from geoms

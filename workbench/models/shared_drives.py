@@ -45,7 +45,7 @@ def shared_drives(
         f"actuator '{m.actuator(shared[0]).name}' moves {moves}, and it is not one drive for each joint",
         file=file,
         column="actuator",
-        remedy="state [transmission] in a model file (docs/models.md): joints, and a row of matrix a drive",
+        remedy="state [transmission] in a model file (docs/models.md): joints, and one matrix row per drive",
     )
 
 

@@ -92,7 +92,7 @@ def _axes(positions: dict[str, str], draft: Draft) -> tuple[list[str], list[str]
     else:
         pairs = ", ".join(f"{o} is {w}" for o, w in zip(own, wanted, strict=True))
         draft.assume("axes", ", ".join(wanted), 0.85, "the model's order")
-        text = f"Names of the file and of the model differ. Is it so: {pairs}?"
+        text = f"Names in the file and in the model differ. Is this assignment right: {pairs}?"
         named = ",".join(wanted)
         draft.questions.append(Question("axes", text, (named,), named, f"--axis {' --axis '.join(wanted)}"))
     return joints, wanted

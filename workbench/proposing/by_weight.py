@@ -48,7 +48,7 @@ def by_weight(proposal: Proposal, table: Table, answers: Answers, model: Model) 
         return answers
     chosen = others[told[0][1]]
     why = (
-        f"the model's weight and inertia: {100 * told[0][0]:.2g} % of the torque is left, "
+        f"the model's weight and inertia: {100 * told[0][0]:.2g} % of the torque remains unexplained, "
         f"{_share(told[1][0])} in the next best"
     )
     new = chosen.units.keys() - answers.units.keys()

@@ -52,7 +52,7 @@ def clean(columns: Mapping[str, np.ndarray], time: str, used: Sequence[str], run
         if _SPARSE < empty.mean() < 0.99 and _evenly(empty):
             data[name] = _between(t, values, empty)
             notes.append(
-                f"'{name}' is logged more slowly than the rest; lines are drawn between its numbers."
+                f"'{name}' is logged more slowly than the rest; its values are interpolated linearly."
             )
             changed = True
     good = np.all([np.isfinite(v) for v in data.values()], axis=0) if data else np.ones(len(t), bool)
@@ -92,7 +92,7 @@ def _in_order(t: np.ndarray, notes: list[str], run: int | None) -> tuple[np.ndar
     if sizes.max() > 0.05 * len(rows) and len(back) < 50 and _restarts(t[rows], back):
         taken = int(np.argmax(sizes)) if run is None else min(run, len(sizes) - 1)
         which = "the longest" if run is None else f"number {run}, counted from 0,"
-        notes.append(f"Time starts anew {len(back)} time(s); {which} of {len(sizes)} runs is taken.")
+        notes.append(f"Time restarts {len(back)} time(s); {which} of {len(sizes)} runs is taken.")
         return rows[edges[taken] : edges[taken + 1]], True, tuple(int(size) for size in sizes)
     notes.append(f"Time goes back at {len(back)} row(s); rows are sorted by time.")
     return rows[np.argsort(t[rows], kind="stable")], True, (len(rows),)
@@ -115,7 +115,7 @@ def _without_repeats(t: np.ndarray, notes: list[str]) -> tuple[np.ndarray, np.nd
         distinct = np.unique(t)
         quantum = float(np.median(np.diff(distinct))) if len(distinct) > 1 else 0.0
         if np.abs(even - t).max() < 2.5 * quantum:
-            notes.append("Time stamps are coarser than the rows; an even clock is drawn through them.")
+            notes.append("Time stamps are coarser than the rows; they are replaced by evenly spaced times.")
             return even, every
     notes.append(f"{int(repeats.sum())} rows that repeat a time stamp are left out.")
     return t[~repeats], every[~repeats]

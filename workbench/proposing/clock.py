@@ -62,10 +62,10 @@ def time_weights(values: np.ndarray, role: Role, answers: Answers) -> tuple[dict
     hint = hint or next((w for w in words if w), "")
     if hint:
         return {**{u: 1e-3 * w for u, w in found.items()}, hint: max(found.values(), default=1.0)}, "its name"
-    return found, "rows a second"
+    return found, "rows per second"
 
 
 def rate_question() -> Question:
     """What to ask where no column is time."""
-    text = "Which column is time? None looks like it. Or how many rows a second are there?"
+    text = "No column looks like time. Which one is it, or how many rows per second are there?"
     return Question("rate", text, (), "", "--rate HZ (or --column time=NAME)")

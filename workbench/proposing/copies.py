@@ -33,7 +33,9 @@ def each_row_once(table: Table, roles: Mapping[str, Role], answers: Answers) -> 
     if count < 2:
         return table
     often = "twice" if count == 2 else f"{count} times"
-    note = f"Every row stands there {often}, as where a logger is faster than the data: one of each is kept."
+    note = (
+        f"Every row is repeated {often}, as when a logger is faster than the data: one copy of each is kept."
+    )
     columns = {name: values[first::count] for name, values in table.columns.items()}
     return replace(table, columns=columns, notes=(*table.notes, note), plain=False)
 

@@ -30,8 +30,8 @@ def note_clock(draft: Draft, time: str, weights: Mapping[str, float], why: str, 
     stated = max(weights, key=lambda u: weights[u])
     if why.startswith("its name") and stated != taken:
         draft.notes.append(
-            f"'{time}' is in {stated} by its name, but in {taken} by velocity over slope of position: "
-            f"{taken} is taken. If not: --unit time={stated}"
+            f"The name of '{time}' says {stated}, but velocity over slope of position says {taken}: "
+            f"{taken} is used. If that is wrong: --unit time={stated}"
         )
 
 
@@ -72,8 +72,8 @@ def note_factors(
         each = [fitting[kind] if i in same else unit for i, unit in enumerate(units[kind])]
         draft.notes.append(
             f"{_named(columns['velocity'], same)} is {ratio:.4g} times the derivative of "
-            f"{_named(columns['position'], same)}: the data say {either}. "
-            f"Taken are {pair[1]} and {pair[0]}, as stated. If not: --unit {kind}={','.join(each)}"
+            f"{_named(columns['position'], same)}: the data say {either}. {pair[1]} and {pair[0]} are "
+            f"used, as stated. If that is wrong: --unit {kind}={','.join(each)}"
         )
 
 
@@ -95,9 +95,9 @@ def note_rate(
         return False
     ratio = float(np.median(each))
     draft.notes.append(
-        f"At {rate:g} rows a second velocity is {ratio:.4g} times the derivative of position on every axis: "
-        f"the data say {ratio * rate:.4g} rows a second. {rate:g} is taken, as stated. "
-        f"If not: --rate {ratio * rate:.4g}"
+        f"At {rate:g} rows per second velocity is {ratio:.4g} times the derivative of position on every "
+        f"axis: the data say {ratio * rate:.4g} rows per second. {rate:g} is used, as stated. If that "
+        f"is wrong: --rate {ratio * rate:.4g}"
     )
     return True
 
@@ -116,8 +116,8 @@ def note_size(
         top = max(float(np.nanmax(np.abs(rows.columns[columns["position"][i]]))) for i in which)
         each = [other if i in which else u for i, u in enumerate(units)]
         draft.notes.append(
-            f"{_named(columns['position'], which)} goes up to {top:.3g}: by size it is {other}. "
-            f"{unit} is taken, as its name says. If not: --unit position={','.join(each)}"
+            f"{_named(columns['position'], which)} goes up to {top:.3g}: by size it is {other}. {unit} "
+            f"is used, as its name says. If that is wrong: --unit position={','.join(each)}"
         )
 
 
@@ -139,5 +139,5 @@ def _fitting(kind: str, clock: str, pair: tuple[str, str], ratio: float) -> str:
 
 
 def _named(names: Sequence[str], which: Sequence[int]) -> str:
-    more = f" (and of {len(which) - 1} more axes alike)" if len(which) > 1 else ""
+    more = f" (and the same on {len(which) - 1} more axes)" if len(which) > 1 else ""
     return f"'{names[which[0]]}'{more}"

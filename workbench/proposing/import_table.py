@@ -67,7 +67,7 @@ def _open(asked: Sequence[Question], table: Table) -> InputError:
     fields = dict.fromkeys(_FIELDS.get(kind := q.key.split(".")[0], kind) for q in asked)
     remedy = f"pass {', '.join(f'{name}=...' for name in fields)}"
     return InputError(
-        f"cannot be told: {' '.join(q.text for q in asked)}",
+        f"needs an answer. {' '.join(q.text for q in asked)}",
         file=table.file,
         remedy=f"{remedy}, or likeliest=True" if all(q.best for q in asked) else remedy,
     )

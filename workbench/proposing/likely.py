@@ -77,7 +77,7 @@ def motion_units(
     if told is None:
         raise InputError(
             "the unit of position cannot be told from such numbers", file=draft.table.file,
-            remedy="say it: --unit position=deg (or rad, mm, ...; one, or one an axis)",
+            remedy="state it: --unit position=deg (or rad, mm, ...; one, or one per axis)",
         )  # fmt: skip
     clock, each = told
     out: dict[str, list[UnitTold]] = {kind: [UnitTold("", 0.0, "")] * len(stated.linear) for kind in kinds}

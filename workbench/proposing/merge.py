@@ -44,7 +44,7 @@ def merged(table: Table, series: Sequence[Series], time: str, answers: Answers |
             columns[name] = moved
     notes = table.notes
     if len(usable) > 1 and not table.series:
-        notes = (*notes, f"{len(usable)} series of rows are brought onto those of one.")
+        notes = (*notes, f"{len(usable)} series with rows of their own are resampled to the rows of one.")
     several = tuple(usable) if len(usable) > 1 else ()
     return replace(table, columns=columns, notes=notes, series=several, plain=False)
 

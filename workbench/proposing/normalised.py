@@ -33,15 +33,15 @@ def ask_range(draft: Draft, rows: Clean, positions: Sequence[str], units: Sequen
         return
     if not _servos(draft, rows, positions):
         draft.notes.append(
-            f"Nothing but their size, up to {top:.3g}, says that positions are degrees; parts of each "
-            "joint's range (-100 to 100) look the same. If so: --unit position=1.1*deg,... "
-            "(half the range over 100)."
+            f"Only their size, up to {top:.3g}, suggests that positions are degrees. Values scaled to "
+            "each joint's range (-100 to 100) look the same. If they are scaled: --unit "
+            "position=1.1*deg,... (half the range over 100)."
         )
         return
     text = (
-        f"Positions go up to {top:.3g}: degrees, or parts of each joint's range (-100 to 100, as LeRobot has "
-        "them unless told otherwise)? Nothing in the data tells. For parts give the degrees of one, half the "
-        "range over 100, one a joint."
+        f"Positions go up to {top:.3g}: degrees, or scaled to each joint's range (-100 to 100, "
+        "LeRobot's default)? The data do not show it. If scaled, give the degrees per unit for each "
+        "joint: half its range over 100."
     )
     example = ",".join(["1.1*deg"] * len(positions))
     option = f"--unit position=deg (or e.g. --unit position={example})"

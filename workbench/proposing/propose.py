@@ -92,7 +92,7 @@ def _check_answers(table: Table, answers: Answers) -> None:
             known = kind if kind in UNITS else "position"
             remedy = f"e.g. --unit {known}={UNITS[known]}"
             if kind == "torque" and wrong and pint_unit(wrong[0], "current"):
-                remedy = "give the torque constants, in N m per A: --unit torque=0.5*N*m, or one an axis"
+                remedy = "give the torque constants, in N m per A: --unit torque=0.5*N*m, or one per axis"
             raise InputError(
                 f"'{wrong[0] if wrong else text}' is no unit of {kind}", file=table.file, remedy=remedy
             )
@@ -150,7 +150,7 @@ def _time(draft: Draft) -> str | None:
     else:
         guessed = "rate" in draft.answers.guessed
         because = "velocity over slope of position" if guessed else "you said so"
-        draft.assume("time", f"{draft.answers.rate_hz:g} rows a second", 0.8 if guessed else 1.0, because)
+        draft.assume("time", f"{draft.answers.rate_hz:g} rows per second", 0.8 if guessed else 1.0, because)
     return time
 
 
@@ -191,7 +191,10 @@ def _description(
         out["valid"] = "valid"
     coordinates = _coordinates(draft.answers)
     if draft.answers.transmission is not None and not draft.answers.coordinates:
-        text = "The model's drives do not turn as its joints do. Where were the signals counted?"
+        text = (
+            "The model's drives and joints turn differently. Were the signals measured at the drives or at "
+            "the joints?"
+        )
         options = ("actuator", "joint")
         draft.questions.append(Question("coordinates", text, options, "actuator", "--coordinates actuator"))
         draft.assume("coordinates", "actuator", 0.7, "drives carry the encoders as a rule")

@@ -60,5 +60,5 @@ def on_rows_of_axes(table: Table, roles: Mapping[str, Role], time: str, answers:
         notes.append(f"{left} rows without a number of any axis are left out.")
     if moved:
         shown = ", ".join(moved[:4]) + (f" and {len(moved) - 4} more" if len(moved) > 4 else "")
-        notes.append(f"Brought onto the rows of the axes: {shown}.")
+        notes.append(f"Resampled to the rows of the axes: {shown}.")
     return replace(table, columns=columns, notes=tuple(notes), plain=False)

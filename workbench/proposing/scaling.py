@@ -40,7 +40,8 @@ def settle_scales(
         which = ", ".join(axes[i] for i in backward)
         draft.assume("sign of velocity", f"reversed: {which}", 0.95, "it falls where position rises")
         draft.notes.append(
-            f"Velocity of {which} has the sign against position; it is turned. Is the encoder?"
+            f"Velocity of {which} has the opposite sign to the slope of position; it is negated. Is the "
+            "encoder reversed?"
         )
     return {signal: each for signal, each in factors.items() if set(each) != {1.0}}
 

@@ -90,7 +90,7 @@ def settle_units(
         units["time"] = _settle(draft, "time", [UnitTold(clock.unit, clock.sure, why_time)], (False,))
     if any(stated.guessed) and draft.answers.counts is None:
         which = [axis for axis, guess in zip(axes, stated.guessed, strict=True) if guess]
-        why = "no unit and no model says that one slides (--unit position=m, or --model)"
+        why = "no unit and no model says that an axis is a slide (--unit position=m, or --model)"
         draft.assume("motion", f"{', '.join(which)}: turning", _TURNS, why)
     note_size(draft, columns, rows, taken["position"], stated)
     if signals_of("torque", columns):
@@ -132,7 +132,7 @@ def _settle(
     because = "; ".join(dict.fromkeys(part for t in told for part in t.because.split("; ")))
     sure = min(t.sure for t in told)
     if kind == "position" and "turn" in units and draft.answers.counts and "counts" in draft.answers.guessed:
-        sure, because = _GUESSED, f"numbers run over {draft.answers.counts:.0f}, taken for counts of one turn"
+        sure, because = _GUESSED, f"numbers run over {draft.answers.counts:.0f}, read as counts of one turn"
     draft.assume(name, _shown(units), sure, because)
     unsure = [i for i, t in enumerate(told) if t.sure < ASK]
     # once the position's is answered, its slope tells the velocity's
@@ -146,9 +146,9 @@ def _settle(
 
 
 def _counts_question(turn: int) -> Question:
-    text = "Positions are whole numbers, encoder counts it seems. How many make a turn?"
+    text = "Positions are whole numbers, probably encoder counts. How many counts make a turn?"
     if turn:
-        text = f"Positions run over a turn of {turn} encoder counts, it seems. Do as many make a turn?"
+        text = f"Positions cover a range of {turn}, probably encoder counts. Is that one turn?"
     best = str(turn) if turn else ""
     return Question("counts", text, (), best, f"--counts {best or 'N'} (or --unit position=deg)")
 
@@ -174,12 +174,14 @@ def _ask_rate(draft: Draft, period: float) -> None:
     """The rate that makes velocity the derivative of position, offered as an answer."""
     rate = FALLBACK_RATE / period if period > 0 else 0.0
     draft.questions = [q for q in draft.questions if q.key != "rate"]
-    text = f"No column is time; velocity against position says {rate:.4g} rows a second. Is that so?"
+    text = (
+        f"No column is time; velocity and position together give {rate:.4g} rows per second. Is that right?"
+    )
     draft.questions.append(Question("rate", text, (), f"{rate:.4g}", f"--rate {rate:.4g}"))
 
 
 def _and(first: str, second: str) -> str:
-    return second if first == "rows a second" else f"{first}; {second}"
+    return second if first == "rows per second" else f"{first}; {second}"
 
 
 def _shown(units: Sequence[str]) -> str:

@@ -51,7 +51,7 @@ def _of_joints(out: Signals) -> None:
     others = {j for s, by_joint in out.columns.items() if s != "position" for j in by_joint}
     tools = without_joint(list(positions), others)
     if tools:
-        out.notes.append(f"Not among the axes, nothing but positions of them is logged: {', '.join(tools)}.")
+        out.notes.append(f"Not taken as axes, because only their positions are logged: {', '.join(tools)}.")
     for joint in tools:
         del positions[joint]
 

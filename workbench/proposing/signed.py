@@ -25,7 +25,8 @@ def signed_counts(table: Table) -> Table:
             columns[name] = np.where(values >= 2.0 ** (bits - 1), values - 2.0**bits, values)
             notes.append(
                 f"'{name}' jumps by nearly {2**bits} around zero: it is a signed number of {bits} bits, "
-                f"written without its sign; {2**bits} is taken off what is above {2 ** (bits - 1) - 1}."
+                f"written without its sign; {2**bits} is subtracted from numbers above "
+                f"{2 ** (bits - 1) - 1}."
             )
     if len(notes) == len(table.notes):
         return table

@@ -42,7 +42,9 @@ def whole_clocks(table: Table) -> Table:
     for name, values in columns.items():
         if role_of(name).kind == "time" and (found := _going_on(values)) is not None:
             columns[name], period = found
-            notes.append(f"'{name}' begins anew every {period:.0f} of its units; it is taken to go on.")
+            notes.append(
+                f"'{name}' restarts every {period:.0f} of its units; it is read as one continuous clock."
+            )
     if len(notes) == len(table.notes):
         return table
     return replace(table, columns=columns, notes=tuple(notes), units=units, plain=False)

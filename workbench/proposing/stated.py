@@ -98,7 +98,7 @@ def _said(draft: Draft, kind: str, n: int) -> list[str]:
         raise InputError(
             f"{len(units)} units of {kind} for {n} axes",
             file=draft.table.file,
-            remedy=f"give one, or one an axis: --unit {kind}={example}",
+            remedy=f"give one, or one per axis: --unit {kind}={example}",
         )
     return units
 
@@ -126,7 +126,7 @@ def _check_one(draft: Draft, kind: str, unit: str, axes: Sequence[str], linear: 
     raise InputError(
         f"'{unit}' is no unit of {kind} of '{wrong[0]}', which {moves}",
         file=draft.table.file,
-        remedy=f"give one an axis: --unit {kind}={','.join(right)}",
+        remedy=f"give one per axis: --unit {kind}={','.join(right)}",
     )
 
 

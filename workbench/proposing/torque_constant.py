@@ -19,8 +19,8 @@ def ask_constant(draft: Draft, columns: dict[str, list[str]]) -> None:
     n = len(next(iter(columns.values())))
     example = ",".join(["K*N*m"] * n)
     text = (
-        f"{', '.join(sorted(amperes))} are currents by their names. What torque constant has each drive, "
-        "behind its gear [N m per A]?"
+        f"{', '.join(sorted(amperes))} are currents, by their names. What is the torque constant of "
+        "each drive, at the gear's output [N m per A]?"
     )
     draft.unsure("unit of torque", 0.0, UNKNOWN)
     draft.questions = [q for q in draft.questions if q.key != "unit.torque"]

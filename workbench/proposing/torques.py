@@ -44,7 +44,7 @@ def take_drives(out: Signals, data: dict[str, np.ndarray], roles: dict[str, Role
     free = [n for n in data if n not in out.used()]
     for signal, joint, column in drives(free, roles, list(out.columns.get("position", {}))):
         if joint not in out.columns.get(signal, {}):
-            out.put(signal, joint, column, "a drive's by its name; taken for torque", 0.91)
+            out.put(signal, joint, column, "a drive's signal, by its name; read as torque", 0.91)
 
 
 def _loop(

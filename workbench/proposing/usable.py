@@ -36,7 +36,7 @@ def usable_rows(draft: Draft, time: str | None, columns: dict[str, list[str]]) -
         draft.notes.append(f"{int((~measured).sum())} rows are not measured, as '{valid}' says.")
     rows = clean(data, time or "t", used, draft.answers.episode)
     if len(next(iter(rows.columns.values()))) < 8:
-        remedy = "record more, or mend the time column"
+        remedy = "record more, or correct the time column"
         raise InputError("has fewer than eight usable rows", file=draft.table.file, remedy=remedy)
     draft.notes += rows.notes
     _check_run(draft, rows.runs)
@@ -70,12 +70,12 @@ def _check_run(draft: Draft, runs: tuple[int, ...]) -> None:
     """Ask which run is meant where most rows are of others; a data set's episode was chosen before."""
     asked = draft.answers.episode
     if asked is not None and asked >= len(runs) and draft.table.file.is_file():
-        there = f"time starts anew {len(runs) - 1} times in it" if len(runs) > 1 else "time never starts anew"
+        there = f"time restarts {len(runs) - 1} times in it" if len(runs) > 1 else "time never restarts"
         remedy = f"give --episode from 0 to {len(runs) - 1}" if len(runs) > 1 else "leave out --episode"
         raise InputError(f"has no run {asked}: {there}", file=draft.table.file, remedy=remedy)
     if asked is None and 2 * max(runs) < sum(runs):
         best = int(np.argmax(runs))
         sizes = ", ".join(map(str, runs[:8])) + (" and more" if len(runs) > 8 else "")
-        text = f"Time starts anew: {len(runs)} runs of {sizes} rows. Which one, counted from 0?"
+        text = f"Time restarts: there are {len(runs)} runs of {sizes} rows. Which one, counted from 0?"
         choices = tuple(str(k) for k in range(min(len(runs), 8)))
         draft.questions.append(Question("episode", text, choices, str(best), f"--episode {best}"))

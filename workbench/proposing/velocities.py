@@ -40,7 +40,7 @@ def uncross(
     moved = [columns["velocity"][k] for k in order]
     if _reference_agrees(rows, columns, bad):
         draft.notes.append(
-            f"The velocity columns of {pair} are swapped: exchanged, they are the derivatives."
+            f"The velocity columns of {pair} are swapped: after an exchange, they are the derivatives."
         )
         draft.assume("swap", f"velocity of {pair}", 0.97, "positions follow their own references")
         return {**columns, "velocity": moved}

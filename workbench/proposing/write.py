@@ -141,7 +141,7 @@ def _starts_at_rest(recording: Recording) -> bool:
 
 def _each(values: tuple[float, ...], n: int, option: str) -> list[float]:
     if len(values) not in (1, n):
-        raise InputError(f"{len(values)} values of {option} for {n} axes", remedy="give one, or one an axis")
+        raise InputError(f"{len(values)} values of {option} for {n} axes", remedy="give one, or one per axis")
     return list(values) * (n if len(values) == 1 else 1)
 
 

@@ -73,7 +73,9 @@ def read_clock(seconds: np.ndarray, valid: np.ndarray | None, column: str, path:
     kept = np.flatnonzero(finite)
     if len(kept) < 2:
         remedy = "record at least two rows"
-        raise InputError(f"{len(kept)} row(s) make no recording", file=path, column=column, remedy=remedy)
+        raise InputError(
+            f"{len(kept)} row(s) are too few for a recording", file=path, column=column, remedy=remedy
+        )
     t = seconds[kept]
     step = np.diff(t)
     _check_forward(step, kept, column, path)

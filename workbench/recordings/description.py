@@ -46,7 +46,7 @@ def _lines(value: Any) -> Any:
     if isinstance(value, str) and re.fullmatch(r"full|odd|odd_random|every_[1-9]\d{0,8}", value):
         return value
     # pydantic's own text for a choice of kinds takes a line for each
-    message = "should be 'full', 'odd', 'odd_random', 'every_N' (as 'every_4') or a list of line numbers"
+    message = "must be 'full', 'odd', 'odd_random', 'every_N' (as 'every_4') or a list of line numbers"
     raise ValueError(message)
 
 
@@ -137,17 +137,17 @@ def read_description(path: Path) -> Description:
         raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
     except UnicodeDecodeError as error:
         remedy = _other_kind(path, {}) or "give the recording's TOML file"
-        raise InputError("is no recording", file=path, remedy=remedy) from error
+        raise InputError("is not a recording", file=path, remedy=remedy) from error
     content: dict[str, Any] = {}
     try:
         content = tomllib.loads(text)
         check_format(content, 1, path)
         if remedy := _other_kind(path, content):
-            raise InputError("is no recording", file=path, remedy=remedy)
+            raise InputError("is not a recording", file=path, remedy=remedy)
         description = Description.model_validate(content)
     except tomllib.TOMLDecodeError as error:
         if remedy := _other_kind(path, content):
-            raise InputError("is no recording", file=path, remedy=remedy) from error
+            raise InputError("is not a recording", file=path, remedy=remedy) from error
         raise InputError(f"is not valid TOML: {error}", file=path, remedy="correct that line") from error
     except ValidationError as error:
         raise _explain(error, path) from error
@@ -210,7 +210,7 @@ def _check_names(d: Description, path: Path) -> None:
     forces = len(d.columns.get("ground_force", ()))
     if forces % 3:
         raise InputError(
-            f"has {forces} column(s), which is no multiple of three",
+            f"has {forces} column(s), which is not a multiple of three",
             file=path,
             column="columns.ground_force",
             remedy="give fx, fy, fz for every foot",

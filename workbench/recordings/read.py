@@ -246,7 +246,7 @@ def _clock_notes(clock: Clock, valid: np.ndarray) -> tuple[str, ...]:
         done = (
             f"resampled onto a period of {period}"
             if clock.row is None
-            else f"is the stamps' alone: the rows themselves are {period} apart"
+            else f"is only in the time stamps: the rows are {period} apart"
         )
         notes += (f"Clock jitter of {100 * clock.jitter:.2g} % (rms) {done}.",)
     masked = int((~valid).sum())

@@ -72,8 +72,8 @@ def _shortened(sources: Sequence[Recording | Log], at_once: float, notes: list[s
         share, each = 100 * seconds / source.duration, seconds / len(own)
         notes.append(
             f"{source.name}: of {source.duration:.0f} s, {len(own)} windows of {each:.0f} s were used "
-            f"({share:.2g} %), spread over the log and chosen for what they excite; what takes longer to "
-            "show, such as heat, cannot be seen in them"
+            f"({share:.2g} %), spread over the log and chosen for what they excite; slow effects, such "
+            "as heating, cannot be seen in them"
         )
         out += own
     return out

@@ -31,7 +31,9 @@ def diagnosis_sentence(result: Diagnosis) -> str:
         return "The model explains the data to the noise."
     if result.verdict == "unexplained" or not result.findings:
         rest = percent(result.unexplained_fraction)
-        return f"Something is missing: {_nothing(result)}; {rest} of the squared error above the noise stays."
+        return (
+            f"Something is missing: {_nothing(result)}; {rest} of the squared error above the noise remains."
+        )
     gains = [f for f in result.findings if f.key.effect == _GAINS]
     wrong = [f for f in result.findings if corrects(f) and f not in gains]
     missing = [f for f in result.findings if f not in wrong and f not in gains]
@@ -49,7 +51,10 @@ def _nothing(result: Diagnosis | None) -> str:
 def partly_sentence(result: Diagnosis) -> str:
     """How much stays unknown beside effects that are certain, with a space before it."""
     rest = percent(result.unexplained_fraction)
-    return f" That is certain, and not all: {rest} of the squared error above the noise has another cause."
+    return (
+        f" This is certain, but it is not the whole cause: {rest} of the squared error above the noise has "
+        "another cause."
+    )
 
 
 def improvement_sentence(result: Improvement) -> str:
@@ -58,7 +63,7 @@ def improvement_sentence(result: Improvement) -> str:
     if not result.steps:
         if result.verdict == "consistent":
             return "The model explains the data to the noise as it is; nothing was added."
-        return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds what comes near)."
+        return f"Nothing was added: {_nothing(result.diagnosis)} (--nearest adds the closest effects)."
     kept = result.kept
     sized = [sized_phrase(s.key, s.parameters) if len(kept) == 1 else effect_phrase(s.key) for s in kept]
     added = any_of(sized, "and") if len(kept) < 4 else ""
@@ -70,7 +75,7 @@ def improvement_sentence(result: Improvement) -> str:
     times = times_noise(result.error_after, result.noise_error)
     rest = f", still {times} the noise floor" if times else ""
     if result.nearest:
-        return f"{capital(_nothing(result.diagnosis))}. With what comes nearest, {added}, {fall}{rest}."
+        return f"{capital(_nothing(result.diagnosis))}. With the closest effects, {added}, {fall}{rest}."
     partly = result.diagnosis if result.verdict == "partly_explained" else None
     return f"With {added}, {fall}{rest}.{partly_sentence(partly) if partly else ''}"
 

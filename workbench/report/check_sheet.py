@@ -116,7 +116,10 @@ def _radius(result: Verification) -> tuple[Section, ...]:
 
 def _words(result: Verification) -> str:
     low, high = float(np.min(result.radius)), float(np.max(result.radius))
-    return f"The spectral radius of explicit injection goes from {number(low)} to {number(high)} over alpha."
+    return (
+        f"The spectral radius of explicit injection is {number(low)} to {number(high)} over the knee angle "
+        "alpha; it is stable below 1."
+    )
 
 
 def _stated(result: Verification) -> tuple[Section, ...]:
@@ -124,7 +127,7 @@ def _stated(result: Verification) -> tuple[Section, ...]:
         f"{about} {number(v)} {unit_text(unit)}".rstrip() + "." for v, unit, about in result.facts.values()
     ]
     lines += [f"Not checked: {line}" for line in result.not_checked]
-    return (Section("stated", "Stated, not judged", remarks=tuple(lines)),) if lines else ()
+    return (Section("stated", "Stated, not checked", remarks=tuple(lines)),) if lines else ()
 
 
 def _figure(result: Verification) -> Figure:

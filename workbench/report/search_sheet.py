@@ -25,8 +25,9 @@ def trace_sheet(result: Diagnosis) -> Sheet:
     """The page of a trace: a drawing, a table of what was tried, and the rivals of every effect added."""
     trace = result.trace
     first = (
-        "Each line starts from a model and adds effects. It replaces the best so far if it explains what "
-        "that does not, leaves less than half of its excess error, or is as good and simpler."
+        "Each line starts from a model and adds effects. It replaces the best so far if it explains "
+        "the recordings and that one does not, leaves less than half of its excess error, or is as "
+        "good and simpler."
         if trace
         else "Nothing was searched: the model explains the recordings as it is."
     )
@@ -38,7 +39,7 @@ def trace_sheet(result: Diagnosis) -> Sheet:
         lines=(first,),
         key_numbers=(
             ("Tried", str(len(trace)), "starts and changes"),
-            ("Taken", str(sum(t.taken for t in trace)), "took the place of the best so far"),
+            ("Taken", str(sum(t.taken for t in trace)), "became the best so far"),
         ),
         sections=(_tried(trace), *_rivals(trace)) if trace else (),
     )
@@ -70,7 +71,7 @@ def trace_figure(trace: Sequence[Tried]) -> Figure:
         ax.set_xticks(axis.ticks, [f"{x:g}" for x in axis.ticks])
         ax.xaxis.set_minor_locator(NullLocator())
         ax.set_xlabel("error / noise floor of the fitted recordings (dotted: the noise)")
-        ax.set_title("A dot for each effect added; filled where it ends: taken")
+        ax.set_title("One dot per effect added; a filled last dot: accepted")
     return figure
 
 
@@ -96,4 +97,7 @@ def _rivals(trace: Sequence[Tried]) -> tuple[Section, ...]:
 def _words(trace: Sequence[Tried]) -> str:
     last = next((t for t in reversed(trace) if t.taken), trace[-1])
     left = number(last.times_noise[-1])
-    return f"{len(trace)} things were tried; the last one taken leaves {left} times the noise."
+    return (
+        f"{len(trace)} starts and changes were tried; the last accepted one has an error of {left} times "
+        "the noise."
+    )

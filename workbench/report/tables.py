@@ -67,7 +67,7 @@ def compare_table(result: Comparison) -> Group:
         table,
     ]
     if not result.consistent:
-        parts += _shares("Where the squared error above the noise sits", result.where)
+        parts += _shares("Location of the squared error above the noise", result.where)
     if result.inverse_dynamics is not None:
         inverse = 100.0 * result.inverse_dynamics.relative_error
         parts.append(
@@ -99,7 +99,7 @@ def diagnosis_table(result: Diagnosis) -> Group:
         parts += [Text(), *_finding(place, finding, result.holdout_noise_error)]
     parts += [_text(line) for line in (near_sentence(result.near),) if line]
     if not good:
-        parts += _shares("Where the unexplained rest sits", result.where)
+        parts += _shares("Location of the unexplained error", result.where)
         parts += [_text(f"  {line}") for line in result.evidence]
     parts += _mend(result)
     if result.next_experiment:
@@ -137,7 +137,7 @@ def improvement_table(result: Improvement) -> Group:
         if twins:
             table.add_row(Text(f"  or {_listed(twins)}"))
         if i and result.steps[i - 1].removed:
-            table.add_row(Text(f"  without {_listed(result.steps[i - 1].removed)}, needless now"))
+            table.add_row(Text(f"  {_listed(result.steps[i - 1].removed)} removed: no longer needed"))
     table.add_section()
     table.add_row(
         "Noise floor",

@@ -18,7 +18,8 @@ def told_apart(known: Identifiability | None) -> list[str]:
         return []
     counts = f"{len(known.separable)} of {known.count} effects"
     lines = [
-        f"These recordings can tell {counts} from all others, if the effect is 2 % of the drives' torque."
+        f"These recordings can distinguish {counts} from all others, if the effect is 2 % of the "
+        "drives' torque."
     ]
     lines += [
         f"They cannot tell apart: {w.any_of([w.effect_phrase(k) for k in group], 'and')}."

@@ -176,8 +176,8 @@ def comparison_sentence(result: Comparison) -> str:
     tail = f", {times} the noise floor of {number(result.noise_error)}" if times else ""
     if result.noise_error > HOPELESS:
         return (
-            "The model cannot run these loops: noise alone throws it further off than all that was measured. "
-            "Check the order of the axes, units, signs and gains."
+            "The model cannot run in these loops: sensor noise alone makes its error larger than the "
+            "measured motion. Check the order of the axes, units, signs and gains."
         )
     if result.outlier is not None and result.error <= 1.06 * result.noise_error:
         worst = outlier_phrase(result.outlier)
@@ -200,8 +200,8 @@ def loop_sentence(result: Comparison) -> str:
     which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     alike = ", in all recordings alike" if len(names) < len(still) else ""
     return (
-        f"How the loop of {which} was closed is not known, so that only the torque that the motion needs is "
-        f"compared{alike}. Its gains go into [controller]."
+        f"The controller of {which} is not known, so that only the torque that the motion needs is "
+        f"compared{alike}. State its gains in [controller]."
     )
 
 
@@ -252,4 +252,4 @@ def removed_sentence(step: Step) -> str:
     """What a step made needless, or nothing."""
     if not step.removed:
         return ""
-    return f"This made {any_of([effect_phrase(k) for k in step.removed], 'and')} needless."
+    return f"This made {any_of([effect_phrase(k) for k in step.removed], 'and')} unnecessary."

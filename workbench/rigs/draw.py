@@ -75,7 +75,7 @@ def draw_several(seed: int, count: int, effects: Collection[str] = DEMO_EFFECTS)
     for _ in range(count):
         if not left:
             raise InputError(
-                f"no {count} of these effects go together", remedy="allow more of them, or draw fewer"
+                f"no {count} of these effects can be combined", remedy="allow more of them, or draw fewer"
             )
         chosen = _draw(left, generator)
         drawn.append(chosen)

@@ -44,7 +44,7 @@ def merged(frictions: Sequence[Friction]) -> tuple[Friction, ...]:
     for friction in frictions:
         by_direction.setdefault(friction.direction, []).append(friction)
     if len(by_direction) > 2:
-        raise SimulationError("the rig sticks at two pins at most; hide fewer dry frictions")
+        raise SimulationError("the rig has stiction at two pins at most; hide fewer dry frictions")
     return tuple(group[0] if len(group) == 1 else _sum(group) for group in by_direction.values())
 
 

@@ -77,7 +77,7 @@ class LiveLeg:
             install(effect, machine)
         machine.delay = max(0.0, machine.delay - DRIVE_DELAY)
         if {*machine.kp_scale, *machine.kd_scale} != {1.0}:
-            raise SimulationError("wrong gains sit in the loop: put them into its configuration")
+            raise SimulationError("wrong gains belong to the loop: set them in its configuration")
         self._generator = np.random.default_rng([seed, 31])
         self._sensors, self._row = sensors or Sensors(), row
         self._leg, self._drive = moving_leg(machine), Drive(machine, row, self._generator)

@@ -34,7 +34,7 @@ class LiveOwn:
     def __init__(self, rig: OwnRig, delay: float, row: float = ROW) -> None:
         machine = rig.machine
         if {*machine.kp_scale, *machine.kd_scale} != {1.0}:
-            raise SimulationError("wrong gains sit in the loop: put them into its configuration")
+            raise SimulationError("wrong gains belong to the loop: set them in its configuration")
         machine.delay = max(0.0, machine.delay - delay)
         self.axes, self._rig, self._row = machine.size, rig, row
         self._generator = np.random.default_rng([rig.seed, 43])

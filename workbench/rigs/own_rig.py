@@ -136,7 +136,7 @@ class OwnRig:
         rows = round(wanted / period)
         if rows < 1 or abs(rows * period - wanted) > 1e-9:
             raise InputError(
-                f"a loop of {1e3 * wanted:g} ms is no whole number of rows of {1e3 * period:g} ms",
+                f"a loop of {1e3 * wanted:g} ms is not a whole number of rows of {1e3 * period:g} ms",
                 remedy=f"give '{experiment.name}' another rate",
             )
         return rows

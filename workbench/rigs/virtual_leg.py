@@ -181,7 +181,8 @@ class VirtualLeg:
         rows = round(wanted / experiment.period)
         if rows < 1 or abs(rows * experiment.period - wanted) > 1e-9:
             raise InputError(
-                f"a loop of {1e3 * wanted:g} ms is no whole number of rows of {1e3 * experiment.period:g} ms",
+                f"a loop of {1e3 * wanted:g} ms is not a whole number of rows of "
+                f"{1e3 * experiment.period:g} ms",
                 remedy=f"give '{experiment.name}' other rows: Experiment.at_period",
             )
         return rows

@@ -201,5 +201,5 @@ def _check_units(recording: Recording, model: Model) -> None:
             raise InputError(
                 f"axis '{axis}' of model '{model.name}' {moves}, but its position is recorded as {taken}",
                 file=recording.source, column="units.position",
-                remedy=f"give a unit an axis, {example} for this one",
+                remedy=f"give one unit per axis, {example} for this one",
             )  # fmt: skip

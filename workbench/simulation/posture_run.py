@@ -41,8 +41,9 @@ class PosturePlant:
     def __init__(self, model: Model) -> None:
         if model.effects:
             raise InputError(
-                "its transmission changes with the posture, and runs of such a model have no effects yet, as "
-                f"{model.effects[0].key}", file=model.source, column="effects", remedy="compare it without",
+                "its transmission changes with the posture, and such a model cannot be simulated with "
+                f"effects such as {model.effects[0].key}",
+                file=model.source, column="effects", remedy="compare it without",
             )  # fmt: skip
         self.model, self.chain = model, PostureDependent(model)
         found = drive_map(model, self.chain)

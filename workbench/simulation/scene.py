@@ -77,7 +77,7 @@ def _base(recording: Recording) -> np.ndarray:
         place, turn = recording.extra["base_position"], recording.extra["base_orientation"]
     except KeyError as error:
         raise InputError(
-            "nothing says where its base was", file=recording.source, column=f"columns.{error.args[0]}",
+            "no column says where its base was", file=recording.source, column=f"columns.{error.args[0]}",
             remedy="name the columns of base_position and base_orientation",
         ) from error  # fmt: skip
     return np.hstack([place, Rotation.from_quat(turn, scalar_first=True).as_euler("ZYX")])

@@ -44,7 +44,7 @@ def raise_where_unstable(
     elif blamed:
         why = f"check {', '.join(map(_stated, blamed))}: it is stable without any one of them"
     else:
-        why = f"check gains, delay and inertias: no single effect makes it so, and {_loop(controller)}"
+        why = f"check gains, delay and inertias: no single effect causes this, and {_loop(controller)}"
         why += _too_light(model, recording, controller)
     axis, speed, unit = _fastest(made, lost)
     raise SimulationError(

@@ -18,7 +18,7 @@ def usable(name: str) -> str:
     except RuntimeError:
         device = None
     if device is None or device.type not in ("cpu", "cuda"):
-        raise InputError(f"'{name}' is no device", remedy="give --device cpu, cuda or cuda:N")
+        raise InputError(f"'{name}' is not a device", remedy="give --device cpu, cuda or cuda:N")
     if device.type == "cpu":
         return "cpu"
     count, index = torch.cuda.device_count(), device.index or 0

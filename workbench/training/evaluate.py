@@ -72,8 +72,8 @@ def evaluate(
     """
     if (robot != Robot(payload=robot.payload)) if not hardware else (model or law) is not None:
         raise InputError(
-            "a robot's own deviations are the hardware's, model and contact law the simulation's",
-            remedy="leave out what belongs to the other",
+            "deviations of a robot apply to hardware only, model and contact law to simulation only",
+            remedy="leave out the options of the other",
         )
     with tempfile.TemporaryDirectory() as folder:
         machine = machine_of(bundle, Path(folder), task_file)

@@ -38,14 +38,14 @@ def open_folder(
         try:
             before = json.loads(file.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise InputError("no run to go on with", file=file, remedy="name the folder of a run") from error
+            raise InputError("no run to continue", file=file, remedy="name the folder of a run") from error
         for key in ("task", "variant", "model", "processes"):
             if before.get(key) != config[key]:
                 raise InputError(
                     f"the run has another {key}",
                     file=file,
                     column=key,
-                    remedy="resume with what it began with",
+                    remedy="resume with the value that it began with",
                 )
         old, new = before.get("settings", {}), config["settings"]
         for key in ("worlds", "seed", "learning", "randomisation"):
@@ -58,7 +58,7 @@ def open_folder(
         raise InputError(
             "the folder holds a run",
             file=folder,
-            remedy="choose another, go on with --resume, or begin anew with --force",
+            remedy="choose another, continue with --resume, or start again with --force",
         )
     with _aside([] if resume else [folder / name for name in (CHECKPOINT, MODEL, MJCF)]):
         copy_model(machine.model, folder / MODEL)

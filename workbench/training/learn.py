@@ -153,9 +153,7 @@ def learn(
         spent += took
         row = tally.row()
         if not all(map(math.isfinite, losses.values())):
-            raise SimulationError(
-                f"learning broke down in iteration {iteration + 1}: its losses are {losses}"
-            )
+            raise SimulationError(f"training diverged in iteration {iteration + 1}: its losses are {losses}")
         done = iteration + 1
         if done == first + _JUDGED:
             _refuse_hopeless(row["episode_s"], task, machine)
@@ -199,8 +197,8 @@ def _refuse_hopeless(episode_s: float, task: Task, machine: Machine) -> None:
     )
     raise SimulationError(
         f"this cannot be trained: after {_JUDGED} iterations episodes last {episode_s:.3f} s of "
-        f"{task.episode_s:g} s. {machine.model.name} falls as soon as it begins in its posture ({what}); "
-        "try another posture, or gains that hold it"
+        f"{task.episode_s:g} s. {machine.model.name} falls at once from its start posture ({what}); try "
+        "another posture, or gains that hold it"
     )
 
 

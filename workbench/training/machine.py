@@ -142,7 +142,7 @@ def make_machine(
     steps = model.actuators.delay_s / STEP_S
     if abs(steps - round(steps)) > 1e-6:
         raise InputError(
-            f"a delay of {model.actuators.delay_s:g} s is no whole number of {STEP_S:g} s steps",
+            f"a delay of {model.actuators.delay_s:g} s is not a whole number of {STEP_S:g} s steps",
             file=model.source, column="actuators.delay_s", remedy="round it",
         )  # fmt: skip
     # four legs under a trunk stand on the task's floor; what is known of the leg's is put there later

@@ -139,7 +139,8 @@ def _refuse_other_legs(machine: Machine) -> None:
     chain, model = machine.model.closed_chain, machine.model
     if chain is not None and chain.file.read_bytes() != closed_chain_file("leg").read_bytes():
         raise InputError(
-            f"it walks on legs of {model.name}, and the hardware that walks is the reference quadruped",
+            f"it walks on legs of {model.name}, but the only walking virtual hardware is the reference "
+            "quadruped",
             file=model.source, remedy="evaluate it in a simulator of your own robot",
         )  # fmt: skip
 

@@ -147,15 +147,15 @@ def _between(table: _TaskTable, file: Path | None) -> Any:
     low, high = table.command_low or [], table.command_high or []
     if len(low) != len(high) or not low or any(a > b for a, b in zip(low, high, strict=False)):
         raise InputError(
-            "command_low and command_high are not as many numbers, low to high", file=file,
-            column="command_low", remedy="give both, one pair a number of the command",
+            "command_low and command_high need the same number of values, low to high", file=file,
+            column="command_low", remedy="give both, with one pair per number of the command",
         )  # fmt: skip
     base = TASKS[table.base]
     each = base.numbers(2) - base.numbers(1)
     if each and (len(low) - base.numbers(1)) % each:
         raise InputError(
-            f"a command of '{base.name}' has {each} numbers a joint, here are {len(low)}", file=file,
-            column="command_low", remedy="give as many for each joint, see docs/training.md",
+            f"a command of '{base.name}' has {each} numbers per joint, here are {len(low)}", file=file,
+            column="command_low", remedy="give that many for each joint, see docs/training.md",
         )  # fmt: skip
 
     def command(draws: Draws, worlds: int, machine: Machine) -> Array:
@@ -163,7 +163,7 @@ def _between(table: _TaskTable, file: Path | None) -> Any:
         if len(low) != wanted:
             raise InputError(
                 f"{len(low)} numbers in a command of {wanted}", file=file, column="command_low",
-                remedy="give one pair a number of the command",
+                remedy="give one pair per number of the command",
             )  # fmt: skip
         return draws.uniform(tuple(low), tuple(high), (worlds, len(low)))
 

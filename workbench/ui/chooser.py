@@ -84,6 +84,6 @@ class Chooser:
 
 def _no_recordings() -> str:
     return (
-        "<p class=quiet>No recording was named, and none lies in this folder. The virtual leg makes some: "
-        "<code>workbench record leg -o data</code></p>"
+        "<p class=quiet>No recording was named, and none is in this folder. Make some with the virtual "
+        "leg: <code>workbench record leg -o data</code></p>"
     )

@@ -64,7 +64,7 @@ class Findings:
             return
         tone, words = {"consistent": "good", "unexplained": "open"}.get(d.verdict, "missing"), sentence(d)
         if d.findings and all(has(f.key) for f in d.findings):
-            tone, words = "added", "What was found is in the model now."
+            tone, words = "added", "The effects that were found are in the model now."
         elif self.live.bench.told() is None:
             tone, words = "open", f"Before the last changes of the model: {sentence(d)}"
         self.verdict.object = f"<p class='verdict {tone}'>{safe(words)}</p>"

@@ -252,8 +252,8 @@ class Page:
         chosen, given, now = self.live.bench.chosen, self.live.given, self.live.now
         if chosen is None:
             self.summary.object = (
-                "<h1>Choose a model and recordings to begin.</h1>"
-                "<p class=quiet>Then see where the model fails, and find what is missing.</p>"
+                "<h1>Choose a model and recordings to begin.</h1><p class=quiet>Then see where the "
+                "model is wrong, and find what is missing.</p>"
             )
             return
         comparison = now.comparison if now else None

@@ -96,7 +96,7 @@ class MapView:
             fill_color={"field": "ratio", "transform": self.mapper},
             nonselection_fill_alpha=1.0,
         )
-        tips = [("", "@row"), ("at", "@range"), ("left, over the noise", "@text")]
+        tips = [("", "@row"), ("at", "@range"), ("error over noise", "@text")]
         self.plot.add_tools(HoverTool(renderers=[self.cells], tooltips=tips))
         self.plot.grid.visible = False
         self.plot.xaxis.ticker.desired_num_ticks = 6

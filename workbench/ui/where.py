@@ -16,8 +16,8 @@ def where_words(comparison: Comparison) -> str:
     lines = "".join(f"<li>{safe(w.capital(w.share_phrase(s)))}</li>" for s in shares)
     if lines:
         told = f"<p>Of the squared error above the noise:</p><ul>{lines}</ul>"
-    elif comparison.consistent:
-        told = "<p>As a whole, nothing stands out of the noise.</p>"  # single cells of the map may
+    elif comparison.consistent:  # single cells of the map may exceed the noise
+        told = "<p>As a whole, the error is no larger than the noise explains.</p>"
     else:
         told = "<p>The error is above the noise; no range of time, speed or position holds most of it.</p>"
     loop = w.loop_sentence(comparison)

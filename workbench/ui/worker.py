@@ -77,7 +77,7 @@ class Worker:
         except (EOFError, OSError):
             if turn == self._turn:
                 self.close()
-                tell("failed", "the process that computed ended by itself; try again")
+                tell("failed", "the computing process ended unexpectedly; try again")
 
 
 def _serve(pipe: Connection) -> None:

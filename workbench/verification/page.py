@@ -33,9 +33,9 @@ def frf_sheet(model: str, found: Sequence[FrfComparison]) -> Sheet:
     worst = max(found, key=lambda c: c.overall(truth))
     drawn = sorted(found, key=lambda c: -c.overall(truth))[:_DRAWN]
     lines = [
-        f"It stands out most at {worst.worst(truth):.3g} Hz."
+        f"The largest excess is at {worst.worst(truth):.3g} Hz."
         if not good
-        else f"The measurement itself is sure to {percent_of(noise)}."
+        else f"The measurement's own uncertainty is {percent_of(noise)}."
     ]
     if len(found) > len(drawn):
         lines.append(f"The {len(drawn)} postures with the largest error are drawn; the tables hold all.")
@@ -115,7 +115,7 @@ def _table(found: Sequence[FrfComparison]) -> SheetTable:
         for name in c.models
     ]
     return SheetTable(
-        "Relative error of every model over all lines and entries, and the line where it stands out most",
+        "Relative error of every model over all lines and entries, and the line with the largest excess",
         (
             "Model",
             *(["Posture"] if several else []),
@@ -156,8 +156,9 @@ def _section(c: FrfComparison, number_: int, count: int) -> Section:
     what = c.frf.outputs[0].signal
     caption = (
         f"From {c.frf.inputs[0].signal.replace('_', ' ')} to {what}. Grey: 95 % of the measurement's "
-        "magnitude and phase, and under the errors what its own uncertainty would make of them. Where noise "
-        f"rules, no phase is drawn. {c.frf.periods} periods, {c.frf.realisations} realisation(s)."
+        "magnitude and phase, and under the errors the part that its own uncertainty explains. Where "
+        f"noise dominates, no phase is drawn. {c.frf.periods} periods, {c.frf.realisations} "
+        "realisation(s)."
     )
     return Section(
         f"posture-{number_ + 1}",

@@ -63,7 +63,7 @@ def fitted_facts(subject: Subject) -> Facts:
         "fitted_velocity_rms": (100.0 * error.velocity_rms, "%", f"{about}velocity terms off by, rms"),
     }
     if error.torque_max is not None:
-        facts["fitted_torque_max"] = (100.0 * error.torque_max, "%", f"{about}torque astray, up to")
+        facts["fitted_torque_max"] = (100.0 * error.torque_max, "%", f"{about}torque off by up to")
     return facts
 
 

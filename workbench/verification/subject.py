@@ -53,7 +53,7 @@ class Subject:
         if chain is not None and chain.size != model.size:
             raise InputError(
                 f"the closed chain has {chain.size} drives and the model {model.size} axes",
-                file=model.source, column="closed_chain.drives", remedy="name one drive an axis",
+                file=model.source, column="closed_chain.drives", remedy="name one drive per axis",
             )  # fmt: skip
         middle = np.zeros(model.size) if chain is None else chain.start[1]
         drawn = random_states(model, samples, seed, middle)

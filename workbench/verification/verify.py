@@ -36,10 +36,12 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
     subject = Subject.of(model.on_its_stand("a check of serial trees"), samples, seed, tolerance)
     checks, skipped = kinematic_checks(subject), []
     if subject.left_out:
-        skipped.append(f"{', '.join(subject.left_out)}: what is no structure of S3N plays no part here")
+        skipped.append(
+            f"{', '.join(subject.left_out)}: effects outside the structure of S3N are not checked here"
+        )
     if subject.unreached:
         left = f"{subject.unreached} of {samples} random states within the limits"
-        skipped.append(f"{left}: the closed chain cannot be in them")
+        skipped.append(f"{left}: the closed chain cannot reach them")
     right = all(c.passed for c in checks if c.name == "transmission")
     checks += engine_checks(subject)
     checks += power_checks(subject)
@@ -53,14 +55,15 @@ def verify(model: Model, *, samples: int = 50, seed: int = 0, tolerance: float =
         facts = {}
         skipped.append(f"the exact variant on a free base: {error}")
     if subject.chain is None:
-        skipped.append("the closed chain: the model names none ([closed_chain])")
+        skipped.append("the closed chain: the model has no [closed_chain]")
     elif subject.model.posture_dependent:
         try:
             checks += posture_checks(subject, seed)
             if subject.model.size > MOST_DRIVES:
                 skipped.append(
-                    f"motion, frequency response, all of the workspace: with more than {MOST_DRIVES} drives "
-                    "terms are held at random states alone; import each limb by itself for these"
+                    f"motion, frequency response, all of the workspace: with more than {MOST_DRIVES} "
+                    "drives, terms are compared at random states only; import each limb by itself for "
+                    "these"
                 )
             elif all(check.passed for check in checks):
                 facts |= fitted_facts(subject)

@@ -26,4 +26,4 @@ def test_a_sign_a_unit_and_nothing(tmp_path: Path) -> None:
     assert sign.startswith(f"{right.name}: ") and "has the opposite sign" in sign and "refuses this" in sign
     degrees = replace(scaled(right, np.pi / 180), guessed_units=("position",))
     (unit,) = doubts(model, [degrees])
-    assert "perhaps the unit" in unit and "degrees and radians" in unit
+    assert "possible unit error" in unit and "degrees and radians" in unit

@@ -34,7 +34,7 @@ def test_weight_contradicts_a_guessed_unit(
 ) -> None:
     model = load_model(str(write_leg(tmp_path)))
     wrong = guessed("position", "velocity", "torque", motion=motion, torque=torque)
-    with pytest.raises(InputError, match=f"perhaps the unit: `import` guessed that of {kind}.*{named}"):
+    with pytest.raises(InputError, match=f"possible unit error: `import` guessed that of {kind}.*{named}"):
         refuse_unit(model, [wrong])
     refuse_unit(model, [replace(wrong, guessed_units=())])  # a unit that somebody stated is believed
     refuse_unit(model, [guessed("position", "velocity", "torque")])  # a right guess is no news
@@ -50,7 +50,7 @@ def finding(gain: float) -> Finding:
 @pytest.mark.parametrize(("gain", "doubt"), [(0.171, True), (9.8, True), (0.85, False), (1.3, False)])
 def test_a_finding_that_is_a_factor_between_units(gain: float, doubt: bool) -> None:
     (found,) = doubted([finding(gain)], [guessed("position", "velocity", "torque")])
-    assert found.evidence[0].startswith("perhaps the unit") == doubt
+    assert found.evidence[0].startswith("possible unit error") == doubt
     assert found.evidence[-1] == "what it removes"
     assert doubted([finding(gain)], [moved()]) == (finding(gain),)
 

@@ -55,12 +55,12 @@ def test_the_command_makes_an_experiment_of_that_band(
 
 def test_what_is_too_fast_for_the_log_asks_for_a_faster_one(logs: list[Recording]) -> None:
     said = follow_up(LEG, rest("frequency", 300.0, 500.0), logs)
-    assert "faster than its 1000 rows a second" in said and "excite leg" not in said
+    assert "faster than 1000 rows per second" in said and "excite leg" not in said
 
 
 def test_what_sits_at_a_time_is_asked_for_again(logs: list[Recording]) -> None:
     said = follow_up(LEG, rest("time", 2.0, 3.0), logs)
-    assert "same run again" in said and "workbench excite" not in said
+    assert "repeat the same run" in said and "workbench excite" not in said
 
 
 def test_a_machine_that_follows_no_reference_gets_the_advice_alone(logs: list[Recording]) -> None:

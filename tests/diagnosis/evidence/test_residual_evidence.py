@@ -107,7 +107,7 @@ def number(text: str, before: str = r"") -> tuple[float, float]:
 
 def test_a_delay_is_a_phase_in_proportion_to_frequency() -> None:
     (line,) = delay_line(periodic(DELAY), None, "input")
-    late, half = number(line, "Hz:")
+    late, half = number(line, "delay of")
     assert abs(late - 0.7) < 2 * half < 0.05 and gain_line(periodic(DELAY), "knee", "input") == []
 
 
@@ -182,7 +182,7 @@ def test_long_chirps_do_as_well() -> None:
     measured, modelled, _ = run(DELAY, [chirp("hip", duration=24.0), chirp("knee", duration=24.0)])
     found = responses(measured, modelled)
     assert found is not None
-    late, half = number(delay_line(found, None, "input")[0], "Hz:")
+    late, half = number(delay_line(found, None, "input")[0], "delay of")
     assert abs(late - 0.7) < 2.5 * half < 0.2
 
 

@@ -35,7 +35,7 @@ def refuse_wrong_sign_of_torque(model: Model, recordings: Sequence[Recording]) -
             )  # fmt: skip
         if shifted := shifted_axes(model, recordings):
             raise InputError(
-                f"positions count from another zero than in model '{model.name}': {shifted}",
+                f"positions are measured from a different zero than in model '{model.name}': {shifted}",
                 file=recordings[0].source, column=", ".join(shifted.by), remedy=_ZERO,
             )  # fmt: skip
         return
@@ -70,10 +70,10 @@ def refuse_wrong_sign_in_loop(
     # where all runs are far off, one that is less far off says nothing
     if score < min(POLICY.sign_error, POLICY.sign_left * (error := _score(model, some))):
         axes = [axis for axis, own in scores.items() if own <= POLICY.sign_alike * score]
-        both = ", whichever of them is turned" if len(axes) > 1 else ""
+        both = ", whichever of them is negated" if len(axes) > 1 else ""
         raise InputError(
             f"{_named(axes)} has the opposite sign to that in model '{model.name}': with all its "
-            f"columns turned round, the error falls from {error:.3g} to {score:.3g}{both}",
+            f"columns negated, the error falls from {error:.3g} to {score:.3g}{both}",
             file=recordings[0].source, column=" or ".join(axes), remedy=_REMEDY,
         )  # fmt: skip
 

@@ -56,8 +56,8 @@ def state_units(disagreeing: Sequence[Disagreement]) -> str | None:
         ]
         where = ", ".join(odd or found.recordings)
         return (
-            f"Nothing yet: state the unit of the measured torque of {where} under [units] (the numbers are "
-            f"as between {found.meaning}), and diagnose again."
+            f"Nothing yet: state the unit of the measured torque of {where} under [units] (the ratio "
+            f"matches {found.meaning}), and diagnose again."
         )
     return None
 
@@ -105,10 +105,11 @@ def refuse_unit(model: Model, recordings: Sequence[Recording]) -> None:
     meant = " or ".join(name_factors(factor, named=_NAMED[kind]))
     now = f"{100 * before:.2g} %" if before < 1.0 else "all"
     raise InputError(
-        f"perhaps the unit: `import` guessed that of {kind}; {factor:.4g} times as large (as between "
-        f"{meant}) the model leaves {100 * left:.2g} % of the torque unexplained, as it stands {now}",
+        f"possible unit error: `import` guessed that of {kind}; {factor:.4g} times as large (as between "
+        f"{meant}) the model leaves {100 * left:.2g} % of the torque unexplained; as recorded, {now}",
         file=some[0].source, column=f"units.{kind}",
-        remedy="state the right unit there and take guessed_units out; if it is right, only the latter",
+        remedy="state the right unit there and delete guessed_units; if the guess is right, only delete "
+            "guessed_units",
     )  # fmt: skip
 
 
@@ -137,8 +138,8 @@ def _line(finding: Finding, guessed: Sequence[str]) -> str:
         if meanings := name_factors(value, POLICY.unit_near):
             units = " and ".join([", ".join(guessed[:-1]), guessed[-1]] if len(guessed) > 1 else guessed)
             return (
-                f"perhaps the unit: {name} {value:.3g} is near the factor between {' or '.join(meanings)}, "
-                f"and `import` guessed the unit of {units} (guessed_units in the recording): state it, and "
-                "diagnose again"
+                f"possible unit error: {name} {value:.3g} is near the factor between "
+                f"{' or '.join(meanings)}, and `import` guessed the unit of {units} (guessed_units in "
+                "the recording): state it, and diagnose again"
             )
     return ""

@@ -15,11 +15,11 @@ from .experiment_design import Option, designed
 _FASTEST_HZ = 30.0  # up to which speeds are passed
 
 _ADVICE = {
-    "speed": "pass these speeds both ways, hard and gently",
-    "position": "go to and fro across there, slowly",
-    "frequency": "excite this band by itself",
-    "time": "make the same run again: what returns at the same time depends on the motion; what does not, "
-    "with time itself, such as a temperature or something from outside",
+    "speed": "move through these speeds in both directions, with large and with small accelerations",
+    "position": "move slowly back and forth across this range",
+    "frequency": "excite only this band",
+    "time": "repeat the same run. If the error returns at the same time, it depends on the motion. If not, "
+    "look for another cause, such as temperature or an outside force",
 }
 
 
@@ -32,15 +32,15 @@ def follow_up(model: Model, where: Sequence[Share], recordings: Sequence[Recordi
         recordings: what was recorded so far, which nothing proposed exceeds.
     """
     if not where:
-        return "Record slow sweeps, steady runs and a multisine, and keep one recording for judging."
+        return "Record slow sweeps, steady runs and a multisine, and hold out one recording for testing."
     most, rate = where[0], 1.0 / recordings[0].period
     low, high = most.range
     place = f"{most.quantity} {low:.3g} to {high:.3g} {most.unit} of {most.axis}"
-    said = f"The rest sits in the {most.signal} around {place}: {_ADVICE[most.quantity]}"
+    said = f"Most of the remaining error is in the {most.signal} around {place}: {_ADVICE[most.quantity]}"
     if most.quantity == "frequency" and low > POLICY.resolved * rate:
-        return f"{said}, with a log that is faster than its {rate:.4g} rows a second."
+        return f"{said}, with a log faster than {rate:.4g} rows per second."
     command = _command(model, most, recordings)
-    return f"{said}{f' ({command})' if command else ''}. Keep one recording for judging."
+    return f"{said}{f' ({command})' if command else ''}. Hold out one recording for testing."
 
 
 def _command(model: Model, most: Share, recordings: Sequence[Recording]) -> str:

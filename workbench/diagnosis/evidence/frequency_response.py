@@ -108,8 +108,8 @@ def delay_line(found: Responses, axis: str | None, side: str) -> list[str]:
     where = "" if axis is None else f" ({axis} {'torque' if side == 'input' else 'sensors'})"
     late = interval(Estimate(1e3 * slope, 1e3 * std, "ms"))
     return [
-        f"phase of measured over modelled response{where} falls in proportion to frequency up to "
-        f"{omega[-1] / (2 * np.pi):.3g} Hz: {late} late (95 %)"
+        f"the phase of the measured response{where} lags the modelled one in proportion to frequency up "
+        f"to {omega[-1] / (2 * np.pi):.3g} Hz, as with a delay of {late} (95 %)"
     ]
 
 
@@ -129,8 +129,8 @@ def gain_line(found: Responses, axis: str | None, side: str) -> list[str]:
     band = f"{omega[0] / (2 * np.pi):.2g} to {omega[-1] / (2 * np.pi):.3g} Hz"
     size = interval(Estimate(gain, gain * std, "1"))
     return [
-        f"measured over modelled response{where} is {size} (95 %) in every band from {band}, and its phase "
-        "does not turn"
+        f"the ratio of measured to modelled response{where} is {size} (95 %) in every band from {band}, "
+        "without a phase shift"
     ]
 
 
@@ -151,8 +151,8 @@ def resonance_lines(found: Responses, axis: str | None) -> list[str]:
         if pair is not None:
             low, high = (interval(r.frequency) for r in pair)
             lines.append(
-                f"{name} has an anti-resonance at {low} and a resonance at {high} (95 %) that the model has "
-                "not: two inertias on something soft"
+                f"{name} has an anti-resonance at {low} and a resonance at {high} (95 %) that the model "
+                "does not have, typical of two inertias joined by a compliance"
             )
     return lines
 
@@ -174,8 +174,9 @@ def distortion_lines(found: Responses, axis: str | None, *, odd: bool = True, ev
         if share > 0 and share > POLICY.distortion_times * own:
             name = found.real.outputs[best].axis
             lines.append(
-                f"{kind} distortion of {100 * share:.2g} % in the motion of {name}, at lines that were not "
-                f"excited and above the noise; the model's own run has {100 * own:.2g} %: {cause}"
+                f"{kind} distortion of {100 * share:.2g} % in the motion of {name}, at lines that were "
+                f"not excited and above the noise; the model's own run has {100 * own:.2g} %. Typical "
+                f"cause: {cause}"
             )
     return lines
 

@@ -49,8 +49,9 @@ def next_experiment(
             return tell_apart(step.fit.hypothesis.model, models[rival], finding.key, rival, found.final_data)
         if rivals:
             return (
-                f"{finding.key} and {rivals[0]} are one thing in two names on this machine: no motion tells "
-                f"them apart. What shows its size best: {effect_named(finding.key.effect).words.reveal}."
+                f"{finding.key} and {rivals[0]} have the same effect on this machine: no motion can "
+                "distinguish them. To measure the size best: "
+                f"{effect_named(finding.key.effect).words.reveal}."
             )
     if verdict == "unexplained" or (verdict != "consistent" and not found.consistent_after):
         model = found.final.hypothesis.model if findings else found.model
@@ -86,12 +87,12 @@ def tell_apart(ours: Model, theirs: Model, key: EffectKey, rival: EffectKey, dat
     ratio, command = max(tried)
     if ratio < POLICY.told_apart:
         return (
-            f"No excitation of the usual kinds tells {key} from {rival}: with the one true, the other would "
-            f"still score {ratio:.2f} times the noise floor ({command}). Try: {ways}."
+            f"No standard excitation distinguishes {key} from {rival}. If one is true, the other still "
+            f"fits with an error of {ratio:.2f} times the noise floor ({command}). Try: {ways}."
         )
     return (
-        f"To tell {key} from {rival}: {command}. With the one true, the other would score {ratio:.2g} times "
-        "the noise floor there."
+        f"To tell {key} from {rival}: {command}. If one is true, the other then has an error of "
+        f"{ratio:.2g} times the noise floor there."
     )
 
 

@@ -169,6 +169,7 @@ def _without_rotor(model: Model) -> list[str]:
     inertia = dict(zip(model.axes, rotors(model)[0], strict=True))
     bare = [axis for axis in model.driven if inertia[axis] == 0.0]
     advice = (
-        "move the motor's part of the inertia into its joint's armature; then a spring behind it can be tried"
+        "move the motor's part of the inertia into its joint's armature; then a spring between motor "
+        "and link can be tried"
     )
     return [f"the model has no motor inertia at {', '.join(bare)}: {advice}"] if bare else []

@@ -78,7 +78,7 @@ def _next_step(node: Node, how: Growth, problem: Problem) -> AcceptedStep | None
     step = take(linearisation, screened, current, data)
     if step is None and holdout_insensitive(current, data):
         # held-out motion may never show what is missing (a torque limit, for one)
-        problem.progress("judging by the recordings that show most")
+        problem.progress("testing on the most informative recordings")
         by_folds = data.cross_validated()
         screened = screen(linearisation, by_folds, current.hypothesis.free)
         step = take(linearisation, screened, rescored(current, by_folds), by_folds)

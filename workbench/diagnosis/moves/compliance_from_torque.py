@@ -47,7 +47,7 @@ def compliance_from_torque(
     if not known or not least <= known[0].test_loss <= most:
         return ()
     plain, *others = known
-    problem.progress(f"starting from {plain.key}, which the torque shows")
+    problem.progress(f"starting from {plain.key}, which the torque suggests")
     chosen = [plain]
     if kinds.diverges(effect_named(plain.key.effect)):
         chosen = beside_backlash(linearisation, plain, start)

@@ -44,7 +44,7 @@ def _in_place_of(one: AppliedEffect, other: AppliedEffect, node: Node, problem: 
     if not delays and len(one.parameters) + len(other.parameters) < POLICY.merge_from:
         return None
     kind = "delay" if delays else "cause"
-    problem.progress(f"testing whether one {kind} will do for {one.key} and {other.key}")
+    problem.progress(f"testing whether one {kind} can replace {one.key} and {other.key}")
     without = current.hypothesis.without(one.key).without(other.key)
     rest = current if delays else fit([without], data, iterations=1)[0]
     if rest is None:

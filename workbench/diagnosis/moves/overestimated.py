@@ -61,8 +61,8 @@ class Overestimated:
         ]
         share = f"{100.0 * self.share:.0f} % of the squared error above the noise on unseen data"
         return (
-            f"the model has too much of something: {', '.join(told)} would remove {share}, but nothing "
-            "negative can be added; check the masses, inertias and damping in its file",
+            f"a value in the model is probably too large: {', '.join(told)} would remove {share}, but "
+            "effects cannot be negative; check the masses, inertias and damping in its file",
         )
 
 

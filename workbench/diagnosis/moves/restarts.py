@@ -125,7 +125,7 @@ def a_refinement(node: Node, problem: Problem) -> Iterator[Node]:
         better = better_refinement(step.added, step.ranking)
         if better is None or better in known or not problem.is_new("refinement", before.keys, step.added):
             continue
-        problem.progress(f"starting again from where {step.added} was taken")
+        problem.progress(f"starting again from the step that added {step.added}")
         yield before.begun(growth=replace(_THROUGH, basics_first=False), bold=True)
         return
 

@@ -82,7 +82,7 @@ def _simpler(step: AcceptedStep, node: Node, problem: Problem, *, last: bool) ->
     special = effect_named(given_up.key.effect).search.contains if given_up else ()
     if given_up is None or len(special) <= last:
         return ()
-    problem.progress(f"testing whether less than {given_up.key} will do")
+    problem.progress(f"testing whether a simpler effect can replace {given_up.key}")
     (rest,) = fit([current.hypothesis.without(given_up.key)], data, iterations=1)
     if rest is None:
         return ()

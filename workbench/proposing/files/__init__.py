@@ -70,7 +70,9 @@ def _measurable(table: Table) -> Table:
         wild = np.abs(values) > _LARGEST
         if wild.any():
             columns[name] = np.where(wild, np.nan, values)
-            notes.append(f"'{name}' has {wild.sum()} cells that are no measurement and are taken for empty.")
+            notes.append(
+                f"'{name}' has {wild.sum()} cells that are not measurements; they are treated as empty."
+            )
     return replace(table, columns=columns, notes=tuple(notes)) if len(notes) > len(table.notes) else table
 
 

@@ -120,10 +120,12 @@ def stacked(
         raise InputError("holds no numbers", file=path, remedy="name another file")
     check_cells(length * len(columns), path)
     other = [name for name, array in by_row.items() if name not in tall or len(array) != length]
-    notes = tuple(f"'{name}' has another length than the rest and is left out." for name in other)
+    notes = tuple(
+        f"'{name}' has a different length than the other columns and is left out." for name in other
+    )
     joints = of_list(columns, texts or {})
     if left := [name for name in left if not joints or name not in (texts or {})]:
-        notes = (*notes, f"Not read, it is no array of numbers: {', '.join(left)}.")
+        notes = (*notes, f"Left out, because they are not arrays of numbers: {', '.join(left)}.")
     return Table(path, columns, plain=plain, notes=notes, joints=joints)
 
 

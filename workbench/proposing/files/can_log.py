@@ -19,7 +19,7 @@ def read_can_log(path: Path) -> Table:
     """
     signals = sent_signals(path)
     if not signals:
-        raise InputError("no signal of the DBC was sent", file=path, remedy="is it the right DBC?")
+        raise InputError("no signal of the DBC was sent", file=path, remedy="check that it is the right DBC")
     found = {name: role_of(name.rpartition(".")[2]) for name in signals}
     first = [n for n, r in found.items() if r.kind == "position" and r.role != "reference"]
     order = sorted(signals, key=lambda n: n not in first)

@@ -44,7 +44,9 @@ def named_by_text(table: Table, names: Sequence[str], texts: Mapping[str, Sequen
         notes.append(f"Columns of text are left out: {', '.join(left)}.")
     if rows is not None:
         series, told, name, time = rows[0], rows[1], rows[2], rows[3]
-        notes.append(f"Each row is of the joint that '{name}' names; one row has all joints now.")
+        notes.append(
+            f"Each row holds the one joint that '{name}' names; the rows were merged into rows of all joints."
+        )
         unit = {time: table.units[time]} if time in table.units else {}
         units = {n: table.units[k] for n in told if (k := n.partition(".")[2]) in table.units}
         base = Table(table.file, {}, {**units, **unit}, notes=tuple(notes), joints=told)

@@ -38,7 +38,7 @@ def read_json(path: Path) -> Table:
         with opener(path, "rb") as file:
             content = _parsed(read_bounded(file, path).decode("utf-8-sig"))
     except (OSError, EOFError, zlib.error, ValueError, RecursionError) as error:
-        raise InputError("is no readable JSON", file=path, remedy="check that the file is whole") from error
+        raise InputError("is not readable JSON", file=path, remedy="check that the file is whole") from error
     found = sorted(_tables("", content, 0), key=lambda rows: -len(rows[1]))
     if not found:
         remedy = "give a list of records, lists of numbers by name, or one record a line"

@@ -95,7 +95,7 @@ def _info(folder: Path) -> dict[str, Any]:
             raise too_large(file)
         content = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
-        raise InputError("is no readable JSON", file=file, remedy="download the data set again") from error
+        raise InputError("is not readable JSON", file=file, remedy="download the data set again") from error
     if not isinstance(content, dict):
         raise InputError("is not a data set's description", file=file, remedy="download it again")
     return content

@@ -166,7 +166,9 @@ def _mcap_messages(path: Path) -> Messages:
     except MemoryError:
         raise
     except Exception as error:  # readers, unpackers and decoders have no common root of their errors
-        raise InputError(f"is no readable MCAP file: {error}", file=path, remedy="record it again") from error
+        raise InputError(
+            f"is not a readable MCAP file: {error}", file=path, remedy="record it again"
+        ) from error
 
 
 def _sqlite_messages(folder: Path) -> Messages:
@@ -194,4 +196,4 @@ def _sqlite_messages(folder: Path) -> Messages:
     except MemoryError:
         raise
     except Exception as error:  # the database's own errors have no common root with the reader's
-        raise InputError(f"is no readable bag: {error}", file=folder, remedy="record it again") from error
+        raise InputError(f"is not a readable bag: {error}", file=folder, remedy="record it again") from error

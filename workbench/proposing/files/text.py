@@ -134,7 +134,7 @@ def _columns(
         raise InputError("the table has no rows", file=path, remedy="record again or give another file")
     if len(skipped) > 0.1 * table.num_rows:
         remedy = f"give every row {len(names)} cells"
-        raise InputError(f"{len(skipped)} rows have another number of cells", file=path, remedy=remedy)
+        raise InputError(f"{len(skipped)} rows have a different number of cells", file=path, remedy=remedy)
     notes = [f"{len(skipped)} rows with another number of cells are left out."] if skipped else []
     out: dict[str, np.ndarray] = {}
     text: dict[str, list[str]] = {}

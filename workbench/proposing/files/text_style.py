@@ -68,7 +68,7 @@ def find_style(lines: list[str], encoding: str, path: Path) -> Style:
                 best = score, Style(encoding, separator, decimal, header, at[first], units)
     if best is None:
         raise InputError(
-            "has no column of numbers beside another, with one separator between them",
+            "has no two columns of numbers with one separator between them",
             file=path,
             remedy="give one row a sample, two columns or more",
         )

@@ -41,7 +41,7 @@ def read_torch_file(path: Path) -> Table:
     except MemoryError:
         raise
     except Exception as error:  # its reader raises whatever the file made it meet
-        problem = "is no PyTorch file of tensors alone, and reading more could run code"
+        problem = "holds more than tensors, and reading that could run code"
         raise InputError(problem, file=path, remedy=_SAVE) from error
     found = dict(_arrays("", content, torch))
     left = tuple(name for name, array in found.items() if array is None)

@@ -110,7 +110,7 @@ def _read(kind: str, path: Path, *words: str) -> Generator[bytes]:
 def _ended(code: int) -> str:
     """Why a process that was not done has ended."""
     if code == -signal.SIGPROF:
-        return f"reading it comes to no end ({SILENCE_S:g} s without a word)"
+        return f"reading it does not end ({SILENCE_S:g} s without progress)"
     try:
         how = signal.Signals(-code).name
     except ValueError:

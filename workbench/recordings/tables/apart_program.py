@@ -69,7 +69,7 @@ def _check_ends(path: str) -> None:
         order, size = "<" if head[126:] == b"IM" else ">", os.fstat(file.fileno()).st_size
         while tag := file.read(8):
             if file.seek(struct.unpack(f"{order}II", tag)[1], os.SEEK_CUR) > size:
-                raise ValueError("a variable ends behind the file")
+                raise ValueError("a variable extends past the end of the file")
 
 
 def _walk(name: str, value: Any, depth: int) -> Iterator[bytes]:

@@ -44,7 +44,10 @@ def read_can(path: Path, columns: Sequence[str]) -> dict[str, np.ndarray]:
     for column, (stamps, _) in series.items():
         if len(stamps) < 2:
             raise InputError(
-                f"has {len(stamps)} frames in the log", file=path, column=column, remedy="was it sent?"
+                f"has {len(stamps)} frames in the log",
+                file=path,
+                column=column,
+                remedy="check that it was sent",
             )
     if not wanted:
         raise InputError(
@@ -136,7 +139,7 @@ def _database(path: Path) -> Any:
     file = dbc_of(path)
     if file is None:
         remedy = f"put {path.with_suffix('.dbc').name} beside it ('workbench can dbc' writes one)"
-        raise InputError("a log needs a DBC to be understood", file=path, remedy=remedy)
+        raise InputError("a CAN log needs a DBC file", file=path, remedy=remedy)
     # that two messages share a name or an identifier is said where one of them is asked for
     logging.getLogger("cantools").setLevel(logging.CRITICAL)
     try:
@@ -187,4 +190,4 @@ def _messages(path: Path) -> Iterator[can.Message]:
     except MemoryError:
         raise
     except Exception as error:  # the readers of BLF, ASC and MF4 raise whatever their parsers met
-        raise InputError(f"is no readable log: {error}", file=path, remedy="export it again") from error
+        raise InputError(f"is not a readable log: {error}", file=path, remedy="export it again") from error
