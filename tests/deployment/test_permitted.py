@@ -147,7 +147,9 @@ def test_a_command_beyond_what_was_trained_is_clipped_and_said(tmp_path: Path) -
     asked = np.array([2.0, 0.0, -1.0])
     known = replace(walks, commands=np.array([(-0.6, 1.2), (-0.3, 0.3), (-1.0, 1.0)]))
     within, line = known.clipped(asked)
-    assert within.tolist() == [1.2, 0.0, -1.0] and line.startswith("asked for 2 0 -1, clipped to 1.2 0 -1")
+    assert within.tolist() == [1.2, 0.0, -1.0] and line.startswith(
+        "the command 2 0 -1 is clipped to 1.2 0 -1"
+    )
     assert known.clipped(within)[1] == ""
     assert "does not say" in walks.clipped(asked)[1]
     within, line = replace(walks, looks=False).clipped(asked)

@@ -17,7 +17,7 @@ WATCHDOG = Parameter("watchdog", 0.02)
 
 @pytest.mark.parametrize(
     ("parameter", "value", "said"),
-    [("mode", 2.0, "is in mode 2"), ("torque", 10.0, "torque range is 10"),
+    [("mode", 2.0, "is in mode 2"), ("torque", 10.0, "torque range of 10"),
      ("velocity", 30.0, "velocity range")],
 )  # fmt: skip
 def test_a_drive_that_is_not_as_configured_is_refused(tmp_path, parameter, value, said) -> None:

@@ -104,5 +104,5 @@ def test_no_number_falls_below_zero(tmp_path: Path) -> None:
         'format = 1\nname = "more"\nserial = "arm.xml"\n[actuators]\ndamping = 1.0\ninertia = 0.1\n'
     )
     model = with_effects(table, ("viscous_damping@lift", {"damping": -1.2}))
-    with pytest.raises(InputError, match=r"joint 'lift' would have damping -0.4; .* stands in .*more.toml"):
+    with pytest.raises(InputError, match=r"joint 'lift' would have damping -0.4; .* comes from .*more.toml"):
         into_file(model, file)

@@ -76,7 +76,7 @@ def test_the_fast_method_adds_odd_distortion_to_the_variance() -> None:
 
 
 def test_a_full_grid_cannot_listen() -> None:
-    with pytest.raises(InputError, match="silent"):
+    with pytest.raises(InputError, match="no line of the band was left unexcited"):
         distortion(loop_recordings(design(), noise=0.01))
     with pytest.raises(InputError, match="two realisations"):
         estimate(loop_recordings(design(), noise=0.01), method="robust")

@@ -59,7 +59,7 @@ def test_the_measured_torque_has_no_command_delay_and_says_so() -> None:
     frf = estimate([r.with_signals(torque_measured=late)], input="torque_measured")
     fit = fit_actuator(replace(frf, hold_s=1e-3))
     assert fit.parameters["delay"].value == pytest.approx(0.0, abs=5e-5)
-    assert any("behind" in n for n in fit.notes)
+    assert any("after the command's delay" in n for n in fit.notes)
 
 
 def test_a_missing_spring_is_noticed_and_widens_the_intervals() -> None:

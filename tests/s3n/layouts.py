@@ -151,7 +151,7 @@ REFUSED: dict[str, tuple[str, str]] = {
     "a joint without a name": (_robot().replace('name="knee"', ""), "a joint has no name"),
     "no joints": ('<mujoco><worldbody><geom size="1"/></worldbody></mujoco>', "no joints"),
     "a mesh that is missing": (_robot(_MESH.format(file="lost.obj"), drawn=_SHOWN), "lost.obj"),
-    "meshes of elsewhere": (_robot('<compiler meshdir="/usr/share"/>'), "'/usr/share' is no path"),
+    "meshes of elsewhere": (_robot('<compiler meshdir="/usr/share"/>'), "'/usr/share' is not a path"),
     "a weld to a mocap body": (
         _in_world(
             _robot(after='<equality><weld name="w" body1="shank" body2="target"/></equality>'),

@@ -82,7 +82,7 @@ def test_an_effect_that_is_fitted_is_named_as_the_page_names_it(
     loop.until(lambda: live.work == "fitting torque saturation on the knee drive")
     tell[0]("failed", f"{key} does not lower the error on these recordings")
     loop.until(lambda: live.message[1])
-    assert live.message[0].startswith("Torque saturation on the knee drive explains nothing")
+    assert live.message[0].startswith("Torque saturation on the knee drive does not lower the error")
 
 
 def forever(progress: Callable[[str], None]) -> None:

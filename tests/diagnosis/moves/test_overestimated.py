@@ -51,7 +51,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> Diagnosis:
 def test_too_much_inertia_is_told_with_its_size_and_not_explained_away(told: Diagnosis) -> None:
     assert told.verdict == "unexplained"
     assert not told.findings
-    line = next(x for x in told.evidence if "too much" in x)
+    line = next(x for x in told.evidence if "too large" in x)
     assert "reflected_inertia@shoulder -0.15" in line
 
 
