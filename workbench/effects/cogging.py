@@ -56,6 +56,8 @@ def _orders(motions: Sequence[Motion], model: Model, place: Place) -> np.ndarray
     slow = 1.0 if motions[0].axis_units[place.index] == "rad" else 0.0
     first = max(round(4 * _LEAST), math.ceil(slow / step))
     orders = step * np.arange(first, _FINEST)
+    if not len(orders):  # so many turns that a ripple per turn is finer than what is searched
+        return orders
     gain = shown.explained_by_each()[first:]
     peaks = np.flatnonzero((gain >= np.roll(gain, 1)) & (gain >= np.roll(gain, -1)))
     best = orders[peaks[np.argsort(-gain[peaks])[:_TRIED]]]

@@ -40,7 +40,9 @@ def regression_of(start: Fit, data: Data) -> Regression:
         if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
             continue
         shapes = effect.parameters.shapes(linearisation.motions, model, place)
-        if effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation, shapes[0]):
+        if len(shapes) == 0 or (
+            effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation, shapes[0])
+        ):
             continue
         repeats = effect.search.repeats
         kin = [a.values for a in model.effects if key.same_place(a.key)]
