@@ -18,14 +18,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from workbench.core import DriveMap, SimulationError
+from workbench.core import DriveMap
 from workbench.effects import axis_units
 from workbench.models import Model
 
 from .drive_map import drive_map
 from .posture import PostureDependent, Terms
 
-_BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
 _GRAIN = 1e-9  # kg and kg m^2: what a rotor of no inertia is given, so that it can be compiled
 
 
@@ -72,12 +71,7 @@ class LinksOnDrives:
         return back.transpose(0, 2, 1) @ terms.links @ back
 
     def _at(self, position: np.ndarray, velocity: np.ndarray) -> _State:
-        joints = self._map.joints(position)
-        inside = np.clip(joints, *self._chain.box.T)
-        if not np.abs(joints - inside).max(initial=0.0) < _BEYOND:
-            self._chain.check(joints)
-            raise SimulationError(f"model '{self._model.name}': no posture has its drives there")
-        terms = self._chain.at(inside)
+        terms = self._chain.at(self._chain.nearest_inside(self._map.joints(position)))
         back = np.linalg.inv(terms.jacobian)
         return _State(terms, np.einsum("kij,kj->ki", back, velocity), back)
 

@@ -23,6 +23,7 @@ from .posture_closure import say, workspace
 from .posture_table import Series, tabulate, together
 
 _SLACK = 1e-9  # rad or m outside the limits that rounding may make
+_BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
 
 
 @dataclass(frozen=True)
@@ -159,6 +160,18 @@ class PostureDependent:
         """Which postures (N, n) lie within the limits, (N,)."""
         within = (q >= self.box[:, 0] - _SLACK) & (q <= self.box[:, 1] + _SLACK)
         return np.all(within, axis=1)
+
+    def nearest_inside(self, q: np.ndarray) -> np.ndarray:
+        """Postures (N, n); those a little outside the limits are moved to them, where things go on as there.
+
+        Raises:
+            SimulationError: one that is further outside, or NaN.
+        """
+        inside = np.clip(q, *self.box.T)
+        if not np.abs(q - inside).max(initial=0.0) < _BEYOND:
+            self.check(q)
+            raise SimulationError(f"model '{self.model.name}': no posture has its drives there")
+        return inside
 
     def check(self, q: np.ndarray) -> None:
         """Refuse postures (N, n) outside the limits.

@@ -23,7 +23,6 @@ from .control import SensorNoise
 from .experiment import Experiment, prepare
 from .initial_state import initial_state
 
-_BEYOND = 0.1  # rad or m outside the limits within which the series go on as at the edge
 _FASTEST = 1e4  # rad/s
 _PIECE = 0.5e-3  # s
 
@@ -56,11 +55,7 @@ class PosturePlant:
         Raises:
             SimulationError: far outside the limits.
         """
-        box = self.chain.box
-        inside = np.clip(q, *box.T)
-        if not np.abs(q - inside).max() < _BEYOND:
-            self.chain.check(q)
-        at = self.chain.dynamics(inside, v)
+        at = self.chain.dynamics(self.chain.nearest_inside(q), v)
         pull = at.gravity - at.bias - np.einsum("bij,bj->bi", at.damping, v)
         pull += np.einsum("bai,ba->bi", at.jacobian, torque)
         return np.linalg.solve(at.mass, pull[..., None])[..., 0]
