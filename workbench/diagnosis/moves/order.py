@@ -85,10 +85,16 @@ def _above_noise(node: Node, best: Node, problem: Problem) -> bool:
     return _is_plain(node, problem) and _may_be_wrong(best, problem)
 
 
-def _several_not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
-    """Beside one effect after the other, where noise does not explain all; one effect near it is simpler."""
-    asked = _is_plain(node, problem) and not best.done
-    return asked and (len(best.steps) > 1 or _may_be_wrong(best, problem))
+def _on_axes_not_at_noise(node: Node, best: Node, problem: Problem) -> bool:
+    """Beside one effect after the other, where noise does not explain all and several axes lack something.
+
+    One effect of a single axis that comes near the noise is simpler; one of the whole machine may stand for
+    one on each of its axes.
+    """
+    if not _is_plain(node, problem) or best.done:
+        return False
+    on_one_axis = len(best.steps) == 1 and best.steps[0].added.axis is not None
+    return not on_one_axis or _may_be_wrong(best, problem)
 
 
 def _beside_alike(node: Node, best: Node, problem: Problem) -> bool:
@@ -156,7 +162,7 @@ MOVES = (
     Move("other sizes of a gap", with_refined_gap, _best_with_gap),
     Move("a gap or soft joint that explains the residual torque", restarts.clear_compliance, _above_noise),
     Move("the effects that the fitted recordings alone suggest", restarts.on_training, _unexplained),
-    Move(_ALIKE[1], restarts.on_all_axes, _several_not_at_noise),
+    Move(_ALIKE[1], restarts.on_all_axes, _on_axes_not_at_noise),
     Move(_BESIDE_ALIKE, _grown, _beside_alike),
     Move(_TWO_AT_ONCE, restarts.two_at_once, _unexplained_or_ambiguous),
     Move("the torque along the motion", restarts.along_the_motion, _unexplained),
