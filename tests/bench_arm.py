@@ -60,6 +60,7 @@ def logged(
     loop_s: float = 0.002,
     held: bool = True,
     positions_alone: bool = False,
+    speed_noise: float = 0.0,
     resisting: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
     seed: int = 0,
 ) -> Recording:
@@ -70,11 +71,12 @@ def logged(
         tones: of each axis' reference.
         log_s, loop_s: periods of log and loop; `held`: the reference moves with the log's rows only.
         positions_alone: the log has positions and references.
+        speed_noise: what the loop's sensor of speed adds at each tick [rad/s].
         resisting: torque (3,) of something else by position and speed.
     """
     m = mujoco.MjModel.from_xml_path(str(file))
     m.opt.timestep, m.opt.integrator = 2.5e-4, mujoco.mjtIntegrator.mjINT_RK4
-    data, generator = mujoco.MjData(m), np.random.default_rng(seed)
+    data, generator, read = mujoco.MjData(m), np.random.default_rng(seed), np.random.default_rng([seed, 1])
     ticks = round(log_s / loop_s)
     count = int(seconds / log_s) * ticks
 
@@ -86,7 +88,7 @@ def logged(
     for k in range(count):
         reference = wanted((k // ticks) * log_s if held else k * loop_s)
         q, w = data.qpos.copy(), data.qvel.copy()
-        torque = KP * (reference - q) - KD * w
+        torque = KP * (reference - q) - KD * (w + read.normal(0.0, speed_noise, 3))
         if k % ticks == 0:
             noise = generator.normal(0.0, 1.0, (3, 3)) * [[5e-5], [2e-3], [0.02]]
             rows.append((q + noise[0], w + noise[1], torque, torque + noise[2], reference))

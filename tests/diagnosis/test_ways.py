@@ -25,3 +25,20 @@ def test_a_loop_in_which_nothing_explains_the_log_is_not_searched(tmp_path: Path
     ways = int(asked.split()[1])
     again = [text for text in said if "another assumption about the loop" in text]
     assert ways > 1 and len(again) < ways - 1, said
+
+
+def test_a_noisy_speed_that_was_not_logged_makes_no_rotors(tmp_path: Path) -> None:
+    """A difference of positions reads more noise, and with a rotor on every axis explains as much."""
+    machine, model = bench_arm(tmp_path), load_model(bench_arm(tmp_path, "model", bend_armature=0.09))
+    logs = [
+        logged(
+            machine, tones, seconds=6.0, seed=k, log_s=0.01, loop_s=0.002, held=False,
+            positions_alone=True, speed_noise=0.02,
+        )
+        for k, tones in enumerate((SLOW, FAST))
+    ]  # fmt: skip
+    said: list[str] = []
+    (finding,) = diagnose(model, logs, progress=said.append).findings
+    assert not [text for text in said if "another assumption about the loop" in text]
+    assert str(finding.key) == "reflected_inertia@bend"
+    assert finding.parameters["inertia"].value == pytest.approx(-0.03, rel=0.05)

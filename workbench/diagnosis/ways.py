@@ -124,16 +124,23 @@ def _refuse_wrong_sign(asked: Asked) -> None:
 
 
 def _explaining(ways: Sequence[Way], progress: Progress) -> Sequence[Way]:
-    """The ways in which the joint solution leaves no more than noise; all, where it does in none.
+    """The ways in which the joint solution leaves no more than noise; else the simplest that explain as much.
 
-    What it costs is little beside a search in a loop that is not the machine's, in which nothing helps.
+    What a loop reads may hold noise that its log does not show, so that the right way too leaves more than
+    what is known of it. A loop that is not the machine's asks for more: for a rotor on every axis, say. All
+    ways are kept where none explains the recordings. It costs little beside a search in a loop that is not
+    the machine's, in which nothing helps.
     """
     if len(ways) == 1:
         return ways
     progress(f"testing {len(ways)} assumptions about how the loop works")
     found = [search(way.asked, only_jointly=True) for way in ways]
-    ties = [k for k in _ties(found) if _is_at_noise(found[k])]
-    return [ways[k] for k in ties] or ways
+    ties = _ties(found)
+    kept = [k for k in ties if _is_at_noise(found[k])]
+    if not kept and all(found[k].explained >= POLICY.explained for k in ties):
+        fewest = min(found[k].final.hypothesis.size for k in ties)
+        kept = [k for k in ties if found[k].final.hypothesis.size == fewest]
+    return [ways[k] for k in kept] or ways
 
 
 def _is_at_noise(found: SearchResult) -> bool:
