@@ -1,12 +1,13 @@
 """The shipped mechanisms, built once."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from workbench.core import Mechanism
 from workbench.core.paths import closed_chain_file
-from workbench.mechanism import ClosedChain
+from workbench.mechanism import ClosedChain, DiscreteChain, Motion
 from workbench.models import read_model
 
 NAMES = ("leg", "four_bar", "five_bar", "ankle")
@@ -44,3 +45,24 @@ def quadruped() -> Mechanism:
 def central(function, at: np.ndarray, way: np.ndarray, step: float = 1e-5):
     """Central difference of a function of positions along `way`."""
     return (function(at + step * way) - function(at - step * way)) / (2 * step)
+
+
+def simulate_discrete(
+    mechanism: Mechanism,
+    inertia: Sequence[float],
+    damping: Sequence[float],
+    torque: np.ndarray,
+    step: float,
+    q0: np.ndarray,
+    substeps: int = 1,
+) -> Motion:
+    """The motion that `simulate` gives, from Drake's discrete simulation; arguments as there."""
+    chain = DiscreteChain(mechanism, inertia, damping, step / substeps)
+    chain.reset(q0)
+    positions, velocities = [chain.position], [chain.velocity]
+    for held in torque:
+        for _ in range(substeps):
+            chain.advance(np.asarray(held, float))
+        positions.append(chain.position)
+        velocities.append(chain.velocity)
+    return Motion(step * np.arange(len(positions)), np.array(positions), np.array(velocities))

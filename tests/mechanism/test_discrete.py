@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from workbench.core import InputError
-from workbench.mechanism import DiscreteChain, Ground, simulate, simulate_discrete
+from workbench.mechanism import DiscreteChain, Ground, simulate
 
-from .chains import LEGS, NAMES, chain, joints_at, mechanism, quadruped
+from .chains import LEGS, NAMES, chain, joints_at, mechanism, quadruped, simulate_discrete
 
 INERTIA, DAMPING, STEP = (0.0162, 0.0162), (0.0972, 0.0972), 1e-3
 

@@ -8,9 +8,9 @@ import pytest
 
 from workbench.core import Mechanism
 from workbench.core.paths import closed_chain_file
-from workbench.mechanism import ClosedChain, simulate_discrete
+from workbench.mechanism import ClosedChain
 
-from .chains import chain
+from .chains import chain, simulate_discrete
 
 TEXT = closed_chain_file("leg").read_text()
 LEG = Mechanism(closed_chain_file("leg"))

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from workbench.core import Mechanism
-from workbench.mechanism import ClosedChain, simulate, simulate_discrete
+from workbench.mechanism import ClosedChain, simulate
+
+from .chains import simulate_discrete
 
 PIVOT, REST, ARM = 0.2, 0.15, 0.05  # m: shoulder to cylinder's pin, cylinder, elbow to rod's end
 BOX = "<inertial><mass>{}</mass><inertia><ixx>1e-3</ixx><iyy>1e-3</iyy><izz>1e-3</izz></inertia></inertial>"

@@ -14,7 +14,7 @@ from tests.models.make import machine_file
 from workbench.core import InputError
 from workbench.effects import compile_plant, load_model
 from workbench.models import Model, read_model
-from workbench.serial_tree import SerialTree, base_parameters
+from workbench.serial_tree import SerialTree
 
 #: M_s at a knee angle of 90 degrees: M11, M12, M22 [kg m^2] (paper).
 PAPER = {
@@ -128,17 +128,6 @@ def test_the_regressor_times_the_parameters_is_the_torque(knot: Model) -> None:
         assert y.shape == (len(q), tree.size, len(tree.parameter_names))
         expected = tree.inverse_dynamics(q, v, a)
         np.testing.assert_allclose(y @ tree.parameters, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
-        base = base_parameters(tree)
-        fewer = y[:, :, base.columns] @ (base.combination @ tree.parameters)
-        np.testing.assert_allclose(fewer, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
-
-
-def test_base_parameters_of_the_planar_leg() -> None:
-    model = load_model("leg_s3n_act")
-    names = base_parameters(SerialTree(model, compile_plant(model).mujoco)).names
-    # two links in a plane: two first moments and an inertia each, and the damping of two drives
-    assert len(names) == 8
-    assert "thigh.mz - 0.175 shank.m" in names
 
 
 def test_power_is_the_rate_of_energy(knot: Model) -> None:

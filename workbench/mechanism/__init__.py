@@ -1,7 +1,8 @@
 """The closed chain in Drake: the reference dynamics."""
 
 from .closed_chain import ClosedChain, Margin, Reduced
-from .discrete import DiscreteChain, Ground, simulate_discrete
+from .discrete import DiscreteChain
+from .ground import Ground
 from .hold import held_rest
 from .linear import LinearPlant, linearise
 from .simulate import Motion, simulate
@@ -21,5 +22,4 @@ __all__ = [
     "linearise",
     "sample_joints",
     "simulate",
-    "simulate_discrete",
 ]

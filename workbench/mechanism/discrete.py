@@ -8,25 +8,10 @@ the step.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pydrake.geometry import (
-    AddContactMaterial,
-    Box,
-    CollisionFilterDeclaration,
-    GeometrySet,
-    HalfSpace,
-    ProximityProperties,
-    Sphere,
-)
-from pydrake.math import RigidTransform
-from pydrake.multibody.plant import (
-    AddMultibodyPlantSceneGraph,
-    CoulombFriction,
-    DiscreteContactApproximation,
-)
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, DiscreteContactApproximation
 from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
@@ -34,30 +19,9 @@ from pydrake.systems.framework import DiagramBuilder
 from workbench.core import InputError, Mechanism, declared_couplings
 
 from .closed_chain import ClosedChain
-from .loops import find_frame, loop_pairs
+from .ground import Ground, only_ground, stand
+from .loops import loop_pairs, origin
 from .parse import finished, parse, quiet
-from .simulate import Motion
-
-_TILE, _TILES = 0.4, 9  # m, each way
-
-
-@dataclass(frozen=True)
-class Ground:
-    """A level ground at z = 0, and the spheres that touch it.
-
-    Attributes:
-        feet: frames that carry a sphere.
-        radius: of the spheres [m].
-        friction: coefficient of dry friction, static and sliding.
-        stiffness: of a contact [N/m]; None: as hard as the solver has it.
-        roughness: height up to which tiles of the ground stand out of it [m], about the origin.
-    """
-
-    feet: tuple[str, ...] = ("foot",)
-    radius: float = 0.02
-    friction: float = 0.8
-    stiffness: float | None = None
-    roughness: float = 0.0
 
 
 class DiscreteChain:
@@ -93,12 +57,12 @@ class DiscreteChain:
         _, model = parse(mechanism.file, self.plant, hold_base=ground is None)
         self._pairs = loop_pairs(self.plant, model, mechanism)
         for first, second in self._pairs[: len(mechanism.loops)]:  # those the file declares are there already
-            self.plant.AddBallConstraint(first.body(), _point(first), second.body(), _point(second))
+            self.plant.AddBallConstraint(first.body(), origin(first), second.body(), origin(second))
         held = _couple(self.plant, model, mechanism)
         _equip(self.plant, mechanism, inertia, damping)
-        self._feet = _stand(self.plant, model, mechanism, ground) if ground else []
+        self._feet = stand(self.plant, model, mechanism, ground) if ground else []
         finished(self.plant, mechanism.file)
-        _only_ground(self.plant, model, scene)
+        only_ground(self.plant, model, scene)
         joints = [self.plant.GetJointByName(name, model) for name in mechanism.drives]
         self._positions = [joint.position_start() for joint in joints]
         self._velocities = [joint.velocity_start() for joint in joints]
@@ -226,33 +190,6 @@ class DiscreteChain:
         return positions, np.zeros(self.plant.num_velocities())
 
 
-def simulate_discrete(
-    mechanism: Mechanism,
-    inertia: Sequence[float],
-    damping: Sequence[float],
-    torque: np.ndarray,
-    step: float,
-    q0: np.ndarray,
-    v0: np.ndarray | None = None,
-    *,
-    substeps: int = 1,
-) -> Motion:
-    """The motion that `simulate` gives, from Drake's discrete simulation; arguments as there."""
-    chain = DiscreteChain(mechanism, inertia, damping, step / substeps)
-    chain.reset(q0, v0)
-    positions, velocities = [chain.position], [chain.velocity]
-    for held in np.asarray(torque, float):
-        for _ in range(substeps):
-            chain.advance(held)
-        positions.append(chain.position)
-        velocities.append(chain.velocity)
-    return Motion(step * np.arange(len(positions)), np.array(positions), np.array(velocities))
-
-
-def _point(frame: Any) -> np.ndarray:
-    return frame.GetFixedPoseInBodyFrame().translation()
-
-
 def _names(joint: Any) -> list[str]:
     """The coordinates of a joint as `ClosedChain.coordinates` names them."""
     count = joint.num_positions()
@@ -299,45 +236,3 @@ def _couple(plant: Any, model: Any, mechanism: Mechanism) -> list[Any]:
                 joint, plant.GetJointByName(coupling.follows, model), slopes[0], offset
             )
     return held
-
-
-def _stand(plant: Any, model: Any, mechanism: Mechanism, ground: Ground) -> list[Any]:
-    """The ground and the feet's spheres; returns the feet's bodies."""
-    surface: Any = ProximityProperties()
-    stiffness = None if ground.stiffness is None else 2.0 * ground.stiffness  # half of it gives way each
-    AddContactMaterial(
-        properties=surface, point_stiffness=stiffness,
-        friction=CoulombFriction(ground.friction, ground.friction),
-    )  # fmt: skip
-    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "ground", surface)
-    for k, (place, box) in enumerate(_tiles(ground.roughness)):
-        plant.RegisterCollisionGeometry(plant.world_body(), place, box, f"tile{k}", surface)
-    bodies: list[Any] = []
-    for name in ground.feet:
-        frame = find_frame(plant, model, mechanism, name, "foot")
-        centre: Any = _point(frame)
-        at = RigidTransform(centre)
-        plant.RegisterCollisionGeometry(frame.body(), at, Sphere(ground.radius), f"{name}_sphere", surface)
-        bodies.append(frame.body().index())
-    return bodies
-
-
-def _tiles(height: float) -> list[tuple[Any, Any]]:
-    """Tiles of a rough ground with their places: what a lap of 1 m radius to the left passes over."""
-    if not height:
-        return []
-    heights = np.random.default_rng(17).uniform(0.0, height, (_TILES, _TILES))
-    at = [
-        (float(_TILE * (i - _TILES // 2)), float(_TILE * (k - _TILES // 5)))
-        for i, k in np.ndindex(heights.shape)
-    ]
-    places: list[Any] = [np.array([x, y, h - 0.05]) for (x, y), h in zip(at, heights.ravel(), strict=True)]
-    return [(RigidTransform(place), Box(_TILE, _TILE, 0.1)) for place in places]
-
-
-def _only_ground(plant: Any, model: Any, scene: Any) -> None:
-    """Links whose shapes overlap at a pin shall not push each other: they touch the ground only."""
-    shapes: Any = GeometrySet()
-    for index in plant.GetBodyIndices(model):
-        shapes.Add(plant.GetCollisionGeometriesForBody(plant.get_body(index)))
-    scene.collision_filter_manager().Apply(CollisionFilterDeclaration().ExcludeWithin(shapes))

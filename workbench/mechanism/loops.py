@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.tree import FixedOffsetFrame
 
@@ -56,3 +57,8 @@ def find_frame(plant: Any, model: Any, mechanism: Mechanism, name: str, key: str
         f"the file has no frame '{name}'", file=mechanism.file, column=f"closed_chain.{key}",
         remedy=f"frames are {', '.join(n for n in known if not n.endswith(made_by_drake))}",
     )  # fmt: skip
+
+
+def origin(frame: Any) -> np.ndarray:
+    """Where a frame's origin is in its body's frame (3,) [m]."""
+    return frame.GetFixedPoseInBodyFrame().translation()

@@ -1,7 +1,6 @@
 """The serial tree in Pinocchio: a second engine beside MuJoCo, and the regressor for identification."""
 
-from .base_parameters import BaseParameters, base_parameters
 from .build import Beside, beside_the_links
 from .tree import SerialTree
 
-__all__ = ["BaseParameters", "Beside", "SerialTree", "base_parameters", "beside_the_links"]
+__all__ = ["Beside", "SerialTree", "beside_the_links"]
