@@ -13,10 +13,12 @@ from workbench.core import Diagnosis, EffectKey, Finding, Recording, Verdict
 from workbench.effects import SETTINGS
 from workbench.models import Model
 
+from .acceptance import contradicts_holdout
 from .checks.units import doubted, state_units
 from .evidence.next_experiment import next_experiment
 from .evidence.residual_evidence import ResidualEvidence
 from .findings import cut_short_line, findings_of, near_findings, near_line, ranking_of, refuting_line
+from .loss import rescored
 from .mend import mend_lines
 from .policy import POLICY
 from .problem import Progress
@@ -140,7 +142,16 @@ def _rest(verdict: Verdict, found: Rounds) -> float:
     """Share of the squared error above the noise that stays after all that was named."""
     if verdict == "consistent":
         return 0.0
-    return float(prod(1.0 - f.explained for f in found)) if verdict in NAMED else 1.0
+    return float(prod(map(_left, found))) if verdict in NAMED else 1.0
+
+
+def _left(found: SearchResult) -> float:
+    """The share after one search; none where noise explains what is left and held-out motion does not object.
+
+    Of an error that was hardly above the noise a share says only how noise fell.
+    """
+    objects = contradicts_holdout(rescored(found.final, found.final_data), found.final_data)
+    return 0.0 if found.consistent_after and not objects else 1.0 - found.explained
 
 
 def _softness(found: SearchResult) -> tuple[str, ...]:
