@@ -68,8 +68,7 @@ def compiled_dynamics(m: mujoco.MjModel, joints: Sequence[str], q: np.ndarray, v
         bias[i] = moving.qfrc_bias[dofs]
         gravity[i] = at_rest.qfrc_gravcomp[dofs] - at_rest.qfrc_bias[dofs]
     _, damping = beside_the_links(m, tuple(joints))
-    zero = np.zeros((len(dofs), len(dofs)))
-    return Dynamics(mass, bias, gravity, sum((d.value * d.unit for d in damping), zero))
+    return Dynamics(mass, bias, gravity, damping)
 
 
 def variant_dynamics(model: Model, variant: str, q: np.ndarray, v: np.ndarray) -> Dynamics:

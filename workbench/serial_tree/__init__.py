@@ -1,6 +1,6 @@
-"""The serial tree in Pinocchio: a second engine beside MuJoCo, and the regressor for identification."""
+"""The serial tree in Pinocchio: a second engine beside MuJoCo."""
 
-from .build import Beside, beside_the_links
+from .build import beside_the_links
 from .tree import SerialTree
 
-__all__ = ["Beside", "SerialTree", "beside_the_links"]
+__all__ = ["SerialTree", "beside_the_links"]

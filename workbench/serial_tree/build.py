@@ -21,8 +21,7 @@ class PinTree:
     Attributes:
         model: with gravity.
         weightless: the same without gravity.
-        links: name of the body that each joint carries, in Pinocchio's order of joints.
-        joints: names of the joints in the same order.
+        joints: their names, in Pinocchio's order.
         reference: their MuJoCo positions at which Pinocchio's are zero, (k,).
         compensated: what gravity compensation takes from each joint's weight, (k, 4): mass [kg] and
             first moment [kg m] in the joint's frame.
@@ -30,7 +29,6 @@ class PinTree:
 
     model: pin.Model
     weightless: pin.Model
-    links: tuple[str, ...]
     joints: tuple[str, ...]
     reference: np.ndarray
     compensated: np.ndarray
@@ -42,7 +40,6 @@ def build_tree(m: mujoco.MjModel) -> PinTree:
     model.gravity.linear = m.opt.gravity.copy()
     # a body lies at `placed[b]` in the frame of the Pinocchio joint `carrier[b]`
     carrier, placed = [0], [pin.SE3.Identity()]
-    links: list[str] = []
     compensated: list[np.ndarray] = []
     for body in range(1, m.nbody):
         parent = int(m.body_parentid[body])
@@ -52,7 +49,6 @@ def build_tree(m: mujoco.MjModel) -> PinTree:
             anchor = pin.SE3(np.eye(3), m.jnt_pos[j].copy())
             joint = model.addJoint(joint, _joint(m, j), at * anchor, m.joint(j).name)
             at = anchor.inverse()
-            links.append(m.body(body).name or f"body {body}")
             compensated.append(np.zeros(4))
         carrier.append(joint)
         placed.append(at)
@@ -70,49 +66,23 @@ def build_tree(m: mujoco.MjModel) -> PinTree:
     weightless.gravity.linear = np.zeros(3)
     joints = tuple(model.names[1:])
     reference = np.array([m.qpos0[m.joint(name).qposadr[0]] for name in joints])
-    return PinTree(model, weightless, tuple(links), joints, reference, np.array(compensated).reshape(-1, 4))
+    return PinTree(model, weightless, joints, reference, np.array(compensated).reshape(-1, 4))
 
 
-@dataclass(frozen=True)
-class Beside:
-    """What sits beside the rigid bodies on a coordinate ``row @ q``: rotor inertia, or viscous damping.
+def beside_the_links(m: mujoco.MjModel, joints: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Rotor inertia [kg m^2] and viscous damping [N m s/rad] of joints and fixed tendons, (k, k) each.
 
-    Attributes:
-        name: ``axis.rotor`` or ``axis.damping``, after the joint or fixed tendon that holds it.
-        value: [kg m^2] or [N m s/rad].
-        row: (k,).
+    Args:
+        m: compiled.
+        joints: those of the rows and columns.
     """
-
-    name: str
-    value: float
-    row: np.ndarray
-
-    @property
-    def unit(self) -> np.ndarray:
-        """Matrix (k, k) of a value of one."""
-        return np.outer(self.row, self.row)
-
-
-def beside_the_links(m: mujoco.MjModel, joints: tuple[str, ...]) -> tuple[list[Beside], list[Beside]]:
-    """Rotor inertia and viscous damping of joints and fixed tendons, those that are not zero.
-
-    Returns:
-        ``(rotors, damping)``, with rows over `joints`.
-    """
-    rotors, damping = [], []
-    entries = []
-    for index, name in enumerate(joints):
-        dof = m.joint(name).dofadr[0]
-        entries.append((name, np.eye(len(joints))[index], m.dof_armature[dof], m.dof_damping[dof]))
+    dofs = [int(m.joint(name).dofadr[0]) for name in joints]
+    rotors, damping = np.diag(m.dof_armature[dofs]), np.diag(m.dof_damping[dofs])
     for t in range(m.ntendon):
         row = tendon_row(m, t, joints)
         if row is not None:
-            entries.append((f"tendon {m.tendon(t).name}", row, m.tendon_armature[t], m.tendon_damping[t]))
-    for name, row, armature, viscous in entries:
-        if armature:
-            rotors.append(Beside(f"{name}.rotor", float(armature), row))
-        if viscous:
-            damping.append(Beside(f"{name}.damping", float(viscous), row))
+            rotors += m.tendon_armature[t] * np.outer(row, row)
+            damping += m.tendon_damping[t] * np.outer(row, row)
     return rotors, damping
 
 

@@ -11,9 +11,7 @@ import pinocchio as pin  # pyright: ignore[reportMissingImports]  (found by way 
 from workbench.core import InputError
 from workbench.models import Model, base_spec
 
-from .build import Beside, beside_the_links, build_tree
-
-_PER_LINK = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+from .build import beside_the_links, build_tree
 
 
 class SerialTree:
@@ -21,6 +19,10 @@ class SerialTree:
 
     Positions, velocities and accelerations are (N, k) over `joints`: the model's serial joints first, then
     those of the MJCF that no axis drives. Springs, dry friction and limits are not part of it.
+
+    Attributes:
+        rotor_inertia: over the joints, (k, k) [kg m^2]: diagonal, or J^T diag(J_i) J (paper, Eq. 9).
+        damping: viscous, over the joints, (k, k) [N m s/rad] (paper, Eq. 10).
 
     Args:
         model: names the MJCF and its joints.
@@ -36,23 +38,13 @@ class SerialTree:
         # a row over `joints` becomes one in Pinocchio's order by [:, self._order]
         self._order = [self.joints.index(name) for name in own]
         self._back = [own.index(name) for name in self.joints]
-        self._rotors, self._damping = beside_the_links(m, self.joints)
+        self.rotor_inertia, self.damping = beside_the_links(m, self.joints)
         self._data, self._free = self._tree.model.createData(), self._tree.weightless.createData()
 
     @property
     def size(self) -> int:
         """Number of joints k."""
         return len(self.joints)
-
-    @cached_property
-    def rotor_inertia(self) -> np.ndarray:
-        """Of the drives over the joints, (k, k) [kg m^2]: diagonal, or J^T diag(J_i) J (paper, Eq. 9)."""
-        return self._sum(self._rotors)
-
-    @cached_property
-    def damping(self) -> np.ndarray:
-        """Viscous damping over the joints, (k, k) [N m s/rad] (paper, Eq. 10)."""
-        return self._sum(self._damping)
 
     def link_mass_matrix(self, q: np.ndarray) -> np.ndarray:
         """Mass matrix of the links alone, (N, k, k) [kg m^2]."""
@@ -80,13 +72,6 @@ class SerialTree:
         """Torque on the joints for a motion, (N, k) [N m]: ``M a + C v + D v - gravity``."""
         rotors = np.asarray(a, float) @ self.rotor_inertia + np.asarray(v, float) @ self.damping
         return self._newton_euler(q, v, a) + rotors - self.gravity(q)
-
-    def kinetic_energy(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Of links and rotors, (N,) [J]."""
-        v = np.asarray(v, float)
-        pairs = zip(self._positions(q), v[:, self._order], strict=True)
-        links = [pin.computeKineticEnergy(self._tree.weightless, self._free, p, w) for p, w in pairs]
-        return np.array(links) + 0.5 * np.einsum("ni,ij,nj->n", v, self.rotor_inertia, v)
 
     def potential_energy(self, q: np.ndarray) -> np.ndarray:
         """Of the weights, gravity compensation taken off, (N,) [J]; zero at the world's origin."""
@@ -128,54 +113,12 @@ class SerialTree:
             out[i] = jacobian.reshape(6, -1)[:3][:, self._back]
         return out
 
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Names of the regressor's columns, length p: ``link.quantity``, ``axis.rotor``, ``axis.damping``.
-
-        A link's mass, first moment and inertia are about its joint, in the joint's frame, with everything
-        that is fixed to it; ``link.lifted_*`` is what gravity compensation takes from its weight.
-        """
-        links = [f"{link}.{name}" for link in self._tree.links for name in _PER_LINK]
-        lifted = [f"{self._tree.links[j]}.lifted_{name}" for j in self._lifted for name in _PER_LINK[:4]]
-        return (*links, *lifted, *(entry.name for entry in (*self._rotors, *self._damping)))
-
-    @property
-    def parameters(self) -> np.ndarray:
-        """Values of the regressor's columns, (p,) [kg, kg m, kg m^2, N m s/rad]."""
-        links = [inertia.toDynamicParameters() for inertia in list(self._tree.model.inertias)[1:]]
-        lifted = self._tree.compensated[self._lifted].ravel()
-        beside = [entry.value for entry in (*self._rotors, *self._damping)]
-        return np.concatenate([*links, lifted, beside])
-
-    def regressor(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-        """Y(q, v, a), (N, k, p), with ``Y @ parameters == inverse_dynamics(q, v, a)``.
-
-        Linear in the inertial parameters (Atkeson, An and Hollerbach, Int. J. Robotics Research 5(3), 1986).
-        """
-        v, a = np.asarray(v, float), np.asarray(a, float)
-        out = np.empty((len(v), self.size, len(self.parameter_names)))
-        lifted = [10 * j + c for j in self._lifted for c in range(4)]
-        for i, position in enumerate(self._positions(q)):
-            links = self._links(position, v[i, self._order], a[i, self._order])
-            columns = [links[self._back], -self._static(position)[np.ix_(self._back, lifted)]]
-            columns += [(entry.unit @ a[i])[:, None] for entry in self._rotors]
-            columns += [(entry.unit @ v[i])[:, None] for entry in self._damping]
-            out[i] = np.concatenate(columns, axis=1)
-        return out
-
-    def _sum(self, entries: list[Beside]) -> np.ndarray:
-        return sum((entry.value * entry.unit for entry in entries), np.zeros((self.size, self.size)))
-
     @cached_property
     def _weights(self) -> np.ndarray:
         """Parameters that gravity acts on, (k, 10): mass and first moment of each joint's link."""
         out = np.array([inertia.toDynamicParameters() for inertia in list(self._tree.model.inertias)[1:]])
         out[:, :4] -= self._tree.compensated
         return out
-
-    @property
-    def _lifted(self) -> list[int]:
-        return [int(j) for j in np.flatnonzero(np.any(self._tree.compensated != 0.0, axis=1))]
 
     def _static(self, position: np.ndarray) -> np.ndarray:
         """Regressor of the torque that holds a posture, (k, 10 k), Pinocchio's order."""
