@@ -53,6 +53,19 @@ def test_the_command_makes_an_experiment_of_that_band(
     assert load_design(tmp_path / "next.toml").axes == LEG.axes
 
 
+def test_without_torque_in_the_log_an_experiment_is_as_hard_as_its_loop_was(logs: list[Recording]) -> None:
+    hidden = ("torque_command", "torque_measured")
+    silent = [
+        replace(r, signals={name: x for name, x in r.signals.items() if name not in hidden}) for r in logs
+    ]
+
+    def amplitudes(of: list[Recording]) -> list[float]:
+        said = follow_up(LEG, rest("frequency", 10.0, 20.0), of)
+        return [float(x) for x in re.findall(r"--amplitude ([0-9.e-]+[0-9])", said)]
+
+    assert amplitudes(silent) == pytest.approx(amplitudes(logs), rel=0.2)
+
+
 def test_what_is_too_fast_for_the_log_asks_for_a_faster_one(logs: list[Recording]) -> None:
     said = follow_up(LEG, rest("frequency", 300.0, 500.0), logs)
     assert "faster than 1000 rows per second" in said and "excite leg" not in said

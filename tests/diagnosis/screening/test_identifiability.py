@@ -97,6 +97,20 @@ def test_recordings_of_two_machines_disagree_by_what_is_another_in_them(tmp_path
     np.testing.assert_allclose(found.values, (0.6, 1.6), rtol=0.1)
 
 
+def test_one_recording_of_another_machine_disagrees_with_those_that_are_nearly_right(tmp_path: Path) -> None:
+    """Right recordings are a little off too, by far less than the other one."""
+    bend = {"bend_damping": 1.2 * NUMBERS["bend_damping"]}
+    machines = [bench_arm(tmp_path, f"arm_{d}", lift_damping=d, **bend) for d in (0.8, 0.8, 2.4)]
+    logs = [logged(m, FAST, seconds=6.0, seed=k) for k, m in enumerate(machines)]
+    model = load_model(bench_arm(tmp_path))
+    data, runs = gather(model, logs, (), seed=0)
+    linear = Problem(starting_fit(model, data, runs.clean), data, 1, 0, print).linear
+    assert linear is not None and (linear.excess > linear.quiet).all()
+    (found,) = disagreements(linear, ("one", "two", "three"))
+    assert str(found.key) == "viscous_damping@lift"
+    np.testing.assert_allclose(found.values, (0.0, 0.0, 1.6), atol=0.15)
+
+
 def test_recordings_of_one_machine_do_not_disagree(tmp_path: Path, told: Diagnosis) -> None:
     machine = bench_arm(tmp_path, "damped", lift_damping=1.6)
     logs = [logged(machine, tones, seconds=6.0, seed=k) for k, tones in enumerate((SLOW, FAST))]

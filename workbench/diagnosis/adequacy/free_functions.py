@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..fitting.left_out import LeftOut, left_out
+from ..fitting.normal_equations import normal, total
 from ..policy import POLICY
 
 _BLOCKS = 10  # of all rows, each left out in turn
@@ -53,11 +55,11 @@ def against_free_functions(
     )
 
 
-def _share(free: tuple[np.ndarray, np.ndarray], law: np.ndarray, rest: np.ndarray) -> float:
+def _share(free: Free, law: np.ndarray, rest: np.ndarray) -> float:
     """The share that laws explain over the share of a free function, on blocks that were left out."""
     residual = law + rest
     whole = float(residual @ residual)
-    most = 1.0 - _left_out(free[0], residual, free[1], 0)[1] / whole
+    most = 1.0 - _left_out(free[0], residual, free[1], 0).left / whole
     return float(np.clip((1.0 - float(rest @ rest) / whole) / max(most, 1e-12), 0.0, 1.0))
 
 
@@ -69,31 +71,16 @@ def _size(laws: np.ndarray, rest: np.ndarray, beside: Free | None = None) -> tup
         free = free - free.mean(axis=0)
     whole = np.zeros((count + free.shape[1],) * 2)
     whole[count:, count:] = penalty
-    each, _ = _left_out(np.hstack([laws, free]), rest + laws.sum(axis=1), whole, count)
-    sizes = each[:, 0]
+    sizes = _left_out(np.hstack([laws, free]), rest + laws.sum(axis=1), whole, count).each[:, 0]
     deviation = np.sqrt((_BLOCKS - 1) / _BLOCKS * np.sum((sizes - sizes.mean()) ** 2))
     return float(sizes.mean()), float(deviation)
 
 
-def _left_out(
-    basis: np.ndarray, torque: np.ndarray, penalty: np.ndarray, first: int
-) -> tuple[np.ndarray, float]:
-    """Coefficients with each block left out (B, C), and the squares left there, by the best penalty."""
+def _left_out(basis: np.ndarray, torque: np.ndarray, penalty: np.ndarray, first: int) -> LeftOut:
+    """The fit of columns with each block left out in turn; those from the `first` on are penalised."""
     block = np.arange(len(torque)) * _BLOCKS // len(torque)
-    parts = [basis[block == b] for b in range(_BLOCKS)]
-    torques = [torque[block == b] for b in range(_BLOCKS)]
-    grams, rights = [p.T @ p for p in parts], [p.T @ t for p, t in zip(parts, torques, strict=True)]
-    gram, right = np.sum(grams, axis=0), np.sum(rights, axis=0)
-    scale = float(np.mean(np.diag(gram)[first:])) if len(gram) > first else 0.0
-    ridge = 1e-9 * np.diag(np.diag(gram) + 1e-300)
-    best: tuple[np.ndarray, float] | None = None
-    for weight in _PENALTIES * scale if scale > 0.0 else (0.0,):
-        left_out = [
-            np.linalg.solve(gram - g + weight * penalty + ridge, right - r)
-            for g, r in zip(grams, rights, strict=True)
-        ]
-        left = sum(float(np.sum((t - p @ c) ** 2)) for t, p, c in zip(torques, parts, left_out, strict=True))
-        if best is None or left < best[1]:
-            best = np.array(left_out), left
-    assert best is not None
-    return best
+    blocks = [normal(basis[block == b], torque[block == b]) for b in range(_BLOCKS)]
+    own = np.diag(total(blocks).gram)
+    scale = float(np.mean(own[first:])) if len(own) > first else 0.0
+    weights = _PENALTIES * scale if scale > 0.0 else np.zeros(1)
+    return left_out(blocks, penalty, weights, ridge=1e-9 * np.diag(own + 1e-300))

@@ -42,7 +42,7 @@ def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) ->
     for k, axis in enumerate(missing.axes):
         own = [kinds.depends_on(effect_named(key.effect)) for key in certain if key.axis == axis]
         taken = {_POSITION} if any(_POSITION in d for d in own) else set()
-        for shape in shapes(missing, axis):
+        for shape in shapes(missing, axis, of_two=False):
             if shape.share >= POLICY.unknown_most and _is_free(shape, taken):
                 unknown[k] = shape
                 break
@@ -61,10 +61,8 @@ def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) ->
 
 
 def _is_free(shape: Shape, taken: Collection[str]) -> bool:
-    """Whether it is a tone, or of one quantity that is neither friction's nor a certain law's."""
-    if shape.frequency is not None:
-        return True
-    return len(shape.quantities) == 1 and shape.quantities[0] not in {"speed", "load", *taken}
+    """Whether it is a tone, or of a quantity that is neither friction's nor a certain law's."""
+    return shape.frequency is not None or shape.quantities[0] not in {"speed", "load", *taken}
 
 
 def _rest(found: Fit, data: Data) -> tuple[Missing, list[slice]]:

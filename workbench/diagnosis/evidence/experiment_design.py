@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from workbench.comparison import with_torque_by_law
 from workbench.core import InputError, Recording
 from workbench.core.paths import models_folder
 from workbench.frf import Design, Limit, chirp, multisine, scale_to_limits
@@ -33,16 +34,20 @@ class Option:
 
 
 def designed(model: Model, option: Option, recordings: Sequence[Recording]) -> tuple[Design, str]:
-    """An option for this machine, no harder than what was recorded, and the command that makes it."""
+    """An option for this machine, no harder than what was recorded, and the command that makes it.
+
+    Raises:
+        InputError: it is none for this machine, or what is known does not say how hard it may be.
+    """
     model, loop = in_a_loop(model, recordings)
     rate = 1.0 / recordings[0].period
     length = whole_period(model, _LENGTH_S, rate)
     hold = held_posture(model, _posture(model, option.posture))
-    torque = np.max(
-        [_spread(r, ("torque_command", "torque_measured", "torque_feedforward")) for r in recordings], axis=0
-    )
-    travel = np.max([_spread(r, ("position",)) for r in recordings], axis=0)
-    size = option.share * (torque if option.drive == "torque" else np.sqrt(2.0) * travel)
+    if option.drive == "torque":
+        size = option.share * _torques(model, recordings)
+    else:
+        travel = np.max([_spread(r, ("position",)) for r in recordings], axis=0)
+        size = option.share * np.sqrt(2.0) * travel
     size = [float(f"{s:.2g}") for s in np.maximum(size, 1e-6)]
     band = {
         "f_min_hz": option.f_min,
@@ -106,6 +111,20 @@ def _posture(model: Model, place: float) -> dict[str, float]:
     if not np.isfinite(low) or model.controller.coordinates != "joint":
         raise InputError("no range to choose a posture from")
     return {model.joints[-1]: float(low + place * (high - low))}
+
+
+def _torques(model: Model, recordings: Sequence[Recording]) -> np.ndarray:
+    """The largest spread (n,) of the torque in recordings, by the law of their loops where none was logged.
+
+    Raises:
+        InputError: nothing says what torque there was.
+    """
+    known = with_torque_by_law(model, recordings)
+    names = ("torque_command", "torque_measured", "torque_feedforward")
+    torque = np.max([_spread(r, names) for r in known or recordings], axis=0)
+    if not torque.any():
+        raise InputError("no torque is known by which an experiment could be sized")
+    return torque
 
 
 def _spread(recording: Recording, names: Sequence[str]) -> np.ndarray:

@@ -18,6 +18,8 @@ from scipy.linalg import block_diag
 from workbench.core import Shape
 from workbench.core.units import torque_unit
 
+from ..fitting.left_out import LeftOut, left_out
+from ..fitting.normal_equations import normal, total
 from ..policy import POLICY
 from .missing_torque import Missing
 
@@ -37,22 +39,13 @@ class _Quantity:
     values: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class _Smooth:
-    """Coefficients, of all blocks and with each fold left out; the rest; squares on what was left out."""
-
-    whole: np.ndarray
-    rest: np.ndarray
-    each: np.ndarray
-    left: float
-
-
-def shapes(missing: Missing, axis: str) -> tuple[Shape, ...]:
+def shapes(missing: Missing, axis: str, *, of_two: bool = True) -> tuple[Shape, ...]:
     """Shapes that the residual torque of an axis follows, the one that removes most first.
 
     Args:
         missing: the residual torque.
         axis: name.
+        of_two: whether functions of two positions are asked too.
 
     Returns:
         Functions of position, speed, load, time and the other axes' positions, of both positions, and a tone;
@@ -71,7 +64,7 @@ def shapes(missing: Missing, axis: str) -> tuple[Shape, ...]:
         for j, name in enumerate(missing.axes)
         if j != k
     ]
-    asked = [[q] for q in (*singles, *others)] + [[singles[0], q] for q in others]
+    asked = [[q] for q in (*singles, *others)] + [[singles[0], q] for q in others if of_two]
     found = [_function(missing, k, q) for q in asked if all(_moves(x.values) for x in q)]
     if len(missing.torque) * 0.4 / max(len(missing.start), 1) > POLICY.tone_cycles:
         found.append(_tone(missing, k))
@@ -86,11 +79,12 @@ def _function(missing: Missing, k: int, quantities: Sequence[_Quantity]) -> Shap
     values = [q.values for q in quantities]
     basis, penalty = splines(values, values)
     torque = missing.torque[:, k]
-    fitted = _left_out(missing, _centred(basis, missing.start), torque, penalty, _PENALTIES)
+    basis = _centred(basis, missing.start)
+    fitted = _smooth(missing, basis, torque, penalty, _PENALTIES)
     grid = np.linspace(float(np.quantile(values[0], 0.005)), float(np.quantile(values[0], 0.995)), _GRID)
     there = splines(values, [grid, *(np.full(_GRID, np.median(v)) for v in values[1:])])[0]
     there = there - there.mean(axis=0)
-    return _shape(missing, k, quantities, fitted, grid, there, values[0])
+    return _shape(missing, k, quantities, fitted, torque - basis @ fitted.whole, grid, there, values[0])
 
 
 def _tone(missing: Missing, k: int) -> Shape:
@@ -108,7 +102,7 @@ def _tone(missing: Missing, k: int) -> Shape:
         np.stack([np.cos(2 * np.pi * frequency * t), np.sin(2 * np.pi * frequency * t)], 1) for _, t in parts
     ]
     basis = _centred(np.asarray(block_diag(*turns)), missing.start)
-    fitted = _left_out(missing, basis, torque, np.eye(basis.shape[1]), np.array([1e-6]))
+    fitted = _smooth(missing, basis, torque, np.eye(basis.shape[1]), np.array([1e-6]))
     grid = np.linspace(0.0, 1.0 / frequency, _GRID)
     there = np.zeros((_GRID, basis.shape[1]))
     longest = int(np.argmax([len(y) for y, _ in parts]))
@@ -118,14 +112,16 @@ def _tone(missing: Missing, k: int) -> Shape:
         np.repeat(range(len(parts)), [len(y) for y, _ in parts]) == longest, missing.time, np.nan
     )
     time = _Quantity("time", "s", missing.time)
-    return _shape(missing, k, [time], fitted, grid, there, cycle % (1.0 / frequency), frequency)
+    rest = torque - basis @ fitted.whole
+    return _shape(missing, k, [time], fitted, rest, grid, there, cycle % (1.0 / frequency), frequency)
 
 
 def _shape(
     missing: Missing,
     k: int,
     quantities: Sequence[_Quantity],
-    fitted: _Smooth,
+    fitted: LeftOut,
+    rest: np.ndarray,
     grid: np.ndarray,
     there: np.ndarray,
     along: np.ndarray,
@@ -137,7 +133,7 @@ def _shape(
     known = np.isfinite(along)
     nearest = np.clip(np.rint((along[known] - grid[0]) / (grid[1] - grid[0])), 0, _GRID - 1).astype(int)
     count = np.bincount(nearest, minlength=_GRID)
-    total = np.bincount(nearest, fitted.rest[known], minlength=_GRID)
+    sums = np.bincount(nearest, rest[known], minlength=_GRID)
     return Shape(
         axis=missing.axes[k],
         quantities=tuple(q.name for q in quantities),
@@ -147,36 +143,19 @@ def _shape(
         grid=grid,
         torque=there @ fitted.whole,
         std=np.sqrt((_FOLDS - 1) / _FOLDS * np.sum(moved**2, axis=0)),
-        seen=np.where(count > 0, there @ fitted.whole + total / np.maximum(count, 1), np.nan),
+        seen=np.where(count > 0, there @ fitted.whole + sums / np.maximum(count, 1), np.nan),
         frequency=frequency,
     )
 
 
-def _left_out(
+def _smooth(
     missing: Missing, basis: np.ndarray, torque: np.ndarray, penalty: np.ndarray, weights: np.ndarray
-) -> _Smooth:
-    """Penalised least squares, the penalty's weight by what is left on blocks that are left out in turn."""
+) -> LeftOut:
+    """A function's coefficients, its penalty times one of some weights and the size of its equations."""
     fold = (np.arange(len(torque)) // max(1, round(_BLOCK_S / missing.step))) % _FOLDS
-    grams = np.array([basis[fold == f].T @ basis[fold == f] for f in range(_FOLDS)])
-    rights = np.array([basis[fold == f].T @ torque[fold == f] for f in range(_FOLDS)])
-    gram, right = grams.sum(axis=0), rights.sum(axis=0)
-    scale = float(np.mean(np.diag(gram))) + 1e-300
-    best: _Smooth | None = None
-    for weight in weights * scale:
-        each = np.array(
-            [
-                np.linalg.solve(gram - g + weight * penalty, right - r)
-                for g, r in zip(grams, rights, strict=True)
-            ]
-        )
-        left = sum(
-            float(np.sum((torque[fold == f] - basis[fold == f] @ each[f]) ** 2)) for f in range(_FOLDS)
-        )
-        if best is None or left < best.left:
-            whole = np.linalg.solve(gram + weight * penalty, right)
-            best = _Smooth(whole, torque - basis @ whole, each, left)
-    assert best is not None
-    return best
+    blocks = [normal(basis[fold == f], torque[fold == f]) for f in range(_FOLDS)]
+    scale = float(np.mean(np.diag(total(blocks).gram))) + 1e-300
+    return left_out(blocks, penalty, weights * scale)
 
 
 def splines(values: Sequence[np.ndarray], at: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

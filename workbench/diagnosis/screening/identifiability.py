@@ -101,6 +101,9 @@ def inseparable(linear: Linear, applied: AppliedEffect) -> tuple[EffectKey, ...]
 def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, ...]:
     """Of the effect that explains each recording best by itself: sizes that differ from one to another.
 
+    A recording that is nearly explained as it is, beside the others, says that the effect is none there. What
+    stays unexplained of a recording makes its size as uncertain as if as much again hid behind the effect.
+
     Args:
         linear: all effects and the normal equations by recording.
         names: of the recordings.
@@ -113,10 +116,10 @@ def disagreements(linear: Linear, names: Sequence[str]) -> tuple[Disagreement, .
         return ()
     _, entry, (sizes, deviations, left) = min(tried, key=lambda t: t[0])
     low, high = int(sizes.argmin()), int(sizes.argmax())
-    apart, deviation = np.ptp(sizes), np.hypot(deviations[low], deviations[high])
-    unclear = (left > np.maximum((1.0 - POLICY.explained) * linear.excess, linear.quiet)).any()
-    least = max(POLICY.disagreement * np.abs(sizes).max(), POLICY.significant * deviation)
-    if unclear or apart < least:
+    unclear = (left > np.maximum((1.0 - POLICY.explained) * linear.excess.max(), linear.quiet)).any()
+    doubt = deviations * np.maximum(POLICY.significant, np.sqrt(np.maximum(left, 0.0)))
+    least = max(POLICY.disagreement * np.abs(sizes).max(), np.hypot(doubt[low], doubt[high]))
+    if unclear or np.ptp(sizes) < least:
         return ()
     effect = effect_named(entry.key.effect)
     (name,) = (p.name for p in effect.parameters if p.name not in effect.parameters.nonlinear)

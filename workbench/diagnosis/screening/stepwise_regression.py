@@ -13,7 +13,7 @@ from ..moves.pairs import may_stand_together
 from ..policy import POLICY
 from .equations import Entry
 from .forms import in_best_form, reformed
-from .selection import Selection, cost_of, gain_of, selection_of, with_new
+from .selection import Selection, cost_of, gain_of, promised_gain, selection_of, with_new
 from .torque_regression import Chosen, Regression, Solution
 
 
@@ -42,9 +42,7 @@ def _grown(now: Selection, regression: Regression) -> Selection:
         proposals += [p for p in _more_of_a_kind(now.chosen, regression) if p not in proposals]
         for new in proposals:
             if new not in gains and fits_in(new, now.chosen):
-                found = regression.solved(with_new(now.chosen, new))
-                gain = gain_of(found, now.solution, regression)
-                gains[new] = np.zeros_like(gain) if _is_small(new, found) else gain
+                gains[new] = _gain(new, now, regression)
         helpful = {p: g for p, g in gains.items() if (g > _least(p, regression)).any() and g.sum() > 0.0}
         new = _next(helpful)
         while new and _only_refines(new, now, regression):
@@ -62,6 +60,17 @@ def _grown(now: Selection, regression: Regression) -> Selection:
             for p, g in gains.items()
             if not any(acts & regression.axes_of(e) for e in p) and fits_in(p, chosen)
         }
+
+
+def _gain(new: Chosen, now: Selection, regression: Regression) -> np.ndarray:
+    """The gain of some new effects on each axis (n,); none where the fit itself promises too little of it."""
+    chosen = with_new(now.chosen, new)
+    promised = promised_gain(chosen, now, regression)
+    if not (promised > POLICY.screened_gain * _least(new, regression)).any():
+        return np.zeros_like(promised)
+    found = regression.solved(chosen)
+    gain = gain_of(found, now.solution, regression)
+    return np.zeros_like(gain) if _is_small(new, found) else gain
 
 
 def _is_small(new: Chosen, found: Solution) -> bool:
@@ -126,6 +135,7 @@ def fits_in(new: Chosen, chosen: Chosen) -> bool:
         n.key != e.key and not contains(e.key, n.key) and (contains(n.key, e.key) or _apart(n, e))
         for n in new
         for e in chosen
+        if n.key.axis == e.key.axis or None in (n.key.axis, e.key.axis)
     )
 
 

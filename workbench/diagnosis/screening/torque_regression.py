@@ -63,6 +63,9 @@ class Regression:
     test_floor: np.ndarray
     limits: dict[Entry, tuple[np.ndarray, np.ndarray]]
     _parts: dict[Chosen, Solution] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _fits: dict[Chosen, tuple[np.ndarray, np.ndarray]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
     _copies: dict[EffectKey, list[Entry]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
@@ -107,11 +110,10 @@ class Regression:
 
     def left(self, chosen: Sequence[Entry]) -> np.ndarray:
         """Mean square that a set of effects leaves on what it is fitted to, per axis (n,)."""
-        index = [k for e in chosen for k in e.linear]
-        low, high = self._limits(chosen)
-        axes = [axis.pick(index) for axis in self._axes]
-        coefficients = solve(total(axes), low, high)
-        return np.array([axis.after(coefficients) / axis.samples for axis in axes])
+        left = np.array([axis.square / axis.samples for axis in self._axes])
+        for axes, own in self._apart(chosen):
+            left[axes] = self._fit(own, axes)[1]
+        return left
 
     def solved(self, chosen: Sequence[Entry], without: Sequence[EffectKey] = ()) -> Solution:
         """The fit of a set of effects, within their physical bounds, with its loss on other data.
@@ -124,7 +126,7 @@ class Regression:
         bare = self._part((), range(len(self.floor)))
         left, test_loss = bare.validated.copy(), bare.test_loss.copy()
         found = {e: np.zeros(len(e.linear)) for e in chosen}  # what acts on no axis stays nothing
-        for axes, own in self._apart([e for e in chosen if self.axes_of(e)]):
+        for axes, own in self._apart(chosen):
             part = self._part(own, axes)
             left[axes], test_loss[axes] = part.validated, part.test_loss
             ends = np.cumsum([len(e.linear) for e in own])[:-1]
@@ -132,9 +134,9 @@ class Regression:
         return Solution(np.concatenate([np.zeros(0), *(found[e] for e in chosen)]), left, test_loss)
 
     def _apart(self, chosen: Sequence[Entry]) -> list[tuple[list[int], Chosen]]:
-        """Groups of effects that act on no axis in common, with their axes."""
+        """Groups of effects that act on no axis in common, with their axes, without what acts on none."""
         groups: list[tuple[set[int], set[Entry]]] = []
-        for entry in chosen:
+        for entry in filter(self.axes_of, chosen):
             axes, own = set(self.axes_of(entry)), {entry}
             for group in [g for g in groups if g[0] & axes]:
                 groups.remove(group)
@@ -148,10 +150,18 @@ class Regression:
             self._parts[chosen] = self._solved(chosen, axes, ())
         return self._parts[chosen]
 
+    def _fit(self, chosen: Chosen, axes: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+        """Coefficients of effects (C,) and the mean square left on each of their axes, remembered."""
+        if chosen not in self._fits:
+            pieces = [self._axes[k].pick(_columns(chosen)) for k in axes]
+            coefficients = solve(total(pieces), *self._limits(chosen))
+            left = [axis.after(coefficients) / axis.samples for axis in pieces]
+            self._fits[chosen] = coefficients, np.array(left)
+        return self._fits[chosen]
+
     def _solved(self, chosen: Chosen, axes: Sequence[int], without: Sequence[EffectKey]) -> Solution:
         """The fit on some axes, all that the effects act on; `validated` and `test_loss` of these."""
-        index = [k for e in chosen for k in e.linear]
-        low, high = self._limits(chosen)
+        index, limits = _columns(chosen), self._limits(chosen)
         out = [self.own[key] for key in without]
 
         def of(pieces: Sequence[Normal]) -> list[Normal]:
@@ -160,16 +170,20 @@ class Regression:
         folds = [of(fold) for fold in self.folds]
         wholes = [total(fold) for fold in folds]
         whole = total(wholes)
-        coefficients = solve(whole, low, high)
+        coefficients = solve(whole, *limits) if without else self._fit(chosen, axes)[0]
         left = np.zeros(len(axes))
         for fold, own in zip(folds, wholes, strict=True):
-            rest = solve(whole - own, low, high)
+            rest = solve(whole - own, *limits)
             left += [axis.after(rest) for axis in fold]
         left *= len(axes) / whole.samples
         if self.held_out is None:
             return Solution(coefficients, left, left)
         test_loss = [axis.after(coefficients) / axis.samples for axis in of(self.held_out)]
         return Solution(coefficients, left, np.array(test_loss))
+
+
+def _columns(chosen: Chosen) -> list[int]:
+    return [k for e in chosen for k in e.linear]
 
 
 def _taken_out(piece: Normal, columns: Sequence[int]) -> Normal:
