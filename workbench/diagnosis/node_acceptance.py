@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
 from .loss import explained, rescored
+from .may_be_named import may_be_named
 from .node import Node, explained_share, explains_data
 from .policy import POLICY
 from .problem import Problem
@@ -26,9 +27,12 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
 
     It says more than that; or as much, with at most half of its excess; or with no more than the noise, or
     as well by the rule of the move that made it from another, and no more parameters. Runs that diverge leave
-    a rest whatever the model: what adds effects to them is no better.
+    a rest whatever the model: what adds effects to them is no better. What explains the recordings and may
+    not be named says less than effects that are certain.
     """
     new, old = standing(child, problem), standing(best, problem)
+    if child.jointly or best.jointly:
+        new, old = _named(child, new), _named(best, old)
     if new < old or (new == old == UNEXPLAINED and child.bold):
         return False, _too_little(child, problem)
     if new > old:
@@ -50,6 +54,13 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
     return False, "it leaves more than half of the excess error of the best so far, and is no simpler"
 
 
+def _named(node: Node, stands: int) -> int:
+    """A standing where effects that are certain are at hand: what may not be named says less than they do."""
+    if stands < EXPLAINED or may_be_named(node.current, node.data):
+        return stands
+    return CERTAIN if node.adequacy else UNEXPLAINED
+
+
 def _explains_nearly_all(node: Node, problem: Problem) -> bool:
     """Whether hardly more than the noise is left, or nearly all is explained."""
     if node.done or near_noise_floor(node.current, node.data):
@@ -63,4 +74,5 @@ def _too_little(node: Node, problem: Problem) -> str:
     asked = POLICY.explained_elsewhere if node.bold else POLICY.explained
     # cut, not rounded: what is not enough must not read as if it were
     gone = f"it explains {int(100 * share)} % of the squared error above the noise"
-    return f"{gone}, less than the {100 * asked:.0f} % required" if share < asked else gone
+    short = f"less than the {100 * asked:.0f} % required" if share < asked else "and is not certain"
+    return f"{gone}, {short}"

@@ -15,7 +15,8 @@ from tests.diagnosis.rig import applied, asked
 from workbench.core import Controller, Diagnosis, EffectKey, Recording
 from workbench.diagnosis import diagnose, improve
 from workbench.diagnosis.hypothesis import Hypothesis
-from workbench.diagnosis.moves.joint_solution import confirmed, like_others
+from workbench.diagnosis.moves.joint_fit import like_others
+from workbench.diagnosis.moves.joint_solution import confirmed
 from workbench.diagnosis.screening.selection import selection_of
 from workbench.effects import load_model
 

@@ -1,4 +1,8 @@
-"""Whether a mass is certain although something else is unknown: a law of all axes that move it."""
+"""Whether a mass, or a constant torque, is certain although something else is unknown.
+
+A mass is a law of all axes that move it. Nobody knows the mean of an unknown torque, so that a constant one
+is certain only where nothing else is unknown.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +25,13 @@ class MultiAxisLaw:
     """The coordinates on which a law acts, row by row: laws (M, A, E), it first, rest and motion (M, A).
 
     `links`: (M, A, L), what errors of the links' own masses do there, where these are another explanation.
+    `noise`: (A,), mean squares of the rest that noise makes.
     """
 
     laws: np.ndarray
     links: np.ndarray
     rest: np.ndarray
+    noise: np.ndarray
     position: np.ndarray
     speed: np.ndarray
     acceleration: np.ndarray
@@ -55,6 +61,7 @@ def multi_axis_law(
         columns[:, axes][:, :, order],
         columns[:, axes][:, :, count:],
         np.concatenate(rest),
+        (data.least()[1] * data.weight[1] ** 2)[axes],
         np.concatenate([m.position[own][:, axes] for m, own in motions]),
         np.concatenate([m.velocity[own][:, axes] for m, own in motions]),
         np.concatenate([m.acceleration[own][:, axes] for m, own in motions]),
@@ -63,7 +70,9 @@ def multi_axis_law(
 
 
 def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
-    """Of a law of several coordinates, which their positions and accelerations decide together."""
+    """Of a law of several coordinates, which their positions and accelerations decide, or a constant."""
+    if _is_constant(s.laws[:, :, 0]) and (np.mean(s.rest**2, axis=0) > POLICY.at_noise * s.noise).any():
+        return Adequacy(0.0, 0.0, 0.0)
     count, axes = s.rest.shape
     time = np.repeat(np.arange(count, dtype=float)[:, None], axes, axis=1)
 
@@ -88,3 +97,8 @@ def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
     return against_free_functions(
         s.laws.reshape(count * axes, -1), rest, free, beside, np.repeat(s.recording, axes)
     )
+
+
+def _is_constant(law: np.ndarray) -> bool:
+    acting = law[law != 0.0]  # rows that do not weigh are none
+    return bool(np.ptp(acting) < 1e-9 * np.abs(acting).max()) if len(acting) else False

@@ -26,13 +26,16 @@ _STEP_S = 0.01  # between the rows that functions are fitted to
 _POSITION = "position"
 
 
-def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) -> tuple[Recording, ...] | None:
+def without_strangers(
+    found: Fit, data: Data, certain: Collection[EffectKey], *, tones_alone: bool = False
+) -> tuple[Recording, ...] | None:
     """The recordings, their torque less what a free function explains of the rest on each axis.
 
     Args:
         found: all effects that were selected, along the measured motion.
         data: of that motion.
         certain: effects whose own law no function may stand in for.
+        tones_alone: take out nothing else.
 
     Returns:
         None where no function explains enough on any axis.
@@ -43,7 +46,8 @@ def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) ->
         own = [kinds.depends_on(effect_named(key.effect)) for key in certain if key.axis == axis]
         taken = {_POSITION} if any(_POSITION in d for d in own) else set()
         for shape in shapes(missing, axis, of_two=False):
-            if shape.share >= POLICY.unknown_most and _is_free(shape, taken):
+            free = shape.frequency is not None or (not tones_alone and _is_free(shape, taken))
+            if shape.share >= POLICY.unknown_most and free:
                 unknown[k] = shape
                 break
     if not unknown:
@@ -61,8 +65,8 @@ def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) ->
 
 
 def _is_free(shape: Shape, taken: Collection[str]) -> bool:
-    """Whether it is a tone, or of a quantity that is neither friction's nor a certain law's."""
-    return shape.frequency is not None or shape.quantities[0] not in {"speed", "load", *taken}
+    """Whether it is of a quantity that is neither friction's nor a certain law's."""
+    return shape.quantities[0] not in {"speed", "load", *taken}
 
 
 def _rest(found: Fit, data: Data) -> tuple[Missing, list[slice]]:

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from workbench.core import EffectKey
+from workbench.core import EffectKey, Recording
 from workbench.models import AppliedEffect
 
-from ..adequacy.adequacy import Adequacy
+from ..adequacy.adequacy import Adequacy, adequacies
 from ..adequacy.strangers import without_strangers
 from ..data import Data, gather_along
 from ..fitting.fit import fit
 from ..fitting.refinement import with_candidates
 from ..hypothesis import Fit
+from ..node import is_consistent
 from ..policy import POLICY
 from ..problem import evaluated, starting_fit
+from ..screening.rivals import rivals_of
 from ..screening.selection import Selection
 from ..screening.stepwise_regression import selected
 from ..screening.torque_columns import regression_of
@@ -25,6 +27,67 @@ from ..screening.torque_regression import Regression
 from ..significance import INTERVAL, is_significant, significance, told_by_motion
 
 _BACKFITS = 2  # of the unknown and the certain in turns; a third changes less than the noise does
+
+
+@dataclass(frozen=True)
+class Certain:
+    """What was selected along the measured motion, and what of it is certain.
+
+    Attributes:
+        regression: from which it was selected.
+        chosen: all that was selected.
+        whole: its fit.
+        known: how certain each effect is that is certain although something else is missing.
+    """
+
+    regression: Regression
+    chosen: Selection
+    whole: Fit
+    known: Mapping[EffectKey, Adequacy]
+
+
+def certain_of(regression: Regression, start: Fit, data: Data) -> Certain | None:
+    """What is selected, and what of it is certain; None where nothing helps."""
+    chosen = selected(regression)
+    whole = fit_of_selection(regression, chosen, start, data)
+    if whole is None or is_consistent(data, whole.mean_squares):
+        return whole and Certain(regression, chosen, whole, {})
+    others = like_others(regression, chosen)
+    found = adequacies(whole, start, data)
+    known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
+    return Certain(regression, chosen, whole, known)
+
+
+def certain_beside_tones(found: Fit, start: Fit, data: Data, seed: int) -> Certain | None:
+    """The same where tones are taken out, which no effect is; None where there are none, or nothing helps.
+
+    A tone as strong as an effect hides it: whatever turns at that pace takes up a part of it.
+    """
+    rest = without_strangers(found, data, (), tones_alone=True)
+    if rest is None:
+        return None
+    freed, begun = _freed(start, rest, data, seed)
+    certain = certain_of(regression_of(begun, freed), begun, freed)
+    if certain is None:
+        return None
+    hypothesis = certain.whole.hypothesis
+    return replace(certain, whole=evaluated(hypothesis, data.run([hypothesis.model])[0], data))
+
+
+def _freed(start: Fit, rest: Sequence[Recording], data: Data, seed: int) -> tuple[Data, Fit]:
+    """Recordings from which something was taken out, and the model as it is along their motion."""
+    model = start.hypothesis.model
+    freed, runs = gather_along(model, rest, data.training, seed)
+    return freed, starting_fit(model, freed, runs.clean)
+
+
+def like_others(regression: Regression, chosen: Selection) -> set[EffectKey]:
+    """Effects of the whole machine that others explain as well, as masses of links do a body."""
+    return {
+        entry.key
+        for entry in chosen.chosen
+        if entry.key.axis is None and rivals_of(regression, chosen.chosen, entry)[1]
+    }
 
 
 def fit_of_selection(regression: Regression, chosen: Selection, current: Fit, data: Data) -> Fit | None:
@@ -84,13 +147,12 @@ def beside_strangers(
         data: of that motion.
         seed: of the noise simulations.
     """
-    model, found = start.hypothesis.model, whole
+    found = whole
     for _ in range(_BACKFITS):
         rest = without_strangers(found, data, sure)
         if rest is None:
             break
-        freed, runs = gather_along(model, rest, data.training, seed)
-        begun = starting_fit(model, freed, runs.clean)
+        freed, begun = _freed(start, rest, data, seed)
         regression = regression_of(begun, freed)
         again = fit_of_selection(regression, selected(regression), begun, freed)
         if again is None:

@@ -7,11 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.core import EffectKey
 from workbench.effects import effect_named, kinds
 
 from ..acceptance import at_noise_floor, lowers_error
-from ..adequacy.adequacy import Adequacy, adequacies
 from ..data import Data
 from ..hypothesis import Fit, Hypothesis
 from ..loss import explained, rescored, test_noise_floor
@@ -21,22 +19,20 @@ from ..problem import Problem, evaluated
 from ..removed_share import removed_share
 from ..screening.rivals import rivals_of
 from ..screening.selection import Selection
-from ..screening.stepwise_regression import selected
 from ..screening.torque_regression import Regression
 from ..search_result import AcceptedStep
-from .joint_fit import beside_strangers, certain_only, fit_of_selection
+from .joint_fit import beside_strangers, certain_beside_tones, certain_of, certain_only
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
-    """The joint solution, once.
+    """The joint solution; once it was grown, as it is.
 
     It is the answer where it takes more effects than may be added one by one, or where plain corrections
     reach the noise. Else what is no torque along the motion may be missing beside several that are certain.
     """
-    if not problem.is_new("joint solution"):
-        return
-    node = solve_jointly(problem)
-    if node is None:
+    first, node = problem.is_new("joint solution"), solve_jointly(problem)
+    if node is None or not first:
+        yield from () if node is None else (node,)
         return
     whole = len(node.steps) + len(node.near) > problem.limit or (
         _corrections_suffice(node) and not one_effect_may_suffice(problem)
@@ -86,37 +82,28 @@ def _solved(problem: Problem) -> Node | None:
     if problem.inverse_dynamics is None:
         return None
     data, start, regression = problem.inverse_dynamics
-    chosen = selected(regression)
-    whole = fit_of_selection(regression, chosen, start, data)
-    if whole is None:
+    found = certain_of(regression, start, data)
+    to_the_noise = found is not None and is_consistent(data, found.whole.mean_squares)
+    if not to_the_noise:
+        beside = certain_beside_tones(found.whole if found else start, start, data, problem.seed)
+        if beside is not None and (found is None or len(beside.known) > len(found.known)):
+            found = beside
+    if found is None:
         return None
-    known: dict[EffectKey, Adequacy] = {}
-    named: Fit | None = whole
-    if not is_consistent(data, whole.mean_squares):
-        others = like_others(regression, chosen)
-        found = adequacies(whole, start, data)
-        known = {k: a for k, a in found.items() if a.is_adequate and k not in others}
-        named = certain_only(whole, known, data)
-        named = named and beside_strangers(whole, named, known, start, data, problem.seed)
+    named: Fit | None = found.whole
+    if not to_the_noise:
+        named = certain_only(found.whole, found.known, data)
+        named = named and beside_strangers(found.whole, named, found.known, start, data, problem.seed)
     if named is None or not lowers_error(named, start, data):
         return None
-    sure_in_loop = confirmed(named.hypothesis, problem, certain=bool(known))
+    sure_in_loop = confirmed(named.hypothesis, problem, certain=bool(found.known))
     if sure_in_loop is not named.hypothesis:
         named = evaluated(sure_in_loop, data.run([sure_in_loop.model])[0], data)
     sure = effect_keys(named)
-    kept = Selection(tuple(e for e in chosen.chosen if e.key in sure), chosen.solution)
-    node = _in_the_loop(_steps(regression, kept, named, start, data), problem)
-    near = tuple(a for a in whole.hypothesis.free if a.key not in sure)
-    return None if node is None else replace(node, jointly=True, adequacy=known, near=near)
-
-
-def like_others(regression: Regression, chosen: Selection) -> set[EffectKey]:
-    """Effects of the whole machine that others explain as well, as masses of links do a body."""
-    return {
-        entry.key
-        for entry in chosen.chosen
-        if entry.key.axis is None and rivals_of(regression, chosen.chosen, entry)[1]
-    }
+    kept = Selection(tuple(e for e in found.chosen.chosen if e.key in sure), found.chosen.solution)
+    node = _in_the_loop(_steps(found.regression, kept, named, start, data), problem)
+    near = tuple(a for a in found.whole.hypothesis.free if a.key not in sure)
+    return None if node is None else replace(node, jointly=True, adequacy=found.known, near=near)
 
 
 def confirmed(found: Hypothesis, problem: Problem, certain: bool) -> Hypothesis:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..acceptance import near_noise_floor
 from ..loss import explained
+from ..may_be_named import may_be_named
 from ..node import Growth, Node, explains_data
 from ..node_acceptance import EXPLAINED, standing
 from ..policy import POLICY
@@ -71,8 +72,12 @@ def _jointly_first(node: Node, best: Node, problem: Problem) -> bool:
 
 
 def _jointly_last(node: Node, best: Node, problem: Problem) -> bool:
-    several = standing(best, problem) < EXPLAINED or len(best.steps) > 1
-    return not node.move and problem.limit > 1 and several
+    """Where several effects are missing, or what explains the recordings may not be named."""
+    if node.move or problem.limit == 1 or best.jointly:
+        return False
+    if len(best.steps) > 1 or standing(best, problem) < EXPLAINED:
+        return True
+    return not best.done and not may_be_named(best.current, best.data)
 
 
 def _unexplained(node: Node, best: Node, problem: Problem) -> bool:

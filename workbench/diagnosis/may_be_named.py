@@ -1,0 +1,36 @@
+"""Whether effects that explain the recordings may be named: they are clearly something, and no other law."""
+
+from __future__ import annotations
+
+from workbench.effects import effect_named, kinds
+
+from .data import Data
+from .evidence.residual_evidence import ResidualEvidence
+from .hypothesis import Fit
+from .policy import POLICY
+from .significance import is_significant
+
+
+def may_be_named(found: Fit, data: Data) -> bool:
+    """Whether what explains the recordings is significant, and is not drawn after a torque of another law."""
+    significant = all(is_significant(a) for a in found.hypothesis.free)
+    return significant and not _another_shape(found, data) and not _far_off_contact(found, data)
+
+
+def _another_shape(found: Fit, data: Data) -> bool:
+    """Whether a position-dependent torque was found and the residual still depends on positions.
+
+    A spring of another law, or one across two axes, is followed a long way by springs and cogging together.
+    """
+    added = found.hypothesis.free
+    there = any(kinds.depends_on(effect_named(a.key.effect)) == ("position",) for a in added)
+    return there and ResidualEvidence(data, found).follows_positions
+
+
+def _far_off_contact(found: Fit, data: Data) -> bool:
+    """Whether a search with contacts that make and break ends well above the noise.
+
+    A foot a millimetre off is many newtons, nearly all of which any other way to lift it takes off as well.
+    """
+    error, floor = data.score(found.mean_squares), data.score(data.floor)
+    return not data.replay.smooth and error > POLICY.ground_error * floor
