@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from mechanism_ways import PERIOD, Bench, MappedWorld
 from mujoco.batch import Batch
+from posture_batch import ScheduledBatch
 from rich.table import Table
 
 from workbench import load_model, report
@@ -30,10 +31,7 @@ from workbench.core import SimulationError
 from workbench.core.files import write_whole
 from workbench.mechanism import ClosedChain
 from workbench.report.layout import table as new_table
-from workbench.s3n import (
-    ScheduledBatch,
-    compiled_dynamics,
-)
+from workbench.s3n import compiled_dynamics
 from workbench.s3n.posture_error import relative_inertia, workspace_grid
 from workbench.s3n.worlds import World
 
