@@ -14,6 +14,7 @@ from workbench.s3n import PostureDependent, Schedule, ScheduledWorld, fit_native
 from workbench.s3n.worlds import World, make_world
 
 PERIOD, SECONDS = 0.004, 2.0
+WAYS = ("kin_only", "s3n_frozen", "fitted", "scheduled", "scheduled_4", "callback", "constraint")
 
 
 class Bench:
