@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
+from posture_callback import CallbackWorld
 
 from workbench.models import Model, load_mjcf
 from workbench.s3n import PostureDependent, Schedule, ScheduledWorld, fit_native
-from workbench.s3n.posture_callback import CallbackWorld
 from workbench.s3n.worlds import World, make_world
 
 PERIOD, SECONDS = 0.004, 2.0
+WAYS = ("kin_only", "s3n_frozen", "fitted", "scheduled", "scheduled_4", "callback", "constraint")
 
 
 class Bench:

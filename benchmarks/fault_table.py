@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
 
-from faults import FAULTS, PROTOCOLS, Bench, Fault
+from fault_bench import PROTOCOLS, Bench, Fault
+from faults import FAULTS
 
 from workbench.core import WorkbenchError
 from workbench.core.files import write_whole

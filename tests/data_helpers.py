@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -119,29 +120,22 @@ def write_recording(folder: Path, data: dict[str, Any] | None = None, /, **chang
     return write_toml(folder / "made.toml", description(**changes))
 
 
+def two_mass_recording() -> dict[str, Any]:
+    """The TOML of the recording of two inertias on a flexible coupling, as its study has it."""
+    from two_mass import description
+
+    return tomllib.loads(description(data_folder("two_mass") / "MultisineTypeA.mat"))
+
+
 def two_mass(folder: Path) -> tuple[Path, Path]:
     """A rigid model of the two inertias on a flexible coupling, and the TOML of their recording.
 
     The current stands for the torque, so that inertia and damping are per torque constant.
     """
-    table = data_folder("two_mass") / "MultisineTypeA.mat"
-    recording = write_toml(
-        folder / "two_mass.toml",
-        {
-            "format": 1,
-            "name": "two_mass",
-            "table": str(table.resolve()),
-            "axes": ["motor"],
-            "columns": {
-                "time": {"column": "time", "scale": 1e-6},
-                "position": "theta_mx",
-                "torque_command": "iq_refx",
-                "torque_measured": "iq_adx",
-            },
-            "controller": {"kind": "none"},
-            "excitation": {"kind": "multisine", "period_s": 1.0, "f_min_hz": 11.0, "f_max_hz": 250.0},
-        },
-    )
+    content = two_mass_recording()
+    for name in ("link_position", "current"):
+        del content["columns"][name]
+    recording = write_toml(folder / "two_mass.toml", content)
     (folder / "rigid.xml").write_text(
         """<mujoco model="rigid"><worldbody><body name="a">
 <joint name="motor" type="hinge" axis="0 0 1"/>

@@ -18,7 +18,8 @@ import numpy as np
 from limits import TooLong, at_most
 
 from . import mutate, seeds
-from .kinds import KINDS, STYLES, Kind, Wrong, repacked
+from .checks import Wrong
+from .kinds import KINDS, STYLES, Kind, repacked
 
 SECONDS = 10.0  # of CPU time that one case may take; a wait is ended by whoever started the process
 _LONGEST = 2000  # characters of an error

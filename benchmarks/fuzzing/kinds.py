@@ -12,10 +12,7 @@ from typing import Any
 import numpy as np
 
 from . import mutate, seeds
-
-
-class Wrong(Exception):
-    """What was accepted is not valid."""
+from .checks import Wrong, check_bundle, check_design, check_model, check_recording, check_table
 
 
 @dataclass(frozen=True)
@@ -35,28 +32,6 @@ class Kind:
     read: Callable[[Path, mutate.Random], Any]
     check: Callable[[Any], None] = lambda result: None
     weight: float = 1.0
-
-
-def finite(what: str, *values: Any) -> None:
-    """Raises `Wrong` where one of the arrays holds NaN or infinity."""
-    for value in values:
-        if not np.isfinite(np.asarray(value, float)).all():
-            raise Wrong(f"{what} is not finite")
-
-
-def check_recording(recording: Any) -> None:
-    """A recording that every command may rely on."""
-    rows, n = len(recording.time), len(recording.axes)
-    step = np.diff(recording.time)
-    if rows < 2 or not np.all(step > 0) or np.ptp(step) > 1e-6 * step.mean() + 1e-9:
-        raise Wrong("the clock is not uniform")
-    for name, values in recording.signals.items():
-        if values.shape != (rows, n):
-            raise Wrong(f"{name} has shape {values.shape}")
-        finite(name, values)
-    for name, values in recording.extra.items():
-        finite(name, values)
-    finite("the controller", *(getattr(recording.controller, k) for k in ("kp", "kd", "kv", "gain")))
 
 
 def _recording(folder: Path, random: mutate.Random) -> Any:
@@ -86,30 +61,11 @@ def _imported(file: str, folder: Path, random: mutate.Random) -> Any:
     return table
 
 
-def check_table(table: Any) -> None:
-    """Columns of one length."""
-    lengths = {len(v) for v in table.columns.values()}
-    if len(lengths) != 1 or any(np.asarray(v).dtype.kind != "f" for v in table.columns.values()):
-        raise Wrong(f"columns of {sorted(lengths)} rows")
-
-
 def _model(file: str, folder: Path, random: mutate.Random) -> Any:
     from workbench.effects import compile_plant, load_model
 
     model = load_model(folder / file)
     return model, compile_plant(model)
-
-
-def check_model(read: Any) -> None:
-    """Numbers everywhere, and a tree that moves."""
-    model, plant = read
-    a = model.actuators
-    finite("the model", model.transmission, a.inertia, a.damping, a.delay_s)
-    if np.isnan(a.torque_limit).any():
-        raise Wrong("a torque limit is NaN")
-    if plant.mujoco.nv < model.size:
-        raise Wrong("fewer freedoms than axes")
-    finite("the compiled model", plant.mujoco.body_mass, plant.mujoco.dof_armature, plant.drives)
 
 
 def _contents(file: str, folder: Path, random: mutate.Random) -> Any:
@@ -152,12 +108,6 @@ def _design(folder: Path, random: mutate.Random) -> Any:
     return load_design(folder / "design.toml")
 
 
-def _check_design(design: Any) -> None:
-    finite("the design", design.experiments, design.hold, np.abs(design.spectrum), design.rate_hz)
-    if design.rows < 1:
-        raise Wrong("no rows")
-
-
 def _bundle(folder: Path, random: mutate.Random) -> Any:
     from workbench.bundle import Policy, read_bundle
     from workbench.training.of_bundle import machine_of
@@ -194,11 +144,6 @@ def repacked(folder: Path, random: mutate.Random) -> None:
     with zipfile.ZipFile(path, "w") as archive:
         for each, data in parts.items():
             archive.writestr(each, data)
-
-
-def _check_bundle(read: Any) -> None:
-    c = read.control
-    finite("the bundle", c.transmission, c.posture, c.kp, c.kd, c.action_scale, c.control_period_s)
 
 
 def _exported(folder: Path, random: mutate.Random) -> Any:
@@ -279,8 +224,8 @@ KINDS: dict[str, Kind] = {
         {"set/meta/info.json": "json", "set/data/chunk-000/episode_000000.parquet": "bytes"},
         partial(_imported, "set"), check_table, 0.5,
     ),
-    "excitation": Kind(seeds.design, {"design.toml": "toml", "sum.csv.gz": "bytes"}, _design, _check_design),
-    "bundle": Kind(seeds.run, {"reach.zip": "bundle"}, _bundle, _check_bundle, 1.0),
+    "excitation": Kind(seeds.design, {"design.toml": "toml", "sum.csv.gz": "bytes"}, _design, check_design),
+    "bundle": Kind(seeds.run, {"reach.zip": "bundle"}, _bundle, check_bundle, 1.0),
     "record": Kind(seeds.run, {"leg.record.json": "json"}, _record),
     "checkpoint": Kind(
         seeds.run, {"run/checkpoint.pt": "bytes", "run/config.json": "json"}, _exported, weight=0.5

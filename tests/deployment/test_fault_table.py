@@ -6,8 +6,9 @@ import re
 from pathlib import Path
 
 import pytest
+from fault_bench import PROTOCOLS, Fault
 from fault_table import measure, row, written
-from faults import FAULTS, PROTOCOLS, Fault
+from faults import FAULTS
 
 WATCHDOG, ROW = 0.020, 0.25e-3  # s
 

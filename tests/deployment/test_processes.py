@@ -9,8 +9,10 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from subprocess import Popen
 
 import numpy as np
 import pytest
@@ -32,6 +34,17 @@ def robot(tmp_path: Path) -> Path:
                     loop={"soft_start_s": 0.1}, bench={"time_scale": 8.0})  # fmt: skip
     content["bus"][0]["channel"] = str(tmp_path / "can0")
     return written(tmp_path, content)
+
+
+@contextmanager
+def bus_and_motors(robot: Path) -> Iterator[tuple[Popen[str], Popen[str]]]:
+    """The two processes of the virtual hardware, to be stopped one by one."""
+    bus, motors = (start("can", what, str(robot)) for what in ("bus", "motors"))
+    try:
+        yield bus, motors
+    finally:
+        end(motors)
+        end(bus)
 
 
 def running_at_last(host: Host, moves: Callable[[], None]) -> bool:
@@ -105,23 +118,20 @@ host.run(60.0, each)
 
 
 def test_drives_stop_when_the_host_is_stopped(robot: Path) -> None:
-    bus = start("can", "bus", str(robot))
-    motors = start("can", "motors", str(robot))
-    host = subprocess.Popen([sys.executable, "-c", HOST, str(robot)], stdout=subprocess.PIPE, text=True)
-    try:
-        assert host.stdout and host.stdout.readline().strip() == "run"
-        host.send_signal(signal.SIGSTOP)  # to a drive the same as SIGKILL
-        time.sleep(load_config(robot).clock.machine(0.1))
-        motors.send_signal(signal.SIGTERM)
-        said, _ = motors.communicate(timeout=20)
-        longest = re.search(r"longest without a command: ([\d.]+) ms", said)
-        assert longest and 10.0 < float(longest[1]) <= 20.0 + 2 * 0.5, said
-        assert "driving: none" in said
-    finally:
-        host.kill()
-        host.wait()
-        end(motors)
-        end(bus)
+    with bus_and_motors(robot) as (_, motors):
+        host = Popen([sys.executable, "-c", HOST, str(robot)], stdout=subprocess.PIPE, text=True)
+        try:
+            assert host.stdout and host.stdout.readline().strip() == "run"
+            host.send_signal(signal.SIGSTOP)  # to a drive the same as SIGKILL
+            time.sleep(load_config(robot).clock.machine(0.1))
+            motors.send_signal(signal.SIGTERM)
+            said, _ = motors.communicate(timeout=20)
+        finally:
+            host.kill()
+            host.wait()
+    longest = re.search(r"longest without a command: ([\d.]+) ms", said)
+    assert longest and 10.0 < float(longest[1]) <= 20.0 + 2 * 0.5, said
+    assert "driving: none" in said
 
 
 def test_a_log_whose_writer_is_killed_is_readable(robot: Path) -> None:
@@ -145,9 +155,7 @@ def test_a_log_whose_writer_is_killed_is_readable(robot: Path) -> None:
 
 def test_drives_stop_when_the_bus_is_killed(robot: Path) -> None:
     config = load_config(robot)
-    bus = start("can", "bus", str(robot))
-    motors = start("can", "motors", str(robot))
-    try:
+    with bus_and_motors(robot) as (bus, motors):
         network = PortNetwork(config)
         host = Host(config, network, Swing(2), joints_of(config))
         host.verify()
@@ -159,16 +167,11 @@ def test_drives_stop_when_the_bus_is_killed(robot: Path) -> None:
         said, _ = motors.communicate(timeout=20)
         assert "driving: none" in said
         network.close()
-    finally:
-        end(motors)
-        end(bus)
 
 
 def test_motors_that_were_held_up_catch_up_and_go_on(robot: Path) -> None:
     config = load_config(robot)
-    bus = start("can", "bus", str(robot))
-    motors = start("can", "motors", str(robot))
-    try:
+    with bus_and_motors(robot) as (_, motors):
         network = PortNetwork(config)
         host = Host(config, network, Swing(2), joints_of(config))
         host.verify()
@@ -185,9 +188,6 @@ def test_motors_that_were_held_up_catch_up_and_go_on(robot: Path) -> None:
         assert running_at_last(host, hold_up), host.state
         host.close(0.02)
         network.close()
-    finally:
-        end(motors)
-        end(bus)
 
 
 def test_a_program_that_is_told_to_end_damps_and_disables_first(robot: Path) -> None:

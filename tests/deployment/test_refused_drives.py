@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from faults import robot as virtual_robot
+from fault_bench import robot as virtual_robot
 
 from tests.deployment.robot import Robot, Swing
 from workbench.can import Parameter

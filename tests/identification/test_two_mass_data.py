@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -11,28 +9,12 @@ from workbench.frf import estimate, find_resonances
 from workbench.identification import fit_two_mass
 from workbench.recordings import load_recording
 
-from ..data_helpers import data_folder, write_toml
+from ..data_helpers import two_mass_recording, write_toml
 
 
 @pytest.fixture(scope="module")
 def frf(tmp_path_factory):
-    table: Path = data_folder("two_mass") / "MultisineTypeA.mat"
-    toml = write_toml(
-        tmp_path_factory.mktemp("two_mass") / "two_mass.toml",
-        {
-            "format": 1,
-            "name": "two_mass",
-            "table": str(table.resolve()),
-            "axes": ["motor"],
-            "columns": {
-                "time": {"column": "time", "scale": 1e-6},
-                "position": "theta_mx",
-                "link_position": {"column": "theta_my", "scale": -1.0},
-                "current": "iq_adx",
-            },
-            "excitation": {"kind": "multisine", "period_s": 1.0, "f_min_hz": 11.0, "f_max_hz": 250.0},
-        },
-    )
+    toml = write_toml(tmp_path_factory.mktemp("two_mass") / "two_mass.toml", two_mass_recording())
     return estimate([load_recording(toml)], input="current", output=("position", "link_position"))
 
 

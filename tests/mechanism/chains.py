@@ -8,6 +8,7 @@ import numpy as np
 from workbench.core import Mechanism
 from workbench.core.paths import closed_chain_file
 from workbench.mechanism import ClosedChain, DiscreteChain, Motion
+from workbench.mechanism.tree import Tree
 from workbench.models import read_model
 
 NAMES = ("leg", "four_bar", "five_bar", "ankle")
@@ -24,6 +25,13 @@ def mechanism(name: str) -> Mechanism:
 @lru_cache
 def chain(name: str) -> ClosedChain:
     return ClosedChain(mechanism(name))
+
+
+def open_loop(chain: ClosedChain, drives: np.ndarray) -> float:
+    """Largest gap [m] of a loop where the chain says that its links are."""
+    tree = Tree(chain.mechanism)
+    tree.move(chain.tree_position(drives))
+    return float(tree.open_loops().max())
 
 
 def joints_at(name: str, parts: tuple[float, float]) -> np.ndarray:

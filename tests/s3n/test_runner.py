@@ -9,7 +9,7 @@ from tests.s3n.make import HOLD, chirp_torque
 from tests.simulation.make import having
 from workbench.core import EffectKey, InputError, SimulationError
 from workbench.effects import load_model
-from workbench.s3n import VARIANT_NAMES, ConstraintSettings, cost_per_step, run_variant
+from workbench.s3n import VARIANT_NAMES, ConstraintSettings, run_variant
 from workbench.s3n.worlds import LoopWorld, make_world
 
 START = (HOLD, np.zeros(2))
@@ -30,7 +30,7 @@ def test_every_variant_runs(variant: str) -> None:
     assert run.position.shape == run.velocity.shape == run.torque.shape == (30, 2)
     np.testing.assert_allclose(run.position[0], HOLD, atol=1e-9)
     np.testing.assert_array_equal(run.torque, torque)
-    assert np.isfinite(run.position).all() and run.step_cost > 0
+    assert np.isfinite(run.position).all()
     np.testing.assert_allclose(run.time[1], 0.003)
 
 
@@ -94,7 +94,3 @@ def test_a_lost_run_is_named() -> None:
     with pytest.raises(SimulationError, match="unstable at 0"):
         run_variant(load_model("leg"), "exact", push)
     assert np.isnan(run_variant(load_model("leg"), "exact", push, strict=False).position[-1]).all()
-
-
-def test_cost_per_step_is_a_time() -> None:
-    assert 1e-8 < cost_per_step(load_model("leg"), "kin_only", steps=200, repeats=2) < 1e-3

@@ -110,11 +110,6 @@ class ClosedChain:
         """
         return self._driven.at(q).theta.copy()
 
-    def loop_residual(self, q: np.ndarray) -> float:
-        """Largest gap [m] of a loop at drive positions `q` (n,) after closing."""
-        self._driven.at(q)
-        return float(self._tree.open_loops().max(initial=0.0))
-
     def projection(self, q: np.ndarray) -> np.ndarray:
         """L (N, n), d theta / d q at drive positions `q` (n,).
 
@@ -147,10 +142,6 @@ class ClosedChain:
         if posture.slope is None:
             return Margin(0.0, 0.0)
         return Margin(posture.margin, _ratio(posture.slope[self._joints]))
-
-    def serial_position(self, q: np.ndarray) -> np.ndarray:
-        """Serial joint positions q_s (n,) at drive positions `q` (n,) [rad or m]."""
-        return self._driven.at(q).theta[self._joints]
 
     @property
     def units(self) -> tuple[str, ...]:

@@ -216,7 +216,3 @@ class Model(Shown):
     def with_effect(self, effect: AppliedEffect) -> Model:
         """A new model with this effect added; effects of one key act one beside the other."""
         return replace(self, effects=(*self.effects, effect))
-
-    def without_effect(self, key: EffectKey) -> Model:
-        """A new model without this effect."""
-        return replace(self, effects=tuple(e for e in self.effects if e.key != key))

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from .search_sheet import trace_sheet
     from .sections import sentence
     from .shapes import shape_figure
-    from .sheet import Sheet, render_sheet, write_sheet
+    from .sheet import Sheet
+    from .sheet_page import render_sheet, write_sheet
     from .tables import compare_table, diagnosis_table, improvement_table, truth_table
 
 __all__ = [
@@ -75,7 +76,7 @@ _HOME = {
     "ladder_figure": "figures",
     "overlay_figure": "figures",
     "render_page": "page",
-    "render_sheet": "sheet",
+    "render_sheet": "sheet_page",
     "residual_figure": "figures",
     "save_figure": "figures",
     "sentence": "sections",
@@ -86,7 +87,7 @@ _HOME = {
     "verification_sheet": "check_sheet",
     "write_mcap": "mcap_file",
     "write_page": "page",
-    "write_sheet": "sheet",
+    "write_sheet": "sheet_page",
 }
 
 

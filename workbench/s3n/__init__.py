@@ -12,8 +12,8 @@ from .posture_chain import PostureChain, PostureDynamics
 from .posture_error import PostureError, posture_error
 from .posture_fitted import FittedTree, fit_native
 from .posture_schedule import Schedule
-from .posture_worlds import ScheduledBatch, ScheduledWorld
-from .runner import VariantRun, cost_per_step, run_variant
+from .posture_worlds import ScheduledWorld
+from .runner import VariantRun, run_variant
 from .variants import VARIANT_NAMES, omissions, usual_variant, with_variant
 
 __all__ = [
@@ -28,11 +28,9 @@ __all__ = [
     "PostureDynamics",
     "PostureError",
     "Schedule",
-    "ScheduledBatch",
     "ScheduledWorld",
     "VariantRun",
     "compiled_dynamics",
-    "cost_per_step",
     "drive_map",
     "explicit_spectral_radius",
     "fit_native",

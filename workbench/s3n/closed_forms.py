@@ -11,9 +11,6 @@ from numpy.typing import ArrayLike
 
 #: J of the parallelogram (paper, Eq. 2).
 JACOBIAN = np.array([[1.0, 0.0], [1.0, 1.0]])
-#: Hip-diagonal and off-diagonal parts of the actuator's increments (paper, Eq. 23).
-E_H = np.array([[1.0, 0.0], [0.0, 0.0]])
-E_X = np.array([[0.0, 1.0], [1.0, 0.0]])
 
 
 def reflected(gear: ArrayLike, rotor: ArrayLike) -> np.ndarray:

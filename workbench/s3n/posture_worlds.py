@@ -1,10 +1,9 @@
-"""Worlds whose fields are written at every step: one in plain MuJoCo, many in a batch."""
+"""A world whose fields are written at every step: in plain MuJoCo."""
 
 from __future__ import annotations
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 
 from workbench.core import SimulationError
 
@@ -43,7 +42,7 @@ class ScheduledWorld(World):
         self.ahead = look_ahead(step, integrator, hold)
         self.m.dof_simplenum[:] = 0  # of links that turn about their centres MuJoCo would keep M
         self._write(np.zeros(model.size))
-        _settle(self.m)
+        settle(self.m)
 
     def advance(self, torque: np.ndarray, steps: int) -> None:
         """Take `steps` steps under a torque on the drives (n,).
@@ -83,82 +82,6 @@ class ScheduledWorld(World):
         self.data.qfrc_applied[self.dofs] = f.torque[0]
 
 
-class ScheduledBatch:
-    """Many worlds stepped in one `mujoco.batch.Batch`, fields written for all of them at once.
-
-    Args:
-        schedule: what to write.
-        count: number of worlds N.
-        step: integration step [s].
-        integrator: of MuJoCo.
-        threads: of the batch; 0: all CPUs.
-        hold: steps between two writes; what is held errs by the square of that time.
-
-    Attributes:
-        batch: MuJoCo's, for everything beside the mechanism; its ``qfrc_applied`` on the joints is written
-            over at every write.
-        inertia, damping: of the drives (N, n), to be changed world by world.
-        outside: which worlds were outside the limits at the last write, (N,); if the schedule holds there.
-
-    Raises:
-        InputError: no such integrator.
-    """
-
-    def __init__(
-        self,
-        schedule: Schedule,
-        count: int,
-        step: float = 0.001,
-        integrator: str = "implicitfast",
-        threads: int = 0,
-        hold: int = 1,
-    ) -> None:
-        m = schedule.spec(step, integrator).compile()
-        first = ScheduledWorld(schedule, step, integrator, _inside(m, schedule), hold)
-        m.dof_simplenum[:] = 0
-        m.dof_armature[:], m.tendon_armature[:] = first.m.dof_armature, first.m.tendon_armature
-        _settle(m)
-        self.schedule, self.batch = schedule, Batch(m, count, threads)
-        self.hold, self.ahead = hold, first.ahead
-        self._places, self._dofs, self._tendons = first.places, first.dofs, first.tendons
-        self._own = first.own
-        fields = ("dof_armature", "dof_damping", "tendon_armature", "tendon_damping")
-        self._fields = [self.batch.expand(name) for name in fields]
-        names = ("qpos", "qvel", "qacc", "qfrc_applied")
-        self._q, self._v, self._acceleration, self._force = (self.batch.bind(name) for name in names)
-        self.inertia = np.tile(schedule.chain.inertia, (count, 1))
-        self.damping = np.tile(schedule.chain.damping, (count, 1))
-        self.outside = np.zeros(count, bool)
-
-    def put(self, position: np.ndarray, velocity: np.ndarray) -> None:
-        """Set every world's state, serial coordinates (N, n)."""
-        self._q[:, self._places], self._v[:, self._dofs] = position, velocity
-
-    def state(self) -> State:
-        """Positions and velocities in serial coordinates, (N, n) each."""
-        return self._q[:, self._places].copy(), self._v[:, self._dofs].copy()
-
-    def step(self, torque: np.ndarray, steps: int = 1) -> None:
-        """Take `steps` steps under torques on the drives (N, n) [N m].
-
-        Raises:
-            SimulationError: a world leaves the limits (unless the schedule holds there).
-        """
-        armature, damping, pair_armature, pair_damping = self._fields
-        for done in range(0, steps, self.hold):
-            q, v = self.state()
-            self.outside = ~self.schedule.chain.inside(q)
-            self.schedule.check(q)
-            soon = looking_ahead(q, v, self._acceleration[:, self._dofs], self.ahead)
-            f = self.schedule.at(*soon, torque, inertia=self.inertia, damping=self.damping)
-            armature[:, self._dofs] = self._own[0] + f.armature
-            damping[:, self._dofs] = self._own[1] + f.damping
-            pair_armature[:, self._tendons] = f.pair_armature
-            pair_damping[:, self._tendons] = f.pair_damping
-            self._force[:, self._dofs] = f.torque
-            self.batch.step(nstep=min(self.hold, steps - done))
-
-
 def look_ahead(step: float, integrator: str, hold: int) -> float:
     """Time [s] from a write to the middle of the evaluations that it holds for."""
     return step * (hold if integrator == "RK4" else hold - 1) / 2.0
@@ -177,12 +100,6 @@ def _tendons(m: mujoco.MjModel, schedule: Schedule) -> np.ndarray:
     return np.array([m.tendon(pair_tendon(*pair)).id for pair in schedule.pairs], int)
 
 
-def _inside(m: mujoco.MjModel, schedule: Schedule) -> State:
-    """The MJCF's own posture at rest, moved into the limits."""
-    q = np.array([m.qpos0[m.joint(name).qposadr[0]] for name in schedule.model.joints])
-    return np.clip(q, *schedule.chain.box.T), np.zeros(len(q))
-
-
-def _settle(m: mujoco.MjModel) -> None:
+def settle(m: mujoco.MjModel) -> None:
     """Let MuJoCo's own scales of constraints follow what is written."""
     mujoco.mj_setConst(m, mujoco.MjData(m))

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -29,14 +27,12 @@ class VariantRun:
         time: (N,) [s].
         position, velocity: serial coordinates, (N, n).
         torque: on the drives, actuator coordinates, (N, n) [N m].
-        step_cost: wall time of one step, the median over control periods [s].
     """
 
     time: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
     torque: np.ndarray
-    step_cost: float
 
 
 def run_variant(
@@ -83,7 +79,6 @@ def run_variant(
         raise InputError(f"torque of shape {torque.shape}", remedy=f"give (N, {model.size})")
     world = make_world(model, variant, step, integrator, constraint, start)
     q, v, tau = (np.full((count, model.size), np.nan) for _ in range(3))
-    costs = []
     for row in range(count):
         q[row], v[row] = world.state()
         if not (np.abs(v[row]) < _LOST).all():
@@ -95,31 +90,5 @@ def run_variant(
             q[row:], v[row:] = np.nan, np.nan
             break
         tau[row] = torque[row] if isinstance(torque, np.ndarray) else torque(row, q[row], v[row])
-        begun = time.perf_counter()
         world.advance(tau[row], stride)
-        costs.append((time.perf_counter() - begun) / stride)
-    cost = float(np.median(costs)) if costs else float("nan")
-    return VariantRun(np.arange(count) * period, q, v, tau, cost)
-
-
-def cost_per_step(
-    model: Model, variant: str, *, steps: int = 20000, repeats: int = 5, **settings: Any
-) -> float:
-    """Wall time of one step [s], at rest where the model starts; the least over `repeats`.
-
-    Plain variants and ``constraint`` are stepped in C; the others call Python at every step.
-
-    Args:
-        model, variant: as for `run_variant`.
-        steps: steps a repeat.
-        repeats: how often it is timed.
-        settings: ``step``, ``integrator``, ``constraint`` and ``start`` of `run_variant`.
-    """
-    step = settings.pop("step", 0.001)
-    world = make_world(model, variant, step, **settings)
-    times = []
-    for _ in range(repeats):
-        begun = time.perf_counter()
-        world.advance(np.zeros(model.size), steps)
-        times.append((time.perf_counter() - begun) / steps)
-    return min(times)
+    return VariantRun(np.arange(count) * period, q, v, tau)

@@ -4,7 +4,7 @@ MuJoCo builds the mass matrix from positions and calls ``mjcb_passive`` before i
 can add dM(q) to it and factor it anew. This is exact inside every stage of ``RK4`` too. It is no way to
 train: the callback is one for the whole process, it calls Python at every stage, `mujoco.batch` and GPUs
 refuse it, and constraints do not see it everywhere (islands and PGS copy the mass matrix beforehand). Drag
-is explicit here. So it is kept to judge `posture_worlds` by.
+is explicit here. So it only stands beside the ways that one can train with.
 """
 
 from __future__ import annotations
@@ -16,9 +16,8 @@ import mujoco
 import numpy as np
 
 from workbench.core import InputError
-
-from .posture_schedule import Schedule
-from .worlds import State, World
+from workbench.s3n import Schedule
+from workbench.s3n.worlds import State, World
 
 
 class CallbackWorld(World):
