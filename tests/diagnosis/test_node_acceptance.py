@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from workbench.core import EffectKey
+from workbench.diagnosis.adequacy.free_functions import Adequacy
 from workbench.diagnosis.loss import rescored
 from workbench.diagnosis.node import Node
 from workbench.diagnosis.node_acceptance import CERTAIN, EXPLAINED, UNEXPLAINED, standing
@@ -70,6 +71,22 @@ def test_what_noise_explains_is_explained() -> None:
 )
 def test_bold_starts_have_to_explain_more(share: float, bold: bool, jointly: bool, level: int) -> None:
     assert standing(leaving(share, bold=bold, jointly=jointly), lacking()[0]) == level
+
+
+def test_certain_effects_say_more_than_what_explains_more_and_may_not_be_named() -> None:
+    """As an effect whose size may be none may not."""
+    problem, node = lacking()[0], leaving(0.03)
+    (one,) = node.current.hypothesis.free
+
+    def with_deviation(share: float) -> Node:
+        torque = replace(one.parameters["p0"], std=share * abs(one.parameters["p0"].value))
+        hypothesis = replace(node.current.hypothesis, free=(AppliedEffect(one.key, {"torque": torque}),))
+        return replace(node, current=replace(node.current, hypothesis=hypothesis))
+
+    whole, unnamed = with_deviation(0.01), with_deviation(1.0)
+    certain = leaving(0.3, jointly=True, adequacy={one.key: Adequacy(1.0, 1.0, 0.0)})
+    assert accepts(certain, unnamed, problem) and not accepts(unnamed, certain, problem)
+    assert accepts(whole, certain, problem) and not accepts(certain, whole, problem)
 
 
 @pytest.mark.parametrize(

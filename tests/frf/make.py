@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from workbench.core import Excitation, Recording
-from workbench.frf import Design, Frf, multisine
+from workbench.frf import Design, multisine
 
 #: A resonance with one row's delay: numerator and denominator in powers of 1/z.
 PLANT = ((0.0, 0.05, 0.04), (1.0, -1.6, 0.8))
@@ -21,11 +21,6 @@ def truth(frequency: np.ndarray, plant: tuple[tuple[float, ...], ...] = PLANT) -
     back = np.exp(-2j * np.pi * np.asarray(frequency) / RATE)
     b, a = (np.polyval(c[::-1], back) for c in plant)
     return b / a
-
-
-def noise_std(frf: Frf) -> np.ndarray:
-    """Standard deviation of every entry (F, ny, nu) by the noise alone."""
-    return np.sqrt(np.einsum("fii->fi", frf.noise_covariance).real).reshape(frf.response.shape)
 
 
 def siso_loop(

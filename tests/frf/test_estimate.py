@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import control
 import numpy as np
 import pytest
 from scipy import stats
@@ -17,7 +18,6 @@ from .make import (
     mimo_plant,
     mimo_recordings,
     mimo_truth,
-    noise_std,
     recording,
     siso_loop,
     truth,
@@ -40,7 +40,7 @@ def test_without_noise_the_response_is_exact() -> None:
 
 @pytest.mark.parametrize("periods", [2, 4, 9])
 def test_intervals_hold_the_truth_as_often_as_they_say(periods) -> None:
-    hits, inside = [], []
+    hits, inside, phases = [], [], []
     for seed in range(12):
         d = design(periods=periods)
         (r,) = loop_recordings(d, noise=0.05, gain=0.8, seed=seed)
@@ -49,9 +49,13 @@ def test_intervals_hold_the_truth_as_often_as_they_say(periods) -> None:
         hits.append(np.abs(g - true) < frf.radius(0.9)[:, 0, 0])
         low, high = (x[:, 0, 0] for x in frf.magnitude_interval(0.9))
         inside.append((low <= np.abs(true)) & (np.abs(true) <= high))
+        low, high = (x[:, 0, 0] for x in frf.phase_interval(0.9))
+        turn = np.angle(true / g)
+        phases.append((low - np.angle(g) <= turn) & (turn <= high - np.angle(g)))
         assert (frf.dof >= 9).all() and frf.periods == periods
     assert binomial(np.array(hits), 0.9)
     assert binomial(np.array(inside), 0.9)
+    assert binomial(np.array(phases), 0.9)
 
 
 def test_feedback_biases_the_plain_quotient_and_not_the_one_through_the_reference() -> None:
@@ -128,7 +132,7 @@ def test_the_same_again_is_no_new_realisation(mixing) -> None:
 def test_total_variance_of_a_linear_system_is_that_of_its_noise() -> None:
     d = design(phases="random", realisations=30, periods=3)
     frf = estimate(loop_recordings(d, noise=0.1, gain=0.5), transient_periods=1)
-    ratio = np.mean(frf.std**2) / np.mean(noise_std(frf) ** 2)
+    ratio = np.mean(frf.std**2) / np.mean(frf.noise_std**2)
     assert ratio == pytest.approx(1.0, abs=0.1)
 
 
@@ -149,7 +153,7 @@ def test_the_robust_method_sees_what_a_nonlinearity_adds() -> None:
 
     frf = estimate(play(d, 0.01))
     best = estimate(play(many, 0.0)).response[:, 0, 0]  # the best linear approximation
-    assert np.median(frf.std / noise_std(frf)) > 2
+    assert np.median(frf.std / frf.noise_std) > 2
     hits = np.abs(frf.response[:, 0, 0] - best) < frf.radius(0.9)[:, 0, 0]
     assert binomial(hits, 0.9, 1e-3)
 
@@ -251,6 +255,16 @@ def test_some_axes_and_several_outputs() -> None:
         frf.select(["b"], ["a"])
     band = frf.within(10, 20)
     assert band.frequency[[0, -1]].tolist() == [10, 20] and band.covariance.shape == (11, 8, 8)
+
+
+def test_the_response_for_python_control() -> None:
+    plant = mimo_plant(2)
+    frf = estimate(mimo_recordings(design(axes=["a", "b"], f_max_hz=40), plant, noise=0.0))
+    theirs = frf.to_control()
+    assert isinstance(theirs, control.FrequencyResponseData)
+    assert theirs.frdata[0, 1, 7] == frf.response[7, 0, 1]
+    assert theirs.omega == pytest.approx(2 * np.pi * frf.frequency)
+    assert theirs.input_labels == ["torque_measured_a", "torque_measured_b"]
 
 
 def test_other_coordinates() -> None:

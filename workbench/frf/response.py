@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from workbench.core import InputError
 
 from .pooling import pooled_covariance
 from .statistics import distance, entry_radius, real_halfwidth
+
+if TYPE_CHECKING:
+    from control import FrequencyResponseData
+
 
 _BY_LINE = (
     "frequency",
@@ -111,7 +115,12 @@ class Frf:
     @property
     def std(self) -> np.ndarray:
         """Standard deviation sqrt(E |error|^2) of every entry, (F, ny, nu)."""
-        return np.sqrt(np.einsum("fii->fi", self.covariance).real).reshape(self.response.shape)
+        return _std(self.covariance, self.response.shape)
+
+    @property
+    def noise_std(self) -> np.ndarray:
+        """The same for noise alone, (F, ny, nu)."""
+        return _std(self.noise_covariance, self.response.shape)
 
     @property
     def wishart_size(self) -> int:
@@ -127,6 +136,15 @@ class Frf:
         half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
         size = np.abs(self.response)
         return np.maximum(size - half, 0.0), size + half
+
+    def phase_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper end for the phase [rad], each (F, ny, nu); a whole turn where nothing is known."""
+        half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
+        size = np.abs(self.response)
+        known = half < size
+        turn = np.where(known, np.arcsin(np.where(known, half, 0.0) / np.where(known, size, 1.0)), np.pi)
+        phase = np.angle(self.response)
+        return phase - turn, phase + turn
 
     def distance(self, model: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far a model's response (F, ny, nu) is, all entries of a line together.
@@ -232,6 +250,21 @@ class Frf:
             noise_dof=noise_dof,
             notes=(*self.notes, note),
         )
+
+    def to_control(self) -> FrequencyResponseData:
+        """The response for python-control: ``frdata[output, input, frequency]``, frequencies in rad/s."""
+        from control import FrequencyResponseData
+
+        return FrequencyResponseData(
+            np.moveaxis(self.response, 0, -1),
+            self.omega,
+            inputs=[str(c) for c in self.inputs],
+            outputs=[str(c) for c in self.outputs],
+        )
+
+
+def _std(covariance: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    return np.sqrt(np.einsum("fii->fi", covariance).real).reshape(shape)
 
 
 def _place(wanted: str | int, channels: tuple[Channel, ...]) -> int:

@@ -100,5 +100,6 @@ def adequacy_of_mass(s: MultiAxisLaw) -> Adequacy:
 
 
 def _is_constant(law: np.ndarray) -> bool:
-    acting = law[law != 0.0]  # rows that do not weigh are none
-    return bool(np.ptp(acting) < 1e-9 * np.abs(acting).max()) if len(acting) else False
+    """Whether it is one torque, where it weighs; one that varies less than a tie does says no more."""
+    acting = law[law != 0.0]
+    return len(acting) > 0 and float(np.std(acting)) < POLICY.tie * abs(float(np.mean(acting)))
