@@ -26,7 +26,7 @@ $(STAMP): requirements.lock pyproject.toml exam/pyproject.toml
 training: $(TRAINING)
 
 $(TRAINING): $(STAMP) requirements-training.lock requirements-ray.lock
-	@echo "installing torch, ray and what trains into .venv: once, some minutes, 2 GB on disk and more with CUDA"
+	@echo "installing torch, ray, rerun and what trains into .venv: once, some minutes, 2 GB on disk and more with CUDA"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock -r requirements-training.lock -r requirements-ray.lock
 	@touch $@
 

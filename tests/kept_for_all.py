@@ -12,6 +12,7 @@ EXTRA = {
     "core/test_drive_map.py": "training",
     "fleet/test_run.py::test_a_cluster_loses_nothing_either": "ray",
     "proposing/test_text_and_json.py::test_tensors_are_read_and_nothing_is_run": "training",
+    "report/test_rerun_file.py": "rerun",
 }
 
 _WHOLE = "whole diagnoses, some of them of machines with many axes"

@@ -22,6 +22,7 @@ DISTRIBUTIONS = {
     "pydrake": "drake",
     "google": "protobuf",
     "mpl_toolkits": "matplotlib",
+    "rerun": "rerun-sdk",
     "rsl_rl": "rsl-rl-lib",
     "tomli_w": "tomli-w",
     "warp": "warp-lang",
@@ -30,10 +31,11 @@ DISTRIBUTIONS = {
 EXTRA = PROJECT["optional-dependencies"]["training"]
 PAGES = PROJECT["optional-dependencies"]["ui"]
 CLUSTER = PROJECT["optional-dependencies"]["ray"]
+RERUN = PROJECT["optional-dependencies"]["rerun"]
 NOTEBOOKS = PROJECT["optional-dependencies"]["notebook"]
 GYM = PROJECT["optional-dependencies"]["gym"]
 #: What some commands use where it is there.
-OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES, *CLUSTER, *NOTEBOOKS, *GYM]
+OPTIONAL = [*PROJECT["optional-dependencies"]["logs"], *PAGES, *CLUSTER, *RERUN, *NOTEBOOKS, *GYM]
 
 
 def third_party(folder: str, *, guarded: bool = True) -> set[str]:
@@ -92,7 +94,7 @@ def test_the_lock_pins_every_requirement_and_names_no_host() -> None:
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", line) for line in lines), "exact versions only"
     build = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
-    asked = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA, *CLUSTER, *build]
+    asked = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA, *CLUSTER, *RERUN, *build]
     declared = names(asked)
     assert declared <= names(lines)
     assert len(names(lines)) == len(lines), "a package is pinned twice"

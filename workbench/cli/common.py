@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -46,13 +46,17 @@ HtmlOption = Annotated[
 ]
 
 
-def _can_be_written(path: str | None) -> str | None:
-    """Refuse a result whose library is missing before minutes are spent on it."""
-    if path is not None:
-        from workbench.report import check_mcap
+def _can_be_written(format_: str) -> Callable[[str | None], str | None]:
+    """Refuses a result whose library is missing before minutes are spent on it."""
 
-        check_mcap(path)
-    return path
+    def checked(path: str | None) -> str | None:
+        if path is not None:
+            from workbench import report
+
+            getattr(report, f"check_{format_}")(path)
+        return path
+
+    return checked
 
 
 McapOption = Annotated[
@@ -60,8 +64,17 @@ McapOption = Annotated[
     typer.Option(
         "--mcap",
         metavar="FILE",
-        callback=_can_be_written,
+        callback=_can_be_written("mcap"),
         help="Write measured and simulated signals for Foxglove and PlotJuggler.",
+    ),
+]
+RerunOption = Annotated[
+    str | None,
+    typer.Option(
+        "--rerun",
+        metavar="FILE",
+        callback=_can_be_written("rerun"),
+        help="Write measured and simulated signals as .rrd for the Rerun viewer.",
     ),
 ]
 WholeOption = Annotated[
@@ -181,6 +194,7 @@ def deliver(
     json: str | None,
     html: str | None,
     mcap: str | None = None,
+    rerun: str | None = None,
     force: bool,
     quiet: bool,
     files: Sequence[Path],
@@ -188,7 +202,7 @@ def deliver(
     truth: Sequence[Mapping[str, Any]] | None = None,
     more: Mapping[str, Any] | None = None,
 ) -> None:
-    """Print the table, write JSON, page and MCAP; `more` is of the JSON alone."""
+    """Print the table, write JSON, page, MCAP and Rerun's file; `more` is of the JSON alone."""
     from workbench import report
 
     if isinstance(result, Comparison):
@@ -207,6 +221,8 @@ def deliver(
         report.write_page(result, html, **_made_by(files, seeds), truth=truth, force=force)
     if mcap:
         report.write_mcap(result, mcap, force=force)
+    if rerun:
+        report.write_rerun(result, rerun, force=force)
 
 
 def write_result(

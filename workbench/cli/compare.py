@@ -17,6 +17,7 @@ from .common import (
     ModelArgument,
     QuietOption,
     RecordingsArgument,
+    RerunOption,
     SeedOption,
     check_outputs,
     deliver,
@@ -34,6 +35,7 @@ def compare(
     json: JsonOption = None,
     html: HtmlOption = None,
     mcap: McapOption = None,
+    rerun: RerunOption = None,
     fail_above: Annotated[
         float | None,
         typer.Option("--fail-above", metavar="ERROR", help="Exit with 1 if the error is larger than this."),
@@ -79,9 +81,9 @@ def compare(
     Example: workbench compare leg recordings/chirp_hip.toml --html report.html
     """
     if gait is not None:
-        if html is not None or mcap is not None or fail_above is not None:
+        if html is not None or mcap is not None or rerun is not None or fail_above is not None:
             raise InputError(
-                "--gait makes a table and JSON", remedy="leave --html, --mcap and --fail-above out"
+                "--gait makes a table and JSON", remedy="leave --html, --mcap, --rerun and --fail-above out"
             )
         compare_gait(model, recordings, gait, again, command, start, json, force, quiet)
         return
@@ -94,7 +96,7 @@ def compare(
     from workbench.diagnosis import doubts
     from workbench.effects import load_model
 
-    check_outputs(json, html, mcap, force=force)
+    check_outputs(json, html, mcap, rerun, force=force)
     loaded, data = load_model(model), open_sources(recordings)
     with progress(quiet) as tell:
         tell("simulating the recordings, with and without noise")
@@ -111,6 +113,7 @@ def compare(
         json=json,
         html=html,
         mcap=mcap,
+        rerun=rerun,
         force=force,
         quiet=quiet,
         files=files_of(loaded, data),

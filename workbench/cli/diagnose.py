@@ -18,6 +18,7 @@ from .common import (
     ModelArgument,
     QuietOption,
     RecordingsArgument,
+    RerunOption,
     SeedOption,
     WholeOption,
     check_outputs,
@@ -36,6 +37,7 @@ def diagnose(
     json: JsonOption = None,
     html: HtmlOption = None,
     mcap: McapOption = None,
+    rerun: RerunOption = None,
     shape: Annotated[
         str | None,
         typer.Option(
@@ -65,14 +67,24 @@ def diagnose(
     from workbench.effects import load_model
     from workbench.report import trace_sheet
 
-    check_outputs(json, html, mcap, shape, trace, force=force)
+    check_outputs(json, html, mcap, rerun, shape, trace, force=force)
     loaded = load_model(model)
     data = open_pair(recordings, holdout, whole=whole)
     with progress(quiet) as tell:
         result = run(loaded, data.training, data.held_out, seed=seed, progress=staged(tell))
     result = replace(result, used=data.share, notes=(*result.notes, *data.notes))
     files, seeds = files_of(loaded, [*data.training, *data.held_out]), {"noise": seed}
-    deliver(result, json=json, html=html, mcap=mcap, force=force, quiet=quiet, files=files, seeds=seeds)
+    deliver(
+        result,
+        json=json,
+        html=html,
+        mcap=mcap,
+        rerun=rerun,
+        force=force,
+        quiet=quiet,
+        files=files,
+        seeds=seeds,
+    )
     if trace is not None:
         deliver_sheet(trace_sheet(result), trace, files=files, seeds=seeds, force=force)
     if shape is not None:

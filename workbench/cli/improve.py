@@ -18,6 +18,7 @@ from .common import (
     ModelArgument,
     QuietOption,
     RecordingsArgument,
+    RerunOption,
     SeedOption,
     WholeOption,
     check_model_output,
@@ -40,6 +41,7 @@ def improve(
     json: JsonOption = None,
     html: HtmlOption = None,
     mcap: McapOption = None,
+    rerun: RerunOption = None,
     nearest: Annotated[
         bool,
         typer.Option("--nearest", help="If no cause can be named, add the effects that come nearest."),
@@ -61,7 +63,7 @@ def improve(
 
     if into is None:
         check_model_output(output, force=force)
-    check_outputs(json, html, mcap, force=force)
+    check_outputs(json, html, mcap, rerun, force=force)
     loaded = load_model(model)
     if into is not None:
         check_into(loaded, into, output, force=force)
@@ -88,6 +90,7 @@ def improve(
         json=json,
         html=html,
         mcap=mcap,
+        rerun=rerun,
         force=force,
         quiet=quiet,
         files=files_of(loaded, [*data.training, *data.held_out]),

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .gait import gait_dict, gait_table
     from .mcap_file import check_mcap, write_mcap
     from .page import render_page, write_page
+    from .rerun_file import check_rerun, write_rerun
     from .search_sheet import trace_sheet
     from .sections import sentence
     from .shapes import shape_figure
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Sheet",
     "check_mcap",
+    "check_rerun",
     "compare_table",
     "comparison_dict",
     "diagnosis_dict",
@@ -61,12 +63,14 @@ __all__ = [
     "write_json",
     "write_mcap",
     "write_page",
+    "write_rerun",
     "write_sheet",
 ]
 
 _HOME = {
     "Sheet": "sheet",
     "check_mcap": "mcap_file",
+    "check_rerun": "rerun_file",
     "compare_table": "tables",
     "diagnosis_table": "tables",
     "gait_dict": "gait",
@@ -86,6 +90,7 @@ _HOME = {
     "spectrum_figure": "figures",
     "verification_sheet": "check_sheet",
     "write_mcap": "mcap_file",
+    "write_rerun": "rerun_file",
     "write_page": "page",
     "write_sheet": "sheet_page",
 }

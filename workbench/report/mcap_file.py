@@ -5,22 +5,18 @@ from __future__ import annotations
 import heapq
 import io
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording, RecordingError
+from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording
 from workbench.core.files import check_free, write_whole
 from workbench.core.recording import AXIS_SIGNALS
-from workbench.core.units import KINDS
 
-from .pack import comparisons, partner
-from .residuals import SIGNALS, has
+from .series import Signals, series_of, si_units
 
-#: Name of a signal -> (N, n).
-_Signals = Mapping[str, np.ndarray]
 #: Time [ns], channel, JSON.
 _Message = tuple[int, int, bytes]
 
@@ -65,7 +61,8 @@ def write_mcap(
     writer = Writer(stream)
     writer.start(library="workbench")
     series: list[Iterator[_Message]] = []
-    for topic, recording, signals in _topics(*comparisons(result)):
+    for name, what, recording, signals in series_of(result):
+        topic = f"/{name}/{what}"
         schema = json.dumps(_schema(recording, signals)).encode()
         schema_id = writer.register_schema(f"workbench{topic.replace('/', '.')}", "jsonschema", schema)
         series.append(_messages(writer.register_channel(topic, "json", schema_id), recording, signals))
@@ -75,34 +72,13 @@ def write_mcap(
     return write_whole(path, stream.getvalue(), force=force)
 
 
-def _topics(before: Comparison | None, after: Comparison | None) -> Iterator[tuple[str, Recording, _Signals]]:
-    """Topic, the recording that has its times, rows and axes, and what stands in its messages."""
-    names: list[str] = []
-    for i, entry in enumerate(before.recordings if before else ()):
-        name = entry.recording.name
-        names.append(name)
-        prefix = f"/{name}" if names.count(name) == 1 else f"/{name}_{names.count(name)}"
-        yield f"{prefix}/measured", entry.recording, entry.recording.signals
-        later = partner(after, before, i) if before else None
-        for run, end in ((entry, ""), (later, "_with_effects")):
-            if run is not None:
-                yield f"{prefix}/simulated{end}", run.recording, run.simulated.signals
-                yield f"{prefix}/residual{end}", run.recording, _residual(run)
-
-
-def _residual(entry: RecordingError) -> _Signals:
-    return {name: entry.residual(name) for name, _ in SIGNALS if has(entry, name)}
-
-
-def _schema(recording: Recording, signals: _Signals) -> dict[str, Any]:
+def _schema(recording: Recording, signals: Signals) -> dict[str, Any]:
     """JSON schema of a topic's messages, each number with its SI unit as description."""
 
     def of_signal(name: str) -> dict[str, Any]:
-        choices = KINDS[AXIS_SIGNALS[name]]
-        chosen = [choices[0 if unit == "rad" else -1] for unit in recording.units]
         numbers = {
             axis: {"type": "number", "description": unit}
-            for axis, unit in zip(recording.axes, chosen, strict=True)
+            for axis, unit in zip(recording.axes, si_units(recording, name), strict=True)
         }
         return {"type": "object", "properties": numbers}
 
@@ -110,7 +86,7 @@ def _schema(recording: Recording, signals: _Signals) -> dict[str, Any]:
     return {"type": "object", "properties": known}
 
 
-def _messages(channel: int, recording: Recording, signals: _Signals) -> Iterator[_Message]:
+def _messages(channel: int, recording: Recording, signals: Signals) -> Iterator[_Message]:
     known = {name: np.asarray(rows) for name, rows in signals.items() if name in AXIS_SIGNALS}
     stamps = np.rint(recording.time * 1e9).astype(np.int64)
     for i in np.flatnonzero(recording.valid):

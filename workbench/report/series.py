@@ -1,0 +1,49 @@
+"""The signals of a result by recording, for other programs: measured, simulated, and the difference."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from workbench.core import Comparison, Diagnosis, Improvement, Recording, RecordingError
+from workbench.core.recording import AXIS_SIGNALS
+from workbench.core.units import KINDS
+
+from .pack import comparisons, partner
+from .residuals import SIGNALS, has
+
+#: Name of a signal -> (N, n).
+Signals = Mapping[str, np.ndarray]
+
+
+def series_of(
+    result: Comparison | Diagnosis | Improvement,
+) -> Iterator[tuple[str, str, Recording, Signals]]:
+    """Name of a recording, what its signals are, the recording that has their times and rows, and these.
+
+    What they are: ``measured``, ``simulated`` and ``residual`` (measured minus simulated), and where effects
+    were found ``simulated_with_effects`` and ``residual_with_effects``. Names that occur again get a number.
+    """
+    before, after = comparisons(result)
+    names: list[str] = []
+    for i, entry in enumerate(before.recordings if before else ()):
+        name = entry.recording.name
+        names.append(name)
+        named = name if names.count(name) == 1 else f"{name}_{names.count(name)}"
+        yield named, "measured", entry.recording, entry.recording.signals
+        later = partner(after, before, i) if before else None
+        for run, end in ((entry, ""), (later, "_with_effects")):
+            if run is not None:
+                yield named, f"simulated{end}", run.recording, run.simulated.signals
+                yield named, f"residual{end}", run.recording, _residual(run)
+
+
+def _residual(entry: RecordingError) -> Signals:
+    return {name: entry.residual(name) for name, _ in SIGNALS if has(entry, name)}
+
+
+def si_units(recording: Recording, signal: str) -> tuple[str, ...]:
+    """The SI unit of a signal on each axis."""
+    choices = KINDS[AXIS_SIGNALS[signal]]
+    return tuple(choices[0 if unit == "rad" else -1] for unit in recording.units)
