@@ -94,7 +94,14 @@ def test_the_lock_pins_every_requirement_and_names_no_host() -> None:
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", line) for line in lines), "exact versions only"
     build = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
-    asked = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["dev"], *EXTRA, *CLUSTER, *RERUN, *build]
+    asked = [
+        *PROJECT["dependencies"],
+        *PROJECT["optional-dependencies"]["dev"],
+        *EXTRA,
+        *CLUSTER,
+        *RERUN,
+        *build,
+    ]
     declared = names(asked)
     assert declared <= names(lines)
     assert len(names(lines)) == len(lines), "a package is pinned twice"

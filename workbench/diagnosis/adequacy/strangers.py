@@ -18,7 +18,7 @@ from workbench.simulation import scored_torque
 
 from ..data import Data
 from ..evidence.missing_torque import Missing
-from ..evidence.shape import shapes
+from ..evidence.shape import shapes, tones
 from ..hypothesis import Fit
 from ..policy import POLICY
 
@@ -45,8 +45,8 @@ def without_strangers(
     for k, axis in enumerate(missing.axes):
         own = [kinds.depends_on(effect_named(key.effect)) for key in certain if key.axis == axis]
         taken = {_POSITION} if any(_POSITION in d for d in own) else set()
-        for shape in shapes(missing, axis, of_two=False):
-            free = shape.frequency is not None or (not tones_alone and _is_free(shape, taken))
+        for shape in tones(missing, axis) if tones_alone else shapes(missing, axis, of_two=False):
+            free = shape.frequency is not None or _is_free(shape, taken)
             if shape.share >= POLICY.unknown_most and free:
                 unknown[k] = shape
                 break
