@@ -14,6 +14,7 @@ from workbench.effects import EFFECTS
 from workbench.models import VARIANTS
 from workbench.rigs import demo_experiments, plate_experiments, revealing_experiments
 from workbench.training import LEG_RANDOMISATION, TASKS
+from workbench.training.loggers import LOGGERS
 
 _SLOW = ("mujoco", "pydrake", "pinocchio", "scipy", "matplotlib", "torch", "numba")
 _PROGRAM = f"""
@@ -45,6 +46,7 @@ def asked(line: str, cwd: Path) -> list[str]:
 def test_names_that_are_offered_are_those_that_there_are() -> None:
     assert tuple(TASKS) == complete.TASKS and tuple(VARIANTS) == complete.VARIANTS
     assert tuple(LEG_RANDOMISATION) == complete.LEGS
+    assert LOGGERS == complete.LOGGERS
     leg = [e.name for e in (*demo_experiments(), *revealing_experiments())]
     assert {
         "leg": tuple(leg),

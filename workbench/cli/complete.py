@@ -24,6 +24,7 @@ TARGETS = "mujoco", "mujoco3", "mjlab", "newton", "urdf"
 VARIANTS = ("kin_only", "s3n_act", "s3n_full", "exact")
 LEGS = ("none", "leg_rand", "heavy_leg_rand")
 DEVICES = ("cpu", "cuda")
+LOGGERS = ("tensorboard", "wandb", "none")
 RIGS = ("leg", "leg_on_plate", "actuator")
 EXPERIMENTS = {
     "leg": (
@@ -98,6 +99,11 @@ def legs(incomplete: str) -> list[str]:
 def devices(incomplete: str) -> list[str]:
     """What trains."""
     return _begun(incomplete, DEVICES)
+
+
+def loggers(incomplete: str) -> list[str]:
+    """Where the curve of a training is shown."""
+    return _begun(incomplete, LOGGERS)
 
 
 def rigs(incomplete: str) -> list[str]:

@@ -73,6 +73,14 @@ def train(
     threads: Annotated[
         int, typer.Option("--threads", min=0, help="Threads of the simulation; 0: all cores.")
     ] = 0,
+    logger: Annotated[
+        str,
+        typer.Option(
+            "--logger",
+            help="Show the learning curve in tensorboard, wandb (Weights & Biases) or none.",
+            autocompletion=complete.loggers,
+        ),
+    ] = "tensorboard",
     resume: Annotated[bool, typer.Option("--resume", help="Continue the run in the folder.")] = False,
     record: Annotated[
         str | None,
@@ -95,6 +103,7 @@ def train(
     """
     from workbench.effects import load_model
     from workbench.training.contact import TRAINING
+    from workbench.training.loggers import check_logger
     from workbench.training.machine import make_machine
     from workbench.training.randomisation import LEG_RANDOMISATION, Randomisation
     from workbench.training.record import objections, read_record, record_path, summary
@@ -122,6 +131,7 @@ def train(
             f"training needs {error.name}",
             remedy="install the extra: pip install -e '.[training]' in the checkout",
         ) from error
+    check_logger(logger)
     shown = not quiet and json != "-"
     wanted = load_task(Path(task)) if own else TASKS[task]
     legs = legs or wanted.randomisation
@@ -170,7 +180,7 @@ def train(
         done = learn(
             wanted, machine, settings, folder,
             extra={"record": known if not against else None, "unverified": against},
-            resume=resume, force=force, tell=told,
+            resume=resume, force=force, logger=logger, tell=told,
         )  # fmt: skip
     if done is None:  # another process of several
         return

@@ -10,9 +10,10 @@ from typing import Any
 
 import torch
 
-from workbench.core.files import saying, write_whole
+from workbench.core.files import write_whole
 
 from .curve_file import FILE, draw, read_curve
+from .loggers import Logger
 from .situation import POLICY_S
 
 
@@ -69,32 +70,26 @@ class Tally:
 
 
 class Curve:
-    """Rows an iteration, as CSV and for TensorBoard.
+    """One row per iteration, as CSV and for a logger.
 
     Args:
         folder: of the run.
         done: iterations already done; rows beyond them, of a run that was stopped, are dropped.
+        logger: is told every row at once.
     """
 
-    def __init__(self, folder: Path, done: int) -> None:
-        from torch.utils.tensorboard.writer import SummaryWriter
-
-        self._file, self._rows = (
-            folder / FILE,
-            [row for row in read_curve(folder) if row["iteration"] <= done],
-        )
-        self._events = folder / "tensorboard"
-        with saying(self._events):
-            self._board = SummaryWriter(str(self._events), purge_step=done + 1 if done else None)
+    def __init__(self, folder: Path, done: int, logger: Logger) -> None:
+        self._file, self._logger = folder / FILE, logger
+        self._rows = [row for row in read_curve(folder) if row["iteration"] <= done]
 
     def add(self, iteration: int, values: Mapping[str, float]) -> None:
         """A row; it is in the CSV file after the next `flush`."""
         self._rows.append({"iteration": float(iteration), **values})
-        with saying(self._events):
-            for name, value in values.items():
-                group, _, rest = name.partition("_")
-                named = f"{group}/{rest}" if group in ("term", "loss") else name
-                self._board.add_scalar(named, value, iteration)
+        parts = [(name.partition("_"), name, value) for name, value in values.items()]
+        self._logger.add(
+            iteration,
+            {f"{p[0]}/{p[2]}" if p[0] in ("term", "loss") else name: value for p, name, value in parts},
+        )
 
     def flush(self) -> None:
         """Write the CSV file anew, whole."""
@@ -104,5 +99,8 @@ class Curve:
         writer.writerows({k: f"{v:.6g}" for k, v in row.items()} for row in self._rows)
         write_whole(self._file, stream.getvalue(), force=True)
         draw(self._file.with_suffix(".png"), self._rows)
-        with saying(self._events):
-            self._board.flush()
+        self._logger.flush()
+
+    def close(self) -> None:
+        """Nothing more comes."""
+        self._logger.close()

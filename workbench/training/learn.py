@@ -19,6 +19,7 @@ from .checkpoint import load, save
 from .curve import Curve, Tally
 from .environment import Environment
 from .folder import CHECKPOINT, open_folder
+from .loggers import LOGGERS, make_logger
 from .machine import Machine
 from .ppo import Side, make_ppo
 from .randomisation import world_fields
@@ -71,12 +72,13 @@ def learn(
     extra: Mapping[str, Any] | None = None,
     resume: bool = False,
     force: bool = False,
+    logger: str = LOGGERS[0],
     tell: Callable[[Progress], None] = lambda progress: None,
 ) -> torch.nn.Module | None:
     """Train a policy, or go on with one.
 
-    The folder gets the resolved configuration, the machine's MJCF, a learning curve (CSV and TensorBoard) and
-    a checkpoint that is replaced every `save_every` iterations.
+    The folder gets the resolved configuration, the machine's MJCF, a learning curve (CSV, and what the logger
+    writes) and a checkpoint that is replaced every `save_every` iterations.
 
     Args:
         task: what to learn.
@@ -87,6 +89,7 @@ def learn(
         resume: whether to go on from the folder's checkpoint; on the CPU this gives the result of a run that
             was never stopped.
         force: whether to begin anew where the folder holds a run.
+        logger: shows the curve while it is learned, one of `LOGGERS`.
         tell: is told after every iteration.
 
     Returns:
@@ -125,7 +128,7 @@ def learn(
         if "random_device" in mine:
             torch.cuda.set_rng_state(mine["random_device"].cpu(), device)
     ppo.train_mode()
-    curve = Curve(folder, first) if rank == 0 else None
+    curve = Curve(folder, first, make_logger(logger, folder, first, config)) if rank == 0 else None
 
     def keep(done: int) -> None:
         mine: dict[str, Any] = {
@@ -178,6 +181,8 @@ def learn(
             if curve is not None:  # first: a row too many is dropped by who goes on, one too few is lost
                 curve.flush()
             keep(done)
+    if curve is not None:
+        curve.close()
     if ranks > 1:
         torch.distributed.destroy_process_group()
     ppo.eval_mode()
