@@ -144,6 +144,7 @@ ENDINGS = {
     "--json": ".json",
     "--html": ".html",
     "--mcap": ".mcap",
+    "--rerun": ".rrd",
     "--trace": ".html",
 }  # of an option that writes a FILE; of others: a picture
 READS = {"--record"}  # options of a FILE that is there already
@@ -229,6 +230,8 @@ def test_every_output_of_every_command(name: str, k: int, files: dict[str, Path]
     if "--mcap" in made:
         with made["--mcap"].open("rb") as stream:
             assert any(make_reader(stream, validate_crcs=True).iter_messages())
+    if "--rerun" in made:
+        assert made["--rerun"].read_bytes().startswith(b"RRF2")
     if "--output" in made and made["--output"].exists() and name in READ:
         READ[name](made["--output"])
     before = {p: p.read_bytes() for p in made.values() if p.is_file()}

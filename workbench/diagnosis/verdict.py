@@ -18,10 +18,10 @@ def verdict_of(found: SearchResult) -> tuple[Verdict, Overestimated | None]:
     if found.consistent_before:
         return "unexplained" if refuted(found) else "consistent", None
     explains = found.consistent_after or max(found.explained, found.median_explained) >= POLICY.explained
+    if found.adequacy and not explains and not refuted(found):
+        return "partly_explained", None
     whole = found.steps and explains and not refuted(found)
     named = whole and may_be_named(found.final, found.final_data)
-    if found.adequacy and not named and not refuted(found):
-        return "partly_explained", None
     doubtful = not found.consistent_after or found.final.hypothesis.size > POLICY.plain_parameters
     less = overestimated(found) if doubtful else None
     if less is not None and less.plainer_than(found):

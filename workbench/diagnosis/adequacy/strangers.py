@@ -18,7 +18,7 @@ from workbench.simulation import scored_torque
 
 from ..data import Data
 from ..evidence.missing_torque import Missing
-from ..evidence.shape import shapes, tones
+from ..evidence.shape import shapes
 from ..hypothesis import Fit
 from ..policy import POLICY
 
@@ -26,16 +26,13 @@ _STEP_S = 0.01  # between the rows that functions are fitted to
 _POSITION = "position"
 
 
-def without_strangers(
-    found: Fit, data: Data, certain: Collection[EffectKey], *, tones_alone: bool = False
-) -> tuple[Recording, ...] | None:
+def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) -> tuple[Recording, ...] | None:
     """The recordings, their torque less what a free function explains of the rest on each axis.
 
     Args:
         found: all effects that were selected, along the measured motion.
         data: of that motion.
         certain: effects whose own law no function may stand in for.
-        tones_alone: take out nothing else.
 
     Returns:
         None where no function explains enough on any axis.
@@ -45,7 +42,7 @@ def without_strangers(
     for k, axis in enumerate(missing.axes):
         own = [kinds.depends_on(effect_named(key.effect)) for key in certain if key.axis == axis]
         taken = {_POSITION} if any(_POSITION in d for d in own) else set()
-        for shape in tones(missing, axis) if tones_alone else shapes(missing, axis, of_two=False):
+        for shape in shapes(missing, axis, of_two=False):
             free = shape.frequency is not None or _is_free(shape, taken)
             if shape.share >= POLICY.unknown_most and free:
                 unknown[k] = shape

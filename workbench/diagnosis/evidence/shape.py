@@ -66,14 +66,9 @@ def shapes(missing: Missing, axis: str, *, of_two: bool = True) -> tuple[Shape, 
     ]
     asked = [[q] for q in (*singles, *others)] + [[singles[0], q] for q in others if of_two]
     found = [_function(missing, k, q) for q in asked if all(_moves(x.values) for x in q)]
-    found += tones(missing, axis)
+    if len(missing.torque) * 0.4 / max(len(missing.start), 1) > POLICY.tone_cycles:
+        found.append(_tone(missing, k))
     return tuple(sorted((s for s in found if s.share > 0.0), key=lambda s: -s.share))
-
-
-def tones(missing: Missing, axis: str) -> tuple[Shape, ...]:
-    """The tone that the residual torque of an axis follows; none in recordings too short for any."""
-    long_enough = len(missing.torque) * 0.4 / max(len(missing.start), 1) > POLICY.tone_cycles
-    return (_tone(missing, missing.axes.index(axis)),) if long_enough else ()
 
 
 def _moves(values: np.ndarray) -> bool:

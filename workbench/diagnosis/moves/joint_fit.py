@@ -58,22 +58,6 @@ def certain_of(regression: Regression, start: Fit, data: Data) -> Certain | None
     return Certain(regression, chosen, whole, known)
 
 
-def certain_beside_tones(found: Fit, start: Fit, data: Data, seed: int) -> Certain | None:
-    """The same where tones are taken out, which no effect is; None where there are none, or nothing helps.
-
-    A tone as strong as an effect hides it: whatever turns at that pace takes up a part of it.
-    """
-    rest = without_strangers(found, data, (), tones_alone=True)
-    if rest is None:
-        return None
-    freed, begun = _freed(start, rest, data, seed)
-    certain = certain_of(regression_of(begun, freed), begun, freed)
-    if certain is None:
-        return None
-    hypothesis = certain.whole.hypothesis
-    return replace(certain, whole=evaluated(hypothesis, data.run([hypothesis.model])[0], data))
-
-
 def _freed(start: Fit, rest: Sequence[Recording], data: Data, seed: int) -> tuple[Data, Fit]:
     """Recordings from which something was taken out, and the model as it is along their motion."""
     model = start.hypothesis.model

@@ -21,7 +21,7 @@ from ..screening.rivals import rivals_of
 from ..screening.selection import Selection
 from ..screening.torque_regression import Regression
 from ..search_result import AcceptedStep
-from .joint_fit import beside_strangers, certain_beside_tones, certain_of, certain_only
+from .joint_fit import beside_strangers, certain_of, certain_only
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
@@ -83,15 +83,10 @@ def _solved(problem: Problem) -> Node | None:
         return None
     data, start, regression = problem.inverse_dynamics
     found = certain_of(regression, start, data)
-    to_the_noise = found is not None and is_consistent(data, found.whole.mean_squares)
-    if not to_the_noise:
-        beside = certain_beside_tones(found.whole if found else start, start, data, problem.seed)
-        if beside is not None and (found is None or len(beside.known) > len(found.known)):
-            found = beside
     if found is None:
         return None
     named: Fit | None = found.whole
-    if not to_the_noise:
+    if not is_consistent(data, found.whole.mean_squares):
         named = certain_only(found.whole, found.known, data)
         named = named and beside_strangers(found.whole, named, found.known, start, data, problem.seed)
     if named is None or not lowers_error(named, start, data):
