@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from .data import Data
 from .fitting.divergence import divergence
 from .hypothesis import Fit
 from .loss import explained, median_explained, rescored
+from .may_be_named import may_be_named
 from .policy import POLICY
 from .problem import Problem
 from .screening.candidate import Candidate
@@ -76,6 +78,11 @@ class Node:
     def begun(self, **changes: Any) -> Node:
         """A node like this one for a move to change; what was told of this one is not told of it."""
         return Node(self.current, self.data, self.steps, self.done, **changes)
+
+    @cached_property
+    def may_be_named(self) -> bool:
+        """Whether its effects may be named if they explain the recordings."""
+        return may_be_named(self.current, self.data)
 
     @property
     def keys(self) -> frozenset[EffectKey]:

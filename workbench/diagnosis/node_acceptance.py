@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from .acceptance import at_noise_floor, halves_excess, near_noise_floor
 from .loss import explained, rescored
-from .may_be_named import may_be_named
 from .node import Node, explained_share, explains_data
 from .policy import POLICY
 from .problem import Problem
@@ -56,7 +55,7 @@ def accepts(child: Node, best: Node, problem: Problem) -> tuple[bool, str]:
 
 def _named(node: Node, stands: int) -> int:
     """A standing where effects that are certain are at hand: what may not be named says less than they do."""
-    if stands < EXPLAINED or may_be_named(node.current, node.data):
+    if stands < EXPLAINED or node.may_be_named:
         return stands
     return CERTAIN if node.adequacy else UNEXPLAINED
 

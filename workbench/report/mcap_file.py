@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording
+from workbench.core import Comparison, Diagnosis, Improvement, Recording
 from workbench.core.files import check_free, write_whole
+from workbench.core.packages import need
 from workbench.core.recording import AXIS_SIGNALS
 
 from .series import Signals, series_of, si_units
@@ -27,11 +28,7 @@ def check_mcap(path: str | Path) -> None:
     Raises:
         InputError: the package that writes it is missing.
     """
-    try:
-        import mcap.writer  # noqa: F401
-    except ImportError as error:
-        remedy = "install it with: pip install -e '.[logs]' in the checkout"
-        raise InputError("MCAP needs the package mcap", file=path, remedy=remedy) from error
+    need("mcap.writer", "MCAP", "mcap", "-e '.[logs]' in the checkout", path)
 
 
 def write_mcap(

@@ -8,8 +8,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording
+from workbench.core import Comparison, Diagnosis, Improvement, Recording
 from workbench.core.files import check_free, write_whole
+from workbench.core.packages import need
 from workbench.core.palette import COLOURS
 from workbench.core.recording import AXIS_SIGNALS
 
@@ -31,11 +32,7 @@ def check_rerun(path: str | Path) -> None:
     Raises:
         InputError: the package that writes it is missing.
     """
-    try:
-        import rerun  # noqa: F401
-    except ImportError as error:
-        remedy = "install it with: pip install -e '.[rerun]' in the checkout"
-        raise InputError("a Rerun recording needs the package rerun-sdk", file=path, remedy=remedy) from error
+    need("rerun", "a Rerun recording", "rerun-sdk", "-e '.[rerun]' in the checkout", path)
 
 
 def write_rerun(

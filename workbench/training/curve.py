@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -85,11 +86,7 @@ class Curve:
     def add(self, iteration: int, values: Mapping[str, float]) -> None:
         """A row; it is in the CSV file after the next `flush`."""
         self._rows.append({"iteration": float(iteration), **values})
-        parts = [(name.partition("_"), name, value) for name, value in values.items()]
-        self._logger.add(
-            iteration,
-            {f"{p[0]}/{p[2]}" if p[0] in ("term", "loss") else name: value for p, name, value in parts},
-        )
+        self._logger.add(iteration, {re.sub("^(term|loss)_", r"\1/", name): x for name, x in values.items()})
 
     def flush(self) -> None:
         """Write the CSV file anew, whole."""

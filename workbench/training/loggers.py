@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 from workbench.core import InputError
 from workbench.core.files import saying, write_whole
+from workbench.core.packages import need
 
 LOGGERS = ("tensorboard", "wandb", "none")  #: the first is used where none is asked for
 _RUN_ID = "wandb.txt"  # in the run's folder: the run that a resumed one goes on with
@@ -56,11 +57,7 @@ def check_logger(name: str) -> None:
     if name not in LOGGERS:
         raise InputError(f"no logger is called '{name}'", remedy=f"choose one of {', '.join(LOGGERS)}")
     if name == "wandb":
-        try:
-            import_module(name)
-        except ImportError as error:
-            remedy = "install it with: pip install wandb"
-            raise InputError("the logger wandb needs the package wandb", remedy=remedy) from error
+        need("wandb", "the logger wandb", "wandb", "wandb")
 
 
 class _TensorBoard:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from ..acceptance import near_noise_floor
 from ..loss import explained
-from ..may_be_named import may_be_named
 from ..node import Growth, Node, explains_data
 from ..node_acceptance import EXPLAINED, standing
 from ..policy import POLICY
@@ -77,7 +76,7 @@ def _jointly_last(node: Node, best: Node, problem: Problem) -> bool:
         return False
     if len(best.steps) > 1 or standing(best, problem) < EXPLAINED:
         return True
-    return not best.done and not may_be_named(best.current, best.data)
+    return not best.done and not best.may_be_named
 
 
 def _unexplained(node: Node, best: Node, problem: Problem) -> bool:
