@@ -11,7 +11,7 @@ export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: setup training demo test test-all check docs figures notebooks format clean interop exam
+.PHONY: setup training demo test test-all check docs figures notebooks format clean interop exam packages
 
 setup: $(STAMP)
 
@@ -77,6 +77,10 @@ exam:
 	build/exam/bin/python -m workbench_exam make build/exam/cases-$(CASES) --count $(CASES) --jobs $(WORKERS)
 	build/exam/bin/python -m workbench_exam run $(SOLVER) build/exam/cases-$(CASES) -o build/exam/answers-$(CASES)/$(basename $(notdir $(SOLVER)))
 	build/exam/bin/python -m workbench_exam score build/exam/cases-$(CASES) build/exam/answers-$(CASES)/$(basename $(notdir $(SOLVER)))
+
+# The package without a clone: wheel and sdist in an empty environment of each Python that this machine has.
+packages: setup
+	$(BIN)/python .ci/packages.py
 
 format: setup
 	$(BIN)/ruff check --fix .

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import time
+from collections.abc import Callable
 
 import pytest
 import typer
@@ -54,7 +56,7 @@ def test_what_is_quick_says_nothing_and_nothing_is_written_into_a_question() -> 
     assert clocked.lines == ["after 5 min 49 s: compare"]
 
 
-def _program(seconds: float, told: bool, asked: bool = False) -> typer.Typer:
+def _program(busy: Callable[[], object], told: bool, asked: bool = False) -> typer.Typer:
     """A command that computes for a while without a word to anybody."""
     program = typer.Typer()
 
@@ -65,9 +67,9 @@ def _program(seconds: float, told: bool, asked: bool = False) -> typer.Typer:
                 staged(tell)("fitting [bold]x[/bold]")
             if asked:
                 with waiting():
-                    time.sleep(seconds)
+                    busy()
             else:
-                time.sleep(seconds)
+                busy()
         typer.echo("result")
 
     @program.command()
@@ -77,31 +79,67 @@ def _program(seconds: float, told: bool, asked: bool = False) -> typer.Typer:
 
 
 @pytest.fixture
-def quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What a heartbeat of every 20 ms says, and what a command prints."""
+    said, echo = list[str](), typer.echo
+
+    def heard(line: str, **options: bool) -> None:
+        said.append(line)
+        echo(line, **options)
+
     import rich.progress  # noqa: F401  what is loaded once is no part of the waiting
 
-    monkeypatch.setattr(module, "FIRST_S", 0.15)
-    monkeypatch.setattr(module, "EVERY_S", 0.2)
+    monkeypatch.setattr(module, "FIRST_S", 0.02)
+    monkeypatch.setattr(module, "EVERY_S", 0.02)
+    monkeypatch.setattr(typer, "echo", heard)
+    return said
 
 
-@pytest.mark.usefixtures("quickly")
-def test_every_command_with_quiet_has_it_on_the_error_stream_alone() -> None:
-    found = CliRunner().invoke(_program(0.45, told=True), ["search"])
+def _until(done: Callable[[], bool]) -> Callable[[], None]:
+    """To be busy until something was said, however slow this machine is."""
+
+    def busy() -> None:
+        end = time.monotonic() + 60.0
+        while not done() and time.monotonic() < end:
+            time.sleep(0.01)
+
+    return busy
+
+
+def test_every_command_has_it_on_the_error_stream_alone(said: list[str]) -> None:
+    found = CliRunner().invoke(
+        _program(_until(lambda: any("still fitting" in x for x in said)), True), ["search"]
+    )
     assert found.stdout == "result\n"
-    first, second = found.stderr.splitlines()
-    assert first == "after 0 s: fitting [bold]x[/bold]"
-    assert second == "after 0 s: still fitting [bold]x[/bold], 0 s"
-    untold = CliRunner().invoke(_program(0.3, told=False), ["search"])
-    assert untold.stderr == "after 0 s: search\n"
+    lines = [re.sub(r"\d+ s", "# s", line) for line in found.stderr.splitlines()]
+    told = [line for line in lines if not line.endswith("search")]
+    assert told[0] == "after # s: fitting [bold]x[/bold]"
+    assert set(told[1:]) == {"after # s: still fitting [bold]x[/bold], # s"}
 
 
-@pytest.mark.usefixtures("quickly")
-@pytest.mark.parametrize(
-    ("words", "seconds", "asked"), [("-q", 0.4, False), ("", 0.0, False), ("", 0.4, True)]
-)
-def test_quiet_quick_or_asking_says_nothing(words: str, seconds: float, asked: bool) -> None:
-    found = CliRunner().invoke(_program(seconds, told=True, asked=asked), ["search", *words.split()])
+def test_what_tells_nothing_is_called_by_its_command(said: list[str]) -> None:
+    found = CliRunner().invoke(_program(_until(lambda: bool(said)), told=False), ["search"])
+    assert re.fullmatch(r"after \d+ s: search", found.stderr.splitlines()[0])
+
+
+@pytest.mark.parametrize(("words", "asked"), [("-q", False), ("", True)])
+def test_quiet_or_asking_says_nothing(said: list[str], words: str, asked: bool) -> None:
+    meanwhile = list[str]()
+
+    def busy() -> None:
+        before = len(said)
+        time.sleep(0.4)
+        meanwhile.extend(said[before:])
+
+    found = CliRunner().invoke(_program(busy, told=True, asked=asked), ["search", *words.split()])
+    printed = len(said)
     time.sleep(0.15)  # of a heartbeat that had outlived its command
+    assert found.stdout == "result\n" and not meanwhile and said[printed:] == []
+    assert words != "-q" or said == ["result"]
+
+
+def test_what_is_quick_says_nothing_at_all() -> None:
+    found = CliRunner().invoke(_program(lambda: None, told=True), ["search"])
     assert (found.stdout, found.stderr) == ("result\n", "")
 
 

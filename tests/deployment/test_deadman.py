@@ -76,11 +76,12 @@ def test_a_thread_damps_while_a_policy_is_stuck_and_lets_go_when_it_answers(driv
         assert not wire.sent, "who answers is left alone"
         begin = time.monotonic()
         with deadman.over(frames):
-            time.sleep(0.15)
+            while deadman.acted < 3 and time.monotonic() < begin + 10.0:
+                time.sleep(0.01)
         count, ended = len(wire.sent), time.monotonic()
         time.sleep(0.03)
         assert len(wire.sent) == count and deadman.acted >= 3
-    assert 3 * TICK < wire.sent[0][0] - begin < 0.12 and wire.sent[-1][0] <= ended
+    assert wire.sent[0][0] - begin > 3 * TICK and wire.sent[-1][0] <= ended
     asked = [robot.motors[k % 4].drive.asked(f) for k, (_, _, f) in enumerate(wire.sent)]
     assert all(isinstance(s, Setpoint) and s.kp == 0 and s.kd > 0.9 and abs(s.torque) < 0.01 for s in asked)
 

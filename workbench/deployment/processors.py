@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 PRESSURE = Path("/proc/pressure/cpu")
@@ -16,15 +17,17 @@ class Crowd:
 
     Args:
         pressure: the kernel's file (Linux 4.20); without one the load of the last minute is taken.
+        clock: the time [s].
     """
 
-    def __init__(self, pressure: Path = PRESSURE) -> None:
-        self._file, self._begin, self._waited = pressure, time.monotonic(), _waited(pressure)
+    def __init__(self, pressure: Path = PRESSURE, clock: Callable[[], float] = time.monotonic) -> None:
+        self._file, self._clock = pressure, clock
+        self._begin, self._waited = clock(), _waited(pressure)
 
     def lacking(self) -> list[str]:
         """A line where the processors are wanted by others; else none."""
         held = "a delay of a few milliseconds ends the run: stop other programs"
-        waited, elapsed = _waited(self._file), time.monotonic() - self._begin
+        waited, elapsed = _waited(self._file), self._clock() - self._begin
         if waited is not None and self._waited is not None:
             share = (waited - self._waited) / max(elapsed, 1e-3)
             if share <= _MOST:
