@@ -204,3 +204,20 @@ def test_a_urdf_gets_what_it_has_a_place_for(tmp_path: Path) -> None:
         in after
     )
     assert 'iyy="0.007"' in made.content.decode() and 'xyz="' in made.content.decode()
+
+
+COUPLED = """<mujoco><worldbody><body><joint name="a" axis="0 1 0"/><geom size="0.1"/>
+<body pos="0 0 -0.3"><joint name="b" axis="0 1 0"/><geom size="0.1"/></body></body></worldbody>
+<tendon><fixed name="m1" armature="0.02" frictionloss="0.2"><joint joint="a" coef="1"/></fixed>
+  <fixed name="belt" armature="0.03"  damping='0.5'><joint joint="a" coef="2"/>
+    <joint joint="b" coef="2"/></fixed>
+</tendon><actuator><motor name="m1" tendon="m1"/><motor name="m2" tendon="belt"/></actuator></mujoco>"""
+
+
+def test_what_a_drive_of_two_joints_has_too_much_of_is_taken_off_its_tendon(tmp_path: Path) -> None:
+    file = tmp_path / "leg.xml"
+    file.write_text(COUPLED)
+    less = ("reflected_inertia@m2", {"inertia": -0.004}), ("viscous_damping@m2", {"damping": -0.1})
+    made = into_file(with_effects(file, *less, ("coulomb_friction@m1", {"torque": -0.15})), file)
+    wanted = COUPLED.replace('"0.2"', '"0.05"').replace('"0.03"', '"0.026"').replace("'0.5'", "'0.4'")
+    assert made.content.decode() == wanted and not made.left

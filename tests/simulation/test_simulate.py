@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import workbench.simulation.experiment as settings_of_experiments
+from tests.bench_arm import bench_arm, logged
 from tests.data_helpers import LEG as EXAMPLES
 from tests.models.make import machine_file
 from tests.simulation.make import LEG_LOOP, having, leg_experiment, simulated, slide_experiment
@@ -278,3 +279,22 @@ def test_what_cannot_be_compiled_is_raised_or_left_out() -> None:
         simulate([Run(LEG, log), Run(broken, log)])
     made, lost = simulate([Run(LEG, log), Run(broken, log)], strict=False)
     assert np.isfinite(made.position).all() and np.isnan(lost.signals["torque_measured"]).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "axis", "values"),
+    [("command_delay", None, {"time": 0.005}), ("current_loop_lag", "lift", {"time_constant": 0.004})],
+)
+def test_a_loop_that_ran_before_the_first_row_holds_the_machine(
+    tmp_path: Path, name: str, axis: str | None, values: dict[str, float]
+) -> None:
+    """What was measured in the first row was commanded before it; with drives that were off it falls."""
+    model = having(load_model(bench_arm(tmp_path)), EffectKey(name, axis), **values)
+    asked = logged(bench_arm(tmp_path), ([], [], []), seconds=4.0)
+    rest = simulated(model, asked)
+    still = {signal: np.tile(rest.signals[signal][-1], (len(asked), 1)) for signal in rest.signals}
+    still["position"] = still["position"] + np.random.default_rng(0).normal(0.0, 1e-8, (len(asked), 3))
+    held = asked.with_signals(**still, position_reference=np.zeros((len(asked), 3)))
+    off = held.with_signals(torque_measured=np.zeros((len(asked), 3)))
+    moved = [np.abs(simulated(model, r).position - held.position).max() for r in (held, off)]
+    assert moved[0] < 1e-6 and moved[1] > 1e-4

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from workbench.models import AppliedEffect, BodyNumbers, JointNumber, Model, Placement, turned_joint
+from workbench.models import (
+    AppliedEffect,
+    BodyNumbers,
+    JointNumber,
+    Model,
+    Placement,
+    drive_tendons,
+    turned_joint,
+)
 
 #: What a model has of a number in a place, with what was added to it.
 Own = Callable[[Model, Placement], float]
@@ -13,7 +21,7 @@ Own = Callable[[Model, Placement], float]
 
 @dataclass(frozen=True)
 class AtJoint:
-    """A number of a joint.
+    """A number of a joint, or of a tendon that is a drive.
 
     Attributes:
         number: as MJCF calls it.
@@ -37,14 +45,16 @@ class AtJoint:
 
     def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> JointNumber | None:
         """Which number of the model's MJCF or URDF holds this; None where none does."""
-        turned = turned_joint(model, place)
-        if turned is None:
+        turned, more = turned_joint(model, place), values[self.parameter]
+        if turned is not None:
+            joint, ratio = turned
+            rest = values[self.rest] / ratio if self.rest else 0.0
+            return JointNumber(joint, self.number, more * abs(ratio) ** self.power, rest)
+        seats = [s for s in drive_tendons(model) if s.index == place.index and s.name]
+        if place.location != "actuator" or self.rest or not seats:
             return None
-        joint, ratio = turned
-        more = values[self.parameter] * abs(ratio) ** self.power
-        if not self.rest:
-            return JointNumber(joint, self.number, more)
-        return JointNumber(joint, self.number, more, values[self.rest] / ratio)
+        more /= abs(seats[0].ratio) ** self.power
+        return JointNumber(seats[0].name, self.number, more, element="tendon")
 
 
 @dataclass(frozen=True)

@@ -38,8 +38,8 @@ _ROUNDING = 1e-9  # of what the file has: how far a total may fall short of noth
 class Change:
     """A number that a file had, and has now.
 
-    `joint`: at or behind which joint; `number`: as MJCF calls it, and ``mass``, ``centre`` (3,) or
-    ``inertia`` (3, 3) of the body that it carries, in its own frame. SI, rad.
+    `joint`: at or behind which joint, or at which tendon; `number`: as MJCF calls it, and ``mass``,
+    ``centre`` (3,) or ``inertia`` (3, 3) of the body that it carries, in its own frame. SI, rad.
     """
 
     joint: str
@@ -85,8 +85,9 @@ def into_file(model: Model, file: Path) -> InFile:
         else:
             written.append((applied, number))
     for _, number in written:
-        if not target.has(number.joint):
-            raise InputError(f"joint '{number.joint}' is not in it", file=file, remedy=_where(model, number))
+        if not target.has(number.joint, _kind(number)):
+            problem = f"{_kind(number)} '{number.joint}' is not in it"
+            raise InputError(problem, file=file, remedy=_where(model, number))
     held = replace(model, effects=tuple(applied for applied, _ in written))
     changes = _joints(model, target, [n for _, n in written if isinstance(n, JointNumber)], file)
     changes += _bodies(held, target, [n for _, n in written if isinstance(n, BodyNumbers)])
@@ -112,10 +113,16 @@ def open_text(model: Model, file: Path) -> XmlText:
     return XmlText(file.read_bytes(), file)
 
 
+def _kind(number: JointNumber | BodyNumbers) -> str:
+    return number.element if isinstance(number, JointNumber) else "joint"
+
+
 def _where(model: Model, number: JointNumber | BodyNumbers) -> str:
     """Which file of the model has the joint."""
     for each in check_mjcf(model.serial):
-        if each.suffix.lower() == ".xml" and MjcfText(XmlText(each.read_bytes(), each)).has(number.joint):
+        if each.suffix.lower() == ".xml" and MjcfText(XmlText(each.read_bytes(), each)).has(
+            number.joint, _kind(number)
+        ):
             return f"it is in {each}: give that file"
     return "it is made from another one there, by <attach> or <replicate>: write the model as .toml"
 
@@ -126,33 +133,36 @@ def _joints(
     """Totals at the joints: what the file has, and all that is more or less of it."""
     spec = load_tree(model.serial)
     m, changes = spec.compile(), list[Change]()
-    totals: dict[str, dict[str, float]] = {}
-    for joint, number in dict.fromkeys((n.joint, n.number) for n in numbers):
-        more = [n for n in numbers if (n.joint, n.number) == (joint, number)]
-        before = _of_joint(m, joint, number)
+    totals: dict[tuple[str, str], dict[str, float]] = {}
+    for name, kind, number in dict.fromkeys((n.joint, n.element, n.number) for n in numbers):
+        more = [n for n in numbers if (n.joint, n.element, n.number) == (name, kind, number)]
+        before = _stated(m, name, kind, number)
         after = before + sum(n.more for n in more)
         if after < -_ROUNDING * max(abs(before), *(abs(n.more) for n in more)):
             raise InputError(
-                f"joint '{joint}' would have {number} {after:.3g}", file=file, column=number,
+                f"{kind} '{name}' would have {number} {after:.3g}", file=file, column=number,
                 remedy=f"it has {before:.3g}; the excess comes from {model.source or 'the model'}",
             )  # fmt: skip
         after = max(after, 0.0)
-        values = totals.setdefault(joint, {})
+        values = totals.setdefault((name, kind), {})
         values[number] = after
-        changes.append(Change(joint, number, before, after))
+        changes.append(Change(name, number, before, after))
         if number == "stiffness" and after > 0.0:
-            was = _of_joint(m, joint, "springref")
+            was = _stated(m, name, kind, "springref")
             rest = (before * was + sum(n.more * n.rest for n in more)) / after
-            degrees = spec.compiler.degree and m.joint(joint).type[0] == mujoco.mjtJoint.mjJNT_HINGE
+            degrees = spec.compiler.degree and m.joint(name).type[0] == mujoco.mjtJoint.mjJNT_HINGE
             values["springref"] = np.degrees(rest) if degrees else rest
-            changes.append(Change(joint, "springref", was, rest))
-    for joint, values in totals.items():
-        target.set_joint(joint, values)
+            changes.append(Change(name, "springref", was, rest))
+    for (name, kind), values in totals.items():
+        target.set_numbers(name, values, kind)
     return changes
 
 
-def _of_joint(m: mujoco.MjModel, joint: str, number: str) -> float:
-    own, dof = m.joint(joint), int(m.joint(joint).dofadr[0])
+def _stated(m: mujoco.MjModel, name: str, kind: str, number: str) -> float:
+    """What the file has of a number of a joint or tendon."""
+    if kind == "tendon":
+        return float(getattr(m, f"tendon_{number}")[m.tendon(name).id])
+    own, dof = m.joint(name), int(m.joint(name).dofadr[0])
     if number == "stiffness":
         return float(m.jnt_stiffness[own.id])
     if number == "springref":

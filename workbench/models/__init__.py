@@ -13,7 +13,16 @@ from .own_friction import NO_FRICTION, friction_leads, own_constraints, own_fric
 from .paths import find_model
 from .read import read_model
 from .schema import MOST
-from .serial import Placement, axis_tendon, base_spec, joint_kinds, limits_left_out, rotors, turned_joint
+from .serial import (
+    Placement,
+    axis_tendon,
+    base_spec,
+    drive_tendons,
+    joint_kinds,
+    limits_left_out,
+    rotors,
+    turned_joint,
+)
 from .spec import load_mjcf, load_tree, load_with_loops
 from .urdf import is_urdf
 from .urdf_text import UrdfText
@@ -44,6 +53,7 @@ __all__ = [
     "base_spec",
     "check_mjcf",
     "differ",
+    "drive_tendons",
     "find_model",
     "friction_leads",
     "inertial_frame",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -33,7 +34,7 @@ def inertial_frame(m: mujoco.MjModel, body: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class JointNumber:
-    """More of one number of a joint.
+    """More of one number of a joint, or of a tendon that is a drive.
 
     `number`: as MJCF calls it: ``damping``, ``frictionloss``, ``armature`` or ``stiffness``. `more`: of it,
     in the joint's own coordinate, SI. `rest`: where a spring of that stiffness rests [rad or m].
@@ -43,6 +44,7 @@ class JointNumber:
     number: str
     more: float
     rest: float = 0.0
+    element: Literal["joint", "tendon"] = "joint"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""An MJCF as somebody wrote it, of which joints and bodies get other numbers."""
+"""An MJCF as somebody wrote it, of which joints, tendons and bodies get other numbers."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ class MjcfText:
     def __init__(self, text: XmlText) -> None:
         self._text = text
 
-    def has(self, joint: str) -> bool:
-        """Whether this joint stands in the file."""
-        return self._joint(joint) is not None
+    def has(self, name: str, kind: str = "joint") -> bool:
+        """Whether this joint, or fixed tendon, stands in the file."""
+        return self._named(name, kind) is not None
 
-    def set_joint(self, joint: str, values: Mapping[str, float]) -> None:
-        """Give a joint numbers, in the file's units, by the names of their attributes.
+    def set_numbers(self, name: str, values: Mapping[str, float], kind: str = "joint") -> None:
+        """Give a joint, or a fixed tendon, numbers, in the file's units, by the names of their attributes.
 
         Of a damping or stiffness by powers of the speed or angle, the linear one.
         """
-        element = self._joint(joint)
+        element = self._named(name, kind)
         assert element is not None
         rest = {name: (element.get(name) or "").split()[1:] for name in values}
         self._text.set(element, {name: " ".join([digits(v), *rest[name]]) for name, v in values.items()})
@@ -56,7 +56,7 @@ class MjcfText:
         Raises:
             InputError: the body, or what states its inertia, stands in another file.
         """
-        element = self._joint(joint)
+        element = self._named(joint, "joint")
         assert element is not None
         body = next((each for each in element.around() if each.tag == "body"), None)
         stated = None if body is None else body.child("inertial")
@@ -78,14 +78,15 @@ class MjcfText:
         if differ(before.tensor, after.tensor):
             self._text.set(stated, _inertia(stated, after.tensor, frame))
 
-    def _joint(self, name: str) -> Element | None:
+    def _named(self, name: str, kind: str) -> Element | None:
+        tag, elsewhere = ("fixed", {"default"}) if kind == "tendon" else (kind, _NO_TREE)
         return next(
             (
                 each
                 for each in self._text.elements
-                if each.tag == "joint"
+                if each.tag == tag
                 and each.get("name") == name
-                and not any(outer.tag in _NO_TREE for outer in each.around())
+                and not any(outer.tag in elsewhere for outer in each.around())
             ),
             None,
         )

@@ -1,4 +1,4 @@
-"""Dry friction that an MJCF or URDF states at its joints: an effect of the model like any other."""
+"""Dry friction that an MJCF or URDF states at joints and drives: an effect of the model like any other."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from workbench.core import EffectKey, Estimate
 
 from .model import AppliedEffect, Model
-from .serial import axis_tendon, drives_alone
+from .serial import axis_tendon, drive_tendons, drives_alone
 from .spec import load_tree
 
 #: MuJoCo's flag that switches dry friction off.
@@ -19,10 +19,10 @@ NO_FRICTION = int(mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS)
 
 
 def own_friction(model: Model) -> tuple[AppliedEffect, ...]:
-    """``frictionloss`` of the model's joints as `coulomb_friction`, one effect a joint that states some.
+    """``frictionloss`` of the model's file as `coulomb_friction`, one effect for each joint with some.
 
     At a joint that one drive turns, and no other, it is that drive's, as the joint's armature and damping
-    are; at any other it is the joint's own.
+    are; at any other it is the joint's own. At a tendon that is a drive it is the drive's.
     """
     return take_friction(load_tree(model.serial), model)
 
@@ -37,27 +37,29 @@ def take_friction(spec: mujoco.MjSpec, model: Model) -> tuple[AppliedEffect, ...
         for element in (*spec.joints, *spec.tendons):
             element.frictionloss = 0.0
     out = []
-    for joint, axis, location, ratio in _seats(spec, model):
-        unit = "N" if joint.type == mujoco.mjtJoint.mjJNT_SLIDE else "N*m"
-        torque = Estimate(float(joint.frictionloss) / ratio, 0.0, unit)
+    slides = {j.name for j in spec.joints if j.type == mujoco.mjtJoint.mjJNT_SLIDE}
+    for element, axis, location, ratio in _seats(spec, model):
+        turned = model.transmission[axis] if location == "actuator" else np.eye(model.size)[axis]
+        unit = "N" if slides >= {model.joints[j] for j in np.flatnonzero(turned)} else "N*m"
+        torque = Estimate(float(element.frictionloss) / ratio, 0.0, unit)
         key = EffectKey("coulomb_friction", model.axes[axis], location)
         out.append(AppliedEffect(key, {"torque": torque}))
-        joint.frictionloss = 0.0
+        element.frictionloss = 0.0
     return tuple(out)
 
 
 def own_constraints(model: Model) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """``solreffriction`` (2,) and ``solimpfriction`` (5,) of the same joints, by the tendon they act on."""
+    """``solreffriction`` (2,) and ``solimpfriction`` (5,) of the same, by the tendon they act on."""
     return {
-        axis_tendon(axis, location): (np.array(joint.solref_friction), np.array(joint.solimp_friction))
-        for joint, axis, location, _ in _seats(load_tree(model.serial), model)
+        axis_tendon(axis, location): (np.array(element.solref_friction), np.array(element.solimp_friction))
+        for element, axis, location, _ in _seats(load_tree(model.serial), model)
     }
 
 
 def _seats(
     spec: mujoco.MjSpec, model: Model
-) -> Iterator[tuple[mujoco.MjsJoint, int, Literal["actuator", "joint"], float]]:
-    """Joints with dry friction, where it sits (axis and location), and the axis's speed over the joint's."""
+) -> Iterator[tuple[mujoco.MjsJoint | mujoco.MjsTendon, int, Literal["actuator", "joint"], float]]:
+    """What has dry friction, where it sits (axis and location), and the axis's speed over its own."""
     alone, turned, ratio = drives_alone(model)
     drive = {int(turned[k]): int(k) for k in np.flatnonzero(alone)}
     there = {joint.name: joint for joint in spec.joints if joint.frictionloss}
@@ -66,6 +68,10 @@ def _seats(
             yield there[name], drive[k], "actuator", abs(float(ratio[drive[k]]))
         elif name in there:
             yield there[name], k, "joint", 1.0
+    for seat in drive_tendons(model):
+        tendon = spec.tendons[seat.tendon]
+        if tendon.frictionloss:
+            yield tendon, seat.index, "actuator", 1.0 / abs(seat.ratio)
 
 
 def friction_leads(m: mujoco.MjModel) -> dict[str, float]:

@@ -13,6 +13,7 @@ import numpy as np
 from workbench.core import EffectKey
 
 from .model import Model
+from .shared_drives import tendon_row
 from .spec import load_tree
 from .urdf import is_urdf
 
@@ -84,20 +85,57 @@ def base_spec(model: Model, timestep: float = 0.001, held: Sequence[str] = ()) -
             for name, coefficient in zip(model.joints, row, strict=True):
                 if coefficient and name not in held:
                     tendon.wrap_joint(name, float(coefficient))
+    for seat in drive_tendons(model):
+        own, drive = spec.tendons[seat.tendon], spec.tendon(axis_tendon(seat.index))
+        drive.armature += own.armature * seat.ratio**2
+        drive.damping[0] += own.damping[0] * seat.ratio**2
+        own.armature = own.damping[0] = 0.0
     return spec
+
+
+@dataclass(frozen=True)
+class DriveTendon:
+    """A fixed tendon of an MJCF that is as long as a drive has turned, times a ratio: it is that drive.
+
+    How S3N writes a drive that turns several joints (paper, Eq. 7): the tendon's armature is its rotor.
+    `tendon`: its number in the file; `name`: empty where it has none.
+    """
+
+    tendon: int
+    name: str
+    index: int
+    ratio: float
+
+
+def drive_tendons(model: Model) -> tuple[DriveTendon, ...]:
+    """The tendons of a model's file that are its drives."""
+    m, out = _compiled(model.serial), list[DriveTendon]()
+    for k in range(m.ntendon):
+        turned = tendon_row(m, k)
+        row = np.array([turned.get(name, 0.0) for name in model.joints])
+        for index, drive in enumerate(model.transmission):
+            ratio = float(row @ drive / (drive @ drive))
+            if ratio and np.allclose(row, ratio * drive, rtol=1e-9, atol=0.0):
+                out.append(DriveTendon(k, m.tendon(k).name, index, ratio))
+    return tuple(out)
 
 
 def rotors(model: Model) -> tuple[np.ndarray, np.ndarray]:
     """Inertia and damping (n,) of each drive's own [kg m^2 or kg; N m s/rad or N s/m].
 
-    What the model file states, and what the MJCF has at a joint that one drive turns, and no other: there
-    its armature is that drive's rotor, and its damping the drive's.
+    What the model file states, and what the MJCF has at a joint that one drive turns, and no other, or at a
+    tendon that is the drive: there its armature is that drive's rotor, and its damping the drive's.
     """
-    inertia, damping = _at_joints(model.serial, model.joints)
+    m = _compiled(model.serial)
+    dofs = [m.joint(name).dofadr[0] for name in model.joints]
     alone, joint, ratio = drives_alone(model)
     own = np.where(alone, 1.0 / np.where(alone, ratio, 1.0) ** 2, 0.0)
-    stated = model.actuators
-    return np.array(stated.inertia) + own * inertia[joint], np.array(stated.damping) + own * damping[joint]
+    inertia = np.array(model.actuators.inertia) + own * m.dof_armature[dofs][joint]
+    damping = np.array(model.actuators.damping) + own * m.dof_damping[dofs][joint]
+    for seat in drive_tendons(model):
+        inertia[seat.index] += float(m.tendon_armature[seat.tendon]) * seat.ratio**2
+        damping[seat.index] += float(m.tendon_damping[seat.tendon]) * seat.ratio**2
+    return inertia, damping
 
 
 def drives_alone(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -118,12 +156,15 @@ def turned_joint(model: Model, place: Placement) -> tuple[str, float] | None:
     return (model.joints[joint[place.index]], float(ratio[place.index])) if alone[place.index] else None
 
 
+def _compiled(serial: Path) -> mujoco.MjModel:
+    """A tree as its file states it; to be read only."""
+    return _compiled_once(serial, serial.stat().st_mtime_ns)
+
+
 @lru_cache(maxsize=64)
-def _at_joints(serial: Path, joints: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Armature and damping (n,) of an MJCF's joints."""
-    m = load_tree(serial).compile()
-    dofs = [m.joint(name).dofadr[0] for name in joints]
-    return m.dof_armature[dofs].copy(), m.dof_damping[dofs].copy()
+def _compiled_once(serial: Path, written: int) -> mujoco.MjModel:
+    del written  # a file that was written anew is another tree
+    return load_tree(serial).compile()
 
 
 def joint_kinds(model: Model) -> tuple[str, ...]:

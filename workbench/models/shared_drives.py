@@ -56,7 +56,12 @@ def _row(m: mujoco.MjModel, actuator: int) -> dict[str, float]:
         return {m.joint(target).name: 1.0}
     if kind != mujoco.mjtTrn.mjTRN_TENDON:
         return {}
-    wraps = range(m.tendon_adr[target], m.tendon_adr[target] + m.tendon_num[target])
+    return tendon_row(m, target)
+
+
+def tendon_row(m: mujoco.MjModel, tendon: int) -> dict[str, float]:
+    """Joint -> how a fixed tendon's length turns with it; nothing of one that passes along sites."""
+    wraps = range(m.tendon_adr[tendon], m.tendon_adr[tendon] + m.tendon_num[tendon])
     if any(m.wrap_type[w] != mujoco.mjtWrap.mjWRAP_JOINT for w in wraps):
         return {}
     return {m.joint(int(m.wrap_objid[w])).name: float(m.wrap_prm[w]) for w in wraps}

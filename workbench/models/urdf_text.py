@@ -28,13 +28,13 @@ class UrdfText:
     def __init__(self, text: XmlText) -> None:
         self._text = text
 
-    def has(self, joint: str) -> bool:
-        """Whether this joint stands in the file."""
-        return self._named("joint", joint) is not None
+    def has(self, name: str, kind: str = "joint") -> bool:
+        """Whether this joint stands in the file; a URDF has no tendons."""
+        return self._named(kind, name) is not None
 
-    def set_joint(self, joint: str, values: Mapping[str, float]) -> None:
+    def set_numbers(self, name: str, values: Mapping[str, float], kind: str = "joint") -> None:
         """Give a joint numbers, by the names that MJCF has for them."""
-        element = self._named("joint", joint)
+        element = self._named(kind, name)
         assert element is not None
         self._part(element, "dynamics", {_CALLED[name]: digits(v) for name, v in values.items()})
 

@@ -64,7 +64,7 @@ def drives_of(e: Experiment, plant: Plant) -> Drives:
         heating=np.array(chain.heating, float),
         cooling=chain.heat_time / e.step,
         step=e.step,
-        current=np.zeros(n),
+        current=e.before.copy(),
         heat=np.zeros(n),
         speed=plant.model.transmission @ e.start[1],
     )

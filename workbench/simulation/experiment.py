@@ -37,6 +37,7 @@ class Experiment:
         behind: which delays the replayed torque has behind it already: ``"none"``, the model's own
             (``"motor"``), or ``"all"`` (it was measured at the drive).
         start: initial q_s and its rate, (2, n).
+        before: torques on their way to the drives as the recording begins, (n,) in actuator coordinates.
         to_actuator: (n, n), recording coordinates to actuator coordinates for positions.
         transmission: (n, n), q_p = J q_s.
     """
@@ -51,6 +52,7 @@ class Experiment:
     feedforward: np.ndarray
     replayed: np.ndarray | None
     start: np.ndarray
+    before: np.ndarray
     to_actuator: np.ndarray
     transmission: np.ndarray
     behind: Literal["none", "motor", "all"] = "none"
@@ -145,10 +147,23 @@ def prepare(recording: Recording, model: Model) -> Experiment:
         feedforward=zero if feedforward is None else feedforward,
         replayed=replayed,
         start=initial_state(recording, controller, reference, to_actuator, j),
+        before=_before(torque("torque_measured"), torque("torque_command"), n),
         to_actuator=to_actuator,
         transmission=j,
         behind=behind,
     )
+
+
+def _before(measured: np.ndarray | None, command: np.ndarray | None, n: int) -> np.ndarray:
+    """Torques that were commanded before the first row (n,), by signals in actuator coordinates (N, n).
+
+    A drive was off, or its loop ran already: of nothing and the first command, what is nearer to the torque
+    measured. Where none was measured, drives begin from nothing.
+    """
+    if measured is None:
+        return np.zeros(n)
+    first = measured[0] if command is None else command[0]
+    return np.where(np.abs(measured[0]) <= np.abs(measured[0] - first), 0.0, first)
 
 
 def scored_torque(recording: Recording) -> str | None:

@@ -86,7 +86,7 @@ def run_posture(
     steps = (e.delay(plant.model.actuators.delay_s, plant.model) + late) / h
     whole = int(np.floor(steps + 1e-9))
     share = steps - whole if steps - whole > 1e-9 else 0.0
-    waiting = [np.tile(_before(e), (count, 1))] * (whole + 2)
+    waiting = [np.tile(e.before, (count, 1))] * (whole + 2)
     limit, ticks = np.array(plant.model.actuators.torque_limit), set((e.ticks // e.stride).tolist())
     asked, logged = waiting[0], np.zeros((4, count, rows, n))
     for row in range(rows):
@@ -189,14 +189,6 @@ def _start(plant: PosturePlant, e: Experiment) -> tuple[np.ndarray, np.ndarray]:
     )
     joints = plant.map.joints(drives)
     return joints, plant.map.joint_speed(joints, speeds)
-
-
-def _before(e: Experiment) -> np.ndarray:
-    """Torques on their way to the drives as the recording begins (n,)."""
-    measured = e.recording.get("torque_measured")
-    if measured is None or e.recording.timing.initial_at_rest:
-        return np.zeros(e.recording.position.shape[1])
-    return measured[0]
 
 
 def _along(plant: PosturePlant, q: np.ndarray, v: np.ndarray) -> np.ndarray:

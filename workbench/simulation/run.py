@@ -111,6 +111,7 @@ def _run(run: Run, e: Experiment, plant: Plant | None) -> Recording:
     world, keep = world_of(plant, start)
     pad = drives.whole + 1
     command, torque = np.zeros((pad + substeps + 1, n)), np.zeros((substeps + 1, n))
+    command[:pad] = e.before
     position, velocity = np.full((2, substeps + 1, n), np.nan)
     position[0], velocity[0] = start
     control = control_law(e, plant, run.noise)

@@ -94,7 +94,7 @@ def march(
 
     Args:
         world, control, drives, sensors: the run at its start.
-        pad: rows of `command` before the first substep, zero.
+        pad: rows of `command` before the first substep, given.
         command: (pad + K + 1, n), filled.
         torque: at the tap, (K + 1, n), filled.
         position, velocity: true motion of the drives, (K + 1, n); the first rows given, the rest filled.

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.bench_arm import bench_arm, logged
 from tests.data_helpers import two_mass
-from workbench.comparison import NoiseModel, simulate_with_noise
+from workbench.comparison import NoiseModel, followed, replay_of, simulate_with_noise
 from workbench.core import EffectKey
 from workbench.diagnosis.evidence.frequency_response import (
     Responses,
@@ -31,7 +32,7 @@ from workbench.diagnosis.evidence.residual_evidence import finding_lines
 from workbench.effects import load_model
 from workbench.frf import multisine as design_multisine
 from workbench.models import AppliedEffect, Model
-from workbench.recordings import load_recording
+from workbench.recordings import load_recording, noise_levels
 from workbench.rigs import Experiment, HiddenEffect, VirtualLeg, chirp, multisine, slow_sweep
 from workbench.rigs.experiments import HOLD
 
@@ -281,3 +282,15 @@ def stage_of(ranking: tuple[tuple[EffectKey, float], ...], model: Model) -> Any:
     return SimpleNamespace(
         by_holdout=True, folds=(1, 1), removed_share=0.632, ranking=ranking, indistinguishable=(), fit=fit
     )
+
+
+def test_what_nothing_drives_lacks_no_torque_in_proportion_to_its_load(tmp_path: Path) -> None:
+    """All that is lacking where no torque is measured is what the model needs there."""
+    model, log = load_model(bench_arm(tmp_path)), logged(bench_arm(tmp_path), seconds=3.0)
+    undriven = log.with_signals(
+        **{name: log.signals[name] * [1.0, 1.0, 0.0] for name in ("torque_command", "torque_measured")}
+    )
+    replay = replay_of(model, followed([undriven]))
+    missing = missing_torque(model, [undriven], replay.run([model])[0], noise_levels(undriven))
+    assert missing is not None and np.ptp(missing.load[:, :2], axis=0).min() > 0.1
+    assert not missing.load[:, 2].any() and np.ptp(missing.torque[:, 2]) > 1.0

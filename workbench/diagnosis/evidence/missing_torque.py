@@ -25,8 +25,8 @@ class Missing:
     Attributes:
         torque: measured less required torque, (N, n), each recording's mean taken off [N m or N].
         position, speed: of the motion, (N, n).
-        acceleration: of it, (N, n); load: the torque that the model needs for it, (N, n); both zero where
-            nothing drives it.
+        acceleration: of it, (N, n), zero where nothing drives the machine; load: the torque that the model
+            needs for it, (N, n), zero on axes that nothing drives.
         time: since the start of each recording, (N,) [s].
         temperature: (N, n) [K], or None where one recording has none.
         start: rows at which recordings start.
@@ -78,7 +78,7 @@ def missing_torque(
         if scored_torque(recording) is None or len(recording) < 100:
             continue
         to_actuator = recording.to_actuator(model.transmission)
-        # what nothing drives begins anew at each swing, and all its torque is load and inertia
+        # what nothing drives begins anew at each swing
         free = is_free(recording)
         about = None if free else run
         track = smooth_track(recording, about, to_actuator, levels.position_std, levels.velocity_std)
@@ -94,7 +94,8 @@ def missing_torque(
         good = recording.valid[rows]
         heat = recording.get("temperature")
         warm.append(None if heat is None else heat[rows][good])
-        pushed, load = (np.zeros_like(needed) if free else x for x in (thin.acceleration, needed))
+        pushed = np.zeros_like(needed) if free else thin.acceleration
+        load = np.where(np.any(tap, axis=0), needed, 0.0)  # what is lacking where nothing drives, is all load
         columns = (rest - rest[good].mean(axis=0), thin.position, thin.velocity, pushed, load)
         parts.append((*(c[good] for c in columns), recording.time[rows][good], stride * recording.period))
     if not parts:

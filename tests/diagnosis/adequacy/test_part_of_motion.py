@@ -1,0 +1,50 @@
+"""Beside a torque that acts in a part of the range only, an effect is what it is in the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.bench_arm import FAST, SLOW, logged
+from tests.diagnosis.adequacy.test_adequacy import pendulums
+from workbench.core import Diagnosis
+from workbench.diagnosis import diagnose
+from workbench.effects import load_model
+
+Stranger = Callable[[float, float], float]
+
+
+def told(folder: Path, stranger: Stranger, damping: float) -> Diagnosis:
+    """The model has a damping of 0.8, the machine this one, and the stranger resists the first axis."""
+
+    def resisting(q: np.ndarray, w: np.ndarray) -> np.ndarray:
+        return np.array([stranger(q[0], w[0]), 0.0, 0.0])
+
+    machine = pendulums(folder, "machine", damping)
+    logs = [
+        logged(machine, tones, seconds=8.0, seed=k, resisting=resisting)
+        for k, tones in enumerate((SLOW, FAST))
+    ]
+    return diagnose(load_model(pendulums(folder, "model", 0.8)), logs)
+
+
+def rubbing(q: float, w: float) -> float:
+    """Somewhere in the middle of the range it rubs."""
+    return -4.0 * np.exp(-(((q - 0.1) / 0.06) ** 2)) * np.tanh(w / 0.02)
+
+
+def test_an_effect_beside_a_rough_patch_has_its_name_and_size(tmp_path: Path) -> None:
+    found = told(tmp_path, rubbing, 0.5)
+    assert found.verdict == "partly_explained"
+    sizes = {str(f.key): f.parameters["damping"] for f in found.findings}
+    assert set(sizes) == {"viscous_damping@yaw", "viscous_damping@lift", "viscous_damping@bend"}
+    for size in sizes.values():
+        assert size.value == pytest.approx(-0.3, abs=1.96 * size.std + 0.003)
+
+
+def test_a_rough_patch_alone_is_no_known_effect(tmp_path: Path) -> None:
+    found = told(tmp_path, rubbing, 0.8)
+    assert found.verdict == "unexplained" and not found.findings
