@@ -14,15 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from workbench.effects import effect_named
-
-from ..data import Data
 from ..fitting.normal_equations import normal, total
-from ..hypothesis import Fit
 from ..policy import POLICY
-from ..screening.needed_torque import kept_rows, needing
-from ..screening.propagation import propagate_sensitivities
-from ..screening.torque_regression import Regression
+from .laws import Laws
 
 _BINS = 20  # of each quantity, with as many rows in each
 _STEPS = 20  # of concentration, far more than are ever needed
@@ -30,70 +24,42 @@ _STEPS = 20  # of concentration, far more than are ever needed
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Rows of each recording that are explained, (N,); numbers of the axes whose positions tell them."""
+    """Rows of each recording that are explained, (N,); numbers of the drives whose positions tell them."""
 
     rows: tuple[np.ndarray, ...]
-    positions: frozenset[int]
+    drives: frozenset[int]
 
 
-def explained_part(found: Fit, regression: Regression, data: Data) -> Part | None:
+def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
     """The part of the motion, at least half of it, in which little more than noise is left by some laws.
 
-    These are all that was found and all basic ones, as what is unknown may have hidden any.
-
     Args:
-        found: with all effects that were selected, along the measured motion.
-        regression: from which they were.
-        data: of that motion.
+        laws: with the torque that they have to explain.
+        position: of the drives, (N, n) of each recording.
 
     Returns:
         None where it is the whole motion, or less than half of it.
     """
-    linearisation = regression.linearisation
-    columns = [linearisation.total(a, a.values) for a in found.hypothesis.free]
-    selected = len(columns)
-    motions, names = needing(linearisation), {a.key for a in found.hypothesis.free}
-    for entry in regression.entries:
-        if effect_named(entry.key.effect).search.basic and entry.key not in names:
-            columns += linearisation.columns(entry.key, entry.shape, motions)[0]
-    acts = propagate_sensitivities([linearisation], [columns], data)[0]
-    kept = [kept_rows(linearisation, i) for i in range(len(linearisation.runs))]
-    laws = np.concatenate([part[own, 1] for part, own in zip(acts, kept, strict=True)])
-    rest = np.concatenate(
-        [
-            data.residual(i, run)[own, 1] * data.weight[1]
-            for i, (run, own) in enumerate(zip(found.simulated, kept, strict=True))
-        ]
-    )
-    bins = {
-        **{k: _bins([r.position[:, k] for r in data.recordings]) for k in range(rest.shape[1])},
-        None: _bins(
-            [
-                np.arange(len(r)) + float(start)
-                for r, start in zip(data.recordings, _starts(data), strict=True)
-            ]
-        ),
-    }
-    noise = data.least()[1] * data.weight[1] ** 2
-    rows, positions = [np.ones(len(r), bool) for r in data.recordings], set[int]()
-    for k in np.flatnonzero((noise > 0.0) & (np.mean(rest**2, axis=0) > POLICY.at_noise * noise)):
+    ends = np.cumsum([len(p) for p in position])
+    time = [np.arange(end - len(p), end) for p, end in zip(position, ends, strict=True)]
+    bins: dict[int | None, list[np.ndarray]] = {None: _bins(time)}
+    bins |= {k: _bins([p[:, k] for p in position]) for k in range(len(laws.noise))}
+    rows, drives = [np.ones(len(p), bool) for p in position], set[int]()
+    above = np.mean(laws.rest**2, axis=0) > POLICY.at_noise * laws.noise
+    for k in np.flatnonzero((laws.noise > 0.0) & above):
         good: dict[int | None, np.ndarray] = {}
         for quantity, own in bins.items():
-            there = np.concatenate([b[r] for b, r in zip(own, kept, strict=True)])
-            left = _explained(laws[:, k], laws[:, k, :selected].sum(axis=1) + rest[:, k], there)
-            good[quantity] = left <= POLICY.near_noise * noise[k]
+            there = np.concatenate([b[r] for b, r in zip(own, laws.rows, strict=True)])
+            left = _left(laws.acts[:, k], laws.torque[:, k], there)
+            good[quantity] = left <= POLICY.near_noise * laws.noise[k]
         quantity = max(good, key=lambda q: int(good[q].sum()))
-        rows = [a & good[quantity][b] for a, b in zip(rows, bins[quantity], strict=True)]
-        positions |= set() if quantity is None else {quantity}
-    most = sum(len(r) for r in rows)
-    if not 0.5 * most <= sum(int(r.sum()) for r in rows) < most:
+        if good[quantity].sum() >= _BINS // 2:
+            rows = [a & good[quantity][b] for a, b in zip(rows, bins[quantity], strict=True)]
+            drives |= set() if quantity is None else {quantity}
+    whole = sum(len(r) for r in rows)
+    if not 0.5 * whole <= sum(int(r.sum()) for r in rows) < whole:
         return None
-    return Part(tuple(rows), frozenset(positions))
-
-
-def _starts(data: Data) -> np.ndarray:
-    """Of all rows, the numbers at which recordings start."""
-    return np.cumsum([0, *(len(r) for r in data.recordings)])[:-1]
+    return Part(tuple(rows), frozenset(drives))
 
 
 def _bins(values: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -102,7 +68,7 @@ def _bins(values: Sequence[np.ndarray]) -> list[np.ndarray]:
     return [np.searchsorted(edges, v) for v in values]
 
 
-def _explained(laws: np.ndarray, torque: np.ndarray, bins: np.ndarray) -> np.ndarray:
+def _left(laws: np.ndarray, torque: np.ndarray, bins: np.ndarray) -> np.ndarray:
     """Mean square in each bin that laws (M, E) and a constant leave, fitted to the best half of the bins."""
     columns = np.column_stack([laws[:, laws.any(axis=0)], np.ones(len(torque))])
     columns = columns / np.sqrt(np.mean(columns**2, axis=0))

@@ -37,7 +37,7 @@ def without_strangers(found: Fit, data: Data, certain: Collection[EffectKey]) ->
     Returns:
         None where no function explains enough on any axis.
     """
-    missing, rows = _rest(found, data)
+    missing, rows = rest_of(found, data)
     unknown: dict[int, Shape] = {}
     for k, axis in enumerate(missing.axes):
         own = [kinds.depends_on(effect_named(key.effect)) for key in certain if key.axis == axis]
@@ -66,7 +66,7 @@ def _is_free(shape: Shape, taken: Collection[str]) -> bool:
     return shape.quantities[0] not in {"speed", "load", *taken}
 
 
-def _rest(found: Fit, data: Data) -> tuple[Missing, list[slice]]:
+def rest_of(found: Fit, data: Data) -> tuple[Missing, list[slice]]:
     """What the effects leave of the torque, thinned, and the rows of each recording."""
     first = data.recordings[0]
     stride = max(1, round(_STEP_S / first.period))

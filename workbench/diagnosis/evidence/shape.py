@@ -66,9 +66,14 @@ def shapes(missing: Missing, axis: str, *, of_two: bool = True) -> tuple[Shape, 
     ]
     asked = [[q] for q in (*singles, *others)] + [[singles[0], q] for q in others if of_two]
     found = [_function(missing, k, q) for q in asked if all(_moves(x.values) for x in q)]
-    if len(missing.torque) * 0.4 / max(len(missing.start), 1) > POLICY.tone_cycles:
-        found.append(_tone(missing, k))
+    if shows_tones(missing):
+        found.append(tone_of(missing, axis))
     return tuple(sorted((s for s in found if s.share > 0.0), key=lambda s: -s.share))
+
+
+def shows_tones(missing: Missing) -> bool:
+    """Whether recordings are long enough for a tone of a few cycles."""
+    return len(missing.torque) * 0.4 / max(len(missing.start), 1) > POLICY.tone_cycles
 
 
 def _moves(values: np.ndarray) -> bool:
@@ -87,8 +92,9 @@ def _function(missing: Missing, k: int, quantities: Sequence[_Quantity]) -> Shap
     return _shape(missing, k, quantities, fitted, torque - basis @ fitted.whole, grid, there, values[0])
 
 
-def _tone(missing: Missing, k: int) -> Shape:
-    """The strongest frequency that all recordings share, each with its own phase."""
+def tone_of(missing: Missing, axis: str) -> Shape:
+    """The strongest frequency of an axis that all recordings share, each with its own phase."""
+    k = missing.axes.index(axis)
     torque, step = missing.torque[:, k], missing.step
     parts = list(
         zip(np.split(torque, missing.start[1:]), np.split(missing.time, missing.start[1:]), strict=True)

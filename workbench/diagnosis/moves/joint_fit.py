@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import effect_named, kinds
-from workbench.models import AppliedEffect, Model, Placement
+from workbench.models import AppliedEffect
 
 from ..adequacy.adequacy import Adequacy, adequacies
-from ..adequacy.part_of_motion import Part, explained_part
 from ..adequacy.strangers import without_strangers
 from ..data import Data, gather_along
 from ..fitting.fit import fit
@@ -40,14 +38,14 @@ class Certain:
         chosen: all that was selected.
         whole: its fit.
         known: how certain each effect is that is certain although something else is missing.
-        in_part: whether values are those of a part of the motion, in which noise explains the rest.
+        apart: whether values are those where what is unknown is set apart.
     """
 
     regression: Regression
     chosen: Selection
     whole: Fit
     known: Mapping[EffectKey, Adequacy]
-    in_part: bool = False
+    apart: bool = False
 
 
 def certain_of(
@@ -67,49 +65,7 @@ def certain_of(
     return Certain(regression, chosen, whole, known)
 
 
-def certain_in_part(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
-    """The same where the rest is spread over the motion; else what is certain on the part that is explained.
-
-    A law of the position by which the part is known may follow another there, and a constant any torque.
-
-    Args:
-        found: from all rows.
-        start: without any effect, along the measured motion.
-        data: of that motion.
-        seed: of the noise simulations.
-    """
-    part = explained_part(found.whole, found.regression, data)
-    if part is None:
-        return found
-    rows = zip(data.recordings, part.rows, strict=True)
-    freed, begun = _freed(start, [replace(r, valid=r.valid & own) for r, own in rows], data, seed)
-    there = certain_of(regression_of(begun, freed), begun, freed, whatever_is_left=True)
-    if there is None:
-        return found
-    model = start.hypothesis.model
-    elsewhere = {k for k in there.known if _may_follow(k, part, model)}
-    known = {k: a for k, a in there.known.items() if k not in elsewhere}
-    if not known or not set(found.known) <= set(known):
-        return found
-    whole = evaluated(there.whole.hypothesis, data.run([there.whole.hypothesis.model])[0], data)
-    return replace(there, whole=whole, known=known, in_part=True)
-
-
-def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:
-    """Whether an effect may follow another torque on a part of the motion that positions tell."""
-    depends = kinds.depends_on(effect_named(key.effect))
-    place = Placement.of(model, key)
-    if not depends or place is None:
-        return True
-    reach = (
-        {place.index}
-        if key.location == "actuator"
-        else set(np.flatnonzero(model.transmission[:, place.index]))
-    )
-    return "position" in depends and bool(part.positions & reach)
-
-
-def _freed(start: Fit, rest: Sequence[Recording], data: Data, seed: int) -> tuple[Data, Fit]:
+def freed_of(start: Fit, rest: Sequence[Recording], data: Data, seed: int) -> tuple[Data, Fit]:
     """Recordings from which something was taken out, and the model as it is along their motion."""
     model = start.hypothesis.model
     freed, runs = gather_along(model, rest, data.training, seed)
@@ -187,7 +143,7 @@ def beside_strangers(
         rest = without_strangers(found, data, sure)
         if rest is None:
             break
-        freed, begun = _freed(start, rest, data, seed)
+        freed, begun = freed_of(start, rest, data, seed)
         regression = regression_of(begun, freed)
         again = fit_of_selection(regression, selected(regression), begun, freed)
         if again is None:

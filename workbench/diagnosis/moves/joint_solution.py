@@ -21,7 +21,8 @@ from ..screening.rivals import rivals_of
 from ..screening.selection import Selection
 from ..screening.torque_regression import Regression
 from ..search_result import AcceptedStep
-from .joint_fit import beside_strangers, certain_in_part, certain_of, certain_only
+from .apart import certain_apart
+from .joint_fit import beside_strangers, certain_of, certain_only
 
 
 def of_all_axes(root: Node, problem: Problem) -> Iterator[Node]:
@@ -87,9 +88,9 @@ def _solved(problem: Problem) -> Node | None:
         return None
     named: Fit | None = found.whole
     if not is_consistent(data, found.whole.mean_squares):
-        found = certain_in_part(found, start, data, problem.seed)
+        found = certain_apart(found, start, data, problem.seed)
         named = certain_only(found.whole, found.known, data)
-        if named and not found.in_part:
+        if named and not found.apart:
             named = beside_strangers(found.whole, named, found.known, start, data, problem.seed)
     if named is None or not lowers_error(named, start, data):
         return None

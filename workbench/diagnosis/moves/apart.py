@@ -1,0 +1,71 @@
+"""What is certain where the unknown is set apart: on another part of the motion, or at another frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from workbench.core import EffectKey, Recording
+from workbench.effects import effect_named, kinds
+from workbench.models import Model, Placement
+
+from ..adequacy.laws import laws_of
+from ..adequacy.part_of_motion import Part, explained_part
+from ..adequacy.strangers import rest_of
+from ..adequacy.tones import without_tones
+from ..data import Data
+from ..hypothesis import Fit
+from ..problem import evaluated
+from ..screening.torque_columns import regression_of
+from .joint_fit import Certain, certain_of, freed_of
+
+#: Recordings in which the unknown is set apart, and whether an effect may follow it there all the same.
+Apart = tuple[Sequence[Recording], Callable[[EffectKey], bool]]
+
+
+def certain_apart(found: Certain, start: Fit, data: Data, seed: int) -> Certain:
+    """What is certain where the unknown is set apart, if that is more; else what was found.
+
+    Args:
+        found: from all rows and all torques.
+        start: without any effect, along the measured motion.
+        data: of that motion.
+        seed: of the noise simulations.
+    """
+    for recordings, may_follow in _ways(found, data):
+        freed, begun = freed_of(start, recordings, data, seed)
+        there = certain_of(regression_of(begun, freed), begun, freed, whatever_is_left=True)
+        if there is None:
+            continue
+        known = {k: a for k, a in there.known.items() if not may_follow(k)}
+        if set(found.known) < set(known):
+            whole = evaluated(there.whole.hypothesis, data.run([there.whole.hypothesis.model])[0], data)
+            return replace(there, whole=whole, known=known, apart=True)
+    return found
+
+
+def _ways(found: Certain, data: Data) -> Iterator[Apart]:
+    linearisation = found.regression.linearisation
+    laws = laws_of(found.whole, found.regression, data)
+    part = explained_part(laws, [m.position for m in linearisation.motions])
+    if part is not None:
+        rows = zip(data.recordings, part.rows, strict=True)
+        masked = [replace(r, valid=r.valid & own) for r, own in rows]
+        yield masked, lambda key: _may_follow(key, part, linearisation.model)
+    quiet = without_tones(laws, rest_of(found.whole, data)[0], data)
+    if quiet is not None:
+        yield quiet.recordings, lambda key: key in quiet.tonal
+
+
+def _may_follow(key: EffectKey, part: Part, model: Model) -> bool:
+    """Whether an effect may follow another torque on a part of the motion.
+
+    A constant does, and a law of the position by which the part is known.
+    """
+    depends, place = kinds.depends_on(effect_named(key.effect)), Placement.of(model, key)
+    if not depends or place is None:
+        return True
+    turned = np.flatnonzero(np.abs(place.row @ np.linalg.inv(model.transmission)) > 1e-12)
+    return "position" in depends and bool(part.drives & set(turned.tolist()))
