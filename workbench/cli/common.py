@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording
+from workbench.core import Comparison, Diagnosis, Improvement, InputError, Recording, Result
 from workbench.core.files import check_free
 from workbench.core.text import plain
 
@@ -189,7 +189,7 @@ def check_model_output(path: str | None, *, force: bool) -> None:
 
 
 def deliver(
-    result: Comparison | Diagnosis | Improvement,
+    result: Result,
     *,
     json: str | None,
     html: str | None,

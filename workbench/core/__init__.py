@@ -10,14 +10,13 @@ from .diagnosis import (
     Estimate,
     Finding,
     Identifiability,
-    Improvement,
-    Step,
     Stopped,
     Tried,
     Verdict,
 )
 from .drive_map import DriveMap
 from .errors import InputError, SimulationError, WorkbenchError
+from .improvement import Improvement, Result, Step
 from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Recordings, Timing
 from .results import (
@@ -57,6 +56,7 @@ __all__ = [
     "Recording",
     "RecordingError",
     "Recordings",
+    "Result",
     "Shape",
     "Share",
     "SimulationError",

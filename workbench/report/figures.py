@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from workbench.core import Comparison, Diagnosis, Improvement, InputError
+from workbench.core import Comparison, InputError, Result
 from workbench.core.files import check_free, write_whole
 from workbench.core.palette import COLOURS, LINES
 from workbench.core.picture import Picture
@@ -169,7 +169,7 @@ def spectrum_figure(comparison: Comparison, axis: str, *, after: Comparison | No
     return figure
 
 
-def ladder_figure(result: Improvement | Diagnosis | Comparison) -> Figure:
+def ladder_figure(result: Result) -> Figure:
     """The error falling step by step beside the noise floor, on a log axis."""
     steps = rungs(result)
     floor = result.noise_error

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from workbench.core import Comparison, Diagnosis, Improvement
+from workbench.core import Comparison, Diagnosis, Improvement, Result
 from workbench.core.files import check_free, write_whole
 
 from .figures import figure_bytes, overlay_figure
@@ -23,7 +23,7 @@ from .shell import plotly, reproduce, template
 
 
 def write_page(
-    result: Comparison | Diagnosis | Improvement,
+    result: Result,
     path: str | Path,
     *,
     command: str,
@@ -52,7 +52,7 @@ def write_page(
 
 
 def render_page(
-    result: Comparison | Diagnosis | Improvement,
+    result: Result,
     *,
     command: str,
     seeds: Mapping[str, int] | None = None,
@@ -92,7 +92,7 @@ def _fallback(before: Comparison, after: Comparison | None) -> dict[str, str]:
     }
 
 
-def _shape_picture(result: Comparison | Diagnosis | Improvement) -> str:
+def _shape_picture(result: Result) -> str:
     diagnosis = result.diagnosis if isinstance(result, Improvement) else result
     return _picture(shape_figure(diagnosis)) if isinstance(diagnosis, Diagnosis) else ""
 

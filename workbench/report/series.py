@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from workbench.core import Comparison, Diagnosis, Improvement, Recording, RecordingError
+from workbench.core import Recording, RecordingError, Result
 from workbench.core.recording import AXIS_SIGNALS
 from workbench.core.units import KINDS
 
@@ -18,7 +18,7 @@ Signals = Mapping[str, np.ndarray]
 
 
 def series_of(
-    result: Comparison | Diagnosis | Improvement,
+    result: Result,
 ) -> Iterator[tuple[str, str, Recording, Signals]]:
     """Name of a recording, what its signals are, the recording that has their times and rows, and these.
 
