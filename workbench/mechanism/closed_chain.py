@@ -12,7 +12,6 @@ q_p = q_p(q_s) and J = d q_p / d q_s (paper, Eqs. 1, 4 and 18; there J is consta
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,42 +20,11 @@ from workbench.core import InputError, Mechanism, SimulationError
 from workbench.core.closure import DEAD, Closure
 
 from .assembly import assemble
+from .reduced import Margin, Reduced
 from .tree import Tree
 
 _SAME = 1e-6  # rad or m
 _SEED, _TRIES = 5, 60  # of guesses at other ways to close the loops
-
-
-@dataclass(frozen=True)
-class Reduced:
-    """Equation of motion in n coordinates: ``mass @ a + bias = gravity + torque``.
-
-    A coordinate along a line has kg and N in place of kg m^2 and N m.
-
-    Attributes:
-        mass: (n, n) [kg m^2].
-        bias: Coriolis and centrifugal torque (n,) [N m].
-        gravity: torque of gravity (n,) [N m].
-    """
-
-    mass: np.ndarray
-    bias: np.ndarray
-    gravity: np.ndarray
-
-
-@dataclass(frozen=True)
-class Margin:
-    """How far a posture is from both kinds of dead point: 1 at best, 0 at the dead point.
-
-    Attributes:
-        drives: smallest over largest singular value of the loops' equations in the passive coordinates;
-            at zero the drives no longer determine the posture.
-        joints: the same of d q_s / d q_p; at zero the drives move while the serial joints do not (a leg
-            stretched out), and J does not exist.
-    """
-
-    drives: float
-    joints: float
 
 
 class ClosedChain:
