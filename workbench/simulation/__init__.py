@@ -8,9 +8,9 @@ from .holding import check_held, with_loop_of
 from .inverse import required_torque, rigid_torque
 from .law import law_torque
 from .linear import Loop, linearise, slopes
-from .march import Disturbance, propagate
 from .motion import motion_of
 from .posture_run import PosturePlant, refuse_joint_coordinates, run_posture
+from .propagate import Disturbance, propagate
 from .run import Run, simulate
 from .sense import true_motion
 from .shooting import Tangents, Windows, shoot

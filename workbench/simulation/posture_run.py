@@ -90,7 +90,7 @@ def run_posture(
     limit, ticks = np.array(plant.model.actuators.torque_limit), set((e.ticks // e.stride).tolist())
     asked, logged = waiting[0], np.zeros((4, count, rows, n))
     for row in range(rows):
-        read, rate = sensors.read(row, plant.map.drives(q), _along(plant, q, v))
+        read, rate = sensors.read(row, plant.map.drives(q), np.einsum("bij,bj->bi", plant.map.jacobian(q), v))
         if row in ticks:
             asked = sensors.sent(np.clip(_asked(plant, e, row, read, rate, q), -limit, limit))
         for k in range(e.stride * pieces):
@@ -189,10 +189,6 @@ def _start(plant: PosturePlant, e: Experiment) -> tuple[np.ndarray, np.ndarray]:
     )
     joints = plant.map.joints(drives)
     return joints, plant.map.joint_speed(joints, speeds)
-
-
-def _along(plant: PosturePlant, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return np.einsum("bij,bj->bi", plant.map.jacobian(q), v)
 
 
 class _Mover:
