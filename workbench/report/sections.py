@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 from workbench.core import (
     Comparison,
     Diagnosis,
     EffectKey,
-    Estimate,
     Finding,
     Improvement,
     Result,
@@ -88,13 +87,9 @@ def _held_scores(result: Result, after: Comparison | None) -> dict[str, Any]:
 
 
 def _notes(result: Result, before: Comparison | None) -> list[str]:
+    of_data = () if isinstance(result, Comparison) else result.notes
     of_comparison = (w.loop_sentence(before), *before.notes) if before else ()
-    return [plain(n) for n in dict.fromkeys((*_of_data(result), *of_comparison)) if n]
-
-
-def _of_data(result: Result) -> tuple[str, ...]:
-    """What was looked at of long logs."""
-    return () if isinstance(result, Comparison) else result.notes
+    return [plain(n) for n in dict.fromkeys((*of_data, *of_comparison)) if n]
 
 
 def sentence(result: Result) -> str:
@@ -192,7 +187,7 @@ def _effects(result: Result) -> list[dict[str, Any]]:
                 "title": w.capital(w.effect_phrase(f.key)),
                 "chance": percent(findings[f.key].probability) if f.key in findings else "",
                 "error": number(error),
-                "parameters": _parameters(f.parameters),
+                "parameters": [(w.parameter_name(name), interval(e)) for name, e in f.parameters.items()],
                 "evidence": [plain(e) for e in f.evidence],
                 "lines": [line for line in lines if line],
             }
@@ -210,10 +205,6 @@ def _effects_title(result: Result) -> str:
     if isinstance(result, Improvement):
         return "What was added: nearest, but not a cause" if result.nearest else "What was added"
     return "What is missing"
-
-
-def _parameters(parameters: Mapping[str, Estimate]) -> list[tuple[str, str]]:
-    return [(w.parameter_name(name), interval(e)) for name, e in parameters.items()]
 
 
 def _ranking(diagnosis: Diagnosis | None) -> list[dict[str, str]]:
