@@ -19,15 +19,7 @@ from .errors import InputError, SimulationError, WorkbenchError
 from .improvement import Improvement, Result, Step
 from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Recordings, Timing
-from .results import (
-    FORMAT,
-    HOPELESS,
-    Comparison,
-    InverseDynamics,
-    Outlier,
-    RecordingError,
-    Share,
-)
+from .results import FORMAT, HOPELESS, Comparison, InverseDynamics, Outlier, RecordingError, Share
 from .shape import Shape
 from .verification import Check, Verification
 
