@@ -16,11 +16,7 @@ from .own_draw import draw_own
 from .own_machine import HiddenIn
 from .own_rig import OwnExperiment
 from .plate_experiments import plate_experiments
-from .revealing import (
-    experiments_for,
-    revealing_experiments,
-    work_and_rest,
-)
+from .revealing import experiments_for, revealing_experiments, work_and_rest
 from .shapes import hidden_effect
 from .standing_leg import Plate
 from .structure import LegStructure, leg_structure
