@@ -2,13 +2,7 @@
 
 from .by_law import with_torque_by_law
 from .closed_loop import ClosedLoop
-from .compare import (
-    cannot_run,
-    compare,
-    noise_rules,
-    simulate_with_noise,
-    told,
-)
+from .compare import cannot_run, compare, noise_rules, simulate_with_noise, told
 from .evaluate import evaluate
 from .following import followed
 from .long import compare_logs
