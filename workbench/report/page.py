@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from workbench.core import Comparison, Diagnosis, Improvement, Result
 from workbench.core.files import check_free, write_whole
 
-from .figures import figure_bytes, overlay_figure
+from .figures import overlay_figure
 from .json import Truth
 from .numbers import plain
 from .pack import comparisons, plots, worst_view
@@ -20,6 +20,7 @@ from .residuals import worst_window
 from .sections import sections
 from .shapes import shape_figure
 from .shell import plotly, reproduce, template
+from .style import figure_bytes
 
 
 def write_page(

@@ -5,16 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from workbench.core import (
-    Comparison,
-    Diagnosis,
-    EffectKey,
-    Finding,
-    Improvement,
-    Result,
-    Share,
-    Step,
-)
+from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvement, Result, Share, Step
 
 from . import wording as w
 from .answer import diagnosis_sentence, improvement_sentence
