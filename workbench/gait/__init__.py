@@ -1,7 +1,8 @@
 """How a legged robot moves in two recordings: tracking, strides, cycles, and the swing leg's prediction."""
 
 from .bootstrap import Interval, resampled
-from .compare import Gait, Measure, compare_gaits
+from .compare import compare_gaits
+from .measures import Gait, Measure
 from .odometry import with_leg_odometry
 from .strides import strides_of
 from .swing import Limbs, limbs_of, predict_swing
