@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .cores import on_all_cores
+from .experiment import whole_and_part
 from .linear import Loop
 from .march import Around, Reading, march
 
@@ -61,8 +62,7 @@ def _propagate(loop: Loop, disturbance: Disturbance) -> tuple[np.ndarray, np.nda
 def _around(loop: Loop, disturbance: Disturbance) -> Around:
     e, (n, v) = loop.experiment, loop.drives.shape
     count = len(disturbance.torque)
-    delay = loop.delay / e.step
-    whole = int(np.floor(delay + 1e-9))
+    whole, fraction = whole_and_part(loop.delay / e.step)
     is_tick = np.zeros(e.substeps + 1, np.bool_)
     is_tick[e.ticks] = True
     asking, commanded = _some(disturbance.commands, len(loop.gain), n)
@@ -81,7 +81,7 @@ def _around(loop: Loop, disturbance: Disturbance) -> Around:
         differentiates=loop.differentiates,
         period=float(e.controller.period_s or e.recording.period),
         whole=whole,
-        fraction=float(delay - whole) if delay - whole > 1e-9 else 0.0,
+        fraction=fraction,
         lag=loop.lag / e.step,
         at_command=loop.at_command,
         state=_start(loop, disturbance, np.zeros((2 * v, count))),
@@ -99,14 +99,14 @@ def _start(loop: Loop, disturbance: Disturbance, state: np.ndarray) -> np.ndarra
 def _reading(loop: Loop, disturbance: Disturbance) -> Reading:
     h, n = loop.experiment.step, len(loop.drives)
     lag, late = loop.sensor_lag, loop.sensor_delay / h
-    whole = int(np.floor(late + 1e-9))
+    whole, part = whole_and_part(late)
     flat = {c: np.concatenate([*values], axis=1) for c, values in disturbance.readings.items()}
     columns, own = _some(flat, len(loop.gain), 2 * n)
     return Reading(
         map=np.kron(np.eye(2), loop.scale[:, None] * loop.drives),
         follow=1.0 - np.where(lag > 0, np.exp(-h / np.where(lag > 0, lag, 1.0)), 0.0),
         whole=whole,
-        part=float(late - whole) if late - whole > 1e-9 else 0.0,
+        part=part,
         remembers=bool((lag > 0).any() or late > 0),
         own=own,
         columns=columns,
