@@ -72,7 +72,7 @@ def _closed() -> tuple[str, Standing]:
     from workbench.s3n.loop import ConstraintSettings, close_loops, loop_spec
     from workbench.s3n.mjcf import exact_xml
     from workbench.training.machine import LEGS, STEP_S, make_machine
-    from workbench.training.quadruped import closed_quadruped
+    from workbench.training.quadruped import quadruped
 
     model = read_model("leg")
     own = make_machine("quadruped", model, "exact")
@@ -81,7 +81,13 @@ def _closed() -> tuple[str, Standing]:
     single = leg.compile()
     angles = own.posture[1:3]
     theta, _ = close_loops(single, model, angles, np.zeros(2))
-    spec = closed_quadruped(leg, model)
+    assert model.closed_chain is not None
+    for name, limit in zip(model.closed_chain.drives, model.actuators.torque_limit, strict=True):
+        motor = leg.add_actuator(name=name)
+        motor.set_to_motor()
+        motor.trntype, motor.target = mujoco.mjtTrn.mjTRN_JOINT, name
+        motor.ctrllimited, motor.ctrlrange = 1, (-limit, limit)
+    spec = quadruped(leg, model)
     m = spec.compile()
     qpos = np.array(m.qpos0)
     qpos[2] = own.height

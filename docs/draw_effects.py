@@ -36,7 +36,7 @@ from workbench.effects import (
 from workbench.effects.linkage_coriolis import LinkageCoriolis
 from workbench.models import AppliedEffect, Model
 from workbench.recordings import NoiseLevels
-from workbench.report.figures import AFTER, INK
+from workbench.report.style import AFTER, INK
 from workbench.rigs import PERFECT, HiddenEffect, Plate, VirtualLeg, plate_experiments
 from workbench.simulation import GROUND_TORQUE, Run, simulate
 

@@ -8,7 +8,7 @@ import pytest
 
 from tests.report import build
 from tests.report.browser import Page
-from workbench.cli.common import deliver
+from workbench.cli.deliver import deliver
 
 
 def test_a_page_s_command_can_be_typed_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,9 +10,10 @@ from workbench.core import SimulationError
 from workbench.rigs import HiddenEffect, VirtualLeg
 from workbench.rigs.friction import merged
 from workbench.rigs.hidden import install
-from workbench.rigs.integrate import Integrator, passive_torque
+from workbench.rigs.integrate import Integrator
 from workbench.rigs.integrate_flexible import FlexibleIntegrator, State
 from workbench.rigs.machine import ACTUATOR_DAMPING, Machine
+from workbench.rigs.smooth_leg import passive_torque
 
 HIP = HiddenEffect("joint_compliance", "hip", parameters={"stiffness": 200.0, "damping": 0.3})
 DRIVE = HiddenEffect("joint_compliance", "knee", parameters={"stiffness": 120.0, "damping": 0.2})

@@ -6,7 +6,8 @@ import pytest
 from workbench.core.paths import closed_chain_file
 from workbench.rigs import ClosedChain, LegStructure, leg_structure
 from workbench.rigs.friction import Friction
-from workbench.rigs.integrate import Integrator, State
+from workbench.rigs.integrate import Integrator
+from workbench.rigs.smooth_leg import State
 
 FREE = (0.0, 0.0)
 ALONE = LegStructure(m11=0.05, m12=0.0, m22=0.02, g1=0.0, g2=0.0)  # two uncoupled flywheels

@@ -154,8 +154,8 @@ def read_bundle(path: str | Path) -> PolicyBundle:
             "not a policy bundle", file=file, remedy="make it with `workbench export`"
         ) from error
     check_format(manifest, FORMAT, file)
-    if not isinstance(manifest, dict) or manifest.get("format") != FORMAT:
-        found = manifest.get("format") if isinstance(manifest, dict) else None
+    found = manifest.get("format") if isinstance(manifest, dict) else None
+    if found != FORMAT:
         raise InputError(f"the bundle has format {found}", file=file, remedy=f"this version reads {FORMAT}")
     wanted = manifest.get("sha256", {})
     wanted = wanted if isinstance(wanted, dict) else {}

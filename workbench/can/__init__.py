@@ -11,7 +11,7 @@ from .problems import range_problems
 from .robstride import Robstride
 from .span import Span
 from .tables import CanConfig, Drive, MotorTable, make_drive
-from .wire import Node, Wire
+from .wire import Wire
 
 __all__ = [
     "MOST",
@@ -25,7 +25,6 @@ __all__ = [
     "FrameError",
     "Mit",
     "MotorTable",
-    "Node",
     "Parameter",
     "Ranges",
     "Read",

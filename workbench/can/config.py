@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from workbench.core import InputError
+from workbench.core.files import read_toml
 from workbench.core.formats import check_format
 
 from .inputs import ImuTable, StopTable
@@ -36,13 +36,7 @@ def load_config(path: str | Path) -> CanConfig:
             frame can carry; the text names the key and the remedy.
     """
     path = Path(path)
-    try:
-        table = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"is not valid TOML: {error}", file=path, remedy="correct that line") from error
+    table = read_toml(path)
     check_format(table, 1, path)
     try:
         config = CanConfig.model_validate(table).model_copy(update={"source": path})

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Literal, NamedTuple
 
-from .frame import Frame
+from .frame import Frame, FrameError
 from .span import Span
 
 
@@ -26,6 +27,17 @@ class Ranges:
     kp: float
     kd: float
     source: str
+
+    def check(self, setpoint: Setpoint) -> None:
+        """Refuse what a drive may not get.
+
+        Raises:
+            FrameError: a number that is not finite or outside, or a negative gain.
+        """
+        for name, value in zip(setpoint._fields, setpoint, strict=True):
+            most = getattr(self, name)
+            if not (isfinite(value) and abs(value) <= most and (value >= 0.0 or name[0] != "k")):
+                raise FrameError(f"{name} of {value:g} is not within {most:g}")
 
 
 class Setpoint(NamedTuple):

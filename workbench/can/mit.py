@@ -9,17 +9,7 @@ first byte, then position 16, velocity 12, torque 12, and by firmware temperatur
 from __future__ import annotations
 
 from .frame import Frame, FrameError
-from .messages import (
-    Action,
-    Feedback,
-    Fields,
-    Parameter,
-    ParameterName,
-    Ranges,
-    Read,
-    Setpoint,
-    fields,
-)
+from .messages import Action, Feedback, Fields, Parameter, ParameterName, Ranges, Read, Setpoint, fields
 from .packed import Packed
 
 _BITS = (16, 12, 12, 12, 12)

@@ -97,10 +97,7 @@ class Moteus:
                 takes that only as damping alone, with the whole kd, without torque and speed.
         """
         r, s = self.ranges, setpoint
-        for name, value in zip(s._fields, s, strict=True):
-            most = getattr(r, name)
-            if not (isfinite(value) and abs(value) <= most and (value >= 0.0 or name[0] != "k")):
-                raise FrameError(f"{name} of {value:g} is not within {most:g}")
+        r.check(s)
         stiff, damped = s.kp / r.kp, s.kd / r.kd
         patience = packed(WRITE, {_WATCHDOG: self.watchdog_s}, self._kind, _STEPS)
         if s.kp == s.torque == s.velocity == 0.0 and damped == 1.0:

@@ -97,10 +97,7 @@ class Odrive:
             FrameError: not finite, outside the ranges, or with stiffness but no damping.
         """
         s, r = setpoint, self.ranges
-        for name, value in zip(s._fields, s, strict=True):
-            most = getattr(r, name)
-            if not (isfinite(value) and abs(value) <= most and (value >= 0.0 or name[0] != "k")):
-                raise FrameError(f"{name} of {value:g} is not within {most:g}")
+        r.check(s)
         if s.kp > 0.0 and s.kd <= 0.0:
             raise FrameError("an odrive has no stiffness without damping")
         stiff = s.kp / s.kd if s.kp else 0.0

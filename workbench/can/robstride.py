@@ -11,17 +11,7 @@ import struct
 from math import isfinite
 
 from .frame import Frame, FrameError
-from .messages import (
-    Action,
-    Fault,
-    Feedback,
-    Parameter,
-    ParameterName,
-    Ranges,
-    Read,
-    Setpoint,
-    fields,
-)
+from .messages import Action, Fault, Feedback, Parameter, ParameterName, Ranges, Read, Setpoint, fields
 from .packed import Packed
 
 _COMMAND, _FEEDBACK, _ENABLE, _STOP, _ZERO, _READ, _WRITE, _FAULT = 1, 2, 3, 4, 6, 17, 18, 21

@@ -12,15 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .common import (
-    ForceOption,
-    JsonOption,
-    QuietOption,
-    SeedOption,
-    check_outputs,
-    echo,
-    write_result,
-)
+from .common import ForceOption, JsonOption, QuietOption, SeedOption, check_outputs, echo, write_result
 from .hidden import HideOption, SetOption
 from .listing import Listing
 

@@ -13,10 +13,10 @@ from .common import (
     ModelArgument,
     QuietOption,
     check_outputs,
-    deliver_sheet,
     files_of,
     write_result,
 )
+from .deliver import deliver_sheet
 from .progress import progress
 
 

@@ -20,12 +20,12 @@ from .common import (
     RerunOption,
     SeedOption,
     check_outputs,
-    deliver,
     echo,
     files_of,
     open_sources,
 )
 from .compare_gait import compare_gait
+from .deliver import deliver
 from .progress import progress
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -76,39 +77,18 @@ class _AfterAt(str):
         return True
 
 
-def tasks(incomplete: str) -> list[str]:
-    """Tasks of a training."""
-    return _begun(incomplete, TASKS)
+def _of(names: Sequence[str]) -> Callable[[str], list[str]]:
+    """Offers those of the names that begin with the word."""
+
+    def begun(incomplete: str) -> list[str]:
+        return _begun(incomplete, names)
+
+    return begun
 
 
-def variants(incomplete: str) -> list[str]:
-    """Variants of S3N."""
-    return _begun(incomplete, VARIANTS)
-
-
-def targets(incomplete: str) -> list[str]:
-    """Simulators that a normalised file is for."""
-    return _begun(incomplete, TARGETS)
-
-
-def legs(incomplete: str) -> list[str]:
-    """Ranges that links are drawn from."""
-    return _begun(incomplete, LEGS)
-
-
-def devices(incomplete: str) -> list[str]:
-    """What trains."""
-    return _begun(incomplete, DEVICES)
-
-
-def loggers(incomplete: str) -> list[str]:
-    """Where the curve of a training is shown."""
-    return _begun(incomplete, LOGGERS)
-
-
-def rigs(incomplete: str) -> list[str]:
-    """Built-in rigs; a CAN file is the shell's to complete."""
-    return _begun(incomplete, RIGS)
+tasks, variants, targets = _of(TASKS), _of(VARIANTS), _of(TARGETS)
+legs, devices, loggers = _of(LEGS), _of(DEVICES), _of(LOGGERS)
+rigs = _of(RIGS)  # a CAN file is the shell's to complete
 
 
 def experiments(ctx: typer.Context, incomplete: str) -> list[str]:

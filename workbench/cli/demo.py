@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from . import complete
-from .common import ForceOption, JsonOption, QuietOption, check_outputs, deliver, files_of
+from .common import ForceOption, JsonOption, QuietOption, check_outputs, files_of
+from .deliver import deliver
 from .hidden import HideOption, SetOption
 from .progress import progress, staged
 

@@ -22,11 +22,10 @@ from .common import (
     SeedOption,
     WholeOption,
     check_outputs,
-    deliver,
-    deliver_sheet,
     files_of,
     open_pair,
 )
+from .deliver import deliver, deliver_sheet
 from .progress import progress, staged
 
 

@@ -6,16 +6,8 @@ from typing import Annotated
 
 import typer
 
-from .common import (
-    ForceOption,
-    HtmlOption,
-    JsonOption,
-    QuietOption,
-    SeedOption,
-    check_outputs,
-    deliver_sheet,
-    write_result,
-)
+from .common import ForceOption, HtmlOption, JsonOption, QuietOption, SeedOption, check_outputs, write_result
+from .deliver import deliver_sheet
 from .progress import progress
 
 

@@ -15,11 +15,11 @@ from .common import (
     QuietOption,
     RecordingsArgument,
     check_outputs,
-    deliver_sheet,
     files_of,
     read_recordings,
     write_result,
 )
+from .deliver import deliver_sheet
 from .progress import progress
 
 

@@ -19,12 +19,12 @@ from .common import (
     RecordingsArgument,
     check_model_output,
     check_outputs,
-    deliver_sheet,
     echo,
     files_of,
     read_recordings,
     write_result,
 )
+from .deliver import deliver_sheet
 from .listing import Listing
 
 identify = typer.Typer(
@@ -67,12 +67,7 @@ def actuator(
     Example: workbench identify actuator bench/multisine.toml --model leg_kin_only -o with_actuator.toml
     """
     from workbench import report
-    from workbench.identification import (
-        actuator_figure,
-        actuator_sheet,
-        identify_actuator,
-        with_actuator,
-    )
+    from workbench.identification import actuator_figure, actuator_sheet, identify_actuator, with_actuator
     from workbench.models import read_model, write_model
 
     from .identify_output import actuator_dict, actuator_table

@@ -128,14 +128,9 @@ def import_mechanism(
         _each(asked.torque_limit or limit, count, float("inf"), "--torque-limit"),
         asked.delay,
     )
+    loop = _loop(asked, count)
     made = import_model(
-        mechanism,
-        drives,
-        output,
-        axes=axes,
-        controller=_loop(asked, count),
-        hold_rest=asked.hold_rest,
-        force=force,
+        mechanism, drives, output, axes=axes, controller=loop, hold_rest=asked.hold_rest, force=force
     )
     assert made.closed_chain is not None
     held = [c for c in made.closed_chain.couplings if c not in (*mechanism.couplings, *contents.couplings)]

@@ -23,11 +23,11 @@ from .common import (
     WholeOption,
     check_model_output,
     check_outputs,
-    deliver,
     echo,
     files_of,
     open_pair,
 )
+from .deliver import deliver
 from .into import Into, IntoOption, check_into
 from .progress import progress, staged
 

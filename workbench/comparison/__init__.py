@@ -2,39 +2,29 @@
 
 from .by_law import with_torque_by_law
 from .closed_loop import ClosedLoop
-from .compare import (
-    cannot_run,
-    compare,
-    noise_rules,
-    simulate_with_noise,
-    told,
-)
+from .compare import cannot_run, compare, noise_rules, simulate_with_noise, told
 from .evaluate import evaluate
-from .following import MeasuredMotion, followed
+from .following import followed
 from .long import compare_logs
 from .matching import matched, matched_ways
-from .noise import DRAWS, NoiseModel
+from .noise import NoiseModel
 from .replay import Replay
-from .replay_of import needs_inverse, replay_of
+from .replay_of import replay_of
 from .score import Scale, normalised, score_runs, scored_signals
-from .shifted import Shifted, shifted_axes
+from .shifted import shifted_axes
 from .signs import Turn, Turned, turned_axes
 from .simulated import Simulated
 from .soft_friction import softness_note
-from .swapped import Swapped, swapped_axes
+from .swapped import swapped_axes
 from .swings import is_free
 from .weighed import is_weighable, torque_left
 
 __all__ = [
-    "DRAWS",
     "ClosedLoop",
-    "MeasuredMotion",
     "NoiseModel",
     "Replay",
     "Scale",
-    "Shifted",
     "Simulated",
-    "Swapped",
     "Turn",
     "Turned",
     "cannot_run",
@@ -46,7 +36,6 @@ __all__ = [
     "is_weighable",
     "matched",
     "matched_ways",
-    "needs_inverse",
     "noise_rules",
     "normalised",
     "replay_of",

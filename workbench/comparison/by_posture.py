@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Never, NoReturn
 
 import numpy as np
@@ -45,10 +45,6 @@ class ByPosture(Replay[Never]):
     def like(self, model: Model, recordings: Sequence[Recording]) -> ByPosture:
         """The same for other recordings."""
         return ByPosture.of(model, recordings, self.noise)
-
-    def only(self, chosen: Sequence[int]) -> ByPosture:
-        """The same for some of the recordings."""
-        return replace(self, recordings=tuple(self.recordings[i] for i in chosen))
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """Every model on all recordings; NaN where it cannot be run."""

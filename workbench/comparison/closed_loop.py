@@ -73,10 +73,6 @@ class ClosedLoop(Replay[Loop]):
         """The same for other recordings."""
         return ClosedLoop(with_loops(model, recordings), self.noise)
 
-    def only(self, chosen: Sequence[int]) -> ClosedLoop:
-        """The same for some of the recordings."""
-        return replace(self, recordings=tuple(self.recordings[i] for i in chosen))
-
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """All models on all recordings in one batch."""
         part = self.recordings[:first]

@@ -7,12 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from workbench.core import (
-    HOPELESS,
-    Comparison,
-    Recording,
-    SimulationError,
-)
+from workbench.core import HOPELESS, Comparison, Recording, SimulationError
 from workbench.models import Model
 from workbench.s3n import on_drives
 

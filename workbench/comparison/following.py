@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -49,6 +48,7 @@ class MeasuredMotion(Replay[Follower]):
     """
 
     simulates: ClassVar[bool] = False
+    each: ClassVar[tuple[str, ...]] = ("_read", "_smooth")
 
     def __init__(
         self, recordings: tuple[Recording, ...], noise: NoiseModel, model: Model, corner: float | None = None
@@ -64,7 +64,7 @@ class MeasuredMotion(Replay[Follower]):
             c & _driven(r) for c, r in zip(moving(first, wobbles, self._transmission), first, strict=True)
         ]
         self._read, self._smooth = (
-            [replace(r, counts=c) for r, c in zip(each, counts, strict=True)] for each in (first, smooth)
+            tuple(replace(r, counts=c) for r, c in zip(each, counts, strict=True)) for each in (first, smooth)
         )
         self._drawn: dict[tuple[int, int], list[list[Reading]]] = {}
 
@@ -72,11 +72,9 @@ class MeasuredMotion(Replay[Follower]):
         """The same, with the same filter, for other recordings of the same kind."""
         return MeasuredMotion(followed(recordings), self.noise, model, self._corner)
 
-    def only(self, chosen: Sequence[int]) -> MeasuredMotion:
+    def only(self, chosen: Sequence[int]) -> Self:
         """The same for some of the recordings."""
-        part = copy.copy(self)
-        part.recordings = tuple(self.recordings[i] for i in chosen)
-        part._read, part._smooth = ([each[i] for i in chosen] for each in (self._read, self._smooth))
+        part = super().only(chosen)
         part._drawn = {}
         return part
 

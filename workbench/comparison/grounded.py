@@ -6,7 +6,6 @@ through the transposed Jacobian of the foot along the measured motion, so that e
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -33,15 +32,7 @@ from .floating import floats
 from .noise import DRAWS, NoiseModel, noise_seeds
 from .replay import Replay
 from .simulated import Simulated
-from .standing import (
-    FORCE,
-    Standing,
-    check_ground,
-    on_ground,
-    stand,
-    tap_torque,
-    without_ground,
-)
+from .standing import FORCE, Standing, check_ground, on_ground, stand, tap_torque, without_ground
 from .starts import local_state, shaken
 
 
@@ -50,12 +41,13 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
 
     machine_alone: ClassVar[bool] = False
     smooth: ClassVar[bool] = False
+    each: ClassVar[tuple[str, ...]] = ("_standing",)
 
     def __init__(self, model: Model, recordings: Sequence[Recording], noise: NoiseModel) -> None:
         for r in recordings:
             if on_ground(r):
                 check_ground(model, r)
-        self.noise, self._model = noise, model
+        self.noise = noise
         self._step, self._integrator = _step_of(recordings[0], model)
         plant = self._on_ground(model)
         told = [white_noise(f, r.valid) for r in recordings if FORCE in r.extra for f in r.extra[FORCE].T]
@@ -77,13 +69,6 @@ class Grounded(Replay[tuple[Standing, Tangents]]):
     def like(self, model: Model, recordings: Sequence[Recording]) -> Grounded:
         """The same for other recordings."""
         return Grounded(model, recordings, self.noise)
-
-    def only(self, chosen: Sequence[int]) -> Grounded:
-        """The same for some of the recordings."""
-        part = copy.copy(self)
-        part.recordings = tuple(self.recordings[i] for i in chosen)
-        part._standing = tuple(self._standing[i] for i in chosen)
-        return part
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """All models in all windows."""

@@ -7,9 +7,10 @@ chooses one.
 
 from __future__ import annotations
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar, Generic, TypeVar
+from typing import ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 
@@ -41,6 +42,8 @@ class Replay(ABC, Generic[Travel]):
     #: Whether runs change smoothly with parameters and starts. Where contacts make and break, derivatives
     #: take runs, right simulations differ more, and names stand near the noise only.
     smooth: ClassVar[bool] = True
+    #: Attributes of which there is one for each recording, beside `recordings`.
+    each: ClassVar[tuple[str, ...]] = ()
 
     def shows(self, effect: str) -> bool:
         """Whether it can tell anything of an effect: nothing of contacts, off the ground."""
@@ -55,9 +58,12 @@ class Replay(ABC, Generic[Travel]):
     def like(self, model: Model, recordings: Sequence[Recording]) -> Replay:
         """The same sensors and the same kind of replay for other recordings."""
 
-    @abstractmethod
-    def only(self, chosen: Sequence[int]) -> Replay:
+    def only(self, chosen: Sequence[int]) -> Self:
         """The same for some of the recordings."""
+        part = copy.copy(self)
+        for name in ("recordings", *self.each):
+            object.__setattr__(part, name, tuple(getattr(self, name)[i] for i in chosen))
+        return part
 
     @abstractmethod
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:

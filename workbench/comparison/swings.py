@@ -6,7 +6,6 @@ pendulum says nothing of its friction. Over one swing it does.
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -91,6 +90,7 @@ class Swings(Replay[list[tuple[slice, Loop]]]):
     """Every model swings from measured states; position is scored."""
 
     driven: ClassVar[bool] = False
+    each: ClassVar[tuple[str, ...]] = ("_swinging",)
 
     def __init__(self, recordings: Sequence[Recording], noise: NoiseModel) -> None:
         self.noise = noise
@@ -107,13 +107,6 @@ class Swings(Replay[list[tuple[slice, Loop]]]):
         """The same sensors for other recordings."""
         del model
         return Swings(recordings, self.noise)
-
-    def only(self, chosen: Sequence[int]) -> Swings:
-        """The same for some of the recordings."""
-        part = copy.copy(self)
-        part.recordings = tuple(self.recordings[i] for i in chosen)
-        part._swinging = tuple(self._swinging[i] for i in chosen)
-        return part
 
     def run(self, models: Sequence[Model], first: int | None = None) -> list[tuple[Recording, ...]]:
         """All models on all swings in one batch."""

@@ -12,14 +12,11 @@ from workbench.core import Recording, RecordingError, Share
 from .score import scored_signals
 
 _BINS = 8
-_SMALLEST = 0.02  # share worth a line
+_SMALLEST, _MOST = 0.02, 8  # share worth a line, and how many are
 
 
 def locate(
-    errors: Sequence[RecordingError],
-    noisy: Sequence[Sequence[Recording]],
-    units: Sequence[str],
-    keep: int = 8,
+    errors: Sequence[RecordingError], noisy: Sequence[Sequence[Recording]], units: Sequence[str]
 ) -> tuple[Share, ...]:
     """The intervals that hold most of the excess squared error of each axis and signal.
 
@@ -30,7 +27,6 @@ def locate(
         errors: recordings with their simulations and noise.
         noisy: simulations with noise, one list a draw.
         units: ``rad`` or ``m`` per axis.
-        keep: number of shares to return, largest first.
     """
     axes = errors[0].recording.axes
     edges = bands(max(1.0 / e.recording.period for e in errors))
@@ -50,14 +46,13 @@ def locate(
                 edges,
                 sum((p.spectrum(edges) for p in parts), np.zeros(_BINS)),
             )
-    return shares_of(tables, axes, units, keep)
+    return shares_of(tables, axes, units)
 
 
 def shares_of(
     tables: Mapping[tuple[str, str, str], tuple[np.ndarray, np.ndarray]],
     axes: Sequence[str],
     units: Sequence[str],
-    keep: int = 8,
 ) -> tuple[Share, ...]:
     """The largest shares in tables of edges and the excess between, by axis, signal and quantity."""
     shares = []
@@ -71,7 +66,7 @@ def shares_of(
                 between = float(at[k]), float(at[k + 1])
                 shares.append(Share(axis, signal, quantity, between, label, float(excess[k] / total)))
     shares.sort(key=lambda s: -s.share)
-    return tuple(shares[:keep])
+    return tuple(shares[:_MOST])
 
 
 class Series:

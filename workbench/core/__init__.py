@@ -10,25 +10,16 @@ from .diagnosis import (
     Estimate,
     Finding,
     Identifiability,
-    Improvement,
-    Step,
     Stopped,
     Tried,
     Verdict,
 )
 from .drive_map import DriveMap
 from .errors import InputError, SimulationError, WorkbenchError
+from .improvement import Improvement, Result, Step
 from .mechanism import Mechanism
 from .recording import AXIS_SIGNALS, Controller, Excitation, Recording, Recordings, Timing
-from .results import (
-    FORMAT,
-    HOPELESS,
-    Comparison,
-    InverseDynamics,
-    Outlier,
-    RecordingError,
-    Share,
-)
+from .results import FORMAT, HOPELESS, Comparison, InverseDynamics, Outlier, RecordingError, Share
 from .shape import Shape
 from .verification import Check, Verification
 
@@ -57,6 +48,7 @@ __all__ = [
     "Recording",
     "RecordingError",
     "Recordings",
+    "Result",
     "Shape",
     "Share",
     "SimulationError",

@@ -1,4 +1,4 @@
-"""Output appears whole or not at all, and nothing is overwritten unasked."""
+"""Output appears whole or not at all, and nothing is overwritten unasked; what cannot be read is said."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import shutil
 import signal
 import tempfile
 import threading
+import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -104,6 +105,31 @@ def _uninterrupted() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
         if came:
             before(*came[0])
+
+
+def read_file(path: Path) -> bytes:
+    """The content of a file.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
+
+
+def read_toml(path: Path, remedy: str = "correct that line") -> dict[str, Any]:
+    """The table of a TOML file.
+
+    Raises:
+        InputError: it cannot be read, or is no TOML; then with this `remedy`.
+    """
+    try:
+        return tomllib.loads(read_file(path).decode("utf-8-sig"))
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"is not valid TOML: {error}", file=path, remedy=remedy) from error
 
 
 def check_free(path: str | Path, *, force: bool) -> None:

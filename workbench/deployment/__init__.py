@@ -5,44 +5,36 @@ What a robot's own computer needs imports no simulator; virtual motors in simula
 
 from typing import TYPE_CHECKING, Any
 
-from .controller import Controller, Target
+from .controller import Target
 from .feedback import Feedback
 from .host import Host
 from .joints import Joints, joints_of
 from .limits import Limits, limits_of
-from .network import Arrival, Network
-from .operator import Operator
 from .safety import SafetyState, initial, step
 from .seen import Seen, Setpoints, Wanted
 from .statistics import Punctuality
-from .verify import Verified, VerifyError, verify
+from .verify import VerifyError
 
 if TYPE_CHECKING:
     from .simulated import SimulatedNetwork
 
 __all__ = [
-    "Arrival",
-    "Controller",
     "Feedback",
     "Host",
     "Joints",
     "Limits",
-    "Network",
-    "Operator",
     "Punctuality",
     "SafetyState",
     "Seen",
     "Setpoints",
     "SimulatedNetwork",
     "Target",
-    "Verified",
     "VerifyError",
     "Wanted",
     "initial",
     "joints_of",
     "limits_of",
     "step",
-    "verify",
 ]
 
 

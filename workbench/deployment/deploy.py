@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -141,8 +140,11 @@ def deploy(
                 frames.watch(host)
             with on_hardware(host, config), teleoperated(teleop, command, clip, ports.now) as watches:
                 host.operator.watches += watches
-                ready = partial(_rehearse, lacks, config, controller, say, refused)
-                result = run_host(host, ports, seconds, say, ready)
+
+                def rehearse(host: Host) -> None:
+                    lacks.extend(budget(host, config, controller, say, refused, Crowd()))
+
+                result = run_host(host, ports, seconds, say, rehearse)
     return {**result, "notes": notes, "lacks": lacks}
 
 
@@ -187,13 +189,6 @@ def run_host(
         "fault_words": words if fault == "a drive reports a fault" else [],
         "stopped": operator.stop, "stopped_by": operator.pressed_by or None, **host.punctuality.summary(),
     }  # fmt: skip
-
-
-def _rehearse(
-    lacks: list[str], config: CanConfig, controller: Controller, say: Callable[[str], None],
-    refused: Sequence[str], host: Host,
-) -> None:  # fmt: skip
-    lacks += budget(host, config, controller, say, refused, Crowd())
 
 
 def status(host: Host) -> str:

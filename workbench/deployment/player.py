@@ -10,6 +10,8 @@ from workbench.frf import Design
 from .base import BaseMotion
 from .controller import Target
 
+_SETTLE = 1.0  # s for which the posture is held first
+
 
 class Player:
     """One experiment of a design, as a controller.
@@ -18,7 +20,6 @@ class Player:
         design: what to play.
         experiment: which of its experiments.
         period: of the loop [s].
-        settle: how long the posture is held first [s].
 
     Attributes:
         reference, feedforward: what is played at each tick (N, n) [rad; N m].
@@ -28,7 +29,7 @@ class Player:
         InputError: the design's rows do not fall on the loop's ticks.
     """
 
-    def __init__(self, design: Design, experiment: int, period: float, settle: float = 1.0) -> None:
+    def __init__(self, design: Design, experiment: int, period: float) -> None:
         rows = design.rate_hz * period
         if abs(rows - round(rows)) > 1e-9 or rows < 1:
             raise InputError(
@@ -42,7 +43,7 @@ class Player:
         self.reference = signals.get("position_reference", zero)[:: round(rows)]
         self.feedforward = signals.get("torque_feedforward", zero)[:: round(rows)]
         self.begun: float | None = None
-        self._period, self._settle, self._ran = period, settle, np.inf
+        self._period, self._ran = period, np.inf
         self._zero = np.zeros(n)
 
     @property
@@ -61,7 +62,7 @@ class Player:
         if phase != "run":
             return Target(self.reference[0], self._zero, now)
         self._ran = min(self._ran, now)
-        if self.begun is None and now >= self._ran + self._settle:
+        if self.begun is None and now >= self._ran + _SETTLE:
             self.begun = now
         if self.begun is None:
             return Target(self.reference[0], self._zero, now)

@@ -1,19 +1,15 @@
 """Many logs of many robots: one diagnosis a robot, side by side, and what robots have in common."""
 
 from .page import fleet_sheet
-from .result import Fleet, Peculiar, Shared, fleet_dict, summarise
+from .result import fleet_dict, summarise
 from .robots import Robot, find_robots
 from .run import run_fleet
-from .spread import Spread, spread
+from .spread import spread
 from .store import files_read
 from .table import fleet_table
 
 __all__ = [
-    "Fleet",
-    "Peculiar",
     "Robot",
-    "Shared",
-    "Spread",
     "files_read",
     "find_robots",
     "fleet_dict",

@@ -45,12 +45,10 @@ class Shared:
         told = self.spreads.get(name)
         if told is None:
             return ()
-        pairs = zip(self._estimated(name), told.deviations, told.stands_out, strict=True)
+        estimated = [robot for robot, e in self.parameters[name].items() if e.std > 0]
+        pairs = zip(estimated, told.deviations, told.stands_out, strict=True)
         out = [Peculiar(robot, float(z)) for robot, z, apart in pairs if apart]
         return tuple(sorted(out, key=lambda p: -abs(p.deviations)))
-
-    def _estimated(self, name: str) -> list[str]:
-        return [robot for robot, e in self.parameters[name].items() if e.std > 0]
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import glob
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -11,6 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from workbench.core import InputError
+from workbench.core.files import read_toml
 
 _FEWEST = 3  # recordings from which one can be spared
 _SPARED = 4  # one in so many
@@ -99,15 +99,7 @@ def _files(path: str) -> list[Path]:
 
 
 def _toml(file: Path) -> dict[str, object]:
-    try:
-        return tomllib.loads(file.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"cannot be read ({reason})", file=file, remedy="check the path") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(
-            f"is not valid TOML: {error}", file=file, remedy="correct it or leave it out"
-        ) from error
+    return read_toml(file, "correct it or leave it out")
 
 
 def _rig(file: Path) -> str:

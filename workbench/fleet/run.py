@@ -72,7 +72,7 @@ def run_fleet(
         result_file(folder, robot.name).unlink(missing_ok=True)
     folder.mkdir(parents=True, exist_ok=True)
     failed: dict[str, str] = {}
-    with _workers(ray):
+    with nullcontext() if ray is None else _cluster(ray):
         count = jobs if ray is not None or jobs > 0 else max(1, cpu_count() + 1 + jobs)
         for turn in range(_ROUNDS):
             batches = [waiting] if turn < _ROUNDS - 1 else [[robot] for robot in waiting]
@@ -123,11 +123,6 @@ def _named(robot: Robot, folder: Path, seed: int, inputs: str, cores: int) -> tu
 def _worker_died(error: Exception) -> bool:
     kinds = {kind.__name__ for kind in type(error).__mro__}
     return bool(kinds & {"BrokenProcessPool", "TerminatedWorkerError", "RayError"})
-
-
-def _workers(ray: str | None) -> AbstractContextManager[Any]:
-    """Where joblib's work goes."""
-    return nullcontext() if ray is None else _cluster(ray)
 
 
 def _cluster(address: str) -> AbstractContextManager[Any]:

@@ -22,7 +22,8 @@ def fleet_table(fleet: Fleet) -> Group:
         before, after, judged = w.errors(r)
         lines = "\n".join(w.findings(r))
         robots.add_row(text(r["rig"]), w.verdict_words(r), before, after, judged, text(lines))
-    parts: list[RenderableType] = [verdict(w.sentence(fleet), _fine(fleet)), robots]
+    fine = all(r["verdict"] == "consistent" for r in fleet.robots)
+    parts: list[RenderableType] = [verdict(w.sentence(fleet), fine), robots]
     if fleet.effects:
         effects = table("effect", "robots", "parameter", ("all", "right"), ("scatter", "right"))
         for e in fleet.effects:
@@ -50,10 +51,6 @@ def fleet_table(fleet: Fleet) -> Group:
             Text("± is half a 95 % interval; scatter of robots is a multiple of what these intervals allow.")
         )
     return Group(*parts)
-
-
-def _fine(fleet: Fleet) -> bool:
-    return all(r["verdict"] == "consistent" for r in fleet.robots)
 
 
 def _unit(estimates: object) -> str:

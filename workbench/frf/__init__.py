@@ -4,7 +4,7 @@ from .chirp import chirp
 from .design_file import load_design, save_design
 from .distortion import Distortion, distortion
 from .estimate import estimate
-from .excitation import Design, Trial
+from .excitation import Design
 from .limits import Limit, Scaled, scale_to_limits
 from .lines import detection_lines, select_lines
 from .local_polynomial import local_polynomial
@@ -12,7 +12,7 @@ from .measure import lines_of
 from .mixing import mixing_matrix
 from .multisine import multisine
 from .period import find_period
-from .phases import crest_factor, low_crest_phases, random_phases, schroeder_phases
+from .phases import crest_factor
 from .postures import estimate_postures, group_by_posture
 from .resonances import Resonance, find_resonances
 from .response import Channel, Frf
@@ -25,7 +25,6 @@ __all__ = [
     "Limit",
     "Resonance",
     "Scaled",
-    "Trial",
     "chirp",
     "crest_factor",
     "detection_lines",
@@ -38,12 +37,9 @@ __all__ = [
     "lines_of",
     "load_design",
     "local_polynomial",
-    "low_crest_phases",
     "mixing_matrix",
     "multisine",
-    "random_phases",
     "save_design",
     "scale_to_limits",
-    "schroeder_phases",
     "select_lines",
 ]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gzip
 import io
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,7 +14,7 @@ import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import InputError
-from workbench.core.files import check_free, write_all
+from workbench.core.files import check_free, read_toml, write_all
 from workbench.core.formats import check_format
 from workbench.core.unfinished import finish
 from workbench.recordings.tables import read_table
@@ -159,15 +158,10 @@ def _design(d: _DesignTable, experiments: np.ndarray) -> Design:
 
 def _read(path: Path) -> _DesignTable:
     finish(path.parent)
+    content = read_toml(path)
+    check_format(content, 1, path)
     try:
-        content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-        check_format(content, 1, path)
         table = _DesignTable.model_validate(content)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"is not valid TOML: {error}", file=path, remedy="correct that line") from error
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(map(str, first["loc"]))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -12,6 +11,7 @@ from workbench.core import InputError, Recording
 
 from .bootstrap import Interval, resampled
 from .cycle import cycle_gap, cycles_of
+from .measures import Gait, Measure
 from .strides import Strides, duty_factor, strides_of
 from .swing import LOADED, Limbs, predict_swing
 from .tracking import tracking
@@ -19,46 +19,6 @@ from .tracking import tracking
 _LEAST = 0.1  # m/s, rad/s: a mean speed below which nothing was asked for
 _PERIODS = 1e-3  # by which two recordings' row periods may differ, as a share
 _PARTS = {"whole": "", "bias": ", bias", "slow": ", below 1 Hz", "ripple": ", ripple"}
-
-
-@dataclass(frozen=True)
-class Measure:
-    """One line.
-
-    Attributes:
-        name, unit: of what, and the unit of gap and floor.
-        gap: how far the two are apart.
-        floor: how far the hardware's second run is from its first; None without one.
-        hardware, simulator: what each shows; None where only the gap has a meaning.
-        seen_in: unit of these two.
-    """
-
-    name: str
-    unit: str
-    gap: Interval
-    floor: Interval | None = None
-    hardware: Interval | None = None
-    simulator: Interval | None = None
-    seen_in: str = ""
-
-
-@dataclass(frozen=True)
-class Gait:
-    """What two recordings show of a gait.
-
-    Attributes:
-        hardware, simulator, again: names of the recordings; `again` is None where there was none.
-        command: speeds that E_phi is a share of, forward [m/s] and turning [rad/s].
-        measures: those that could be made.
-        lacking: a line for each that could not, with the reason.
-    """
-
-    hardware: str
-    simulator: str
-    again: str | None
-    command: tuple[float, float]
-    measures: tuple[Measure, ...]
-    lacking: tuple[str, ...]
 
 
 def compare_gaits(

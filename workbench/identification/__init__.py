@@ -4,7 +4,6 @@ from .actuator import fit_actuator
 from .build import check_physical, serial_form, with_actuator, with_leg
 from .fit import Fit
 from .identify import identify_actuator, identify_leg
-from .judge import Judgement
 from .leg import fit_leg
 from .page import actuator_sheet, leg_sheet, readable
 from .picture import actuator_figure, fit_figure
@@ -14,7 +13,6 @@ from .two_mass import fit_two_mass
 __all__ = [
     "ActuatorIdentification",
     "Fit",
-    "Judgement",
     "LegIdentification",
     "actuator_figure",
     "actuator_sheet",

@@ -1,14 +1,12 @@
 """A leg of a user's own, from a file with a loop (SDF, URDF, MJCF): tree, transmission, linkage."""
 
-from .assemblies import Assemblies, assemblies
-from .contents import Contents, contents_of
+from .assemblies import assemblies
+from .contents import contents_of
 from .hardware import described, is_reference_leg, own_plants, own_rig
 from .import_model import Drives, import_model
 from .opened import is_mjcf
 
 __all__ = [
-    "Assemblies",
-    "Contents",
     "Drives",
     "assemblies",
     "contents_of",

@@ -18,6 +18,7 @@ from workbench.core import InputError
 from workbench.core.turns import roll_pitch_yaw
 from workbench.mechanism.parse import GRAVITY
 from workbench.models import Inertial, load_with_loops
+from workbench.models.engine import refused
 
 from .converted import Converted
 from .mjcf_bonds import across_rod, coupling, ends, free_joints, motors_of, resting, torque_limit
@@ -34,11 +35,8 @@ def convert(file: Path) -> Converted:
         InputError: MuJoCo cannot read it, or it has joints or equalities that no SDF of a mechanism has.
     """
     spec = load_with_loops(file)
-    try:
+    with refused("compile it", file):
         m = spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        problem = f"MuJoCo cannot compile it: {error}"
-        raise InputError(problem, file=file, remedy="correct what it names") from error
     if not np.allclose(m.opt.gravity, [0.0, 0.0, -GRAVITY]):
         problem = f"gravity is {m.opt.gravity.tolist()}"
         raise InputError(problem, file=file, column="gravity", remedy=f"make it 0 0 -{GRAVITY}")

@@ -119,17 +119,13 @@ def _filtered(axis: str, v: np.ndarray, slope: np.ndarray, band: float, period: 
     inside = slice(_REACH, -_REACH)
     (gain, time), spread = _fit(columns[inside], slope[inside])
     error = float(spread[1] / np.sqrt(band))
-    if abs(gain - 1) > _SCALE or time < _SURE * error or _rest(columns, [gain, time], slope) > _UNLIKE:
+    left = np.sum((slope - columns @ [gain, time]) ** 2) / np.sum(slope**2)  # share of its power
+    if abs(gain - 1) > _SCALE or time < _SURE * error or left > _UNLIKE:
         return None
     text = (
         f"Velocity of '{axis}' is filtered: it follows its position like a low-pass of {time * 1e3:.3g} ms."
     )
     return Remark("warning", "clock", axis, text, {"filter_s": float(time), "std_s": error})
-
-
-def _rest(columns: np.ndarray, found: list[float], seen: np.ndarray) -> float:
-    """Share of power that a fit leaves."""
-    return float(np.sum((seen - columns @ found) ** 2) / np.sum(seen**2))
 
 
 def _smooth(v: np.ndarray, slope: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, float]:

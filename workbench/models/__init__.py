@@ -5,7 +5,6 @@ from .contacts import base_contacts, machine_bodies
 from .engine import silence, warned
 from .file_number import BodyNumbers, Inertial, JointNumber, inertial_frame
 from .floating import BASE_AXES
-from .from_table import structural_effect
 from .mjcf import check_mjcf
 from .mjcf_text import MjcfText, differ
 from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
@@ -24,6 +23,7 @@ from .serial import (
     turned_joint,
 )
 from .spec import load_mjcf, load_tree, load_with_loops
+from .stated_effects import structural_effect
 from .urdf import is_urdf
 from .urdf_text import UrdfText
 from .write import linkage_table, model_text, write_model

@@ -5,8 +5,11 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import mujoco
+
+from workbench.core import InputError
 
 
 def silence() -> None:
@@ -14,6 +17,20 @@ def silence() -> None:
     config = mujoco.MjLogConfig.get()
     config.logto_file = config.logto_console = False
     config.set()
+
+
+@contextmanager
+def refused(act: str, file: Path) -> Iterator[None]:
+    """What MuJoCo refuses in here is told of this file: that it cannot `act`.
+
+    Raises:
+        InputError: in place of what MuJoCo raises.
+    """
+    try:
+        yield
+    except (ValueError, mujoco.FatalError) as error:
+        problem = f"MuJoCo cannot {act}: {error}"
+        raise InputError(problem, file=file, remedy="correct what it names") from error
 
 
 @contextmanager

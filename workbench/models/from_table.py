@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
-from workbench.core import Controller, Coupling, EffectKey, Estimate, InputError, Mechanism, apart
+from workbench.core import Controller, Coupling, InputError, Mechanism
 from workbench.core.paths import models_folder
 
 from .floating import BASE_AXES
-from .model import VARIANTS, Actuators, AppliedEffect, Crank, Ground, Linkage, Model
-from .schema import ActuatorTable, EffectTable, GroundTable, LinkageTable, ModelTable
+from .model import Actuators, Crank, Ground, Linkage, Model
+from .schema import ActuatorTable, GroundTable, LinkageTable, ModelTable
 from .shared_drives import shared_drives
 from .spec import end_site, hinges_and_slides, load_tree
+from .stated_effects import effects_of_entry, effects_of_variant
 
 _SINGULAR = 1e9  # condition of a transmission that no drives have
-_LINKAGE_KEYS = {"linkage_inertia": ("M11", "M12", "M22"), "linkage_gravity": ("g1", "g2")}
-_LINKAGE_UNITS = {"M11": "kg*m^2", "M12": "kg*m^2", "M22": "kg*m^2", "g1": "N*m", "g2": "N*m"}
 
 
 def from_table(table: ModelTable, file: Path) -> Model:
@@ -45,7 +43,7 @@ def from_table(table: ModelTable, file: Path) -> Model:
     n = len(axes)
     payload_site = _payload_site(table, spec, file)
     linkage = _linkage(table.linkage) if table.linkage else None
-    structural = _structural_effects(table.variant, linkage, file)
+    structural = effects_of_variant(table.variant, linkage, file)
     return Model(
         name=table.name,
         serial=serial,
@@ -57,7 +55,7 @@ def from_table(table: ModelTable, file: Path) -> Model:
         posture_dependent=bool(table.transmission and table.transmission.posture_dependent),
         linkage=linkage,
         variant=table.variant,
-        effects=(*structural, *(e for entry in table.effects for e in _effects(entry, axes, file))),
+        effects=(*structural, *(e for entry in table.effects for e in effects_of_entry(entry, axes, file))),
         controller=_controller(table, n, file),
         payload_site=payload_site,
         sliding_speed=table.friction.sliding_speed,
@@ -160,17 +158,6 @@ def _linkage(table: LinkageTable) -> Linkage:
     return Linkage(**table.model_dump(exclude={"crank"}), crank=crank)
 
 
-def _structural_effects(variant: str, linkage: Linkage | None, file: Path) -> list[AppliedEffect]:
-    """What a variant of S3N adds to the serial tree."""
-    names = VARIANTS[variant]
-    if linkage is None and set(names) & set(_LINKAGE_KEYS):
-        raise InputError(
-            f"variant '{variant}' needs a [linkage] table", file=file, column="variant",
-            remedy="give its identified parameters",
-        )  # fmt: skip
-    return [structural_effect(name, linkage) for name in names]
-
-
 def _ground(table: GroundTable | None, spec: mujoco.MjSpec, file: Path) -> Ground | None:
     if table is None:
         return None
@@ -221,29 +208,6 @@ def _mechanism(table: ModelTable, n: int, file: Path) -> Mechanism | None:
         tuple(chain.limits),
         tuple(Coupling(c.joint, c.follows, tuple(c.polynomial)) for c in chain.couplings),
     )
-
-
-def structural_effect(name: str, linkage: Linkage | None) -> AppliedEffect:
-    """A structural effect of S3N with the parameters that identification gave."""
-    keys = _LINKAGE_KEYS.get(name, ())
-    values = {k: Estimate(getattr(linkage or Linkage(), k), 0.0, _LINKAGE_UNITS[k]) for k in keys}
-    return AppliedEffect(EffectKey(name, None), values)
-
-
-def _effects(entry: EffectTable, axes: Sequence[str], file: Path) -> list[AppliedEffect]:
-    """One effect, or several of a kind."""
-    if entry.axis is not None and entry.axis not in axes:
-        raise InputError(
-            f"effect '{entry.effect}' is on axis '{entry.axis}'", file=file, column="effects.axis",
-            remedy=f"axes are {', '.join(axes)}",
-        )  # fmt: skip
-    try:
-        return [AppliedEffect(key, values) for key, values in apart(entry.model_dump())]
-    except ValueError as error:
-        raise InputError(
-            f"effect '{entry.effect}': {error}", file=file, column="effects.parameters",
-            remedy="give each parameter one number, or lists of one length",
-        ) from error  # fmt: skip
 
 
 def _controller(table: ModelTable, n: int, file: Path) -> Controller:

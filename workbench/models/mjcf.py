@@ -6,6 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from workbench.core import InputError
+from workbench.core.files import read_file
 from workbench.core.xml import check_inside, parse_xml
 
 _FOLDERS = "meshdir", "texturedir", "assetdir"
@@ -36,11 +37,7 @@ def check_mjcf(file: Path, within: frozenset[Path] = frozenset()) -> list[Path]:
         if each in seen or len(seen) > _MOST:
             raise InputError("is included by itself", file=each, remedy="include each file once")
         seen.add(each)
-        try:
-            raw = each.read_bytes()
-        except OSError as error:
-            reason = error.strerror or str(error)
-            raise InputError(f"cannot be read ({reason})", file=each, remedy="check the path") from error
+        raw = read_file(each)
         roots.append((each, parse_xml(raw, each, problem="MuJoCo cannot read this MJCF")))
         for node in roots[-1][1].iter("include"):
             left.append(check_inside(node.get("file", ""), folder, each, "include"))

@@ -11,7 +11,7 @@ from workbench.core import InputError
 
 from .bound import refuse_equalities
 from .contacts import keep_base_apart
-from .engine import warned
+from .engine import refused, warned
 from .floating import take_apart
 from .mjcf import check_mjcf
 from .urdf import is_urdf, load_urdf
@@ -47,12 +47,8 @@ def load_with_loops(path: Path) -> mujoco.MjSpec:
 
 def _parsed(path: Path) -> mujoco.MjSpec:
     check_mjcf(path)
-    try:
+    with refused("read this MJCF", path):
         spec = mujoco.MjSpec.from_file(str(path))
-    except (ValueError, mujoco.FatalError) as error:
-        raise InputError(
-            f"MuJoCo cannot read this MJCF: {error}", file=path, remedy="correct what it names"
-        ) from error
     _take_inertia_from_geoms(spec)
     return spec
 
@@ -106,13 +102,8 @@ def hinges_and_slides(spec: mujoco.MjSpec, file: Path) -> list[str]:
     if not abs(strongest) < _STRONGEST:
         problem = f"gravity is {strongest:.3g} m/s^2"
         raise InputError(problem, file=file, column="gravity", remedy="give it in m/s^2")
-    try:
-        with warned():  # what is lacking may stand in the model file, as a drive's inertia does
-            spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise InputError(
-            f"MuJoCo cannot compile this model: {error}", file=file, remedy="correct what it names"
-        ) from error
+    with refused("compile this model", file), warned():
+        spec.compile()  # what is lacking may stand in the model file, as a drive's inertia does
     return names
 
 

@@ -8,9 +8,11 @@ from xml.etree import ElementTree
 import mujoco
 
 from workbench.core import InputError
+from workbench.core.files import read_file
 from workbench.core.xml import parse_xml
 
 from .bound import refuse_constraints
+from .engine import refused
 
 _LOOKS = "visual", "collision"
 _KEPT = {"link", "joint"}
@@ -29,11 +31,7 @@ def load_urdf(file: Path) -> mujoco.MjSpec:
         InputError: no URDF, one that xacro has yet to expand, one with loops or joints that follow others, or
             one that MuJoCo cannot read.
     """
-    try:
-        raw = file.read_bytes()
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"cannot be read ({reason})", file=file, remedy="check the path") from error
+    raw = read_file(file)
     root = parse_xml(raw, file, prefixes=False)
     if root.tag != "robot":
         raise InputError(f"it is a <{root.tag}>", file=file, remedy="a URDF is a <robot>")
@@ -48,12 +46,8 @@ def load_urdf(file: Path) -> mujoco.MjSpec:
             link.remove(looks)
     settings = ElementTree.SubElement(root, "mujoco")
     ElementTree.SubElement(settings, "compiler", _COMPILER)
-    try:
+    with refused("read this URDF", file):
         spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"))
-    except (ValueError, mujoco.FatalError) as error:
-        raise InputError(
-            f"MuJoCo cannot read this URDF: {error}", file=file, remedy="correct what it names"
-        ) from error
     ends = [body for body in spec.bodies if body.parent is not None and not body.bodies]
     if len(ends) == 1:
         ends[0].add_site(name=ends[0].name)

@@ -15,8 +15,8 @@ from workbench.core.files import write_whole
 from workbench.core.paths import models_folder
 from workbench.core.text import plain
 
-from .from_table import structural_effect
 from .model import VARIANTS, AppliedEffect, Linkage, Model
+from .stated_effects import structural_effect
 
 
 def write_model(model: Model, path: str | Path, *, force: bool = False) -> None:

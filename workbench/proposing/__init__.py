@@ -3,7 +3,7 @@
 from .by_weight import by_weight
 from .files import open_table
 from .import_table import import_table, said_by
-from .proposal import Answers, Assumption, Proposal, Question
+from .proposal import Answers, Proposal, Question
 from .propose import propose
 from .questions import told
 from .table import Table
@@ -11,7 +11,6 @@ from .write import complete, write
 
 __all__ = [
     "Answers",
-    "Assumption",
     "Proposal",
     "Question",
     "Table",

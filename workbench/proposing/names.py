@@ -17,21 +17,8 @@ KINDS: dict[str, tuple[str, ...]] = {
         *("thetadot", "dtheta", "phidot", "dphi", "rpm", "om", "rate", "spd", "drehzahl"),
     ),
     "torque": (
-        *(
-            "torque",
-            "torques",
-            "tau",
-            "tq",
-            "trq",
-            "moment",
-            "mom",
-            "effort",
-            "efforts",
-            "eff",
-            "force",
-            "frc",
-        ),
-        *("actuatorforce", "qfrc", "load", "drehmoment"),
+        *("torque", "torques", "tau", "tq", "trq", "moment", "mom", "effort", "efforts", "eff", "force"),
+        *("frc", "actuatorforce", "qfrc", "load", "drehmoment"),
     ),
     "position": (
         *("position", "positions", "pos", "q", "qpos", "qm", "angle", "angles", "ang", "theta", "th", "phi"),
@@ -54,19 +41,8 @@ ROLES: dict[str, tuple[str, ...]] = {
     "feedforward": ("ff", "feedforward", "injected", "excitation"),
     "reference": (
         *("ref", "reference", "des", "desired", "set", "setpoint", "sp", "target", "goal", "demand", "soll"),
-        *(
-            "cmd",
-            "command",
-            "commands",
-            "commanded",
-            "action",
-            "actions",
-            "ctrl",
-            "control",
-            "tgt",
-            "rq",
-            "dem",
-        ),
+        *("cmd", "command", "commands", "commanded", "action", "actions", "ctrl", "control", "tgt", "rq"),
+        "dem",
     ),
     "measured": (
         *("meas", "measured", "mes", "act", "actual", "fb", "feedback", "msr", "ist", "real", "observation"),
@@ -76,18 +52,8 @@ ROLES: dict[str, tuple[str, ...]] = {
 #: Words for what is asked of a drive, whatever it is.
 COMMANDS = frozenset({"cmd", "command", "commands", "commanded", "action", "actions", "ctrl", "control"})
 _NOISE = (
-    "joint",
-    "joints",
-    "jnt",
-    "axis",
-    "axes",
-    "ax",
-    "motor",
-    "motors",
-    "main",
-    "data",
-    "robot",
-    "feedback",
+    *("joint", "joints", "jnt", "axis", "axes", "ax", "motor", "motors"),
+    *("main", "data", "robot", "feedback"),
 )
 _KIND = {word: kind for kind, words in KINDS.items() for word in words}
 _ROLE = {word: role for role, words in ROLES.items() for word in words}

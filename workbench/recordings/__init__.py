@@ -2,16 +2,14 @@
 
 from .description import is_model_file
 from .files import source_files
-from .log import HELD, Log, Stretch, check_moves, open_recording, open_recordings
+from .log import Log, Stretch, check_moves, open_recording, open_recordings
 from .noise import NoiseLevels, noise_levels
 from .read import describe, load_recording, load_recordings
 from .white_noise import white_noise
-from .windows import AT_ONCE, Excerpts, excerpts
+from .windows import Excerpts, excerpts
 from .write import save_recording
 
 __all__ = [
-    "AT_ONCE",
-    "HELD",
     "Excerpts",
     "Log",
     "NoiseLevels",

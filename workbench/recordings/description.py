@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, FiniteFloat, ValidationError
 
 from workbench.core import AXIS_SIGNALS, InputError
+from workbench.core.files import read_file
 from workbench.core.formats import check_format
 from workbench.core.unfinished import finish
 from workbench.core.units import KINDS
@@ -131,10 +132,7 @@ def read_description(path: Path) -> Description:
     """
     finish(path.parent)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"cannot be read ({reason})", file=path, remedy="check the path") from error
+        text = read_file(path).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         remedy = _other_kind(path, {}) or "give the recording's TOML file"
         raise InputError("is not a recording", file=path, remedy=remedy) from error
@@ -182,12 +180,8 @@ def _check_names(d: Description, path: Path) -> None:
         raise InputError("names no axis", file=path, column="axes", remedy="give one name per axis")
     twice = sorted({a for a in d.axes if d.axes.count(a) > 1})
     if twice:
-        raise InputError(
-            f"axis '{twice[0]}' is named twice",
-            file=path,
-            column="axes",
-            remedy="give each axis its own name",
-        )
+        problem, remedy = f"axis '{twice[0]}' is named twice", "give each axis its own name"
+        raise InputError(problem, file=path, column="axes", remedy=remedy)
     for signal in d.columns:
         if signal not in _COLUMN_KEYS and not is_extra(signal):
             raise _unknown_key(f"columns.{signal}", signal, _COLUMN_KEYS, path)
@@ -199,22 +193,15 @@ def _check_names(d: Description, path: Path) -> None:
     for signal, columns in d.columns.items():
         wanted = n if signal in AXIS_SIGNALS else len(columns) if is_extra(signal) else 1
         if len(columns) != wanted or not columns:
-            raise InputError(
-                f"has {len(columns)} column(s) where {wanted} are needed",
-                file=path,
-                column=f"columns.{signal}",
-                remedy="give one column per axis, in the order of axes"
-                if signal in AXIS_SIGNALS
-                else "give one",
-            )
+            problem = f"has {len(columns)} column(s) where {wanted} are needed"
+            each = "give one column per axis, in the order of axes"
+            remedy = each if signal in AXIS_SIGNALS else "give one"
+            raise InputError(problem, file=path, column=f"columns.{signal}", remedy=remedy)
     forces = len(d.columns.get("ground_force", ()))
     if forces % 3:
-        raise InputError(
-            f"has {forces} column(s), which is not a multiple of three",
-            file=path,
-            column="columns.ground_force",
-            remedy="give fx, fy, fz for every foot",
-        )
+        problem = f"has {forces} column(s), which is not a multiple of three"
+        remedy = "give fx, fy, fz for every foot"
+        raise InputError(problem, file=path, column="columns.ground_force", remedy=remedy)
     for kind in d.guessed_units:
         if kind not in KINDS:
             raise _unknown_key("guessed_units", kind, tuple(KINDS), path)
@@ -238,12 +225,8 @@ def _explain(error: ValidationError, path: Path) -> InputError:
         return _unknown_key(key, key.split(".")[-1], known, path)
     if key == "format":
         found = "(none)" if first["type"] == "missing" else first["input"]
-        return InputError(
-            f"format {found} is not known to this version",
-            file=path,
-            column="format",
-            remedy="write format = 1",
-        )
+        problem = f"format {found} is not known to this version"
+        return InputError(problem, file=path, column="format", remedy="write format = 1")
     if first["type"] == "missing":
         return InputError("is missing", file=path, column=key, remedy="add it")
     said = first["msg"].removeprefix("Value error, ")

@@ -15,10 +15,11 @@ from .checks import check_alive, check_excitation, check_finite
 from .clock import Clock, read_clock
 from .convert import axis_signals, axis_units, extra_signals, seconds
 from .dead import dead_note, dead_rows
-from .description import ControllerTable, Description, is_model_file, read_description
+from .description import Description, is_model_file, read_description
 from .jitter import settle_jitter
 from .lattice import lattice_step
 from .resample import loop_keeps_time, measured_on_clock, onto_clock
+from .stated_loop import stated_loop
 from .tables import read_table
 from .velocity import derive_velocity
 from .wrap import unwrap
@@ -69,7 +70,7 @@ def describe(path: Path) -> Described:
         InputError: as `load_recording`, of this file.
     """
     d = read_description(path)
-    return Described(d, path, axis_units(d, path), _controller(d, path))
+    return Described(d, path, axis_units(d, path), stated_loop(d, path))
 
 
 def assemble(described: Described, data: dict[str, np.ndarray], *, part: bool = False) -> Recording:
@@ -184,42 +185,6 @@ def recording_files(paths: str | Path | Iterable[str | Path]) -> list[Path]:
             raise InputError("no file matches this pattern", file=path, remedy="check the path")
         files += map(Path, found)
     return list(dict.fromkeys(files))
-
-
-def _controller(d: Description, path: Path) -> Controller:
-    c = d.controller
-    if c is None:
-        return Controller()
-    needed = {"pd": ("kp",), "cascade_pv": ("kp", "kv", "gain")}.get(c.kind, ())
-    for key in needed:
-        if getattr(c, key) is None:
-            remedy = f"a controller of kind '{c.kind}' needs it, one number per axis"
-            raise InputError("is missing", file=path, column=f"controller.{key}", remedy=remedy)
-    if c.period_s is not None and c.period_s <= 0:
-        remedy = "give the sample-and-hold period in seconds"
-        raise InputError("must be positive", file=path, column="controller.period_s", remedy=remedy)
-    gains = {key: _per_axis(c, key, d, path) for key in ("kp", "kd", "kv", "gain", "limit")}
-    if c.kind == "pd" and not gains["kd"]:
-        gains["kd"] = (0.0,) * len(d.axes)
-    return Controller(
-        kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, velocity=c.velocity, **gains
-    )
-
-
-def _per_axis(c: ControllerTable, key: str, d: Description, path: Path) -> tuple[float, ...]:
-    values = getattr(c, key)
-    if values is None:
-        return ()
-    if len(values) != len(d.axes):
-        raise InputError(
-            f"has {len(values)} value(s) for {len(d.axes)} axes",
-            file=path,
-            column=f"controller.{key}",
-            remedy="give one number per axis",
-        )
-    if key == "limit" and min(values) <= 0:
-        raise InputError("must be positive", file=path, column="controller.limit", remedy="give its size")
-    return tuple(values)
 
 
 def measured_rows(d: Description, data: dict[str, np.ndarray], table: Path) -> np.ndarray | None:

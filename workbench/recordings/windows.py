@@ -52,7 +52,7 @@ def excerpts(
     notes: list[str] = []
     fit = _shortened(training, (1.0 - part) * at_once, notes)
     judge = _shortened(held_out, part * at_once, notes)
-    every = sum(_rows(s) for s in (*training, *held_out))
+    every = sum(s.rows if isinstance(s, Log) else len(s) for s in (*training, *held_out))
     used = sum(len(r) for r in (*fit, *judge))
     return Excerpts(fit, judge, used / every if notes else 1.0, tuple(notes))
 
@@ -77,10 +77,6 @@ def _shortened(sources: Sequence[Recording | Log], at_once: float, notes: list[s
         )
         out += own
     return out
-
-
-def _rows(source: Recording | Log) -> int:
-    return source.rows if isinstance(source, Log) else len(source)
 
 
 def windows_of(log: Log, total: float) -> list[Recording]:

@@ -12,14 +12,7 @@ from .verification import verification_table
 
 if TYPE_CHECKING:
     from .check_sheet import verification_sheet
-    from .figures import (
-        house_style,
-        ladder_figure,
-        overlay_figure,
-        residual_figure,
-        save_figure,
-        spectrum_figure,
-    )
+    from .figures import ladder_figure, overlay_figure, residual_figure, spectrum_figure
     from .gait import gait_dict, gait_table
     from .mcap_file import check_mcap, write_mcap
     from .page import render_page, write_page
@@ -29,6 +22,7 @@ if TYPE_CHECKING:
     from .shapes import shape_figure
     from .sheet import Sheet
     from .sheet_page import render_sheet, write_sheet
+    from .style import house_style, save_figure
     from .tables import compare_table, diagnosis_table, improvement_table, truth_table
 
 __all__ = [
@@ -67,33 +61,22 @@ __all__ = [
     "write_sheet",
 ]
 
-_HOME = {
-    "Sheet": "sheet",
-    "check_mcap": "mcap_file",
-    "check_rerun": "rerun_file",
-    "compare_table": "tables",
-    "diagnosis_table": "tables",
-    "gait_dict": "gait",
-    "gait_table": "gait",
-    "house_style": "figures",
-    "improvement_table": "tables",
-    "ladder_figure": "figures",
-    "overlay_figure": "figures",
-    "render_page": "page",
-    "render_sheet": "sheet_page",
-    "residual_figure": "figures",
-    "save_figure": "figures",
-    "sentence": "sections",
-    "shape_figure": "shapes",
-    "trace_sheet": "search_sheet",
-    "truth_table": "tables",
-    "spectrum_figure": "figures",
-    "verification_sheet": "check_sheet",
-    "write_mcap": "mcap_file",
-    "write_rerun": "rerun_file",
-    "write_page": "page",
-    "write_sheet": "sheet_page",
+_NAMES = {
+    "check_sheet": "verification_sheet",
+    "figures": "ladder_figure overlay_figure residual_figure spectrum_figure",
+    "gait": "gait_dict gait_table",
+    "mcap_file": "check_mcap write_mcap",
+    "page": "render_page write_page",
+    "rerun_file": "check_rerun write_rerun",
+    "search_sheet": "trace_sheet",
+    "sections": "sentence",
+    "shapes": "shape_figure",
+    "sheet": "Sheet",
+    "sheet_page": "render_sheet write_sheet",
+    "style": "house_style save_figure",
+    "tables": "compare_table diagnosis_table improvement_table truth_table",
 }
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 
 def __getattr__(name: str) -> Any:

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from workbench.core import Verification
 from workbench.core.picture import Picture
 
-from .figures import AFTER, FLOOR
 from .numbers import number, unit_text
 from .sheet import Curve, Drawing, Panel, Row, Section, Sheet
 from .sheet_table import SheetTable
+from .style import AFTER, FLOOR
 from .verification import sentence
 
 

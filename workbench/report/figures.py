@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import io
-from contextlib import AbstractContextManager
-from pathlib import Path
 from typing import Any, Literal
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
-from workbench.core import Comparison, Diagnosis, Improvement, InputError
-from workbench.core.files import check_free, write_whole
-from workbench.core.palette import COLOURS, LINES
+from workbench.core import Comparison, InputError, Result
 from workbench.core.picture import Picture
 
 from .ladder import log_axis, rungs
@@ -34,38 +28,7 @@ from .residuals import (
     spectrum,
     units,
 )
-
-INK, BEFORE, AFTER, FLOOR = (COLOURS[name][0] for name in ("ink", "before", "after", "noise"))
-_QUIET, _RULE = COLOURS["quiet"][0], COLOURS["rule"][0]
-_STYLE: dict[str, dict[str, Any]] = {name: LINES[name].drawn() for name in ("measured", "before", "after")}
-_STYLE["measured"]["solid_capstyle"] = "butt"
-_RC: Any = {
-    "font.size": 9,
-    "axes.titlesize": 9.5,
-    "axes.titlelocation": "left",
-    "axes.titleweight": "normal",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.6,
-    "axes.edgecolor": _QUIET,
-    "axes.labelcolor": INK,
-    "xtick.color": _QUIET,
-    "ytick.color": _QUIET,
-    "axes.grid": True,
-    "grid.color": _RULE,
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "legend.frameon": False,
-    "legend.fontsize": 8.5,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "workbench",
-    "figure.dpi": 120,
-}
-
-
-def house_style() -> AbstractContextManager[None]:
-    """Figures that are made within look like all others."""
-    return mpl.rc_context(_RC)
+from .style import AFTER, BEFORE, FLOOR, INK, LOOKS, QUIET, house_style
 
 
 def overlay_figure(
@@ -93,7 +56,7 @@ def overlay_figure(
     shown = [
         (n, label, u) for (n, label), u in zip(SIGNALS, units(comparison, axis), strict=True) if has(entry, n)
     ]
-    with mpl.rc_context(_RC):
+    with house_style():
         figure, axes = _grid(2 * len(shown), 1, (7.2, 1.0 + 2.5 * len(shown)), heights=[2, 1.2] * len(shown))
         for row, (name, label, unit) in enumerate(shown):
             top, bottom = axes[2 * row, 0], axes[2 * row + 1, 0]
@@ -128,17 +91,17 @@ def overlay_figure(
 def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | None = None) -> Figure:
     """Residual against speed and against position: median of each bin, with its quartiles as a band."""
     quantities: tuple[tuple[Literal["speed", "position"], str], ...] = (("speed", "/s"), ("position", ""))
-    with mpl.rc_context(_RC):
+    with house_style():
         shown = _compared(comparison, axis)
         figure, axes = _grid(len(shown), 2, (7.2, 0.7 + 2.2 * len(shown)), sharey="row")
         for row, (name, label, unit) in enumerate(shown):
             factor, small = handy([_worst(comparison, axis, name)], unit)
             for col, (against, per) in enumerate(quantities):
                 a = axes[row, col]
-                a.axhline(0, color=_QUIET, lw=0.6)
+                a.axhline(0, color=QUIET, lw=0.6)
                 for when, run in _runs(comparison, after):
                     b = binned(run, axis, name, against)
-                    style = _STYLE[when] | {"marker": "o" if when == "before" else "s", "ms": 3}
+                    style = LOOKS[when] | {"marker": "o" if when == "before" else "s", "ms": 3}
                     a.fill_between(
                         b.centre, factor * b.low, factor * b.high, color=style["color"], alpha=0.18, lw=0
                     )
@@ -152,14 +115,14 @@ def residual_figure(comparison: Comparison, axis: str, *, after: Comparison | No
 
 def spectrum_figure(comparison: Comparison, axis: str, *, after: Comparison | None = None) -> Figure:
     """Spectrum of the residual beside the noise floor's, taken to be white."""
-    with mpl.rc_context(_RC):
+    with house_style():
         shown = _compared(comparison, axis)
         figure, axes = _grid(1, len(shown), (7.2, 2.9))
         for a, (name, label, unit) in zip(axes[0], shown, strict=True):
             for when, run in _runs(comparison, after):
                 f, density = spectrum(run, axis, name)
                 text = {"before": "model as given", "after": "effects added"}[when]
-                a.loglog(f, density, label=text, **_STYLE[when])
+                a.loglog(f, density, label=text, **LOOKS[when])
             floor = noise_density(comparison, axis, name)
             if np.isfinite(floor) and floor > 0:
                 a.axhline(floor, color=FLOOR, lw=1.6, ls=(0, (1, 1.2)), label="noise floor, as white noise")
@@ -169,13 +132,13 @@ def spectrum_figure(comparison: Comparison, axis: str, *, after: Comparison | No
     return figure
 
 
-def ladder_figure(result: Improvement | Diagnosis | Comparison) -> Figure:
+def ladder_figure(result: Result) -> Figure:
     """The error falling step by step beside the noise floor, on a log axis."""
     steps = rungs(result)
     floor = result.noise_error
     held_floor = None if isinstance(result, Comparison) else result.holdout_noise_error
     scale = log_axis([floor, held_floor, *(r.error for r in steps), *(r.holdout for r in steps)])
-    with mpl.rc_context(_RC):
+    with house_style():
         figure, axes = _grid(1, 1, (7.2, 1.4 + 0.42 * len(steps)))
         a = axes[0, 0]
         rows = np.arange(len(steps))
@@ -205,24 +168,6 @@ def ladder_figure(result: Improvement | Diagnosis | Comparison) -> Figure:
     return figure
 
 
-def save_figure(figure: Figure, path: str | Path, *, force: bool = False) -> Path:
-    """Write a figure as PNG or SVG by the name's ending, whole or not at all."""
-    kind = Path(path).suffix.lower().lstrip(".")
-    if kind not in ("png", "svg"):
-        raise InputError(f"cannot draw '.{kind}'", file=path, remedy="name it .png or .svg")
-    check_free(path, force=force)
-    return write_whole(path, figure_bytes(figure, kind), force=force)
-
-
-def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:
-    """The figure as PNG or SVG, the same bytes whenever it is drawn."""
-    buffer = io.BytesIO()
-    metadata = {"Date": None} if kind == "svg" else {"Software": None}
-    with mpl.rc_context(_RC):
-        figure.savefig(buffer, format=kind, dpi=dpi, facecolor="white", metadata=metadata)
-    return buffer.getvalue()
-
-
 def _name(text: str) -> str:
     """A stranger's string as matplotlib should print it, dollars and all."""
     return plain(text).replace("$", r"\$")
@@ -240,7 +185,7 @@ def _curve(
 ) -> None:
     first, last = (round(t / dt) for t in window) if window else (0, len(values))
     thin, stride = min_max(np.asarray(values[first : last + 1], float), 1200)
-    a.plot(dt * (first + stride * np.arange(len(thin))), thin, label=label or None, **_STYLE[when])
+    a.plot(dt * (first + stride * np.arange(len(thin))), thin, label=label or None, **LOOKS[when])
 
 
 def _runs(comparison: Comparison, after: Comparison | None) -> list[tuple[str, Comparison]]:

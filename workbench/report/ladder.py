@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from workbench.core import Comparison, Diagnosis, EffectKey, Improvement
+from workbench.core import Comparison, Diagnosis, EffectKey, Result
 
 from .wording import capital, effect_phrase
 
@@ -37,7 +37,7 @@ class LogAxis:
         return math.log(value / self.low) / math.log(self.high / self.low)
 
 
-def rungs(result: Comparison | Diagnosis | Improvement) -> tuple[Rung, ...]:
+def rungs(result: Result) -> tuple[Rung, ...]:
     """The model as given, then each effect added to what stands above it."""
     if isinstance(result, Comparison):
         return (Rung(GIVEN, result.error),)

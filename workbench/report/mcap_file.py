@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.core import Comparison, Diagnosis, Improvement, Recording
+from workbench.core import Recording, Result
 from workbench.core.files import check_free, write_whole
 from workbench.core.packages import need
 from workbench.core.recording import AXIS_SIGNALS
@@ -31,9 +31,7 @@ def check_mcap(path: str | Path) -> None:
     need("mcap.writer", "MCAP", "mcap", "-e '.[logs]' in the checkout", path)
 
 
-def write_mcap(
-    result: Comparison | Diagnosis | Improvement, path: str | Path, *, force: bool = False
-) -> Path:
+def write_mcap(result: Result, path: str | Path, *, force: bool = False) -> Path:
     """Write what was measured and simulated as one MCAP file, whole or not at all.
 
     Each recording has the topics ``/NAME/measured``, ``/NAME/simulated`` and ``/NAME/residual`` (measured

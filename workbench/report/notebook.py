@@ -17,10 +17,11 @@ from workbench.core.units import torque_unit
 
 from . import wording as w
 from .answer import diagnosis_sentence, improvement_sentence
-from .figures import house_style, ladder_figure, overlay_figure
+from .figures import ladder_figure, overlay_figure
 from .numbers import interval, number, percent, plain, quantity
 from .pack import worst_view
 from .residuals import min_max, worst_window
+from .style import house_style
 
 _TRACES = (("position", "position"), ("torque_measured", "torque"))
 

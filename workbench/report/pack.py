@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from workbench.core import Comparison, Diagnosis, Improvement, RecordingError
+from workbench.core import Comparison, Diagnosis, RecordingError, Result
 
 from .numbers import handy, plain
 from .residuals import (
@@ -94,7 +94,7 @@ def plots(before: Comparison, after: Comparison | None) -> tuple[dict[str, Any],
 
 
 def comparisons(
-    result: Comparison | Diagnosis | Improvement,
+    result: Result,
 ) -> tuple[Comparison | None, Comparison | None]:
     """The comparisons of a result: as the model was given, and with the effects that were found, if any."""
     if isinstance(result, Comparison):

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from workbench.core import Comparison, Diagnosis, Improvement
+from workbench.core import Comparison, Diagnosis, Improvement, Result
 from workbench.core.files import check_free, write_whole
 
-from .figures import figure_bytes, overlay_figure
+from .figures import overlay_figure
 from .json import Truth
 from .numbers import plain
 from .pack import comparisons, plots, worst_view
@@ -20,10 +20,11 @@ from .residuals import worst_window
 from .sections import sections
 from .shapes import shape_figure
 from .shell import plotly, reproduce, template
+from .style import figure_bytes
 
 
 def write_page(
-    result: Comparison | Diagnosis | Improvement,
+    result: Result,
     path: str | Path,
     *,
     command: str,
@@ -52,7 +53,7 @@ def write_page(
 
 
 def render_page(
-    result: Comparison | Diagnosis | Improvement,
+    result: Result,
     *,
     command: str,
     seeds: Mapping[str, int] | None = None,
@@ -92,7 +93,7 @@ def _fallback(before: Comparison, after: Comparison | None) -> dict[str, str]:
     }
 
 
-def _shape_picture(result: Comparison | Diagnosis | Improvement) -> str:
+def _shape_picture(result: Result) -> str:
     diagnosis = result.diagnosis if isinstance(result, Improvement) else result
     return _picture(shape_figure(diagnosis)) if isinstance(diagnosis, Diagnosis) else ""
 

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from workbench.core import Comparison, Diagnosis, Improvement, Recording
+from workbench.core import Recording, Result
 from workbench.core.files import check_free, write_whole
 from workbench.core.packages import need
 from workbench.core.palette import COLOURS
@@ -35,9 +35,7 @@ def check_rerun(path: str | Path) -> None:
     need("rerun", "a Rerun recording", "rerun-sdk", "-e '.[rerun]' in the checkout", path)
 
 
-def write_rerun(
-    result: Comparison | Diagnosis | Improvement, path: str | Path, *, force: bool = False
-) -> Path:
+def write_rerun(result: Result, path: str | Path, *, force: bool = False) -> Path:
     """Write what was measured and simulated as one ``.rrd`` file, whole or not at all.
 
     Each recording has a tab with a plot of each signal of each axis, in which ``measured``, ``simulated``

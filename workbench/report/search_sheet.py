@@ -13,11 +13,11 @@ from workbench.core.picture import Picture
 
 from . import wording as w
 from .answer import diagnosis_sentence
-from .figures import house_style
 from .ladder import log_axis
 from .numbers import number, percent
 from .sheet import Section, Sheet
 from .sheet_table import SheetTable
+from .style import house_style
 from .trace import trace_table
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
-from workbench.core import Comparison, Diagnosis, EffectKey, Estimate, Finding, Improvement, Share, Step
+from workbench.core import Comparison, Diagnosis, EffectKey, Finding, Improvement, Result, Share, Step
 
 from . import wording as w
 from .answer import diagnosis_sentence, improvement_sentence
 from .json import Truth
+from .key_numbers import key_numbers
 from .ladder import log_axis, rungs
 from .numbers import interval, number, percent, plain
 from .rest import near_sentence
@@ -21,7 +22,6 @@ from .told_apart import disagreement_lines, expected_rows, told_apart
 from .trace import trace_table
 from .truth import truth_rows
 
-Result = Comparison | Diagnosis | Improvement
 _RANKED = 10
 
 
@@ -38,7 +38,7 @@ def sections(
         "tone": _tone(result),
         "sentence": sentence(result),
         "lines": _lines(result, before),
-        "key_numbers": _key_numbers(result),
+        "key_numbers": key_numbers(result),
         "error_means": w.ERROR_MEANS,
         "ladder": _ladder(result),
         "effects": _effects(result),
@@ -78,13 +78,9 @@ def _held_scores(result: Result, after: Comparison | None) -> dict[str, Any]:
 
 
 def _notes(result: Result, before: Comparison | None) -> list[str]:
+    of_data = () if isinstance(result, Comparison) else result.notes
     of_comparison = (w.loop_sentence(before), *before.notes) if before else ()
-    return [plain(n) for n in dict.fromkeys((*_of_data(result), *of_comparison)) if n]
-
-
-def _of_data(result: Result) -> tuple[str, ...]:
-    """What was looked at of long logs."""
-    return () if isinstance(result, Comparison) else result.notes
+    return [plain(n) for n in dict.fromkeys((*of_data, *of_comparison)) if n]
 
 
 def sentence(result: Result) -> str:
@@ -123,50 +119,6 @@ def _lines(result: Result, before: Comparison | None) -> list[str]:
     if before is not None and before.where and result.verdict == "unexplained":
         out.append(f"Of the squared error above the noise, {w.share_phrase(before.where[0])}.")
     return [line for line in out if line]
-
-
-def _key_numbers(result: Result) -> list[tuple[str, str, str]]:
-    """Label, number and remark of the few numbers that matter."""
-    if isinstance(result, Comparison):
-        spread = result.noise_error_std
-        note = f"± {number(2 * spread, 2)} from run to run" if spread > 0 else "what a perfect model scores"
-        times = w.times_noise(result.error, result.noise_error)
-        return [
-            ("Error", number(result.error), f"{times} the noise floor" if times else ""),
-            ("Noise floor", number(result.noise_error), note),
-            ("Recordings", str(len(result.recordings)), _duration(result)),
-        ]
-    last = rungs(result)[-1]
-    before = rungs(result)[0]
-    times = w.times_noise(last.error, result.noise_error)
-    out = [
-        (
-            "Error before",
-            number(before.error),
-            f"{w.times_noise(before.error, result.noise_error)} the noise floor",
-        ),
-        ("Error after", number(last.error), f"{times} the noise floor" if times else ""),
-        ("Noise floor", number(result.noise_error), "what a perfect model scores"),
-    ]
-    out = out if len(rungs(result)) > 1 else [("Error", *out[0][1:]), out[2]]
-    if isinstance(result, Diagnosis):
-        out.append(
-            ("Unexplained", percent(result.unexplained_fraction), "of the squared error above the noise")
-        )
-    elif result.holdout_error_after is not None:
-        out.append(
-            (
-                "Held-out error",
-                number(result.holdout_error_after),
-                f"before {number(result.holdout_error_before)}",
-            )
-        )
-    return out
-
-
-def _duration(result: Comparison) -> str:
-    total = sum(r.covers or r.recording.duration for r in result.recordings)
-    return f"{number(total)} s of data"
 
 
 def _ladder(result: Result) -> dict[str, Any] | None:
@@ -226,7 +178,7 @@ def _effects(result: Result) -> list[dict[str, Any]]:
                 "title": w.capital(w.effect_phrase(f.key)),
                 "chance": percent(findings[f.key].probability) if f.key in findings else "",
                 "error": number(error),
-                "parameters": _parameters(f.parameters),
+                "parameters": [(w.parameter_name(name), interval(e)) for name, e in f.parameters.items()],
                 "evidence": [plain(e) for e in f.evidence],
                 "lines": [line for line in lines if line],
             }
@@ -244,10 +196,6 @@ def _effects_title(result: Result) -> str:
     if isinstance(result, Improvement):
         return "What was added: nearest, but not a cause" if result.nearest else "What was added"
     return "What is missing"
-
-
-def _parameters(parameters: Mapping[str, Estimate]) -> list[tuple[str, str]]:
-    return [(w.parameter_name(name), interval(e)) for name, e in parameters.items()]
 
 
 def _ranking(diagnosis: Diagnosis | None) -> list[dict[str, str]]:

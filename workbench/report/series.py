@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from workbench.core import Comparison, Diagnosis, Improvement, Recording, RecordingError
+from workbench.core import Recording, Result
 from workbench.core.recording import AXIS_SIGNALS
 from workbench.core.units import KINDS
 
@@ -18,7 +18,7 @@ Signals = Mapping[str, np.ndarray]
 
 
 def series_of(
-    result: Comparison | Diagnosis | Improvement,
+    result: Result,
 ) -> Iterator[tuple[str, str, Recording, Signals]]:
     """Name of a recording, what its signals are, the recording that has their times and rows, and these.
 
@@ -36,11 +36,8 @@ def series_of(
         for run, end in ((entry, ""), (later, "_with_effects")):
             if run is not None:
                 yield named, f"simulated{end}", run.recording, run.simulated.signals
-                yield named, f"residual{end}", run.recording, _residual(run)
-
-
-def _residual(entry: RecordingError) -> Signals:
-    return {name: entry.residual(name) for name, _ in SIGNALS if has(entry, name)}
+                residual = {name: run.residual(name) for name, _ in SIGNALS if has(run, name)}
+                yield named, f"residual{end}", run.recording, residual
 
 
 def si_units(recording: Recording, signal: str) -> tuple[str, ...]:

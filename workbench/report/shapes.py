@@ -26,7 +26,7 @@ def shape_figure(result: Diagnosis) -> Figure:
     """
     from workbench.core.picture import Picture  # slow to load, and most results are drawn elsewhere
 
-    from .figures import house_style
+    from .style import house_style
 
     shown = result.shapes[:_MOST]
     with house_style():

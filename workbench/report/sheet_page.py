@@ -91,7 +91,7 @@ def _picture(picture: tuple[Figure, str] | None) -> dict[str, str] | None:
     """A figure as the page embeds it, with what it shows in words."""
     if picture is None:
         return None
-    from .figures import figure_bytes  # slow to import, and only pictures need it
+    from .style import figure_bytes  # slow to import, and only pictures need it
 
     figure, words = picture
     encoded = base64.b64encode(figure_bytes(figure, "png", dpi=110)).decode("ascii")

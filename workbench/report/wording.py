@@ -7,16 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from workbench.core import (
-    HOPELESS,
-    Comparison,
-    EffectKey,
-    Estimate,
-    Finding,
-    Outlier,
-    Share,
-    Step,
-)
+from workbench.core import HOPELESS, Comparison, EffectKey, Estimate, Finding, Outlier, Share, Step
 
 from .numbers import interval, number, percent, plain, short
 

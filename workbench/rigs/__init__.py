@@ -1,6 +1,6 @@
 """Where measurements come from: virtual hardware, a closed chain in Drake with effects hidden in it."""
 
-from workbench.mechanism import ClosedChain, Reduced
+from workbench.mechanism import ClosedChain
 
 from .bench import VirtualBench
 from .degrade import degrade
@@ -10,22 +10,13 @@ from .drive_train import DriveTrain
 from .experiments import Experiment, chirp, demo_experiments, multisine, slow_sweep, validation
 from .hidden import EFFECTS, OUTSIDERS, HiddenEffect
 from .live import LiveLeg, LiveShaft
-from .live_own import LiveOwn
 from .magnitudes import DEMO_EFFECTS, DRAWN_EFFECTS
 from .motor_bank import MotorBank
 from .own_draw import draw_own
-from .own_machine import HIDEABLE, HiddenIn, OwnMachine
-from .own_rig import OwnExperiment, OwnRig
+from .own_machine import HiddenIn
+from .own_rig import OwnExperiment
 from .plate_experiments import plate_experiments
-from .revealing import (
-    dither,
-    experiments_for,
-    range_sweep,
-    revealing_experiments,
-    speed_ladder,
-    steps,
-    work_and_rest,
-)
+from .revealing import experiments_for, revealing_experiments, work_and_rest
 from .shapes import hidden_effect
 from .standing_leg import Plate
 from .structure import LegStructure, leg_structure
@@ -36,7 +27,6 @@ __all__ = [
     "DEMO_EFFECTS",
     "DRAWN_EFFECTS",
     "EFFECTS",
-    "HIDEABLE",
     "OUTSIDERS",
     "PERFECT",
     "ClosedChain",
@@ -47,14 +37,10 @@ __all__ = [
     "HiddenIn",
     "LegStructure",
     "LiveLeg",
-    "LiveOwn",
     "LiveShaft",
     "MotorBank",
     "OwnExperiment",
-    "OwnMachine",
-    "OwnRig",
     "Plate",
-    "Reduced",
     "Sensors",
     "VirtualBench",
     "VirtualLeg",
@@ -62,7 +48,6 @@ __all__ = [
     "chirp",
     "degrade",
     "demo_experiments",
-    "dither",
     "draw_hidden",
     "draw_own",
     "draw_several",
@@ -72,11 +57,8 @@ __all__ = [
     "leg_structure",
     "multisine",
     "plate_experiments",
-    "range_sweep",
     "revealing_experiments",
     "slow_sweep",
-    "speed_ladder",
-    "steps",
     "validation",
     "work_and_rest",
 ]

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from .along import Along, Vector
+
+State = tuple[Vector, Vector]  # coordinates and speeds, both (n,)
+Switch = Callable[[State], float]  # a quantity whose change of sign ends a smooth piece
 TIGHT = 1e-10  # how near zero a quantity counts as there [rad or rad/s]
 
 
@@ -32,3 +36,13 @@ def crossing(value: Callable[[float], float], low_value: float, high_value: floa
             low_value = 0.5 * low_value if kept == -1 else low_value
             kept = -1
     return 0.5 * (low + high)
+
+
+def slip(along: Along) -> Switch:
+    """The speed along a direction."""
+    return lambda state: along.read(state[1])
+
+
+def flank(front: int, back: int, wind: float) -> Switch:
+    """How far one coordinate leads another beyond an angle."""
+    return lambda state: state[0][front] - state[0][back] - wind

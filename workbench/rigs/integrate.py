@@ -8,15 +8,11 @@ at the crossing, where the friction either catches the pin or the pin turns roun
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import copysign, cos, sin
+from math import copysign, cos
 
 from .friction import Friction
-from .place import Passive
+from .smooth_leg import PassiveTorque, State, rk4, smooth_acceleration
 from .structure import LegStructure
-
-State = tuple[float, float, float, float]  # q1, q2 [rad], v1, v2 [rad/s]
-#: Extra torque (2,) [N m] of a state q1, q2, v1, v2.
-PassiveTorque = Callable[[float, float, float, float], tuple[float, float]]
 
 STEP = 0.25e-3  # largest integration step [s]
 _MAX_EVENTS = 30  # in one step; more is chatter, which sticks
@@ -42,7 +38,7 @@ class Integrator:
         self._structure, self._damping = structure, damping
         self._passive, self._frictions = tuple(passive), tuple(frictions)
         self._modes: list[int] = []  # of each friction: 0 sticks, 1 and -1 slide; from the first state on
-        self._slide = _smooth_acceleration(structure, damping, self._passive)
+        self._slide = smooth_acceleration(structure, damping, self._passive)
 
     @staticmethod
     def start(q1: float, q2: float) -> State:
@@ -60,7 +56,7 @@ class Integrator:
         h = duration / steps
         if not self._frictions:
             for _ in range(steps):
-                state = _rk4(self._slide, state, u1, u2, h)
+                state = rk4(self._slide, state, u1, u2, h)
             return state
         if not self._modes:
             slips = [d1 * state[2] + d2 * state[3] for d1, d2 in (f.direction for f in self._frictions)]
@@ -75,18 +71,18 @@ class Integrator:
         for _ in range(_MAX_EVENTS):
             self._release(state, u1, u2)
             rate = self._rate(load)
-            after = _rk4(rate, state, u1, u2, h)
+            after = rk4(rate, state, u1, u2, h)
             crossing = self._first_crossing(rate, state, after, u1, u2, h)
             if crossing is None:
                 return self._pinned(after)
             index, part = crossing
-            state = _rk4(rate, state, u1, u2, part)
+            state = rk4(rate, state, u1, u2, part)
             self._modes[index] = 0
             state = self._pinned(state)
             h -= part
             if h <= 1e-12:
                 return state
-        return self._pinned(_rk4(self._rate(load), state, u1, u2, h))
+        return self._pinned(rk4(self._rate(load), state, u1, u2, h))
 
     def _release(self, state: State, u1: float, u2: float) -> None:
         """Lets go every stuck pin whose holding torque exceeds its static limit."""
@@ -179,7 +175,7 @@ class Integrator:
                 part = low - slip_low * (high - low) / (slip_high - slip_low)
                 if not low < part < high:
                     break
-                there = _rk4(rate, state, u1, u2, part)
+                there = rk4(rate, state, u1, u2, part)
                 slip = d1 * there[2] + d2 * there[3]
                 if mode * slip >= 0.0:
                     low, slip_low = part, slip
@@ -219,59 +215,3 @@ class Integrator:
         position = friction.direction[0] * state[0] + friction.direction[1] * state[1]
         pressing = 0.0 if friction.load_axis is None else abs(load[friction.load_axis])
         return friction.level(slip, position, pressing)
-
-
-def passive_torque(passive: Passive) -> PassiveTorque:
-    """What a smooth torque at one place is in actuator coordinates."""
-    (d1, d2), law = passive.at.direction, passive.law
-    f1, f2 = passive.feels or passive.at.direction
-
-    def torque(q1: float, q2: float, v1: float, v2: float) -> tuple[float, float]:
-        amount = law(f1 * q1 + f2 * q2, f1 * v1 + f2 * v2)
-        return d1 * amount, d2 * amount
-
-    return torque
-
-
-def _smooth_acceleration(
-    structure: LegStructure, damping: tuple[float, float], passive: tuple[PassiveTorque, ...]
-) -> Callable[[float, float, float, float, float, float], tuple[float, float]]:
-    """Acceleration without dry friction as one closure over plain floats, because it runs a million times."""
-    m11, m12, m22, g1, g2 = structure.m11, structure.m12, structure.m22, structure.g1, structure.g2
-    b1, b2 = damping
-    diagonal = m11 * m22
-
-    def acceleration(q1: float, q2: float, v1: float, v2: float, u1: float, u2: float) -> tuple[float, float]:
-        alpha = q2 - q1
-        coupling = m12 * cos(alpha)
-        curl = m12 * sin(alpha)
-        t1 = u1 - b1 * v1 - g1 * sin(q1) + curl * v2 * v2
-        t2 = u2 - b2 * v2 - g2 * sin(q2) - curl * v1 * v1
-        for torque in passive:
-            p1, p2 = torque(q1, q2, v1, v2)
-            t1 += p1
-            t2 += p2
-        det = diagonal - coupling * coupling
-        return (m22 * t1 - coupling * t2) / det, (m11 * t2 - coupling * t1) / det
-
-    return acceleration
-
-
-def _rk4(rate: Callable, state: State, u1: float, u2: float, h: float) -> State:
-    """One classical Runge-Kutta step of length `h` [s]."""
-    q1, q2, v1, v2 = state
-    half = 0.5 * h
-    a1, a2 = rate(q1, q2, v1, v2, u1, u2)
-    w1, w2 = v1 + half * a1, v2 + half * a2
-    b1, b2 = rate(q1 + half * v1, q2 + half * v2, w1, w2, u1, u2)
-    x1, x2 = v1 + half * b1, v2 + half * b2
-    c1, c2 = rate(q1 + half * w1, q2 + half * w2, x1, x2, u1, u2)
-    y1, y2 = v1 + h * c1, v2 + h * c2
-    d1, d2 = rate(q1 + h * x1, q2 + h * x2, y1, y2, u1, u2)
-    sixth = h / 6.0
-    return (
-        q1 + sixth * (v1 + 2.0 * (w1 + x1) + y1),
-        q2 + sixth * (v2 + 2.0 * (w2 + x2) + y2),
-        v1 + sixth * (a1 + 2.0 * (b1 + c1) + d1),
-        v2 + sixth * (a2 + 2.0 * (b2 + c2) + d2),
-    )

@@ -15,31 +15,19 @@ from operator import itemgetter
 from workbench.core import SimulationError
 
 from .along import Along, Vector
-from .events import TIGHT, crossing
+from .events import TIGHT, State, Switch, crossing, flank, slip
 from .flexible import FlexibleLeg
 from .friction import merged
 from .hysteresis import Hysteresis
 from .machine import Machine
 from .place import Law, Passive, Place
 
-State = tuple[Vector, Vector]  # coordinates and speeds, both (n,)
 Rate = Callable[[Vector, Vector], Vector]
-Switch = Callable[[State], float]  # a quantity whose change of sign ends a smooth piece
 
 _STEP = 1e-3 / 3  # largest integration step [s]: a row in three
 _PART = 0.25  # a step over the time in which the fastest mode turns by a radian
 _SHORTEST = 1e-5  # s
 _MAX_EVENTS = 40  # in one step
-
-
-def _slip(along: Along) -> Switch:
-    """The speed along a direction."""
-    return lambda state: along.read(state[1])
-
-
-def _flank(front: int, back: int, wind: float) -> Switch:
-    """How far one coordinate leads another beyond an angle."""
-    return lambda state: state[0][front] - state[0][back] - wind
 
 
 class FlexibleIntegrator:
@@ -81,9 +69,9 @@ class FlexibleIntegrator:
 
     def _list_switches(self) -> list[Switch]:
         """Where memories turn back and flanks meet; slips of dry friction have modes besides."""
-        slips = [_slip(along) for along, _ in self._memories]
+        slips = [slip(along) for along, _ in self._memories]
         gaps = self.leg.gaps()
-        return [*slips, *(_flank(front, back, side * half) for front, back, half in gaps for side in (1, -1))]
+        return [*slips, *(flank(front, back, side * half) for front, back, half in gaps for side in (1, -1))]
 
     def _choose_step(self, machine: Machine) -> float:
         # at a reversal a hysteresis is twice as stiff as at first
@@ -157,7 +145,7 @@ class FlexibleIntegrator:
 
         for rub, (along, mode) in enumerate(zip(self._rubs, self._modes, strict=True)):
             if mode and mode * (end := along.read(after[1])) < 0.0:
-                found.append((when(_slip(along), along.read(state[1]), end), rub))
+                found.append((when(slip(along), along.read(state[1]), end), rub))
         for switch in self._switches:
             begin, end = switch(state), switch(after)
             if begin * end < 0.0 and abs(begin) > TIGHT:

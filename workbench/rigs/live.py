@@ -18,13 +18,12 @@ from .bench import shaft_constants
 from .drive import Drive
 from .experiments import HOLD
 from .hidden import HiddenEffect, install
-from .machine import DRIVE_DELAY, TORQUE_LIMIT, Machine
+from .machine import DRIVE_DELAY, TORQUE_LIMIT, Machine, rows_ahead, unmeasured
 from .moving_leg import moving_leg
 from .sensing import Sensing
 from .virtual_leg import Sensors, _watched_row
 
 ROW = 0.25e-3  # s
-_AHEAD = 120.0  # disturbances repeat after this [s]
 
 #: Angle [rad], speed [rad/s] and torque [N m] of one axis.
 Look = tuple[float, float, float]
@@ -121,13 +120,8 @@ class LiveLeg:
 
     def _unmeasured(self, machine: Machine) -> np.ndarray:
         """Bias and disturbances (N, 2) of the rows to come [N m]."""
-        if not machine.disturbances:
-            return np.array([machine.bias])
-        time = (np.arange(round(_AHEAD / self._row)) + 0.5) * self._row
-        total = np.tile(np.array(machine.bias), (len(time), 1))
-        for axis, disturbance in machine.disturbances:
-            total[:, axis] += disturbance(time, self._generator)
-        return total
+        time = rows_ahead(machine.disturbances, self._row)
+        return unmeasured(machine.bias, machine.disturbances, time, self._generator)
 
 
 class LiveShaft:

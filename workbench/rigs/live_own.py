@@ -9,11 +9,10 @@ import numpy as np
 from workbench.core import SimulationError
 
 from .live import ROW, Look
+from .machine import rows_ahead, unmeasured
 from .own_drives import OwnDrives
 from .own_motion import OwnMotion, refuse_runaway
 from .own_rig import OwnRig, Sensing
-
-_AHEAD = 120.0  # disturbances repeat after this [s]
 
 
 class LiveOwn:
@@ -72,11 +71,6 @@ class LiveOwn:
 
     def _disturbed(self) -> np.ndarray:
         """Disturbances (N, n) of the rows to come [N m]."""
-        machine = self._rig.machine
-        if not machine.disturbances:
-            return np.zeros((1, self.axes))
-        time = (np.arange(round(_AHEAD / self._row)) + 0.5) * self._row
-        total = np.zeros((len(time), self.axes))
-        for axis, disturbance in machine.disturbances:
-            total[:, axis] += disturbance(time, self._generator)
-        return total
+        disturbances = self._rig.machine.disturbances
+        time = rows_ahead(disturbances, self._row)
+        return unmeasured([0.0] * self.axes, disturbances, time, self._generator)

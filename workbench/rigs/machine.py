@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,6 +20,7 @@ ACTUATOR_INERTIA = 0.0162  # N^2 J_m of both drives [kg m^2]
 ACTUATOR_DAMPING = 0.0972  # N^2 B_m of both drives [N m s/rad]
 DRIVE_DELAY = 3e-3  # T_d, from command to torque [s]
 TORQUE_LIMIT = 24.0  # clipped in the drive [N m]
+_AHEAD = 120.0  # s
 
 #: Torque on one axis over the rows of a run: row times (N,) [s], generator -> (N,) [N m].
 Disturbance = Callable[[np.ndarray, np.random.Generator], np.ndarray]
@@ -160,3 +161,19 @@ def once(taken: object, what: str) -> None:
     """
     if taken:
         raise SimulationError(f"the rig has room for one {what}; hide only one of them")
+
+
+def unmeasured(
+    still: Sequence[float], disturbances: Sequence[tuple[int, Disturbance]], time: np.ndarray,
+    generator: np.random.Generator,
+) -> np.ndarray:  # fmt: skip
+    """Torque that no sensor sees at `time` (N,) [s]: `still` (n,) and all disturbances, (N, n) [N m]."""
+    total = np.tile(np.array(still), (len(time), 1))
+    for axis, disturbance in disturbances:
+        total[:, axis] += disturbance(time, generator)
+    return total
+
+
+def rows_ahead(disturbances: Sequence[object], row: float) -> np.ndarray:
+    """Middles (N,) of the rows after which a live machine's disturbances repeat [s]; one if none."""
+    return (np.arange(round(_AHEAD / row) if disturbances else 1) + 0.5) * row

@@ -102,18 +102,15 @@ class MotorBank:
         row, free = self.row, list(config.axes)
         for k, mechanism in enumerate(config.mechanism):
             if make is not None:
-                own = make(mechanism.model, 1000 * seed + k, row)
-                self._plants.append((own, [self.motors[axis] for axis in mechanism.axes]))
-                free = [axis for axis in free if axis not in mechanism.axes]
-                continue
-            if len(mechanism.axes) != 2:
-                remedy = "virtual motors turn legs of two axes, or lone actuators"
+                turned = make(mechanism.model, 1000 * seed + k, row)
+            elif len(mechanism.axes) == 2:
+                turned = LiveLeg(hidden, seed=1000 * seed + k, sensors=sensors, row=row)
+            else:
                 raise InputError(
                     f"'{mechanism.model}' has {len(mechanism.axes)} axes", file=config.source,
-                    column="mechanism.axes", remedy=remedy,
+                    column="mechanism.axes", remedy="virtual motors turn legs of two axes, or lone actuators",
                 )  # fmt: skip
-            leg = LiveLeg(hidden, seed=1000 * seed + k, sensors=sensors, row=row)
-            self._plants.append((leg, [self.motors[axis] for axis in mechanism.axes]))
+            self._plants.append((turned, [self.motors[axis] for axis in mechanism.axes]))
             free = [axis for axis in free if axis not in mechanism.axes]
         for k, axis in enumerate(free):
             shaft = LiveShaft(seed=1000 * seed + 500 + k, sensors=sensors, row=row)

@@ -7,10 +7,11 @@ from typing import Any, Protocol
 from workbench.core import SimulationError
 
 from .friction import merged
-from .integrate import Integrator, passive_torque
+from .integrate import Integrator
 from .integrate_flexible import FlexibleIntegrator
 from .machine import Machine
 from .sensing import Motion
+from .smooth_leg import passive_torque
 from .standing_leg import SHANK, THIGH, Contact, StandingLeg
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.core import Excitation, InputError, Recording
 
-from .machine import Encoder
+from .machine import Encoder, unmeasured
 from .own_drives import OwnDrives
 from .own_links import OwnLinks, reachable
 from .own_machine import HiddenIn, OwnMachine, hide
@@ -78,9 +78,7 @@ class OwnRig:
         generator = np.random.default_rng([self.seed, number])
         noise = generator.standard_normal((2, rows, n))
         time = np.arange(rows) * period
-        unmeasured = np.zeros((rows, n))
-        for axis, disturbance in m.disturbances:
-            unmeasured[:, axis] += disturbance(time + 0.5 * period, generator)
+        pushed = unmeasured([0.0] * n, m.disturbances, time + 0.5 * period, generator)
         drives, motion = OwnDrives(m, piece, generator), OwnMotion(m, self.links, piece)
         state = motion.start(self._start(experiment))
         sensing, step = Sensing(m, piece, state.motor), self.sensors.encoder
@@ -99,7 +97,7 @@ class OwnRig:
             for k in range(count):
                 if k:
                     drives.command(asked)
-                state = motion.advance(state, drives.acting(state.speed, unmeasured[row]))
+                state = motion.advance(state, drives.acting(state.speed, pushed[row]))
                 sensing.see(state.motor, state.speed)
             refuse_runaway(state, time[row], f"{m.name} in '{experiment.name}'")
         signals = {**logged, "torque_feedforward": experiment.feedforward}

@@ -11,7 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import acos, atan2, copysign, cos, sin
 
-from .integrate import Integrator, State
+from .integrate import Integrator
+from .smooth_leg import State
 
 THIGH, SHANK = 0.175, 0.24  # m, as in the reference leg's closed chain
 _STEP = 1e-4  # s

@@ -15,7 +15,7 @@ from workbench.recordings import save_recording
 from .drive import Drive
 from .experiments import Experiment, demo_experiments
 from .hidden import HiddenEffect, install
-from .machine import AXES, Machine
+from .machine import AXES, Machine, unmeasured
 from .moving_leg import MovingLeg, moving_leg
 from .sensing import Motion, Sensing, cut
 from .standing_leg import Plate, StandingLeg
@@ -130,7 +130,8 @@ class VirtualLeg:
         ticks = self._rows_per_tick(experiment)
         velocity_noise = (self.sensors.velocity_noise * generator.standard_normal((rows, 2))).tolist()
         torque_noise = self.sensors.torque_noise * generator.standard_normal((rows, 2))
-        unmeasured = self._unmeasured_torque(time, generator).tolist()
+        middle = time + 0.5 * time[1]
+        pushed = unmeasured(machine.bias, machine.disturbances, middle, generator).tolist()
         reference, feedforward = experiment.reference.tolist(), experiment.feedforward.tolist()
         position, velocity, command, torque, ground = [], [], [], [], []
         kp, kd = (
@@ -145,7 +146,7 @@ class VirtualLeg:
         sensing = Sensing(machine, period, seen)
         watched, true = sensing.look is not None or drive.feels_speed, sensing.true
         step, asked = self.sensors.encoder, (0.0, 0.0)
-        for row, bias, (noise1, noise2) in zip(range(rows), unmeasured, velocity_noise, strict=True):
+        for row, bias, (noise1, noise2) in zip(range(rows), pushed, velocity_noise, strict=True):
             q1, q2, w1, w2 = seen if true else sensing.measure(seen)
             if step:
                 q1, q2 = round(q1 / step) * step, round(q2 / step) * step
@@ -186,13 +187,6 @@ class VirtualLeg:
                 remedy=f"give '{experiment.name}' other rows: Experiment.at_period",
             )
         return rows
-
-    def _unmeasured_torque(self, time: np.ndarray, generator: np.random.Generator) -> np.ndarray:
-        """Bias and disturbances (N, 2), held over each row, at mid-row [N m]."""
-        total = np.tile(np.array(self._machine.bias), (len(time), 1))
-        for axis, disturbance in self._machine.disturbances:
-            total[:, axis] += disturbance(time + 0.5 * time[1], generator)
-        return total
 
 
 def _felt(forces: Sequence[Sequence[float]], noise: float, generator: np.random.Generator) -> np.ndarray:

@@ -8,9 +8,9 @@ from .loop import ConstraintSettings
 from .normalise import NormalisedTree, normalise, write_normalised
 from .on_drives import off_drives, on_drives
 from .posture import PostureDependent
-from .posture_chain import PostureChain, PostureDynamics
-from .posture_error import PostureError, posture_error
-from .posture_fitted import FittedTree, fit_native
+from .posture_chain import PostureChain
+from .posture_error import posture_error
+from .posture_fitted import fit_native
 from .posture_schedule import Schedule
 from .posture_worlds import ScheduledWorld
 from .runner import VariantRun, run_variant
@@ -20,13 +20,10 @@ __all__ = [
     "VARIANT_NAMES",
     "ConstraintSettings",
     "Dynamics",
-    "FittedTree",
     "FloatingBaseError",
     "NormalisedTree",
     "PostureChain",
     "PostureDependent",
-    "PostureDynamics",
-    "PostureError",
     "Schedule",
     "ScheduledWorld",
     "VariantRun",

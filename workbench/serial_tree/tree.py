@@ -65,8 +65,8 @@ class SerialTree:
 
     def gravity(self, q: np.ndarray) -> np.ndarray:
         """Torque that gravity exerts on the joints, (N, k) [N m], gravity compensation taken off."""
-        weights = self._weights.ravel()
-        return -np.stack([self._static(p) @ weights for p in self._positions(q)])[:, self._back]
+        weights, still = self._weights.ravel(), np.zeros(self.size)
+        return -np.stack([self._links(p, still, still) @ weights for p in self._positions(q)])[:, self._back]
 
     def inverse_dynamics(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
         """Torque on the joints for a motion, (N, k) [N m]: ``M a + C v + D v - gravity``."""
@@ -119,10 +119,6 @@ class SerialTree:
         out = np.array([inertia.toDynamicParameters() for inertia in list(self._tree.model.inertias)[1:]])
         out[:, :4] -= self._tree.compensated
         return out
-
-    def _static(self, position: np.ndarray) -> np.ndarray:
-        """Regressor of the torque that holds a posture, (k, 10 k), Pinocchio's order."""
-        return self._links(position, np.zeros(self.size), np.zeros(self.size))
 
     def _links(self, position: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
         """Pinocchio's regressor, (k, 10 k), its order; of a single joint Pinocchio gives a plain row."""

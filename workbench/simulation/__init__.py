@@ -8,12 +8,12 @@ from .holding import check_held, with_loop_of
 from .inverse import required_torque, rigid_torque
 from .law import law_torque
 from .linear import Loop, linearise, slopes
-from .march import Disturbance, propagate
 from .motion import motion_of
 from .posture_run import PosturePlant, refuse_joint_coordinates, run_posture
+from .propagate import Disturbance, propagate
 from .run import Run, simulate
 from .sense import true_motion
-from .shooting import Shots, Tangents, Windows, shoot
+from .shooting import Tangents, Windows, shoot
 from .trajectory import TRUE_MOTION, Track, interpolate, joint_columns, smooth_track
 from .unlogged_rate import differentiates, rate_read
 
@@ -27,7 +27,6 @@ __all__ = [
     "PosturePlant",
     "Run",
     "SensorNoise",
-    "Shots",
     "Tangents",
     "Track",
     "Windows",

@@ -9,7 +9,7 @@ import numpy as np
 from workbench.core.compiled import compiled
 from workbench.effects import Plant, follow
 
-from .experiment import Experiment
+from .experiment import Experiment, whole_and_part
 
 
 class Drives(NamedTuple):
@@ -47,13 +47,12 @@ def drives_of(e: Experiment, plant: Plant) -> Drives:
     """The drives of a plant in an experiment, at its start."""
     chain, n = plant.chain, plant.model.size
     # where a loop's log already carries the delay it has been applied all the same, only before the log
-    delay = e.delay(chain.delay_s, plant.model) / e.step
-    whole = int(np.floor(delay + 1e-9))
+    whole, fraction = whole_and_part(e.delay(chain.delay_s, plant.model) / e.step)
     # torque measured behind the drive has its lag already
     lag = np.zeros(n) if e.behind == "all" else chain.lag / e.step
     return Drives(
         whole=whole,
-        fraction=float(delay - whole) if delay - whole > 1e-9 else 0.0,
+        fraction=fraction,
         limit=np.array(chain.limit, float),
         stall=np.array(chain.stall, float),
         no_load=np.array(chain.no_load, float),

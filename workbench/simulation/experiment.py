@@ -79,6 +79,12 @@ class Experiment:
         return max(total - gone, 0.0)
 
 
+def whole_and_part(steps: float) -> tuple[int, float]:
+    """A delay in steps as whole ones and the part of one more; what rounding leaves is no part."""
+    whole = int(np.floor(steps + 1e-9))
+    return whole, float(steps - whole) if steps - whole > 1e-9 else 0.0
+
+
 def prepare(recording: Recording, model: Model) -> Experiment:
     """Make a recording ready to be run on a model.
 

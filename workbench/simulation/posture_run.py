@@ -20,7 +20,7 @@ from workbench.recordings.lattice import lattice_step
 from workbench.s3n import PostureDependent, drive_map
 
 from .control import SensorNoise
-from .experiment import Experiment, prepare
+from .experiment import Experiment, prepare, whole_and_part
 from .initial_state import initial_state
 
 _FASTEST = 1e4  # rad/s
@@ -83,14 +83,12 @@ def run_posture(
     q, v = (np.tile(x, (count, 1)) for x in _start(plant, e))
     pieces = max(1, round(e.step / _PIECE))
     h, mover = e.step / pieces, _Mover(plant, e.step / pieces)
-    steps = (e.delay(plant.model.actuators.delay_s, plant.model) + late) / h
-    whole = int(np.floor(steps + 1e-9))
-    share = steps - whole if steps - whole > 1e-9 else 0.0
+    whole, share = whole_and_part((e.delay(plant.model.actuators.delay_s, plant.model) + late) / h)
     waiting = [np.tile(e.before, (count, 1))] * (whole + 2)
     limit, ticks = np.array(plant.model.actuators.torque_limit), set((e.ticks // e.stride).tolist())
     asked, logged = waiting[0], np.zeros((4, count, rows, n))
     for row in range(rows):
-        read, rate = sensors.read(row, plant.map.drives(q), _along(plant, q, v))
+        read, rate = sensors.read(row, plant.map.drives(q), np.einsum("bij,bj->bi", plant.map.jacobian(q), v))
         if row in ticks:
             asked = sensors.sent(np.clip(_asked(plant, e, row, read, rate, q), -limit, limit))
         for k in range(e.stride * pieces):
@@ -189,10 +187,6 @@ def _start(plant: PosturePlant, e: Experiment) -> tuple[np.ndarray, np.ndarray]:
     )
     joints = plant.map.joints(drives)
     return joints, plant.map.joint_speed(joints, speeds)
-
-
-def _along(plant: PosturePlant, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return np.einsum("bij,bj->bi", plant.map.jacobian(q), v)
 
 
 class _Mover:

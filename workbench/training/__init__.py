@@ -4,26 +4,19 @@ Nothing here needs torch until something learns: `ppo`, `learn`, `checkpoint`, `
 `warp_worlds` belong to the extra ``training``.
 """
 
-from .environment import Environment
-from .machine import Machine, make_machine
+from .machine import make_machine
 from .randomisation import LEG_RANDOMISATION, Randomisation
-from .situation import Situation
 from .task import Task
-from .tasks import CIRCULAR, PITCH, REACH, TASKS
+from .tasks import REACH, TASKS
 from .terms import Observation, Reward
 
 __all__ = [
-    "CIRCULAR",
     "LEG_RANDOMISATION",
-    "PITCH",
     "REACH",
     "TASKS",
-    "Environment",
-    "Machine",
     "Observation",
     "Randomisation",
     "Reward",
-    "Situation",
     "Task",
     "make_machine",
 ]

@@ -12,20 +12,19 @@ from workbench.models import Actuators, Ground, Model, model_text
 from .machine import LEGS, STEP_S, Machine
 
 
-def model_files(machine: Machine, folder: Path, name: str = "robot") -> dict[Path, str]:
+def model_files(machine: Machine, folder: Path) -> dict[Path, str]:
     """Texts of a model (TOML) and its MJCF, by file in `folder`; none where drives have joints of their own.
 
     Args:
         machine: of kind ``quadruped``; a leg's recordings are held against the leg's own model.
         folder: where they will lie.
-        name: of the files.
     """
     if not machine.floating or len(machine.rotors.places):
         return {}
-    tree, file = folder / f"{name}.xml", folder / f"{name}.toml"
+    tree, file = folder / "robot.xml", folder / "robot.toml"
     n = machine.size
     model = Model(
-        name=name,
+        name="robot",
         serial=tree.resolve(),
         axes=machine.joints,
         joints=machine.joints,

@@ -59,22 +59,6 @@ def quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
     return spec
 
 
-def closed_quadruped(leg: mujoco.MjSpec, model: Model) -> mujoco.MjSpec:
-    """The quadruped of legs whose loops are closed by constraints, for comparison with what trains.
-
-    Args:
-        leg: of `s3n.loop.loop_spec`.
-        model: whose drives turn the leg's joints.
-    """
-    assert model.closed_chain is not None
-    for name, limit in zip(model.closed_chain.drives, model.actuators.torque_limit, strict=True):
-        motor = leg.add_actuator(name=name)
-        motor.set_to_motor()
-        motor.trntype, motor.target = mujoco.mjtTrn.mjTRN_JOINT, name
-        motor.ctrllimited, motor.ctrlrange = 1, (-limit, limit)
-    return quadruped(leg, model)
-
-
 def base_height(m: mujoco.MjModel, joints: tuple[str, ...], posture: np.ndarray, legs: int) -> float:
     """Of the base's origin where the feet just touch the ground [m]."""
     data = mujoco.MjData(m)

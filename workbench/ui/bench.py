@@ -22,14 +22,13 @@ from workbench.core import (
     RecordingError,
     SimulationError,
 )
-from workbench.core.files import check_free
 from workbench.effects import check_effect, with_settled
 from workbench.models import AppliedEffect, Model, write_model
 from workbench.recordings import source_files
-from workbench.report.numbers import plain
 
 from .chosen import Chosen
 from .history import History
+from .new_file import new_file
 from .shelf import Shelf
 
 _CHANGED = "CHANGED.toml"  # a model that no file holds yet
@@ -209,7 +208,7 @@ class Bench:
         Raises:
             InputError: not a plain file name, or the file exists and `force` is not set.
         """
-        target = self._target(name, ".toml", force)
+        target = new_file(self.folder, name, ".toml", force=force)
         write_model(replace(self.model, name=target.stem), target, force=force)
         return target
 
@@ -219,20 +218,12 @@ class Bench:
         Raises:
             InputError: as `save_model`, or a file that was read cannot be read any more.
         """
-        target = self._target(name, ".html", force)
+        target = new_file(self.folder, name, ".html", force=force)
         chosen = self.chosen
         assert chosen is not None
-        files = list(chosen.model.files)
-        for label in chosen.labels:
-            files += source_files(self.shelf.recordings[label])
-        report.write_page(
-            result,
-            target,
-            command=self.command(result),
-            seeds={"noise": self.seed},
-            inputs=files,
-            force=force,
-        )
+        read = [f for label in chosen.labels for f in source_files(self.shelf.recordings[label])]
+        files, command, seeds = [*chosen.model.files, *read], self.command(result), {"noise": self.seed}
+        report.write_page(result, target, command=command, seeds=seeds, inputs=files, force=force)
         return target
 
     def command(self, result: Comparison | Diagnosis) -> str:
@@ -251,13 +242,3 @@ class Bench:
         held = ["--holdout", typed[chosen.held_out]] if chosen.held_out else []
         fitted = [n for n in names if n not in held]
         return shlex.join(["workbench", "diagnose", model, *fitted, *held]) + note
-
-    def _target(self, name: str, ending: str, force: bool) -> Path:
-        name = name.strip()
-        if not name or name[0] == "." or Path(name).name != name or "\\" in name or plain(name) != name:
-            raise InputError(
-                f"'{plain(name)}' is no plain file name", remedy=f"e.g. better{ending}, without a folder"
-            )
-        target = self.folder / (name if name.endswith(ending) else name + ending)
-        check_free(target, force=force)
-        return target

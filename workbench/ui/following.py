@@ -161,7 +161,8 @@ class Following:
         runs = next((r for r in (self.given, self.now) if not r.failed and len(r.shown) < count), None)
         if runs is None:
             self.tell("runs")
-            self._compare_later()
+            change = self._change
+            self.later(_REST_S, lambda: self._compare() if change == self._change else None)
             return
         missing = [i for i in range(count) if i not in runs.shown]
         # the one that is looked at follows a slider, the others once it rests
@@ -193,10 +194,6 @@ class Following:
             runs.entries = self.bench.entries(chosen, ordered, like)
             runs.error = self.bench.error(chosen, ordered)
 
-    def _compare_later(self) -> None:
-        change = self._change
-        self.later(_REST_S, lambda: self._compare() if change == self._change else None)
-
     def _compare(self) -> None:
         """The noise floor and where the error sits, for the model that now rests."""
         chosen = self.bench.chosen
@@ -214,12 +211,10 @@ class Following:
             if runs is not self.now:
                 self._compare()
 
-        self._on(
-            self._slow,
-            lambda: self.bench.compare(runs.model, chosen),
-            compared,
-            lambda text: self.say(text, wrong=True),
-        )
+        def failed(text: str) -> None:
+            self.say(text, wrong=True)
+
+        self._on(self._slow, lambda: self.bench.compare(runs.model, chosen), compared, failed)
 
     def _on(
         self,

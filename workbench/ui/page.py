@@ -24,7 +24,7 @@ from .residual_map import MapView, residual_map
 from .response_part import ResponsePart
 from .runs import Runs
 from .saving import Saving
-from .summary import numbers, verdict
+from .summary import NOTHING_CHOSEN, numbers, verdict
 from .where import where_words
 from .widgets import column, fade, plot_pane, row, safe, text, widget
 
@@ -33,11 +33,7 @@ _FIXED: dict[str, Any] = {"width": 180}
 
 
 class Page:
-    """What one browser tab shows.
-
-    Attributes:
-        roots: name in the template to what stands there.
-    """
+    """What one browser tab shows."""
 
     def __init__(self, live: Live, document: Any) -> None:
         self.live, self.document = live, document
@@ -57,17 +53,8 @@ class Page:
         self._asked: set[str] = set()
         self.curve_panes = [plot_pane(f) for f in self.curves.figures]
         self.map_pane = plot_pane(self.map.plot)
-        self.roots = self._roots()
-        self._watch()
-        self._end = live.listen(self._later)
-        self._later("inputs")
-
-    def close(self) -> None:
-        """The tab is gone."""
-        self._end()
-
-    def _roots(self) -> dict[str, Any]:
-        return {
+        #: Name in the template to what stands there.
+        self.roots: dict[str, Any] = {
             "summary": self.summary,
             "numbers": self.numbers,
             "message": self.message,
@@ -83,6 +70,13 @@ class Page:
             "where": self.where,
             "frf": self.responses.view,
         }
+        self._watch()
+        self._end = live.listen(self._later)
+        self._later("inputs")
+
+    def close(self) -> None:
+        """The tab is gone."""
+        self._end()
 
     def _watch(self) -> None:
         self.recording.param.watch(lambda event: self._look(), "value")
@@ -109,10 +103,8 @@ class Page:
         self.saving.follow()
         if asked & {"inputs", "message"}:
             words, wrong = self.live.message
-            kind = "wrong" if wrong else "fine"
-            self.message.object = (
-                f"<p role='{'alert' if wrong else 'status'}' class='{kind}'>{safe(words)}</p>"
-            )
+            role, kind = ("alert", "wrong") if wrong else ("status", "fine")
+            self.message.object = f"<p role='{role}' class='{kind}'>{safe(words)}</p>"
             self.message.visible = bool(words)
         if asked & {"inputs", "model", "runs", "comparison"}:
             self._summarise()
@@ -124,8 +116,7 @@ class Page:
 
     def _fade(self) -> None:
         """Grey what is of another model, or of other recordings, than those on the bench."""
-        now = self.live.now
-        loading = self.live.loading
+        now, loading = self.live.now, self.live.loading
         fade(self.where, loading or now is None or now.comparison is None)
         for pane in (self.map_pane, *self.curve_panes):
             fade(pane, loading or (pane is self.map_pane and (now is None or now.entries is None)))
@@ -229,10 +220,8 @@ class Page:
         units = dict(zip(chosen.model.axes, axis_units(chosen.model), strict=True))
         names = {"time": lambda u: "s", "speed": lambda u: f"{u}/s", "position": lambda u: u}
         self.map.show(found, against, [names[against](units[a]) for a, _ in found.rows])
-        comparison = now.comparison
-        if comparison is None:
-            return
-        self.where.object = where_words(comparison)
+        if now.comparison is not None:
+            self.where.object = where_words(now.comparison)
 
     def _tapped(self, event: Any) -> None:
         """A cell of the map: look at its axis, and at its time."""
@@ -251,10 +240,7 @@ class Page:
     def _summarise(self) -> None:
         chosen, given, now = self.live.bench.chosen, self.live.given, self.live.now
         if chosen is None:
-            self.summary.object = (
-                "<h1>Choose a model and recordings to begin.</h1><p class=quiet>Then see where the "
-                "model is wrong, and find what is missing.</p>"
-            )
+            self.summary.object = NOTHING_CHOSEN
             return
         comparison = now.comparison if now else None
         floor = next((r.comparison.noise_error for r in (now, given) if r and r.comparison), None)

@@ -8,6 +8,11 @@ from workbench.report.numbers import number
 
 from .widgets import safe
 
+NOTHING_CHOSEN = (
+    "<h1>Choose a model and recordings to begin.</h1><p class=quiet>Then see where the model is wrong, and "
+    "find what is missing.</p>"
+)
+
 
 def verdict(model: str, comparison: Comparison | None) -> str:
     """A comparison in one sentence; None while it is computed."""

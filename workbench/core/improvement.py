@@ -1,0 +1,62 @@
+"""What improving returns: a model's way to one that explains the data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from .diagnosis import Diagnosis, EffectKey, Estimate, Verdict
+from .results import Comparison
+from .shown import Shown
+
+
+@dataclass(frozen=True)
+class Step:
+    """One effect added by `improve`, with the errors after it; `removed` lists what it made needless."""
+
+    key: EffectKey
+    parameters: Mapping[str, Estimate]
+    error: float
+    holdout_error: float | None
+    indistinguishable_from: tuple[EffectKey, ...] = ()
+    evidence: tuple[str, ...] = ()
+    removed: tuple[EffectKey, ...] = ()
+
+
+@dataclass(frozen=True, repr=False)
+class Improvement(Shown):
+    """The whole way from a model to one that explains the data; what its diagnosis has too is as there.
+
+    Attributes:
+        steps: effects added, in order: causes, or, where `nearest`, what comes nearest to unknown ones.
+    """
+
+    model: str
+    steps: tuple[Step, ...]
+    error_before: float
+    error_after: float
+    holdout_error_before: float | None
+    holdout_error_after: float | None
+    noise_error: float
+    verdict: Verdict
+    before: Comparison | None = None
+    after: Comparison | None = None
+    held_out: tuple[Comparison, Comparison] | None = None
+    diagnosis: Diagnosis | None = None
+    used: float = 1.0
+    notes: tuple[str, ...] = ()
+    holdout_noise_error: float | None = None
+    nearest: bool = False
+
+    @property
+    def kept(self) -> tuple[Step, ...]:
+        """The steps whose effects the last model has: those that no later step made needless."""
+        return tuple(
+            step
+            for i, step in enumerate(self.steps)
+            if not any(step.key in later.removed for later in self.steps[i + 1 :])
+        )
+
+
+#: What `compare`, `diagnose` and `improve` return.
+Result = Comparison | Diagnosis | Improvement

@@ -1,0 +1,45 @@
+"""What a closed chain is in a posture: its equation of motion, and how far it is from dead points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """Equation of motion in n coordinates: ``mass @ a + bias = gravity + torque``.
+
+    A coordinate along a line has kg and N in place of kg m^2 and N m.
+
+    Attributes:
+        mass: (n, n) [kg m^2].
+        bias: Coriolis and centrifugal torque (n,) [N m].
+        gravity: torque of gravity (n,) [N m].
+    """
+
+    mass: np.ndarray
+    bias: np.ndarray
+    gravity: np.ndarray
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How far a posture is from both kinds of dead point: 1 at best, 0 at the dead point.
+
+    Attributes:
+        drives: smallest over largest singular value of the loops' equations in the passive coordinates;
+            at zero the drives no longer determine the posture.
+        joints: the same of d q_s / d q_p; at zero the drives move while the serial joints do not (a leg
+            stretched out), and J does not exist.
+    """
+
+    drives: float
+    joints: float
+
+
+def ratio(matrix: np.ndarray) -> float:
+    """Smallest over largest singular value."""
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return float(values[-1] / values[0]) if values[0] > 0.0 else 0.0

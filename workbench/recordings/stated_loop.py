@@ -1,0 +1,50 @@
+"""The loop that a recording's TOML file states."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from workbench.core import Controller, InputError
+
+from .description import ControllerTable, Description
+
+
+def stated_loop(d: Description, path: Path) -> Controller:
+    """The controller, unknown where the file states none.
+
+    Raises:
+        InputError: gains that its kind needs are missing, or are not one per axis.
+    """
+    c = d.controller
+    if c is None:
+        return Controller()
+    needed = {"pd": ("kp",), "cascade_pv": ("kp", "kv", "gain")}.get(c.kind, ())
+    for key in needed:
+        if getattr(c, key) is None:
+            remedy = f"a controller of kind '{c.kind}' needs it, one number per axis"
+            raise InputError("is missing", file=path, column=f"controller.{key}", remedy=remedy)
+    if c.period_s is not None and c.period_s <= 0:
+        remedy = "give the sample-and-hold period in seconds"
+        raise InputError("must be positive", file=path, column="controller.period_s", remedy=remedy)
+    gains = {key: _per_axis(c, key, d, path) for key in ("kp", "kd", "kv", "gain", "limit")}
+    if c.kind == "pd" and not gains["kd"]:
+        gains["kd"] = (0.0,) * len(d.axes)
+    return Controller(
+        kind=c.kind, coordinates=c.coordinates, period_s=c.period_s, velocity=c.velocity, **gains
+    )
+
+
+def _per_axis(c: ControllerTable, key: str, d: Description, path: Path) -> tuple[float, ...]:
+    values = getattr(c, key)
+    if values is None:
+        return ()
+    if len(values) != len(d.axes):
+        raise InputError(
+            f"has {len(values)} value(s) for {len(d.axes)} axes",
+            file=path,
+            column=f"controller.{key}",
+            remedy="give one number per axis",
+        )
+    if key == "limit" and min(values) <= 0:
+        raise InputError("must be positive", file=path, column="controller.limit", remedy="give its size")
+    return tuple(values)

@@ -1,0 +1,66 @@
+"""How all pictures look, and how they are written: on paper, and on a grey printer."""
+
+from __future__ import annotations
+
+import io
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from workbench.core import InputError
+from workbench.core.files import check_free, write_whole
+from workbench.core.palette import COLOURS, LINES
+
+INK, BEFORE, AFTER, FLOOR = (COLOURS[name][0] for name in ("ink", "before", "after", "noise"))
+QUIET, _RULE = COLOURS["quiet"][0], COLOURS["rule"][0]
+#: How the line of a run is drawn.
+LOOKS: dict[str, dict[str, Any]] = {name: LINES[name].drawn() for name in ("measured", "before", "after")}
+LOOKS["measured"]["solid_capstyle"] = "butt"
+_RC: Any = {
+    "font.size": 9,
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "normal",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.edgecolor": QUIET,
+    "axes.labelcolor": INK,
+    "xtick.color": QUIET,
+    "ytick.color": QUIET,
+    "axes.grid": True,
+    "grid.color": _RULE,
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "workbench",
+    "figure.dpi": 120,
+}
+
+
+def house_style() -> AbstractContextManager[None]:
+    """Figures that are made within look like all others."""
+    return mpl.rc_context(_RC)
+
+
+def save_figure(figure: Figure, path: str | Path, *, force: bool = False) -> Path:
+    """Write a figure as PNG or SVG by the name's ending, whole or not at all."""
+    kind = Path(path).suffix.lower().lstrip(".")
+    if kind not in ("png", "svg"):
+        raise InputError(f"cannot draw '.{kind}'", file=path, remedy="name it .png or .svg")
+    check_free(path, force=force)
+    return write_whole(path, figure_bytes(figure, kind), force=force)
+
+
+def figure_bytes(figure: Figure, kind: str = "png", dpi: int = 160) -> bytes:
+    """The figure as PNG or SVG, the same bytes whenever it is drawn."""
+    buffer = io.BytesIO()
+    metadata = {"Date": None} if kind == "svg" else {"Software": None}
+    with mpl.rc_context(_RC):
+        figure.savefig(buffer, format=kind, dpi=dpi, facecolor="white", metadata=metadata)
+    return buffer.getvalue()
