@@ -5,20 +5,10 @@ import numpy as np
 import pytest
 
 from workbench.mechanism import linearise, simulate
-from workbench.mechanism.linear import LinearPlant
 
 from .chains import NAMES, central, chain, joints_at
 
 INERTIA, DAMPING, STEP = (0.0162, 0.01), (0.0972, 0.05), 1e-3
-
-
-def state_space(plant: LinearPlant) -> control.StateSpace:
-    """From torques less those that hold it to the states, positions less its posture and speeds."""
-    none, one = np.zeros((2, 2)), np.eye(2)
-    lower = -np.linalg.solve(plant.mass, np.hstack([plant.stiffness, plant.damping]))
-    a = np.vstack([np.hstack([none, one]), lower])
-    b = np.vstack([none, np.linalg.inv(plant.mass)])
-    return control.StateSpace(a, b, np.eye(4), np.zeros((4, 2)))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -53,7 +43,7 @@ def test_frequency_response_of_the_nonlinear_simulation(name: str, drive: int) -
     plant = linearise(mechanism, mechanism.drive_position(joints_at(name, (0.5, 0.4))), INERTIA, DAMPING)
     omega, small, samples = 2 * np.pi / 0.1, 1e-3, 100
     # the torque is held over a sample, so that the plant seen is the one behind a zero-order hold
-    held = control.c2d(state_space(plant), STEP)
+    held = control.c2d(plant.state_space(), STEP)
     orbit = held(np.exp(1j * omega * STEP))[:, drive]
     turn = np.exp(1j * omega * STEP * np.arange(samples + 1))
     sine = np.outer(turn.real[:-1], np.eye(2)[drive])
@@ -73,5 +63,5 @@ def test_frequency_response_of_the_nonlinear_simulation(name: str, drive: int) -
 def test_state_space_and_frequency_response_are_one_plant() -> None:
     plant = linearise(chain("ankle"), np.zeros(2), INERTIA, DAMPING)
     omega = np.array([2.0, 200.0])
-    speeds = np.moveaxis(state_space(plant)(1j * omega)[2:], -1, 0)
+    speeds = np.moveaxis(plant.state_space()(1j * omega)[2:], -1, 0)
     np.testing.assert_allclose(speeds, plant.frequency_response(omega), rtol=1e-12)

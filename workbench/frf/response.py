@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -13,9 +13,20 @@ from workbench.core import InputError
 from .pooling import pooled_covariance
 from .statistics import distance, entry_radius, real_halfwidth
 
+if TYPE_CHECKING:
+    from control import FrequencyResponseData
+
+
 _BY_LINE = (
-    *("frequency", "response", "coherence", "leverage"),
-    *("covariance", "noise_covariance", "dof", "noise_dof", "fresh"),
+    "frequency",
+    "response",
+    "covariance",
+    "noise_covariance",
+    "dof",
+    "noise_dof",
+    "fresh",
+    "leverage",
+    "coherence",
 )
 
 
@@ -35,9 +46,10 @@ class Channel:
 class Frf:
     """Frequency response of ny outputs to nu inputs at F frequencies, with its covariance.
 
-    ``response[k, i, j]`` is output i over input j at ``frequency[k]``. The vector of a response is its rows
-    one after another (numpy's order): entry (i, j) stands at ``i * nu + j``. Covariances are E d d^H of the
-    complex error d, circular: real and imaginary part each have half the variance.
+    ``response[k, i, j]`` is output i over input j at ``frequency[k]``; python-control holds the same number
+    as ``frdata[i, j, k]``. The vector of a response is its rows one after another (numpy's order): entry
+    (i, j) stands at ``i * nu + j``. Covariances are E d d^H of the complex error d, circular: real and
+    imaginary part each have half the variance.
 
     Attributes:
         frequency: [Hz], ascending, shape (F,).
@@ -125,6 +137,15 @@ class Frf:
         size = np.abs(self.response)
         return np.maximum(size - half, 0.0), size + half
 
+    def phase_interval(self, level: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper end for the phase [rad], each (F, ny, nu); a whole turn where nothing is known."""
+        half = real_halfwidth(self.std**2, self.dof[:, None, None], level)
+        size = np.abs(self.response)
+        known = half < size
+        turn = np.where(known, np.arcsin(np.where(known, half, 0.0) / np.where(known, size, 1.0)), np.pi)
+        phase = np.angle(self.response)
+        return phase - turn, phase + turn
+
     def distance(self, model: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far a model's response (F, ny, nu) is, all entries of a line together.
 
@@ -165,8 +186,9 @@ class Frf:
         keep = (self.frequency >= f_min_hz) & (self.frequency <= f_max_hz)
         if not keep.any():
             problem = f"no line of the response lies between {f_min_hz:g} and {f_max_hz:g} Hz"
-            first, last = self.frequency[[0, -1]]
-            raise InputError(problem, remedy=f"it goes from {first:g} to {last:g} Hz")
+            raise InputError(
+                problem, remedy=f"it goes from {self.frequency[0]:g} to {self.frequency[-1]:g} Hz"
+            )
         return self.kept(keep)
 
     def kept(self, lines: np.ndarray) -> Frf:
@@ -220,9 +242,24 @@ class Frf:
         covariance, dof = pooled(self.covariance, self.dof)
         noise, noise_dof = pooled(self.noise_covariance, self.noise_dof)
         note = f"Covariances are averages over up to {min(2 * lines + 1, len(self))} neighbouring lines."
-        notes = (*self.notes, note)
         return replace(
-            self, covariance=covariance, noise_covariance=noise, dof=dof, noise_dof=noise_dof, notes=notes
+            self,
+            covariance=covariance,
+            noise_covariance=noise,
+            dof=dof,
+            noise_dof=noise_dof,
+            notes=(*self.notes, note),
+        )
+
+    def to_control(self) -> FrequencyResponseData:
+        """The response for python-control: ``frdata[output, input, frequency]``, frequencies in rad/s."""
+        from control import FrequencyResponseData
+
+        return FrequencyResponseData(
+            np.moveaxis(self.response, 0, -1),
+            self.omega,
+            inputs=[str(c) for c in self.inputs],
+            outputs=[str(c) for c in self.outputs],
         )
 
 

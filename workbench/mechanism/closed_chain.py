@@ -12,7 +12,6 @@ q_p = q_p(q_s) and J = d q_p / d q_s (paper, Eqs. 1, 4 and 18; there J is consta
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +20,7 @@ from workbench.core import InputError, Mechanism, SimulationError
 from workbench.core.closure import DEAD, Closure
 
 from .assembly import assemble
-from .reduced import Margin, Reduced, ratio
+from .reduced import Margin, Reduced
 from .tree import Tree
 
 _SAME = 1e-6  # rad or m
@@ -110,7 +109,7 @@ class ClosedChain:
         posture = self._driven.at(q)
         if posture.slope is None:
             return Margin(0.0, 0.0)
-        return Margin(posture.margin, ratio(posture.slope[self._joints]))
+        return Margin(posture.margin, _ratio(posture.slope[self._joints]))
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -142,7 +141,7 @@ class ClosedChain:
                 the drives, or the drives not the posture.
         """
         jacobian = self._serial.regular(joints)[1][self._driven.independent]
-        if ratio(jacobian) < DEAD:
+        if _ratio(jacobian) < DEAD:
             raise SimulationError(f"the drives are at a dead point at {self._serial.say(joints)}")
         return jacobian
 
@@ -180,17 +179,12 @@ class ClosedChain:
             SimulationError: the loops cannot be closed there.
         """
         own, drives = self._serial.at(joints).theta, self._driven.independent
-
-        def apart(one: np.ndarray, other: np.ndarray) -> bool:
-            """By more than whole turns."""
-            return bool(np.abs(np.exp(1j * one[drives]) - np.exp(1j * other[drives])).max() > _SAME)
-
         generator, found = np.random.default_rng(_SEED), [own]
         for _ in range(_TRIES):
             guess = own.copy()
             guess[self._serial.dependent] += generator.uniform(-np.pi, np.pi, len(self._serial.dependent))
             theta = self._serial.solve(guess)
-            if theta is not None and all(apart(theta, each) for each in found):
+            if theta is not None and all(_apart(theta[drives], each[drives]) for each in found):
                 found.append((theta + np.pi) % (2 * np.pi) - np.pi)
         return [theta[drives] for theta in found]
 
@@ -204,9 +198,10 @@ class ClosedChain:
             middle = self._serial.at(limits.mean(axis=1)).theta
         except SimulationError:
             return start
-        reached = start
-        with suppress(SimulationError):
+        try:
             reached = self._driven.at(middle[drives]).theta
+        except SimulationError:
+            reached = start
         if np.abs(reached - middle).max() > _SAME:
             # a dead point of the drives lies between: they begin on the limits' side of it
             self._driven, reached = Closure(self._tree, drives, middle), middle
@@ -227,7 +222,7 @@ class ClosedChain:
                 "the mass matrix is not finite", file=self.mechanism.file, column="inertial",
                 remedy="give masses, inertias and lengths in SI",
             )  # fmt: skip
-        if ratio(mass) > 1e-12:
+        if _ratio(mass) > 1e-12:
             return
         links = ", ".join(self._tree.massless_links()) or "none"
         raise InputError(
@@ -245,3 +240,14 @@ def _check_names(mechanism: Mechanism) -> None:
                 f"{n} drives, and {key} are {', '.join(names) or 'none'}", file=mechanism.file,
                 column=f"closed_chain.{key}", remedy="name one serial joint per drive, each once",
             )  # fmt: skip
+
+
+def _apart(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether positions differ by more than whole turns."""
+    return bool(np.abs(np.exp(1j * one) - np.exp(1j * other)).max() > 1e-6)
+
+
+def _ratio(matrix: np.ndarray) -> float:
+    """Smallest over largest singular value."""
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return float(values[-1] / values[0]) if values[0] > 0.0 else 0.0

@@ -37,9 +37,3 @@ class Margin:
 
     drives: float
     joints: float
-
-
-def ratio(matrix: np.ndarray) -> float:
-    """Smallest over largest singular value."""
-    values = np.linalg.svd(matrix, compute_uv=False)
-    return float(values[-1] / values[0]) if values[0] > 0.0 else 0.0
