@@ -73,13 +73,16 @@ def _left(laws: np.ndarray, torque: np.ndarray, bins: np.ndarray) -> np.ndarray:
     columns = np.column_stack([laws[:, laws.any(axis=0)], np.ones(len(torque))])
     columns = columns / np.sqrt(np.mean(columns**2, axis=0))
     pieces = [normal(columns[bins == b], torque[bins == b]) for b in range(_BINS)]
+
+    def left(sizes: np.ndarray) -> np.ndarray:
+        return np.array([p.after(sizes) / max(p.samples, 1) for p in pieces])
+
     sizes, half = np.linalg.lstsq(columns, torque, rcond=None)[0], set[int]()
     for _ in range(_STEPS):
-        left = np.array([p.after(sizes) / max(p.samples, 1) for p in pieces])
-        best = set(np.argsort(left)[: _BINS // 2].tolist())
+        best = set(np.argsort(left(sizes))[: _BINS // 2].tolist())
         if best == half:
             break
         half = best
         whole = total([pieces[b] for b in half])
         sizes = np.linalg.lstsq(whole.gram, whole.right, rcond=None)[0]
-    return left
+    return left(sizes)
