@@ -138,7 +138,7 @@ class Reading:
 
     def rigid(self, plant: Plant) -> np.ndarray:
         """`rigid_torque` of the track as the sensors show it, remembered."""
-        key = _fingerprint(plant.mujoco)
+        key = _fingerprint(plant.mujoco) + (_fingerprint(plant.links) if plant.bare is not None else b"")
         if key not in self._rigid:
             while len(self._rigid) > _KEPT // self.track.position.size:
                 self._rigid.pop(next(iter(self._rigid)))

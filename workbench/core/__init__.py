@@ -1,6 +1,6 @@
 """Types, units and errors that everything else is built from; imports nothing of workbench."""
 
-from .carried import Carried
+from .carried import Carried, CarriedMotion
 from .copies import apart, together
 from .coupling import Coupling, declared_couplings
 from .diagnosis import (
@@ -28,6 +28,7 @@ __all__ = [
     "FORMAT",
     "HOPELESS",
     "Carried",
+    "CarriedMotion",
     "Check",
     "Comparison",
     "Controller",

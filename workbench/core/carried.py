@@ -1,23 +1,48 @@
-"""What drives carry that is no tree: known by the torque that it needs along a motion."""
+"""What drives carry that is no tree of theirs: known by the torque that it needs along a motion."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
 
-class Carried(Protocol):
-    """Links behind a transmission that changes with the posture, in the coordinates of N drives."""
+@dataclass(frozen=True)
+class CarriedMotion:
+    """N rows of n serial joints that follow the drives.
 
-    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
-        """That the drives need for their motion (N, n), without what rotors need [N m or N].
+    Attributes:
+        position, velocity, acceleration: of the joints (N, n).
+        slope: J^-1, d q_s / d q_p (N, n, n).
+        inertia: of the links as the joints feel it (N, n, n) [kg m^2 or kg].
+        torque: of the joints that the links need (N, n) [N m or N].
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    slope: np.ndarray
+    inertia: np.ndarray
+    torque: np.ndarray
+
+
+class Carried(Protocol):
+    """Links behind a transmission that changes with the posture.
+
+    Attributes:
+        serial: MJCF of the tree of those links that the serial joints move.
+        joints: these joints, in the order of the axes.
+    """
+
+    serial: Path
+    joints: tuple[str, ...]
+
+    def at(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> CarriedMotion:
+        """What the links do and need along a motion of the drives (N, n), without what rotors need.
 
         Raises:
             SimulationError: drives far from where the links can go.
         """
-        ...
-
-    def inertia(self, position: np.ndarray) -> np.ndarray:
-        """Of the links as the drives feel it (N, n, n) [kg m^2 or kg]."""
         ...

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from workbench.core import SimulationError
-from workbench.models import AppliedEffect, Model, Placement, axis_tendon, take_friction
+from workbench.models import AppliedEffect, Model, Placement, axis_tendon, load_tree, take_friction
 from workbench.models.engine import warned
 
 from .catalogue import effect_named
@@ -31,7 +31,8 @@ class Plant:
     `drives` (n, nv): speeds of MuJoCo's joints to those of the drives; its transpose takes torque back.
     `lift` (nv, n): serial coordinates to MuJoCo's joints as long as nothing bends. `substeps`: steps of
     MuJoCo's in one of the simulation, more than one where springs are stiff. `contacts`: names of the
-    contact sensors of feet on the ground, none for a machine that is off it.
+    contact sensors of feet on the ground, none for a machine that is off it. `links`: MuJoCo's model that has
+    the links; `bare`: that before any effect, where it is another one, since drives carry them.
     """
 
     model: Model
@@ -39,6 +40,8 @@ class Plant:
     chain: TorqueChain
     drives: np.ndarray
     lift: np.ndarray
+    links: mujoco.MjModel
+    bare: mujoco.MjModel | None = None
     substeps: int = 1
     contacts: tuple[str, ...] = ()
 
@@ -111,6 +114,7 @@ def compile_plant(
         with warned() as said:
             settle_contacts(made)
             compiled = made.spec.compile()
+            links, bare = (compiled, None) if made.links is made.spec else _carried(made, model)
     except (ValueError, mujoco.FatalError) as error:
         raise SimulationError(f"model '{model.name}' with {effects} cannot be compiled: {error}") from error
     if singular := [line for line in said if "singular" in line]:
@@ -127,7 +131,18 @@ def compile_plant(
     _leave_out_constraints(compiled, made.chain)
     drives = np.stack([tendon_row(compiled, axis_tendon(i)) for i in range(model.size)])
     lift = _lift(compiled, model)
-    return Plant(model, compiled, made.chain, drives, lift, substeps, tuple(made.contacts))
+    return Plant(model, compiled, made.chain, drives, lift, links, bare, substeps, tuple(made.contacts))
+
+
+def _carried(made: Build, model: Model) -> tuple[mujoco.MjModel, mujoco.MjModel]:
+    """The tree of links that drives carry, as effects made it and as it was."""
+    out = made.links.compile(), load_tree(model.links[0]).compile()
+    for m in out:
+        # of both only what they differ by is asked for: the links
+        m.opt.disableflags |= int(
+            mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT
+        )
+    return out
 
 
 def _leave_out_constraints(m: mujoco.MjModel, chain: TorqueChain) -> None:

@@ -13,7 +13,8 @@ from workbench.models import Model, Placement
 from .base import Effect
 from .compliance import Compliance
 from .contact import OnGround
-from .kinds import on_links
+from .kinds import changes_foot_position
+from .structural import Structural
 
 #: Each is a file of its name, with a class of its name.
 _NAMES = (
@@ -106,8 +107,9 @@ def places(model: Model) -> tuple[EffectKey, ...]:
 
 
 def _reached(effect: Effect, model: Model) -> bool:
-    """Whether an effect acts on what a model has: of links that are carried the tree has none."""
-    return model.carried is None or not (on_links(effect) or isinstance(effect, Compliance | OnGround))
+    """Whether an effect acts on what a model has: links that are carried may weigh otherwise, but no more."""
+    shapes = isinstance(effect, Structural | Compliance | OnGround) or changes_foot_position(effect)
+    return model.carried is None or not shapes
 
 
 def _pin_differs(model: Model, index: int) -> bool:

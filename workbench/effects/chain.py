@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from workbench.models import Inertial, Model, axis_tendon, base_spec
+from workbench.models import Inertial, Model, axis_tendon, base_spec, load_tree
 
 from .law import Law
 
@@ -148,13 +148,14 @@ class TorqueChain:
 class Build:
     """A model on its way to MuJoCo: the spec that effects edit, and the chain in front of it.
 
-    `rows`: the joints that each axis's tendon wraps, with their coefficients. `contacts`: pairs of the ground
-    and each foot, none where the machine is off the ground; `contact_law`: their stiffness and damping
-    [N/m, N s/m], None for what MuJoCo takes from the geoms. `inertials`: of links that effects changed, by
-    body.
+    `links`: the spec that has the links, another one only where drives carry them. `rows`: the joints that
+    each axis's tendon wraps, with their coefficients. `contacts`: pairs of the ground and each foot, none
+    where the machine is off the ground; `contact_law`: their stiffness and damping [N/m, N s/m], None for
+    what MuJoCo takes from the geoms. `inertials`: of links that effects changed, by body.
     """
 
     spec: mujoco.MjSpec
+    links: mujoco.MjSpec
     chain: TorqueChain
     rows: dict[str, dict[str, float]]
     contacts: list[str] = field(default_factory=list)
@@ -171,4 +172,6 @@ class Build:
             for location, matrix in (("actuator", model.transmission), ("joint", np.eye(model.size)))
             for i, row in enumerate(matrix)
         }
-        return Build(base_spec(model, timestep, held), TorqueChain.of(model), rows)
+        spec = base_spec(model, timestep, held)
+        links = load_tree(model.carried.serial) if model.carried else spec
+        return Build(spec, links, TorqueChain.of(model), rows)

@@ -74,9 +74,10 @@ class OfBody:
         return next((number for name, number in self.special.items() if name in values), self)
 
     def in_file(self, model: Model, place: Placement, values: Mapping[str, float]) -> BodyNumbers | None:
-        """Which numbers of the model's MJCF or URDF hold this."""
+        """Which numbers of the model's MJCF or URDF hold this; none where the closed chain's file does."""
         del values
-        return BodyNumbers(model.joints[place.index])
+        closed = model.posture_dependent or model.carried
+        return None if closed else BodyNumbers(model.joints[place.index])
 
 
 def there(

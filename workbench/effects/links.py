@@ -50,7 +50,7 @@ def link_of(model: Model, axis: str | None) -> Link | None:
     """The link of an axis; None where it shares its body with a later axis, or has no mass."""
     if axis is None:
         return None
-    links = _links(model.serial, model.joints, model.payload_site)
+    links = _links(*model.links, model.payload_site)
     return links[model.axes.index(axis)]
 
 
@@ -63,14 +63,14 @@ def link_at(model: Model, place: Placement) -> Link:
 
 def link_ends(model: Model) -> tuple[str | None, ...]:
     """Where each axis' link ends: at a joint by name, at the payload site (empty), or nowhere (None)."""
-    return _ends(model.serial, model.joints, model.payload_site)
+    return _ends(*model.links, model.payload_site)
 
 
 def reshape(build: Build, link: Link, change: Callable[[Inertial], Inertial]) -> None:
     """Give a link another inertial; changes of one link follow each other."""
     now = change(build.inertials.get(link.body, link.inertial))
     build.inertials[link.body] = now
-    body = build.spec.body(link.body)
+    body = build.links.body(link.body)
     principal, axes = np.linalg.eigh(now.tensor)
     axes *= np.sign(np.linalg.det(axes))
     body.explicitinertial, body.mass, body.ipos = True, now.mass, now.centre

@@ -48,7 +48,7 @@ class PayloadMass(Effect):
 
     def install(self, build: Build, model: Model, place: Place, values: Values) -> None:
         """A body at the site; no bigger than a point, but with an inertia that MuJoCo accepts."""
-        site = build.spec.site(model.payload_site)
+        site = build.links.site(model.payload_site)
         mass = values["mass"]
         body = site.parent.add_body(pos=site.pos)
         body.explicitinertial, body.mass, body.ipos = True, mass, np.zeros(3)

@@ -131,7 +131,8 @@ class Model(Shown):
         friction_as_in_mjcf: dry friction that the MJCF states sets in as MuJoCo's constraint has it there, by
             ``solreffriction`` and ``solimpfriction``, rather than at the sliding speed.
         flank_retardation_s: damping of a gap's flanks over their stiffness [s], while they touch.
-        carried: what hangs on the drives beside the serial tree, where that is no tree.
+        carried: what hangs on the drives beside the serial tree, where that is no tree; `payload_site` is
+            then one of its links.
         source: file it was read from.
     """
 
@@ -184,6 +185,12 @@ class Model(Shown):
             InputError: a file cannot be read.
         """
         return {self.place(file).as_posix(): digest(file) for file in self.files}
+
+    @property
+    def links(self) -> tuple[Path, tuple[str, ...]]:
+        """MJCF of the links, and the joint of each axis in it: the serial tree's, or of what is carried."""
+        there = self.carried or self
+        return there.serial, there.joints
 
     @property
     def size(self) -> int:

@@ -5,7 +5,8 @@ In the drives' own coordinates nothing changes with the posture but the torque t
     tau_p = A q_p'' + B q_p' + J^-T (M_links q_s'' + bias - gravity),     q_s'' = J^-1 (q_p'' - J' q_s'),
 
 with everything behind J^-T from the closed chain's series. So a search can take the machine for rotors, a
-drive each, that carry the links: what acts at a drive acts as in any other machine.
+drive each, that carry the links: what acts at a drive acts as in any other machine. More mass on a link that
+a serial joint moves is behind J^-T too, and what it needs along q_s is what it needs in the serial tree.
 """
 
 from __future__ import annotations
@@ -14,30 +15,21 @@ from dataclasses import replace
 from functools import cache, cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
 
 import numpy as np
 
-from workbench.core import DriveMap
+from workbench.core import CarriedMotion, DriveMap
 from workbench.effects import axis_units
 from workbench.models import Model
 
 from .drive_map import drive_map
-from .posture import PostureDependent, Terms
+from .posture import PostureDependent
 
 _GRAIN = 1e-9  # kg and kg m^2: what a rotor of no inertia is given, so that it can be compiled
 
 
-class _State(NamedTuple):
-    """Of N rows: what the series say there, rates of the joints (N, n), and J^-1 (N, n, n)."""
-
-    terms: Terms
-    rate: np.ndarray
-    back: np.ndarray
-
-
 class LinksOnDrives:
-    """The links of a mechanism, as `core.Carried`.
+    """The links of a mechanism before any effect, as `core.Carried`.
 
     The closed chain is solved when a torque is asked for.
 
@@ -46,7 +38,8 @@ class LinksOnDrives:
     """
 
     def __init__(self, model: Model) -> None:
-        self._model = model
+        self._model = replace(model, effects=())
+        self.serial, self.joints = model.serial, model.joints
 
     @cached_property
     def _chain(self) -> PostureDependent:
@@ -58,22 +51,15 @@ class LinksOnDrives:
         assert found is not None
         return found
 
-    def torque(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    def at(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> CarriedMotion:
         """As `core.Carried` has it."""
-        terms, rate, back = self._at(position, velocity)
-        joint = np.einsum("kij,kj->ki", back, acceleration - terms.drive_rate(rate))
-        own = np.einsum("kij,kj->ki", terms.links, joint) + terms.link_bias(rate) - terms.gravity
-        return np.einsum("kji,kj->ki", back, own)
-
-    def inertia(self, position: np.ndarray) -> np.ndarray:
-        """As `core.Carried` has it."""
-        terms, _, back = self._at(position, np.zeros_like(position))
-        return back.transpose(0, 2, 1) @ terms.links @ back
-
-    def _at(self, position: np.ndarray, velocity: np.ndarray) -> _State:
-        terms = self._chain.at(self._chain.nearest_inside(self._map.joints(position)))
-        back = np.linalg.inv(terms.jacobian)
-        return _State(terms, np.einsum("kij,kj->ki", back, velocity), back)
+        joints = self._chain.nearest_inside(self._map.joints(position))
+        terms = self._chain.at(joints)
+        slope = np.linalg.inv(terms.jacobian)
+        rate = np.einsum("kij,kj->ki", slope, velocity)
+        change = np.einsum("kij,kj->ki", slope, acceleration - terms.drive_rate(rate))
+        torque = np.einsum("kij,kj->ki", terms.links, change) + terms.link_bias(rate) - terms.gravity
+        return CarriedMotion(joints, rate, change, slope, terms.links, torque)
 
 
 def on_drives(model: Model) -> Model:
@@ -86,7 +72,6 @@ def on_drives(model: Model) -> Model:
         joints=model.axes,
         transmission=np.eye(model.size),
         posture_dependent=False,
-        payload_site=None,
         carried=LinksOnDrives(model),
     )
 
@@ -101,7 +86,6 @@ def off_drives(found: Model, given: Model) -> Model:
         joints=given.joints,
         transmission=given.transmission,
         posture_dependent=given.posture_dependent,
-        payload_site=given.payload_site,
         carried=None,
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from workbench.effects import Plant, TorqueChain, heat, tendon_row, wound
 
+from .carried import carried_torque
 from .native import inverse_forces, tendon_slopes
 from .trajectory import Track
 
@@ -45,7 +46,7 @@ def rigid_torque(plant: Plant, track: Track) -> np.ndarray:
     q, w, a = track.position @ back.T, track.velocity @ back.T, track.acceleration @ back.T
     states = plant.state_at(np.stack([q, w], axis=1))
     tree = inverse_forces(copy_without_friction(plant.mujoco), states, a @ plant.lift.T) @ plant.lift
-    return tree if plant.model.carried is None else tree + plant.model.carried.torque(q, w, a)
+    return tree if plant.model.carried is None else tree + carried_torque(plant, q, w, a)
 
 
 def gain_along(chain: TorqueChain, torque: np.ndarray, step: float) -> np.ndarray:

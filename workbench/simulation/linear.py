@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from workbench.core import Carried, Controller
+from workbench.core import Controller
 from workbench.effects import Plant, torque_bounds
 
+from .carried import carried_slopes
 from .control import true_controller
 from .experiment import Experiment, scored_torque
 from .native import inverse_slopes
@@ -23,7 +24,6 @@ from .trajectory import Track
 from .unlogged_rate import differentiates
 
 _EVERY_S = 0.004  # posture and speed change little within this time
-_NUDGE = 1e-5  # rad, rad/s: central differences of smooth functions
 
 
 @dataclass(frozen=True)
@@ -163,16 +163,5 @@ def slopes(plant: Plant, track: Track, period: float) -> tuple[np.ndarray, ...]:
     states = plant.state_at(np.stack([q[rows], w[rows]], axis=1))
     found = inverse_slopes(m, states, a[rows] @ plant.lift.T)
     if plant.model.carried is not None:
-        own = slopes_carried(plant.model.carried, q[rows], w[rows], a[rows])
-        found = found + plant.lift @ own @ plant.lift.T
+        found = found + plant.lift @ carried_slopes(plant, q[rows], w[rows], a[rows]) @ plant.lift.T
     return rows, *found
-
-
-def slopes_carried(carried: Carried, q: np.ndarray, w: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """Derivatives of the torque that is carried by acceleration, rate and position, (3, N, n, n)."""
-    n, out = q.shape[1], np.empty((3, *q.shape, q.shape[1]))
-    out[0] = carried.inertia(q)
-    for j, step in enumerate(_NUDGE * np.eye(n)):
-        out[1, :, :, j] = (carried.torque(q, w + step, a) - carried.torque(q, w - step, a)) / (2.0 * _NUDGE)
-        out[2, :, :, j] = (carried.torque(q + step, w, a) - carried.torque(q - step, w, a)) / (2.0 * _NUDGE)
-    return out

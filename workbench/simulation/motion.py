@@ -12,6 +12,7 @@ from workbench.effects import Line, Motion, Plant, axis_units, compile_plant, ro
 from workbench.inspection.torque import command_limits
 from workbench.models import Model, axis_tendon, rotors
 
+from .carried import carried_inertia
 from .clamped import before_clamp
 from .experiment import prepare, scored_torque
 from .inverse import gain_along, required_torque
@@ -71,7 +72,7 @@ def motion_of(track: Track, recording: Recording, plant: Plant, to_actuator: np.
         rotor=rotor_of(plant),
         momentum=cache(lambda: momentum_of(plant, track)),
         law=lambda axis: gain_shares(recording, plant, track, axis),
-        gravity=np.array(plant.mujoco.opt.gravity),
+        gravity=np.array(plant.links.opt.gravity),
         axis_units=axis_units(model),
     )
 
@@ -122,8 +123,8 @@ def mass_matrix(plant: Plant, track: Track) -> np.ndarray:
     """Mass matrix (N, n, n) in actuator coordinates along a track, links and rotors moving as one."""
     back = np.linalg.inv(plant.model.transmission)
     masses = _along(plant, track, lambda at: plant.lift.T @ mass_matrices(plant.mujoco, at) @ plant.lift)
-    tree, carried = back.T @ masses @ back, plant.model.carried
-    return tree if carried is None else tree + carried.inertia(track.position)
+    tree = back.T @ masses @ back
+    return tree if plant.model.carried is None else tree + carried_inertia(plant, track.position)
 
 
 def momentum_of(plant: Plant, track: Track) -> tuple[np.ndarray, float]:

@@ -44,7 +44,7 @@ def lay_floor(spec: mujoco.MjSpec, model: Model, feet: Sequence[str], surface: s
 
 
 def _lay(spec: mujoco.MjSpec, model: Model, ground: Ground) -> None:
-    build = Build(spec, TorqueChain.of(model), {})
+    build = Build(spec, spec, TorqueChain.of(model), {})
     lay_ground(build, ground)
     settle_contacts(build)
 
