@@ -61,15 +61,16 @@ def test_drives_where_no_link_can_follow_are_refused() -> None:
     assert carried is not None
     still = np.zeros((1, 2))
     with pytest.raises(SimulationError, match="outside its workspace"):
-        carried.torque(np.array([[0.0, 40.0]]), still, still)
+        carried.at(np.array([[0.0, 40.0]]), still, still)
 
 
-def test_effects_act_at_the_drives_and_go_back_into_the_model() -> None:
+def test_effects_act_at_the_drives_or_weigh_on_links_and_go_back_into_the_model() -> None:
     given = read_model("four_bar")
     there = on_drives(given)
     offered = {key.effect for key in places(there)}
     assert {"coulomb_friction", "torque_constant_error", "cogging", "encoder_offset"} <= offered
-    assert not offered & {"payload_mass", "link_length_error", "first_moment_error", "backlash"}
+    assert {"payload_mass", "first_moment_error", "link_inertia_error"} <= offered
+    assert not offered & {"link_length_error", "backlash", "base_compliance", "actuator_inertia_coupling"}
     assert {key.location for key in places(there)} == {"actuator"}
     back = off_drives(replace(there, name="better"), given)
     assert (back.name, back.serial, back.joints, back.carried) == ("better", given.serial, given.joints, None)

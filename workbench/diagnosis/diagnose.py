@@ -31,8 +31,9 @@ _NO_PAYLOAD = (
     "last link, or name a site in [payload]"
 )
 _CARRIED = (
-    "the transmission changes with the posture, so only effects at the drives were searched for; "
-    "payloads, link errors, springs and gaps were not"
+    "the transmission changes with the posture: effects at the drives, and masses of the links that the joints "
+    "move, were searched for; lengths, masses of cranks and rods, and friction, springs and gaps behind the "
+    "drives were not"
 )
 
 
@@ -133,9 +134,8 @@ def _not_excited(found: SearchResult, findings: Sequence[Finding]) -> tuple[Effe
 
 
 def _not_looked_for(verdict: Verdict, model: Model) -> tuple[str, ...]:
-    if model.carried is not None:
-        return (_CARRIED,)
-    return (_NO_PAYLOAD,) if verdict != "consistent" and model.payload_site is None else ()
+    payload = (_NO_PAYLOAD,) if verdict != "consistent" and model.payload_site is None else ()
+    return payload if model.carried is None else (_CARRIED, *payload)
 
 
 def _rest(verdict: Verdict, found: Rounds) -> float:

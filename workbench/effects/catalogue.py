@@ -13,8 +13,7 @@ from workbench.models import Model, Placement
 from .base import Effect
 from .compliance import Compliance
 from .contact import OnGround
-from .kinds import changes_foot_position
-from .structural import Structural
+from .kinds import of_mass, on_links
 
 #: Each is a file of its name, with a class of its name.
 _NAMES = (
@@ -108,8 +107,8 @@ def places(model: Model) -> tuple[EffectKey, ...]:
 
 def _reached(effect: Effect, model: Model) -> bool:
     """Whether an effect acts on what a model has: links that are carried may weigh otherwise, but no more."""
-    shapes = isinstance(effect, Structural | Compliance | OnGround) or changes_foot_position(effect)
-    return model.carried is None or not shapes
+    of_links = on_links(effect) or isinstance(effect, Compliance | OnGround)
+    return model.carried is None or of_mass(effect) or not of_links
 
 
 def _pin_differs(model: Model, index: int) -> bool:

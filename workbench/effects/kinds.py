@@ -79,6 +79,11 @@ def changes_foot_position(effect: Effect) -> bool:
     return on_links(effect) and any(p.unit == "m" for p in effect.parameters)
 
 
+def of_mass(effect: Effect) -> bool:
+    """Whether it changes what links weigh, and nothing of how they move."""
+    return on_links(effect) and not (isinstance(effect, Structural) or changes_foot_position(effect))
+
+
 def bends_reading(effect: Effect) -> bool:
     """Whether a sensor reads its angle along another scale, rather than shifted or late.
 

@@ -20,6 +20,7 @@ from workbench.serial_tree import SerialTree
 
 from .posture_chain import PostureChain, PostureDynamics
 from .posture_closure import say, workspace
+from .posture_effects import AddedToLinks, of_tree
 from .posture_table import Series, tabulate, together
 
 _SLACK = 1e-9  # rad or m outside the limits that rounding may make
@@ -70,8 +71,11 @@ MOST_DRIVES = 3
 class PostureDependent:
     """A model's closed chain as series over its limits; everything is vectorised over N postures.
 
+    Attributes:
+        added: what effects of the model add to the links.
+
     Args:
-        model: names the closed chain with its limits, and the drives.
+        model: names the closed chain with its limits, and the drives; effects on its links are in them.
         tree: leave out what this serial tree's links have already; totals without it.
         tolerance: size of the terms that the series leave out, relative.
 
@@ -86,7 +90,7 @@ class PostureDependent:
                 f"model '{model.name}' has {model.size} coordinates that depend on each other",
                 file=model.source, remedy="split it into mechanisms of three drives or fewer",
             )  # fmt: skip
-        self.model, self.box = model, workspace(model)
+        self.model, self.box, self.added = model, workspace(model), AddedToLinks(model)
         self.inertia, self.damping = np.array(model.actuators.inertia), np.array(model.actuators.damping)
         self.least_margin, self.least_at = np.inf, self.box.mean(axis=1)
         n = model.size
@@ -203,12 +207,11 @@ class PostureDependent:
             if at.margin.min() < self.least_margin:
                 self.least_margin, self.least_at = float(at.margin.min()), q[int(np.argmin(at.margin))]
             sides.update(np.linalg.det(at.jacobian) > 0.0)
-            mass, energy = at.mass, at.potential
+            more, higher = self.added.at(q)
+            mass, energy = at.mass + more, at.potential + higher
             if tree is not None:
-                others = np.zeros((len(q), tree.size - self.model.size))
-                whole = np.concatenate([q, others], axis=1)
-                mass = mass - tree.link_mass_matrix(whole)[:, : q.shape[1], : q.shape[1]]
-                energy = energy - tree.potential_energy(whole)
+                own, low = of_tree(tree, q)
+                mass, energy = mass - own, energy - low
             return np.concatenate([mass[:, *self._upper], energy[:, None], at.drives], axis=1)
 
         where = {"file": self.model.source, "column": "closed_chain.limits"}

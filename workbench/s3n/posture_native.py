@@ -88,7 +88,8 @@ def fit(chain: PostureDependent, branches: int = 8) -> Fit:
     carried = carry(
         Wanted(
             f, real.mass - mass - rotors, real.mass, real.gravity - gravity, m.opt.gravity.copy(), gradients,
-            np.array(coordinates), np.array(along), float(closure.m.body_mass.sum() - others), size,
+            np.array(coordinates), np.array(along),
+            float(closure.m.body_mass.sum() - others) + chain.added.mass, size,
         )
     )  # fmt: skip
     offsets = (lengths - real.drives.T).mean(axis=1)
