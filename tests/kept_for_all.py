@@ -32,6 +32,7 @@ SLOW = {
     "diagnosis/moves/test_joint_solution.py": _WHOLE,
     "diagnosis/moves/test_overestimated.py": _WHOLE,
     "diagnosis/screening/test_identifiability.py": _WHOLE,
+    "diagnosis/test_carried.py": _WHOLE,
     "diagnosis/test_clamped.py": _WHOLE,
     "diagnosis/test_emps.py": _WHOLE,
     "diagnosis/test_floating.py": _WHOLE,

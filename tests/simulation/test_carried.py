@@ -1,4 +1,4 @@
-"""Effects on links behind a transmission that changes, against Drake's closed chain of a machine that has them."""
+"""Effects on links behind a transmission that changes, against closed chains in Drake that have them."""
 
 from __future__ import annotations
 

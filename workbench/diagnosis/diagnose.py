@@ -10,7 +10,7 @@ import numpy as np
 
 from workbench.comparison import softness_note
 from workbench.core import Diagnosis, EffectKey, Finding, Recording, Verdict
-from workbench.effects import SETTINGS
+from workbench.effects import SETTINGS, OfBody, effect_named, link_of
 from workbench.models import Model
 
 from .acceptance import contradicts_holdout
@@ -31,9 +31,9 @@ _NO_PAYLOAD = (
     "last link, or name a site in [payload]"
 )
 _CARRIED = (
-    "the transmission changes with the posture: effects at the drives, and masses of the links that the joints "
-    "move, were searched for; lengths, masses of cranks and rods, and friction, springs and gaps behind the "
-    "drives were not"
+    "the transmission changes with the posture: effects at the drives, and masses of the links that the "
+    "joints move, were searched for; lengths, masses of cranks and rods, and friction, springs and gaps "
+    "behind the drives were not"
 )
 
 
@@ -116,6 +116,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
         notes=(
             *before.notes,
             *_softness(first),
+            *_bodies(findings, first.model),
             *(_parting(last) if named else ()),
             *_not_looked_for(verdict, first.model),
         ),
@@ -131,6 +132,18 @@ def _not_excited(found: SearchResult, findings: Sequence[Finding]) -> tuple[Effe
         return ()
     rivals = {key for f in findings for key in f.indistinguishable_from}
     return tuple(key for key in found.identifiability.not_excited if key not in rivals)
+
+
+def _bodies(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
+    """Which body a link is, where its axis is called otherwise than the joint that moves it."""
+    keys = [f.key for f in findings if isinstance(effect_named(f.key.effect).corrects, OfBody)]
+    links = {key.axis: link_of(model, key.axis) for key in keys}
+    joints = dict(zip(model.axes, model.links[1], strict=True))
+    return tuple(
+        f"the {axis} link is the body '{link.body}', which joint '{joints[axis]}' moves"
+        for axis, link in links.items()
+        if link is not None and axis is not None and joints[axis] != axis
+    )
 
 
 def _not_looked_for(verdict: Verdict, model: Model) -> tuple[str, ...]:

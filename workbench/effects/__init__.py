@@ -17,6 +17,7 @@ from .ground_friction import FEWEST_SLIPS, ratio_in_slip
 from .into_file import Change, InFile, into_file, open_text
 from .lag import follow, heat
 from .law import LONGEST, Law, call_law, law
+from .links import link_of
 from .motion import Contact, Line, LinkMotion, Motion, held, torque_bounds
 from .parameter import Parameter, Parameters, Values
 from .passage import Passage
@@ -80,6 +81,7 @@ __all__ = [
     "kinds",
     "law",
     "link_inertia",
+    "link_of",
     "load_model",
     "model_value",
     "open_text",
