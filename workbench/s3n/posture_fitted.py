@@ -51,8 +51,8 @@ def fit_native(
 
     The links' inertials are chosen anew, each drive is a tendon in space whose length is the drive's
     position, with rotor, drag and motor, and weight that hangs on a drive is a spring's, which is right while
-    the base is level. Where the transmission changes, the file has of effects at the drives rotor, damping, dry
-    friction and what a motor has, and all that effects add to the links' masses; of others none.
+    the base is level. Where the transmission changes, the file has of effects at the drives rotor, damping,
+    dry friction and what a motor has, and all that effects add to the links' masses; of others none.
 
     Args:
         model: with a closed chain and its limits.
