@@ -52,10 +52,11 @@ def test_a_heavier_shank_is_found_and_said_by_its_own_name(tmp_path: Path) -> No
     assert text.count("<mass>0.23<") == 1
     file.write_text(text.replace("<mass>0.23<", "<mass>0.33<"))
     machine = replace(MODEL, closed_chain=replace(MODEL.closed_chain, file=file))
-    result, _ = improve(MODEL, runs(machine))
-    (finding,) = result.diagnosis.findings
+    found = improve(MODEL, runs(machine))[0].diagnosis
+    assert found is not None
+    (finding,) = found.findings
     assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "crank")
     mass = finding.parameters["mass"]
     assert abs(mass.value - 0.1) < 3.0 * mass.std < 0.01
-    assert any("the crank link is the body 'shank'" in n and "'knee'" in n for n in result.notes)
-    assert result.diagnosis.mend == ()
+    assert any("the crank link is the body 'shank'" in n and "'knee'" in n for n in found.notes)
+    assert found.mend == ()
