@@ -108,14 +108,14 @@ class DriveTendon:
 
 
 def drive_tendons(model: Model) -> tuple[DriveTendon, ...]:
-    """The tendons of a model's file that are its drives."""
-    m, out = _compiled(model.serial), list[DriveTendon]()
+    """The tendons of a file that are its drives; a drive alone on a joint has its numbers there."""
+    m, alone, out = _compiled(model.serial), drives_alone(model)[0], list[DriveTendon]()
     for k in range(m.ntendon):
         turned = tendon_row(m, k)
         row = np.array([turned.get(name, 0.0) for name in model.joints])
         for index, drive in enumerate(model.transmission):
             ratio = float(row @ drive / (drive @ drive))
-            if ratio and np.allclose(row, ratio * drive, rtol=1e-9, atol=0.0):
+            if not alone[index] and ratio and np.allclose(row, ratio * drive, rtol=1e-9, atol=0.0):
                 out.append(DriveTendon(k, m.tendon(k).name, index, ratio))
     return tuple(out)
 
