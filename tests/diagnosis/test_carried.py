@@ -28,6 +28,15 @@ def runs(machine: Model, *hidden: HiddenIn) -> list[Recording]:
     return [rig.run(each, k) for k, each in enumerate(played(design, MODEL))]
 
 
+def heavier(folder: Path, mass: str, instead: str) -> Model:
+    """The machine with another mass of one body of its closed chain."""
+    assert MODEL.closed_chain is not None
+    text, file = MODEL.closed_chain.file.read_text(), folder / "heavy.sdf"
+    assert text.count(f"<mass>{mass}<") == 1
+    file.write_text(text.replace(f"<mass>{mass}<", f"<mass>{instead}<"))
+    return replace(MODEL, closed_chain=replace(MODEL.closed_chain, file=file))
+
+
 def test_a_payload_beside_damping_is_found_and_goes_into_the_model() -> None:
     hidden = (
         HiddenIn("payload_mass", None, "actuator", {"mass": 0.2}),
@@ -47,12 +56,7 @@ def test_a_payload_beside_damping_is_found_and_goes_into_the_model() -> None:
 
 
 def test_a_heavier_shank_is_found_and_said_by_its_own_name(tmp_path: Path) -> None:
-    assert MODEL.closed_chain is not None
-    text, file = MODEL.closed_chain.file.read_text(), tmp_path / "heavy.sdf"
-    assert text.count("<mass>0.23<") == 1
-    file.write_text(text.replace("<mass>0.23<", "<mass>0.33<"))
-    machine = replace(MODEL, closed_chain=replace(MODEL.closed_chain, file=file))
-    found = improve(MODEL, runs(machine))[0].diagnosis
+    found = improve(MODEL, runs(heavier(tmp_path, "0.23", "0.33")))[0].diagnosis
     assert found is not None
     (finding,) = found.findings
     assert (finding.key.effect, finding.key.axis) == ("first_moment_error", "crank")
@@ -60,3 +64,9 @@ def test_a_heavier_shank_is_found_and_said_by_its_own_name(tmp_path: Path) -> No
     assert abs(mass.value - 0.1) < 3.0 * mass.std < 0.01
     assert any("the crank link is the body 'shank'" in n and "'knee'" in n for n in found.notes)
     assert found.mend == ()
+
+
+def test_a_torque_bias_is_said_to_be_perhaps_a_weight_that_is_not_looked_for(tmp_path: Path) -> None:
+    found = improve(MODEL, runs(heavier(tmp_path, "0.065", "0.165")))[0].diagnosis
+    assert found is not None and [f.key.effect for f in found.findings] == ["torque_bias"]
+    assert any("may be the weight of a crank or rod" in n for n in found.notes)

@@ -35,6 +35,7 @@ _CARRIED = (
     "joints move, were searched for; lengths, masses of cranks and rods, and friction, springs and gaps "
     "behind the drives were not"
 )
+_WEIGHT = "the torque bias on {} may be the weight of a crank or rod in another place, or of another mass"
 
 
 def diagnose(
@@ -118,7 +119,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
             *_softness(first),
             *_bodies(findings, first.model),
             *(_parting(last) if named else ()),
-            *_not_looked_for(verdict, first.model),
+            *_not_looked_for(verdict, findings, first.model),
         ),
     )
 
@@ -146,9 +147,12 @@ def _bodies(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
     )
 
 
-def _not_looked_for(verdict: Verdict, model: Model) -> tuple[str, ...]:
+def _not_looked_for(verdict: Verdict, findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
     payload = (_NO_PAYLOAD,) if verdict != "consistent" and model.payload_site is None else ()
-    return payload if model.carried is None else (_CARRIED, *payload)
+    if model.carried is None:
+        return payload
+    constant = [f.key.axis for f in findings if f.key.effect == "torque_bias"]
+    return (_CARRIED, *(_WEIGHT.format(axis) for axis in constant), *payload)
 
 
 def _rest(verdict: Verdict, found: Rounds) -> float:
