@@ -51,8 +51,7 @@ def test_the_noise_error_is_what_many_noisy_runs_give(period: float, tick: float
     many = measured(LEG, asked, range(8))
     result = compare(LEG, many[:1], draws=6)
     assert result.noise_error == pytest.approx(score(many, clean), rel=0.05 if period == 0.001 else 0.2)
-    # whether a drive was off before the first row, noise may decide
-    assert result.error == pytest.approx(score(many[:1], clean), rel=1e-4)
+    assert result.error == pytest.approx(score(many[:1], clean), rel=1e-6)
 
 
 @pytest.mark.parametrize("every", [2, 4, 5])

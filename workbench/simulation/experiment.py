@@ -17,6 +17,7 @@ from .initial_state import initial_state
 
 #: Longest integration step [s]; Runge-Kutta 4 at this step errs by less than 1e-7 rad on the leg.
 LONGEST_STEP = 0.001
+_FIRST, _CLEARLY = 8, 3.0  # rows that show how torques scatter; deviations by which two are not the same
 #: Signal of what the ground's force on the feet is to the drives [N m or N], of recordings on the ground.
 GROUND_TORQUE = "ground_torque"
 
@@ -164,12 +165,14 @@ def _before(measured: np.ndarray | None, command: np.ndarray | None, n: int) -> 
     """Torques that were commanded before the first row (n,), by signals in actuator coordinates (N, n).
 
     A drive was off, or its loop ran already: of nothing and the first command, what is nearer to the torque
-    measured. Where none was measured, drives begin from nothing.
+    measured, where these are clearly not the same. Where none was measured, drives begin from nothing.
     """
     if measured is None:
         return np.zeros(n)
-    first = measured[0] if command is None else command[0]
-    return np.where(np.abs(measured[0]) <= np.abs(measured[0] - first), 0.0, first)
+    sent = np.broadcast_to(measured[0], measured.shape) if command is None else command
+    scatter = np.std((measured - sent)[:_FIRST], axis=0)
+    ran = np.abs(measured[0]) > np.abs(measured[0] - sent[0])
+    return np.where(ran & (np.abs(sent[0]) > _CLEARLY * scatter), sent[0], 0.0)
 
 
 def scored_torque(recording: Recording) -> str | None:
