@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.simulation.make import hold_slopes_to_differences
 from workbench.core import SimulationError
 from workbench.effects import compile_plant, places
 from workbench.models import read_model
@@ -45,15 +46,8 @@ def test_slopes_are_those_of_the_torque() -> None:
     assert own is not None
     track = Track(own.drives(q), v, np.random.default_rng(4).normal(size=q.shape))
     plant = compile_plant(model)
-    rows, *found = slopes(plant, track, 0.01)
-    assert list(rows) == list(range(6))
-    moved = 1e-4 * np.array([1.0, -0.5])
-    for k, name in enumerate(("acceleration", "velocity", "position")):
-        off = [
-            required_torque(plant, replace(track, **{name: getattr(track, name) + sign * moved}))
-            for sign in (1.0, -1.0)
-        ]
-        np.testing.assert_allclose(found[k] @ moved, 0.5 * (off[0] - off[1]), rtol=1e-3, atol=1e-8)
+    assert list(slopes(plant, track, 0.01)[0]) == list(range(6))
+    hold_slopes_to_differences(plant, track)
 
 
 def test_drives_where_no_link_can_follow_are_refused() -> None:

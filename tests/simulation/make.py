@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from workbench.core import Controller, EffectKey, Estimate, Recording
-from workbench.effects import axis_units, check_effect
+from workbench.effects import Plant, axis_units, check_effect
 from workbench.models import AppliedEffect, Model
-from workbench.simulation import Run, simulate
+from workbench.simulation import Run, Track, required_torque, simulate, slopes
 
 HOLD = np.array([-0.55, np.pi / 3])  # joint coordinates of the leg [rad]
 LEG_LOOP = Controller("pd", "joint", kp=(50.0, 50.0), kd=(1.5, 1.5), period_s=0.003)
@@ -94,3 +94,15 @@ def having(model: Model, key: EffectKey, **values: float) -> Model:
     """The model with an effect of these parameter values."""
     estimates = {name: Estimate(value, 0.0, "") for name, value in values.items()}
     return model.with_effect(check_effect(model, AppliedEffect(key, estimates)))
+
+
+def hold_slopes_to_differences(plant: Plant, track: Track) -> None:
+    """Slopes of the torque that a motion of two drives needs are what its differences are."""
+    _, *found = slopes(plant, track, 0.01)
+    moved = 1e-4 * np.array([1.0, -0.5])
+    for k, name in enumerate(("acceleration", "velocity", "position")):
+        off = [
+            required_torque(plant, replace(track, **{name: getattr(track, name) + sign * moved}))
+            for sign in (1.0, -1.0)
+        ]
+        np.testing.assert_allclose(found[k] @ moved, 0.5 * (off[0] - off[1]), rtol=1e-3, atol=1e-8)

@@ -11,6 +11,7 @@ from workbench.effects import effect_named
 
 from ..data import Data
 from ..hypothesis import Fit
+from ..policy import POLICY
 from ..screening.needed_torque import kept_rows, needing
 from ..screening.propagation import propagate_sensitivities
 from ..screening.torque_regression import Regression
@@ -35,6 +36,12 @@ class Laws:
     torque: np.ndarray
     rest: np.ndarray
     noise: np.ndarray
+
+    @property
+    def above_noise(self) -> list[int]:
+        """Numbers of the axes whose rest noise does not explain."""
+        above = np.mean(self.rest**2, axis=0) > POLICY.at_noise * self.noise
+        return np.flatnonzero((self.noise > 0.0) & above).tolist()
 
 
 def laws_of(found: Fit, regression: Regression, data: Data) -> Laws:

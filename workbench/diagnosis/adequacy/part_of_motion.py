@@ -45,8 +45,7 @@ def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
     bins: dict[int | None, list[np.ndarray]] = {None: _bins(time)}
     bins |= {k: _bins([p[:, k] for p in position]) for k in range(len(laws.noise))}
     rows, drives = [np.ones(len(p), bool) for p in position], set[int]()
-    above = np.mean(laws.rest**2, axis=0) > POLICY.at_noise * laws.noise
-    for k in np.flatnonzero((laws.noise > 0.0) & above):
+    for k in laws.above_noise:
         good: dict[int | None, np.ndarray] = {}
         for quantity, own in bins.items():
             there = np.concatenate([b[r] for b, r in zip(own, laws.rows, strict=True)])

@@ -40,11 +40,10 @@ def without_tones(laws: Laws, missing: Missing, data: Data) -> WithoutTones | No
     Returns:
         None where there is no such axis, or no torque was recorded.
     """
-    above = np.mean(laws.rest**2, axis=0) > POLICY.at_noise * laws.noise
     names = [scored_torque(r) for r in data.recordings]
     torques = [r.signals[name].copy() for r, name in zip(data.recordings, names, strict=True) if name]
     tonal, found = set[EffectKey](), False
-    for k in np.flatnonzero(above & (laws.noise > 0.0)) if shows_tones(missing) else ():
+    for k in laws.above_noise if shows_tones(missing) else ():
         tone = tone_of(missing, missing.axes[k])
         if tone.frequency is None or tone.share < POLICY.unknown_most:
             continue
