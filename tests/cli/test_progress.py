@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import threading
 import time
 from collections.abc import Callable
 
@@ -136,6 +137,24 @@ def test_quiet_or_asking_says_nothing(said: list[str], words: str, asked: bool) 
     time.sleep(0.15)  # of a heartbeat that had outlived its command
     assert found.stdout == "result\n" and not meanwhile and said[printed:] == []
     assert words != "-q" or said == ["result"]
+
+
+def test_a_command_line_that_was_refused_says_nothing_beside_the_next() -> None:
+    program = typer.Typer()
+
+    @program.command()
+    def search(count: int, quiet: QuietOption = False) -> None:
+        typer.echo(count)
+
+    before = _beating()
+    assert CliRunner().invoke(program, ["many"]).exit_code == 2
+    assert CliRunner().invoke(program, ["3"]).stdout == "3\n"
+    _until(lambda: _beating() <= before)()
+    assert _beating() <= before
+
+
+def _beating() -> int:
+    return sum(thread.name == "heartbeat" for thread in threading.enumerate())
 
 
 def test_what_is_quick_says_nothing_at_all() -> None:

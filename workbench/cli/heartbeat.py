@@ -89,6 +89,8 @@ class Heartbeat:
 
 def begin(context: typer.Context, quiet: bool) -> bool:
     """Start the heartbeat of a command, which ends with it, unless it is to be `quiet`; returns that."""
+    for left in list(_running):  # a command line that was refused behind `--quiet` never ran, nor ended
+        _end(left)
     if not quiet and not context.resilient_parsing:
         text = context.command_path.partition(" ")[2] or context.command_path
         heart = Heartbeat(text, first=FIRST_S, every=EVERY_S)
@@ -100,7 +102,8 @@ def begin(context: typer.Context, quiet: bool) -> bool:
 
 def _end(heart: Heartbeat) -> None:
     heart.stop()
-    _running.remove(heart)
+    if heart in _running:
+        _running.remove(heart)
 
 
 def current() -> Heartbeat | None:
