@@ -6,6 +6,7 @@ import re
 import threading
 import time
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 import typer
@@ -84,7 +85,7 @@ def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """What a heartbeat of every 20 ms says, and what a command prints."""
     said, echo = list[str](), typer.echo
 
-    def heard(line: str, **options: bool) -> None:
+    def heard(line: str, **options: Any) -> None:
         said.append(line)
         echo(line, **options)
 
