@@ -10,8 +10,10 @@ import pytest
 
 from tests.bench_arm import FAST, SLOW, logged
 from tests.diagnosis.adequacy.test_adequacy import pendulums
-from workbench.core import Diagnosis
+from workbench.core import Diagnosis, EffectKey
 from workbench.diagnosis import diagnose
+from workbench.diagnosis.adequacy.laws import Laws
+from workbench.diagnosis.adequacy.part_of_motion import explained_part
 from workbench.effects import load_model
 
 Stranger = Callable[[float, float], float]
@@ -48,3 +50,25 @@ def test_an_effect_beside_a_rough_patch_has_its_name_and_size(tmp_path: Path) ->
 def test_a_rough_patch_alone_is_no_known_effect(tmp_path: Path) -> None:
     found = told(tmp_path, rubbing, 0.8)
     assert found.verdict == "unexplained" and not found.findings
+
+
+def test_a_whole_recording_that_differs_is_no_part_of_the_motion() -> None:
+    random = np.random.default_rng(0)
+    moved = [random.uniform(-1.0, 1.0, 400) for _ in range(3)]
+    law = np.concatenate(moved)
+    noise = 0.01 * random.standard_normal(1200)
+
+    def part_where(times: np.ndarray) -> object:
+        torque = (times * law + noise)[:, None]
+        laws = Laws(
+            (EffectKey("parallel_spring", "lift"),),
+            tuple(np.ones(400, bool) for _ in range(3)),
+            law[:, None, None],
+            torque,
+            torque - law[:, None],
+            np.array([1e-4]),
+        )
+        return explained_part(laws, [m[:, None] for m in moved])
+
+    assert part_where(np.where(law > 0.6, 3.0, 1.0)) is not None
+    assert part_where(np.repeat([1.0, 0.74, 1.0], 400)) is None

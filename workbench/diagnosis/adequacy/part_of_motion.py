@@ -38,7 +38,8 @@ def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
         position: of the drives, (N, n) of each recording.
 
     Returns:
-        None where it is the whole motion, or less than half of it.
+        None where it is the whole motion, or less than half of it, or where it has less than a bin's share of
+        some recording: that one differs from the others, whatever the motion.
     """
     ends = np.cumsum([len(p) for p in position])
     time = [np.arange(end - len(p), end) for p, end in zip(position, ends, strict=True)]
@@ -56,7 +57,7 @@ def explained_part(laws: Laws, position: Sequence[np.ndarray]) -> Part | None:
             rows = [a & good[quantity][b] for a, b in zip(rows, bins[quantity], strict=True)]
             drives |= set() if quantity is None else {quantity}
     whole = sum(len(r) for r in rows)
-    if not 0.5 * whole <= sum(int(r.sum()) for r in rows) < whole:
+    if not 0.5 * whole <= sum(int(r.sum()) for r in rows) < whole or any(r.mean() < 1 / _BINS for r in rows):
         return None
     return Part(tuple(rows), frozenset(drives))
 
