@@ -15,6 +15,7 @@ NUMBERS = {
     "yaw_damping": 0.5, "lift_damping": 0.8, "bend_damping": 0.4,
     "upper_mass": 2.4, "upper_centre": 0.17, "upper_inertia": 0.022,
     "fore_mass": 1.3, "fore_centre": 0.14, "fore_across": 0.0, "fore_inertia": 0.032, "fore_roll": 0.014,
+    "bend_stiffness": 0.0, "bend_rest": 0.0,
 }  # fmt: skip
 AXES = ("yaw", "lift", "bend")
 _XML = """<mujoco><compiler angle="radian"/><option timestep="0.001" integrator="implicitfast"/><worldbody>
@@ -25,7 +26,8 @@ _XML = """<mujoco><compiler angle="radian"/><option timestep="0.001" integrator=
   <joint name="lift" axis="0 1 0" damping="{lift_damping}" armature="{lift_armature}"/>
   <inertial pos="{upper_centre} 0 0" mass="{upper_mass}" diaginertia="0.004 {upper_inertia} {upper_inertia}"/>
   <body name="fore" pos="0.35 0 0">
-   <joint name="bend" axis="0 1 0" damping="{bend_damping}" armature="{bend_armature}"/>
+   <joint name="bend" axis="0 1 0" damping="{bend_damping}" armature="{bend_armature}"
+    stiffness="{bend_stiffness}" springref="{bend_rest}"/>
    <inertial pos="{fore_centre} 0 {fore_across}" mass="{fore_mass}"
     diaginertia="{fore_roll} {fore_inertia} {fore_inertia}"/>
    <site name="tip" pos="0.3 0 0"/>

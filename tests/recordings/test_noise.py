@@ -154,6 +154,13 @@ def test_any_encoder_step_is_found(step: float, start: float, seed: int) -> None
     assert lattice_step(start + counts * step) == pytest.approx(step, rel=1e-3)
 
 
+@given(seed=st.integers(0, 99))
+def test_a_step_is_found_in_a_log_of_few_digits(seed: int) -> None:
+    """A fast axis skips many steps, and each row is rounded to a hundredth of one."""
+    counts = np.cumsum(np.random.default_rng(seed).integers(-60, 61, 2000))
+    assert lattice_step(np.round(counts * 2 * np.pi / 65536, 6)) == pytest.approx(2 * np.pi / 65536, rel=1e-5)
+
+
 def test_no_lattice_in_real_numbers() -> None:
     assert lattice_step(np.random.default_rng(0).normal(size=3000)) == 0.0
 

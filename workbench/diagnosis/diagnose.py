@@ -11,7 +11,7 @@ import numpy as np
 from workbench.comparison import softness_note
 from workbench.core import Diagnosis, EffectKey, Finding, Recording, Verdict
 from workbench.effects import SETTINGS, OfBody, effect_named, link_of
-from workbench.models import Model
+from workbench.models import Model, springs
 
 from .acceptance import contradicts_holdout
 from .checks.units import doubted, state_units
@@ -34,6 +34,10 @@ _CARRIED = (
     "the transmission changes with the posture: effects at the drives, and masses of the links that the "
     "joints move, were searched for; lengths, masses of cranks and rods, and friction, springs and gaps "
     "behind the drives were not"
+)
+_RESTS = (
+    "the torque bias on {} is the same as that of the model's spring there if it rests {:.3g} from where the "
+    "file has it, in the drive's coordinate"
 )
 _WEIGHT = "the torque bias on {} may be the weight of a crank or rod in another place, or of another mass"
 
@@ -118,6 +122,7 @@ def diagnosis_of(found: Rounds) -> Diagnosis:
             *before.notes,
             *_softness(first),
             *_bodies(findings, first.model),
+            *_resting(findings, first.model),
             *(_parting(last) if named else ()),
             *_not_looked_for(verdict, findings, first.model),
         ),
@@ -144,6 +149,17 @@ def _bodies(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
         f"the {axis} link is the body '{link.body}', which joint '{joints[axis]}' moves"
         for axis, link in links.items()
         if link is not None and axis is not None and joints[axis] != axis
+    )
+
+
+def _resting(findings: Sequence[Finding], model: Model) -> tuple[str, ...]:
+    """That a constant torque may be a spring of the file's that rests elsewhere."""
+    constant = [f for f in findings if f.key.effect == "torque_bias"]
+    stiff = dict(zip(model.axes, springs(model), strict=True)) if constant else {}
+    return tuple(
+        _RESTS.format(f.key.axis, f.parameters["torque"].value / stiff[f.key.axis])
+        for f in constant
+        if f.key.axis and stiff[f.key.axis]
     )
 
 

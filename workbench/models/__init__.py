@@ -20,6 +20,7 @@ from .serial import (
     joint_kinds,
     limits_left_out,
     rotors,
+    springs,
     turned_joint,
 )
 from .spec import load_mjcf, load_tree, load_with_loops
@@ -70,6 +71,7 @@ __all__ = [
     "own_friction",
     "read_model",
     "rotors",
+    "springs",
     "structural_effect",
     "take_friction",
     "turned_joint",

@@ -138,6 +138,17 @@ def rotors(model: Model) -> tuple[np.ndarray, np.ndarray]:
     return inertia, damping
 
 
+def springs(model: Model) -> np.ndarray:
+    """Stiffness (n,) of each drive's own [N m/rad or N/m]: as of `rotors`, of what the MJCF has."""
+    m = _compiled(model.serial)
+    alone, joint, ratio = drives_alone(model)
+    own = np.where(alone, 1.0 / np.where(alone, ratio, 1.0) ** 2, 0.0)
+    stiffness = own * np.array([float(m.jnt_stiffness[m.joint(name).id]) for name in model.joints])[joint]
+    for seat in drive_tendons(model):
+        stiffness[seat.index] += float(m.tendon_stiffness[seat.tendon]) * seat.ratio**2
+    return stiffness
+
+
 def drives_alone(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which drives turn one joint that no other turns; of each its first joint, and its ratio: (n,) each."""
     turns = model.transmission != 0.0

@@ -23,10 +23,12 @@ def lattice_step(values: np.ndarray) -> float:
         return 0.0
     # neighbours are one step apart nearly everywhere; where they are not, the gap counts the steps
     step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
-    counts = np.round(gaps / step)
-    if not _fits(gaps, counts, step):
-        return 0.0
-    step = float(gaps.sum() / counts.sum())
+    # written with few digits, a narrow gap tells the step roughly, and wider ones tell it better
+    reach = 2.0
+    while reach * step < 2.0 * gaps.max():
+        near = gaps[gaps < reach * step]
+        step = float(near.sum() / np.round(near / step).sum())
+        reach *= 2.0
     return step if _fits(gaps, np.round(gaps / step), step) else 0.0
 
 
