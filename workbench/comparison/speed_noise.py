@@ -15,6 +15,7 @@ import numpy as np
 
 from workbench.core import Recording
 from workbench.models import Model
+from workbench.recordings import NoiseLevels
 from workbench.simulation import differentiates, prepare
 
 from .noise import NoiseModel
@@ -60,15 +61,19 @@ def with_unlogged_speed(
     for _ in range(_ROUNDS):
         # trembling was taken for noise of the encoder too, of which the highest octave has most
         noise = NoiseModel(replace(noise.levels, position_std=np.sqrt(share) * white))
-        still, both = noisy(noise), noisy(_with_speed(noise, level))
-        known = _octaves(still, periods)
-        shaken = _octaves([a - b for a, b in zip(both, still, strict=True)], periods)
-        shaken = np.maximum(shaken, _LEAST * known)
+        known = _octaves(noisy(noise), periods)
+        shaken = np.maximum(_octaves(noisy(_of_speed(level)), periods), _LEAST * known)
         doubt = scatter * np.hypot(measured, known) / shaken
         times = np.maximum(_usual((measured - known)[1:] / shaken[1:], doubt[1:]), 0.0)
         level = level * np.sqrt(times)
         share = np.clip((measured[0] - times * shaken[0]) / least[0], 0.0, 1.0)
-    return _with_speed(noise, level)
+    return NoiseModel(replace(noise.levels, velocity_std=level))
+
+
+def _of_speed(level: np.ndarray) -> NoiseModel:
+    """Noise of the speed alone: what an encoder rounds otherwise is no answer of the machine."""
+    none = np.zeros_like(level)
+    return NoiseModel(NoiseLevels(none, none, level, none))
 
 
 def _usual(needed: np.ndarray, doubt: np.ndarray) -> np.ndarray:
