@@ -15,13 +15,15 @@ from workbench.core import Diagnosis
 _LOOP = (3.0, 0.08)
 
 
-def diagnosed(folder: Path, **hidden: Any) -> Diagnosis:
-    """Three motions to fit, one to judge, by sensors that see half a step."""
+def diagnosed(folder: Path, stated: float = 0.0, **hidden: Any) -> Diagnosis:
+    """Three motions to fit, one to judge, by sensors that see half a step; the model states dry friction."""
     sensors = {"counts": 65536, "wobble": 0.005, "noise": 0.005}
     runs = [
         pushed(folder, wandering(k), _LOOP, **sensors, **hidden, seed=k, name=f"run {k}") for k in range(4)
     ]
-    return wb.diagnose(wb.load_model(str(folder / "rotor.xml")), runs[:3], runs[3:])
+    file = folder / "rotor.xml"
+    file.write_text(file.read_text().replace("armature", f'frictionloss="{stated}" armature'))
+    return wb.diagnose(wb.load_model(str(file)), runs[:3], runs[3:])
 
 
 def test_half_a_step_is_nothing_missing(tmp_path: Path) -> None:
@@ -73,3 +75,20 @@ def test_a_loop_far_beyond_its_limit_is_no_riddle(tmp_path: Path) -> None:
     found = wb.diagnose(wb.load_model(str(tmp_path / "rotor.xml")), runs[:2], runs[2:])
     assert found.findings and found.findings[0].key.effect == "torque_saturation"
     assert found.findings[0].parameters["limit"].value == pytest.approx(0.5, rel=0.01)
+
+
+def test_friction_that_falls_through_what_the_model_states_is_one_law(tmp_path: Path) -> None:
+    """Who fits a constant to it states something between standstill and motion."""
+    found = diagnosed(tmp_path, 0.045, friction=lambda w: 0.03 + 0.04 * np.exp(-((w / 1.5) ** 2)))
+    (finding,) = found.findings
+    assert finding.key.effect == "stribeck_friction"
+    assert finding.parameters["coulomb"].value == pytest.approx(-0.015, abs=0.002)
+    assert finding.parameters["static"].value == pytest.approx(0.025, abs=0.004)
+
+
+def test_a_constant_torque_beside_friction_is_friction_of_two_sizes(tmp_path: Path) -> None:
+    found = diagnosed(tmp_path, 0.03, friction=lambda w: 0.03, bias=-0.05)
+    (finding,) = found.findings
+    assert finding.key.effect == "torque_bias"
+    assert finding.parameters["torque"].value == pytest.approx(-0.05, rel=0.05)
+    assert [k.effect for k in finding.indistinguishable_from] == ["asymmetric_friction"]

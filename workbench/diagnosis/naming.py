@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from workbench.core import EffectKey, Recording
-from workbench.effects import EFFECTS, contains, effect_named, kinds
+from workbench.effects import EFFECTS, Effect, contains, effect_named, kinds, own_dry_friction
 from workbench.models import Model, Placement
 from workbench.simulation import scored_torque
 
@@ -64,9 +64,18 @@ def equivalents_of(model: Model, key: EffectKey, recordings: Sequence[Recording]
     """Effects and places that no data can distinguish from this one, or no log without measured torque."""
     effect = effect_named(key.effect)
     twins = effect.search.twins if key.location == "actuator" else ()
+    if key.location == "actuator":
+        twins = (*twins, *_rests_of(effect, model, key))
     if all(scored_torque(r) != "torque_measured" for r in recordings):
         twins = (*twins, *kinds.late_alike(effect, EFFECTS))
     return (*(replace(key, effect=name) for name in twins), *equivalents_at_joint(model, key))
+
+
+def _rests_of(effect: Effect, model: Model, key: EffectKey) -> tuple[str, ...]:
+    """Effects of which this one is the rest, where the model has the dry friction that they contain."""
+    place = Placement.of(model, key)
+    whole = [e.name for e in EFFECTS if effect.name in e.search.twins]
+    return tuple(whole) if whole and place and own_dry_friction(model, place) else ()
 
 
 def _can_be_distinguished(candidate: Candidate) -> bool:

@@ -9,7 +9,7 @@ from .chain import Build, FlankTerm, FrictionTerm, HysteresisTerm, SensorErrors,
 from .check import axis_units, check_effect, load_model
 from .compliance import Compliance
 from .contact import OnGround
-from .corrected import OfBody
+from .corrected import OfBody, own_dry_friction
 from .flexible import link_inertia, rotor_inertia
 from .friction_constraint import rigid_in_steps
 from .ground import feet_of, plate_columns, settle_contacts
@@ -85,6 +85,7 @@ __all__ = [
     "load_model",
     "model_value",
     "open_text",
+    "own_dry_friction",
     "places",
     "plate_columns",
     "ratio_in_slip",

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from workbench.models import Model, Placement, own_friction
+from workbench.models import Model
 
 from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build
-from .corrected import AtJoint, down_to, there
+from .corrected import AtJoint, down_to, own_dry_friction
 from .motion import Motion
 from .parameter import Parameter, Parameters, Place, Values
 from .response import Response, single, smooth_sign
 from .setting import SLIDING_SPEED
-
-
-def _own(model: Model, place: Placement) -> float:
-    """``frictionloss`` that the model's file states there, and what was added."""
-    return sum(v["torque"] for v in there("coulomb_friction", model, place, own_friction(model)))
 
 
 class CoulombFriction(Effect):
@@ -23,12 +18,18 @@ class CoulombFriction(Effect):
 
     name = "coulomb_friction"
     parameters = Parameters(
-        Parameter("torque", "N*m", about="added to what the model has", within=down_to(_own), example=0.3),
+        Parameter(
+            "torque",
+            "N*m",
+            about="added to what the model has",
+            within=down_to(own_dry_friction),
+            example=0.3,
+        ),
         settles=(SLIDING_SPEED,),
     )
     stage = SignalStage.FRICTION
     locations = ("actuator", "joint")
-    corrects = AtJoint("frictionloss", "torque", _own, power=1, called="dry friction")
+    corrects = AtJoint("frictionloss", "torque", own_dry_friction, power=1, called="dry friction")
     words = Words(
         source="Coulomb 1785; Armstrong-Helouvry et al., Automatica 30(7), 1994",
         shows="torque residual steps at each reversal, odd in speed, independent of its size",

@@ -11,6 +11,7 @@ from workbench.models import Model
 
 from .base import Effect, FrfSignature, Search, SignalStage, Words
 from .chain import Build, FrictionTerm
+from .corrected import down_to, own_dry_friction
 from .law import law
 from .motion import Motion
 from .parameter import Chart, Parameter, Parameters, Place, Unknown, Values
@@ -37,7 +38,11 @@ def _solved(values: Values) -> tuple[np.ndarray, dict[str, float]]:
 
 
 _EXCESS = Chart(
-    (Unknown("plateau"), Unknown("excess"), Unknown("speed", lower=1e-6, linear=False, starts=_speeds)),
+    (
+        Unknown("plateau", within=down_to(own_dry_friction)),
+        Unknown("excess"),
+        Unknown("speed", lower=1e-6, linear=False, starts=_speeds),
+    ),
     _values,
     _solved,
 )
@@ -48,8 +53,8 @@ class StribeckFriction(Effect):
 
     name = "stribeck_friction"
     parameters = Parameters(
-        Parameter("coulomb", "N*m", example=0.15),
-        Parameter("static", "N*m", example=0.45),
+        Parameter("coulomb", "N*m", within=down_to(own_dry_friction), example=0.15),
+        Parameter("static", "N*m", within=down_to(own_dry_friction), example=0.45),
         Parameter("speed", "rad/s", lower=1e-6, example=0.5, linear=False),
         chart=_EXCESS,
         settles=(SLIDING_SPEED,),

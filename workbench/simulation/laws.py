@@ -160,7 +160,7 @@ def act(laws: Laws, position: np.ndarray, speed: np.ndarray, shaft: np.ndarray, 
             rate += own.row[k, j] * middle[j]
         pulled = shaft[own.axis[k]]
         bound = call_law(own.address[k], rate, pulled, own.parameters[k])  # pyright: ignore[reportArgumentType]
-        laws.loss[own.tendon[k]] += bound
+        laws.loss[own.tendon[k]] = max(laws.loss[own.tendon[k]] + bound, 0.0)  # less than none is none
 
 
 @compiled()
