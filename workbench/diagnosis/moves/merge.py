@@ -28,7 +28,8 @@ def merged(node: Node, problem: Problem) -> Iterator[Node]:
     """Nodes with one effect of at most half the parameters in place of two.
 
     A payload at the foot changes inertia and weight of the linkage together, and is taken for both while a
-    third cause is missing. Two delays are merged into one of their total length.
+    third cause is missing; on two axes that carry it, for a rotor of each. Two delays are merged into one of
+    their total length.
     """
     for pair in combinations(node.current.hypothesis.free, 2):
         found = _in_place_of(*pair, node, problem)
@@ -41,7 +42,8 @@ def _in_place_of(one: AppliedEffect, other: AppliedEffect, node: Node, problem: 
     """The best fit with one effect, its last, in place of two; None where none is as good as with both."""
     current, data, most = node.current, node.data, 1.0 + POLICY.tie
     delays = is_delay(one.key) and is_delay(other.key)
-    if not delays and len(one.parameters) + len(other.parameters) < POLICY.merge_from:
+    alike = one.key.effect == other.key.effect
+    if not (delays or alike) and len(one.parameters) + len(other.parameters) < POLICY.merge_from:
         return None
     kind = "delay" if delays else "cause"
     problem.progress(f"testing whether one {kind} can replace {one.key} and {other.key}")

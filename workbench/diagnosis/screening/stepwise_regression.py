@@ -28,7 +28,7 @@ def selected(regression: Regression) -> Selection:
     while frozenset(now.chosen) not in visited:
         visited.add(frozenset(now.chosen))
         grown = _grown(now, regression)
-        now = _without_needless(reformed(grown, regression), regression)
+        now = _one_for_several(_without_needless(reformed(grown, regression), regression), regression)
         if len(now.chosen) == len(grown.chosen):
             break
     return now
@@ -158,6 +158,32 @@ def _least(new: Chosen, regression: Regression) -> float:
         e.key.copy > 1 or any(e.key.same_place(k) for k in regression.own) for e in new
     )
     return POLICY.effect_gain if known else POLICY.later_gain
+
+
+def _one_for_several(now: Selection, regression: Regression) -> Selection:
+    """With one effect that explains as much in place of the same effect on several axes.
+
+    A mass that several drives carry is a rotor of each of them, where nothing turns and nothing is lifted.
+    """
+    for effect in dict.fromkeys(e.key.effect for e in now.chosen if e.key.axis is not None):
+        several = tuple(e for e in now.chosen if e.key.effect == effect)
+        axes = frozenset().union(*map(regression.axes_of, several))
+        others = tuple(e for e in now.chosen if e not in several)
+        tried = [
+            selection_of((*others, e), regression)
+            for e in regression.entries
+            if e.key.effect != effect and axes <= regression.axes_of(e)
+            and cost_of((e,)) < cost_of(several) and fits_in((e,), others)
+        ] if len(several) > 1 else []  # fmt: skip
+        good = [t for t in tried if _is_as_good(t.solution, now.solution)]
+        now = min(good, key=lambda t: float(t.solution.test_loss.sum()), default=now)
+    return now
+
+
+def _is_as_good(one: Solution, other: Solution) -> bool:
+    """Whether it leaves no more than the other on any axis, but for a tie."""
+    pairs = (one.test_loss, other.test_loss), (one.validated, other.validated)
+    return all(bool(np.all(a <= (1.0 + POLICY.tie) * b)) for a, b in pairs)
 
 
 def _without_needless(now: Selection, regression: Regression) -> Selection:
