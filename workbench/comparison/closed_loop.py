@@ -25,9 +25,9 @@ from workbench.simulation import (
 
 from .counted_rows import settled
 from .noise import DRAWS, NoiseModel, noise_seeds
+from .noise_by_rest import noise_by_rest, reads_unlogged_speed
 from .replay import Replay
 from .simulated import Simulated
-from .speed_noise import reads_unlogged_speed, with_unlogged_speed
 
 _SHIFT, _LONGEST = 0.05, 0.002  # of a period; s
 _CREEP = 4.0  # times the sliding speed: where tanh(w / 1 mrad/s), a usual law, holds nearly all of its torque
@@ -87,30 +87,35 @@ class ClosedLoop(Replay[Loop]):
         Raises:
             SimulationError: the model is unstable in a recording's loop.
         """
-        noise = self._noise_of(model, seed)
-        runs = [Run(model, r) for r in self.recordings]
-        for seeds in noise_seeds(len(self.recordings), draws, seed):
-            runs += [Run(model, r, noise.draw(s)) for r, s in zip(self.recordings, seeds, strict=True)]
-        made, count = simulate(runs), len(self.recordings)
-        noisy = tuple(tuple(made[count * (d + 1) : count * (d + 2)]) for d in range(draws))
+        count, seeds = len(self.recordings), noise_seeds(len(self.recordings), draws, seed)
+        noise, still = self.noise, [Run(model, r) for r in self.recordings]
+        made = simulate([*still, *self._drawn(model, noise, seeds[0])])
+        clean, noisy = tuple(made[:count]), [tuple(made[count:])]
+        by_rest = self._by_rest(model, clean, noisy[0], seeds[0])
+        if by_rest is not noise:
+            noise, noisy = by_rest, []
+        more = [run for own in seeds[len(noisy) :] for run in self._drawn(model, noise, own)]
+        made = simulate(more)
+        noisy += [tuple(made[k : k + count]) for k in range(0, len(made), count)]
         late = [Run(_shifted(model, r), r) for r in self.recordings]
         creeping = [Run(_creeping(model), r) for r in self.recordings] if _is_dry(model) else []
         alike = tuple(simulate([*late, *creeping], strict=False))
-        return Simulated(self.recordings, tuple(made[:count]), noisy, noise, alike[:count], alike[count:])
+        return Simulated(self.recordings, clean, tuple(noisy), noise, alike[:count], alike[count:])
 
-    def _noise_of(self, model: Model, seed: int) -> NoiseModel:
-        """Of all that loops read; what no log holds of it is told by the model's rest."""
-        if not reads_unlogged_speed(model, self.recordings, self.noise):
-            return self.noise
-        clean = simulate([Run(model, r) for r in self.recordings])
-        seeds = noise_seeds(len(self.recordings), 1, seed)[0]
+    def _drawn(self, model: Model, noise: NoiseModel, seeds: Sequence[int]) -> list[Run]:
+        return [Run(model, r, noise.draw(s)) for r, s in zip(self.recordings, seeds, strict=True)]
+
+    def _by_rest(
+        self, model: Model, clean: Sequence[Recording], drawn: Sequence[Recording], seeds: Sequence[int]
+    ) -> NoiseModel:
+        """The levels of noise, as far as the model's rest tells them better than the recordings alone."""
 
         def moved(noise: NoiseModel) -> list[np.ndarray]:
-            runs = zip(self.recordings, seeds, strict=True)
-            made = simulate([Run(model, r, noise.draw(s)) for r, s in runs])
+            made = simulate(self._drawn(model, noise, seeds))
             return [run.position - still.position for run, still in zip(made, clean, strict=True)]
 
-        return with_unlogged_speed(self.noise, self.recordings, clean, moved)
+        reads = reads_unlogged_speed(model, self.recordings, self.noise)
+        return noise_by_rest(self.noise, self.recordings, clean, drawn, moved if reads else None)
 
     def motion(self, plant: Plant, index: int, run: Recording) -> Motion:
         """The run, corrected by what the sensors say of it."""

@@ -1,8 +1,8 @@
-"""Noise of a speed that a loop reads and its log leaves out, told by how the machine trembles.
+"""Levels of noise that the rest of a model tells: no more than it has, and what no log holds.
 
-The loop's damping makes torque of it, which shakes the machine in a spectrum that the model's own loop shows.
-What a model misses follows the motion and adds to some frequencies more than to others, so that the octave
-that needs least noise bounds it from above.
+Noise of a speed that a loop reads and its log leaves out becomes torque by the loop's damping, which shakes
+the machine in a spectrum that the model's own loop shows. What a model misses follows the motion and adds to
+some frequencies more than to others, so that the octave that needs least noise bounds it from above.
 """
 
 from __future__ import annotations
@@ -35,39 +35,53 @@ def reads_unlogged_speed(model: Model, recordings: Sequence[Recording], noise: N
     return any(e.controller.kind in ("pd", "cascade_pv") and not differentiates(e) for e in experiments)
 
 
-def with_unlogged_speed(
+def noise_by_rest(
     noise: NoiseModel,
     recordings: Sequence[Recording],
     clean: Sequence[Recording],
-    noisy: Callable[[NoiseModel], Positions],
+    drawn: Sequence[Recording],
+    moved: Callable[[NoiseModel], Positions] | None,
 ) -> NoiseModel:
-    """Noise levels with those of the speed that loops read, as far as a model's rest shows it.
+    """Noise levels with no more noise of positions than a model's rest has, and with that of unlogged speeds.
 
     Args:
-        noise: of what was logged.
-        recordings, clean: as measured and as the model runs without noise.
-        noisy: what noise makes of the model's positions, one (N, n) a recording, for levels of noise.
+        noise: as the recordings tell it by themselves.
+        recordings, clean, drawn: as measured, and as the model runs without and with this noise.
+        moved: what noise makes of the model's positions, one (N, n) a recording, for levels of noise; None
+            where loops read no speed that was not logged.
     """
-    periods = [r.period for r in recordings]
-    pairs = list(zip(recordings, clean, strict=True))
-    rest = [np.where(r.valid[:, None], r.position - c.position, np.nan) for r, c in pairs]
+    rest, known, periods = _apart(recordings, clean), _apart(drawn, clean), [r.period for r in recordings]
+    measured, least = _octaves(rest, periods), _octaves(known, periods)
+    if not (np.isfinite(measured).all() and (least > 0.0).all()):
+        return noise
+    scatter = _scatter(rest, periods)[:, None]
+    # trembling, or fast motion in a slow log, was taken for noise of the encoder, which is white
+    share = measured[0] / least[0]
+    share = np.where(share < 1.0 - 2.0 * np.sqrt(2.0) * scatter[0], share, 1.0)
+    white = noise.levels.position_std
+    if moved is None:
+        return noise if (share == 1.0).all() else _with(noise, position_std=np.sqrt(share) * white)
     rate = [np.nanstd(np.diff(x, axis=0), axis=0) / dt for x, dt in zip(rest, periods, strict=True)]
     level = np.median(rate, axis=0)
-    if not np.isfinite(level).all():
-        return noise
-    measured, scatter = _octaves(rest, periods), _scatter(rest, periods)[:, None]
-    white, least = noise.levels.position_std, _octaves(noisy(noise), periods)
-    share = np.minimum(1.0, measured[0] / least[0])
     for _ in range(_ROUNDS):
-        # trembling was taken for noise of the encoder too, of which the highest octave has most
-        noise = NoiseModel(replace(noise.levels, position_std=np.sqrt(share) * white))
-        known = _octaves(noisy(noise), periods)
-        shaken = np.maximum(_octaves(noisy(_of_speed(level)), periods), _LEAST * known)
-        doubt = scatter * np.hypot(measured, known) / shaken
-        times = np.maximum(_usual((measured - known)[1:] / shaken[1:], doubt[1:]), 0.0)
+        noise = _with(noise, position_std=np.sqrt(share) * white)
+        alone = _octaves(moved(noise), periods)
+        shaken = np.maximum(_octaves(moved(_of_speed(level)), periods), _LEAST * alone)
+        doubt = scatter * np.hypot(measured, alone) / shaken
+        times = np.maximum(_usual((measured - alone)[1:] / shaken[1:], doubt[1:]), 0.0)
         level = level * np.sqrt(times)
         share = np.clip((measured[0] - times * shaken[0]) / least[0], 0.0, 1.0)
-    return NoiseModel(replace(noise.levels, velocity_std=level))
+    return _with(noise, velocity_std=level)
+
+
+def _apart(one: Sequence[Recording], other: Sequence[Recording]) -> list[np.ndarray]:
+    """Positions of one less those of the other, (N, n) each, NaN on rows that do not count."""
+    pairs = zip(one, other, strict=True)
+    return [np.where((a.valid & b.valid)[:, None], a.position - b.position, np.nan) for a, b in pairs]
+
+
+def _with(noise: NoiseModel, **levels: np.ndarray) -> NoiseModel:
+    return NoiseModel(replace(noise.levels, **levels))
 
 
 def _of_speed(level: np.ndarray) -> NoiseModel:

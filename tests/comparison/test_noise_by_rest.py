@@ -37,6 +37,15 @@ def test_the_level_is_that_of_the_sensor(tmp_path: Path) -> None:
     assert level(tmp_path, logs(tmp_path, NOISE)) == pytest.approx(NOISE, rel=0.2)
 
 
+def test_fast_motion_in_a_slow_log_is_no_noise_of_the_encoder(tmp_path: Path) -> None:
+    """Windows of a few rows take what the machine does for noise; the rest has 50 urad."""
+    recordings, model = logs(tmp_path, 0.0), load_model(bench_arm(tmp_path, "model"))
+    replay = replay_of(model, recordings)
+    assert isinstance(replay, ClosedLoop)
+    assert (replay.noise.levels.position_std > 7e-5).all()
+    assert replay.with_noise(model, 0).noise.levels.position_std == pytest.approx(5e-5, rel=0.15)
+
+
 def test_without_noise_there_is_hardly_any(tmp_path: Path) -> None:
     assert (level(tmp_path, logs(tmp_path, 0.0)) < 0.15 * NOISE).all()
 
