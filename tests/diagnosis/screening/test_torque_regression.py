@@ -27,7 +27,7 @@ def problem(columns: np.ndarray, torque: np.ndarray, entries: Sequence[Entry]) -
     )
     floor = np.full(len(axes), 1e-3)
     limits = {e: (np.full(len(e.linear), -np.inf), np.full(len(e.linear), np.inf)) for e in entries}
-    return Regression(cast(Any, None), tuple(entries), {}, folds, None, floor, floor, limits)
+    return Regression(cast(Any, None), tuple(entries), (), {}, folds, None, floor, floor, limits)
 
 
 def entry(effect: str, axis: str, *linear: int) -> Entry:

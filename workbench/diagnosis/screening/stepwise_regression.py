@@ -7,7 +7,7 @@ from itertools import combinations, groupby
 
 import numpy as np
 
-from workbench.effects import contains, effect_named
+from workbench.effects import contains, effect_named, kinds
 
 from ..moves.pairs import may_stand_together
 from ..policy import POLICY
@@ -22,9 +22,21 @@ def selected(regression: Regression) -> Selection:
 
     Inertia, damping and Coulomb friction at one place also come in twos and threes: alone, friction takes up
     the damping that is missing beside it. Of what explains nearly as much as the best, the fewest parameters
-    come first.
+    come first. Where drives of one make have the same alike, many others together explain it too: such
+    a beginning is tried as well, and kept if it takes fewer parameters.
     """
-    now, visited = selection_of((), regression), set[frozenset[Entry]]()
+    best = _selected_from((), regression)
+    for group in _one_make(regression):
+        if len(group) >= len(best.chosen) or not _explains_more(group, best.chosen, regression):
+            continue
+        other = _selected_from(group, regression)
+        if cost_of(other.chosen) < cost_of(best.chosen) and _is_as_good(other.solution, best.solution):
+            best = other
+    return best
+
+
+def _selected_from(start: Chosen, regression: Regression) -> Selection:
+    now, visited = selection_of(start, regression), set[frozenset[Entry]]()
     while frozenset(now.chosen) not in visited:
         visited.add(frozenset(now.chosen))
         grown = _grown(now, regression)
@@ -32,6 +44,24 @@ def selected(regression: Regression) -> Selection:
         if len(now.chosen) == len(grown.chosen):
             break
     return now
+
+
+def _one_make(regression: Regression) -> list[Chosen]:
+    """One linear effect at all drives, for each that drives of one make may have alike."""
+    model = regression.linearisation.model
+    out: dict[str, dict[str, Entry]] = {}
+    for entry in (*regression.entries, *regression.gains):
+        key, effect = entry.key, effect_named(entry.key.effect)
+        if key.axis and key.location == "actuator" and not entry.shape and kinds.shared_by_design(effect):
+            out.setdefault(key.effect, {})[key.axis] = entry
+    return [tuple(own.values()) for own in out.values() if 1 < len(own) == len(model.driven)]
+
+
+def _explains_more(group: Chosen, than: Chosen, regression: Regression) -> bool:
+    """Whether a group explains more than the first of other effects, of as many parameters."""
+    first = tuple(e for k, e in enumerate(than) if cost_of(than[: k + 1])[0] <= cost_of(group)[0])
+    left = [float(regression.solved(s).test_loss.sum()) for s in (group, first)]
+    return left[0] < left[1]
 
 
 def _grown(now: Selection, regression: Regression) -> Selection:

@@ -33,16 +33,19 @@ def regression_of(start: Fit, data: Data) -> Regression:
     model = start.hypothesis.model
     linearisation = Linearisation.of(model, data, start.simulated, len(data.recordings))
     columns: list[SensitivityColumn] = []
-    entries, motions, sizes = [], needing(linearisation), sizes_of(linearisation)
+    entries: list[Entry] = []
+    gains: list[Entry] = []
+    motions, sizes = needing(linearisation), sizes_of(linearisation)
     for key in places(model):
         effect, place = effect_named(key.effect), Placement.of(model, key)
         acts = effect.stage in kinds.TORQUES and not isinstance(effect, Compliance | OnGround)
         if not acts or kinds.free_parameters(effect, model) == 0 or not data.replay.shows(key.effect):
             continue
         shapes = effect.parameters.shapes(linearisation.motions, model, place)
-        if len(shapes) == 0 or (
-            effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation, shapes[0])
-        ):
+        if len(shapes) == 0:
+            continue
+        is_gain = effect.stage is SignalStage.MOTOR and _is_a_gain(key, linearisation, shapes[0])
+        if is_gain and shapes[0]:
             continue
         repeats = effect.search.repeats
         kin = [a.values for a in model.effects if key.same_place(a.key)]
@@ -52,7 +55,8 @@ def regression_of(start: Fit, data: Data) -> Regression:
             linear, fixed = linearisation.columns(key, shape, motions)
             if fixed is None and linear:
                 numbers = list(range(len(columns), len(columns) + len(linear)))
-                entries.append(Entry(key, shape, numbers, None, strength_of(linear, sizes)))
+                kind = gains if is_gain else entries
+                kind.append(Entry(key, shape, numbers, None, strength_of(linear, sizes)))
                 columns += linear
     own: dict[EffectKey, int] = {}
     for applied in model.effects:
@@ -89,12 +93,13 @@ def regression_of(start: Fit, data: Data) -> Regression:
     return Regression(
         linearisation,
         tuple(entries),
+        tuple(gains),
         own,
         tuple(folds),
         tuple(total(own) for own in zip(*held, strict=True)) if held else None,
         data.least()[1] * data.weight[1] ** 2,
         data.least(data.tests_on_holdout)[1] * data.weight[1] ** 2,
-        {entry: limits_of(linearisation, entry) for entry in entries},
+        {entry: limits_of(linearisation, entry) for entry in (*entries, *gains)},
     )
 
 

@@ -47,6 +47,8 @@ class Regression:
     Attributes:
         linearisation: the model and its motions.
         entries: effects in their places and shapes, each with the numbers of its columns.
+        gains: the same of what scales the measured torque. Less of that leaves less of any residual, so that
+            they are no proposals one by one.
         own: effects that the model states, each with the number of the column of what it does.
         folds: per fold and axis.
         held_out: per axis; None where held-out recordings do not judge.
@@ -56,6 +58,7 @@ class Regression:
 
     linearisation: Linearisation
     entries: tuple[Entry, ...]
+    gains: tuple[Entry, ...]
     own: Mapping[EffectKey, int]
     folds: tuple[tuple[Normal, ...], ...]
     held_out: tuple[Normal, ...] | None
@@ -75,7 +78,10 @@ class Regression:
     @cached_property
     def _acts(self) -> dict[Entry, frozenset[int]]:
         there = [np.diag(axis.gram) > 0.0 for axis in self._axes]
-        return {e: frozenset(k for k, t in enumerate(there) if t[e.linear].any()) for e in self.entries}
+        return {
+            e: frozenset(k for k, t in enumerate(there) if t[e.linear].any())
+            for e in (*self.entries, *self.gains)
+        }
 
     def axes_of(self, entry: Entry) -> frozenset[int]:
         """The axes on which an effect acts."""
