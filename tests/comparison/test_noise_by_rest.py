@@ -22,7 +22,8 @@ def logs(folder: Path, noise: float) -> list[Recording]:
     slow = {"seconds": 8.0, "log_s": 0.001 * TICKS, "loop_s": 0.001, "positions_alone": True}
     machine = bench_arm(folder)
     made = [logged(machine, tones, seed=k, speed_noise=noise, **slow) for k, tones in enumerate((SLOW, FAST))]
-    return [replace(r, controller=replace(r.controller, velocity="sensor")) for r in made]
+    loop = replace(made[0].controller, velocity="sensor")
+    return [replace(r, controller=loop, timing=replace(r.timing, reference_held=True)) for r in made]
 
 
 def level(folder: Path, recordings: list[Recording], **wrong: float) -> np.ndarray:
@@ -52,7 +53,7 @@ def test_without_noise_there_is_hardly_any(tmp_path: Path) -> None:
 
 def test_what_a_model_misses_is_not_taken_for_noise(tmp_path: Path) -> None:
     noisy = logs(tmp_path, NOISE)
-    assert (level(tmp_path, noisy, lift_damping=1.6, bend_armature=0.1) < 1.5 * NOISE).all()
+    assert np.isnan(level(tmp_path, noisy, lift_damping=1.6, bend_armature=0.1)).all()
 
 
 def test_a_right_model_is_at_the_noise_and_a_wrong_one_is_not(tmp_path: Path) -> None:

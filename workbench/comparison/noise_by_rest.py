@@ -22,6 +22,9 @@ from .noise import NoiseModel
 
 _WINDOW, _FEWEST = 1.0, 64  # s, rows: resolves what a loop's bandwidth shapes
 _ROUNDS = 2  # friction that sticks makes the machine's answer to noise other than linear
+_MOSTLY = (
+    0.5  # of the rest, over all axes: noise of a speed that nobody logged is believed where it makes most
+)
 _LEAST = 1e-9  # of what is known: less is not there
 
 Positions = Sequence[np.ndarray]
@@ -59,10 +62,11 @@ def noise_by_rest(
     share = measured[0] / least[0]
     share = np.where(share < 1.0 - 2.0 * np.sqrt(2.0) * scatter[0], share, 1.0)
     white = noise.levels.position_std
+    first = noise if (share == 1.0).all() else _with(noise, position_std=np.sqrt(share) * white)
     if moved is None:
-        return noise if (share == 1.0).all() else _with(noise, position_std=np.sqrt(share) * white)
+        return first
     rate = [np.nanstd(np.diff(x, axis=0), axis=0) / dt for x, dt in zip(rest, periods, strict=True)]
-    level = np.median(rate, axis=0)
+    level, made = np.median(rate, axis=0), np.zeros(len(white))
     for _ in range(_ROUNDS):
         noise = _with(noise, position_std=np.sqrt(share) * white)
         alone = _octaves(moved(noise), periods)
@@ -71,7 +75,9 @@ def noise_by_rest(
         times = np.maximum(_usual((measured - alone)[1:] / shaken[1:], doubt[1:]), 0.0)
         level = level * np.sqrt(times)
         share = np.clip((measured[0] - times * shaken[0]) / least[0], 0.0, 1.0)
-    return _with(noise, velocity_std=level)
+        made = (alone + times * shaken).sum(axis=0) / measured.sum(axis=0)
+    # a model that lacks much leaves a rest of all frequencies: what bounds noise there is no noise
+    return _with(noise, velocity_std=level) if np.minimum(made, 1.0).mean() > _MOSTLY else first
 
 
 def _apart(one: Sequence[Recording], other: Sequence[Recording]) -> list[np.ndarray]:
