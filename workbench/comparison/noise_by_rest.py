@@ -22,9 +22,7 @@ from .noise import NoiseModel
 
 _WINDOW, _FEWEST = 1.0, 64  # s, rows: resolves what a loop's bandwidth shapes
 _ROUNDS = 2  # friction that sticks makes the machine's answer to noise other than linear
-_MOSTLY = (
-    0.5  # of the rest, over all axes: noise of a speed that nobody logged is believed where it makes most
-)
+_HALF = 0.5  # of the rest of an axis, in size: less than that may be anything
 _LEAST = 1e-9  # of what is known: less is not there
 
 Positions = Sequence[np.ndarray]
@@ -76,8 +74,11 @@ def noise_by_rest(
         level = level * np.sqrt(times)
         share = np.clip((measured[0] - times * shaken[0]) / least[0], 0.0, 1.0)
         made = (alone + times * shaken).sum(axis=0) / measured.sum(axis=0)
-    # a model that lacks much leaves a rest of all frequencies: what bounds noise there is no noise
-    return _with(noise, velocity_std=level) if np.minimum(made, 1.0).mean() > _MOSTLY else first
+    # where a model lacks much its rest has all frequencies, and what bounds noise is no noise
+    believed = made >= _HALF**2
+    white = np.where(believed, noise.levels.position_std, first.levels.position_std)
+    level = np.where(believed, level, 0.0)
+    return _with(noise, position_std=white, velocity_std=level) if believed.any() else first
 
 
 def _apart(one: Sequence[Recording], other: Sequence[Recording]) -> list[np.ndarray]:
