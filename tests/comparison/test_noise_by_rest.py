@@ -52,10 +52,10 @@ def test_without_noise_there_is_hardly_any(tmp_path: Path) -> None:
 
 
 def test_what_a_model_misses_is_not_taken_for_noise(tmp_path: Path) -> None:
-    """On an axis that lacks little it is what it is; on one that lacks much nothing is said of it."""
+    """On an axis that lacks little it is what it is; on one that lacks much it is not told, or bounded."""
     told = level(tmp_path, logs(tmp_path, NOISE), lift_damping=1.6, bend_armature=0.1)
     assert told[0] == pytest.approx(NOISE, rel=0.3)
-    assert told[told > 0.0] == pytest.approx(NOISE, rel=0.3)
+    assert (told < 2.0 * NOISE).all()
 
 
 def test_a_right_model_is_at_the_noise_and_a_wrong_one_is_not(tmp_path: Path) -> None:

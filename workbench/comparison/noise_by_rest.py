@@ -22,7 +22,7 @@ from .noise import NoiseModel
 
 _WINDOW, _FEWEST = 1.0, 64  # s, rows: resolves what a loop's bandwidth shapes
 _ROUNDS = 2  # friction that sticks makes the machine's answer to noise other than linear
-_HALF = 0.5  # of the rest of an axis, in size: less than that may be anything
+_PART = 1 / 3  # of the rest of an axis, in size: less than that may be anything
 _LEAST = 1e-9  # of what is known: less is not there
 
 Positions = Sequence[np.ndarray]
@@ -64,18 +64,19 @@ def noise_by_rest(
     if moved is None:
         return first
     rate = [np.nanstd(np.diff(x, axis=0), axis=0) / dt for x, dt in zip(rest, periods, strict=True)]
-    level, made = np.median(rate, axis=0), np.zeros(len(white))
+    level, made = np.median(rate, axis=0), np.zeros((len(rest), len(white)))
     for _ in range(_ROUNDS):
         noise = _with(noise, position_std=np.sqrt(share) * white)
-        alone = _octaves(moved(noise), periods)
-        shaken = np.maximum(_octaves(moved(_of_speed(level)), periods), _LEAST * alone)
+        still, shaking = moved(noise), moved(_of_speed(level))
+        alone = _octaves(still, periods)
+        shaken = np.maximum(_octaves(shaking, periods), _LEAST * alone)
         doubt = scatter * np.hypot(measured, alone) / shaken
         times = np.maximum(_usual((measured - alone)[1:] / shaken[1:], doubt[1:]), 0.0)
         level = level * np.sqrt(times)
         share = np.clip((measured[0] - times * shaken[0]) / least[0], 0.0, 1.0)
-        made = (alone + times * shaken).sum(axis=0) / measured.sum(axis=0)
+        made = (_power(still) + times * _power(shaking)) / _power(rest)
     # where a model lacks much its rest has all frequencies, and what bounds noise is no noise
-    believed = made >= _HALF**2
+    believed = np.median(np.sqrt(made), axis=0) >= _PART
     white = np.where(believed, noise.levels.position_std, first.levels.position_std)
     level = np.where(believed, level, 0.0)
     return _with(noise, position_std=white, velocity_std=level) if believed.any() else first
@@ -85,6 +86,11 @@ def _apart(one: Sequence[Recording], other: Sequence[Recording]) -> list[np.ndar
     """Positions of one less those of the other, (N, n) each, NaN on rows that do not count."""
     pairs = zip(one, other, strict=True)
     return [np.where((a.valid & b.valid)[:, None], a.position - b.position, np.nan) for a, b in pairs]
+
+
+def _power(signals: Positions) -> np.ndarray:
+    """Mean square of each, (R, n)."""
+    return np.stack([np.nanmean(x**2, axis=0) for x in signals])
 
 
 def _with(noise: NoiseModel, **levels: np.ndarray) -> NoiseModel:
