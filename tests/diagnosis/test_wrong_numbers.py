@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,19 @@ def told(
         for seed, tones in enumerate((SLOW, FAST))
     ]
     return diagnose(model, logs)
+
+
+def test_damping_where_current_was_logged_and_no_speed(tmp_path: Path) -> None:
+    """The current tells that the loop read a sensor; else each axis would lack a rotor of kd T / 2."""
+    logs = []
+    for seed, tones in enumerate((SLOW, FAST)):
+        log = logged(bench_arm(tmp_path), tones, seconds=8.0, seed=seed)
+        signals = {name: x for name, x in log.signals.items() if name != "torque_command"}
+        signals["velocity"] = np.gradient(log.position, log.period, axis=0)
+        logs.append(replace(log, signals=signals, derived=("velocity",)))
+    (finding,) = diagnose(load_model(bench_arm(tmp_path, "model", lift_damping=1.2)), logs).findings
+    assert (finding.key.effect, finding.key.axis) == ("viscous_damping", "lift")
+    assert finding.parameters["damping"].value == pytest.approx(-0.4, rel=0.02)
 
 
 def test_a_spring_that_is_too_stiff(tmp_path: Path) -> None:
