@@ -85,9 +85,8 @@ def of_currents(draft: Draft, columns: dict[str, list[str]], said: list[str]) ->
         current = header_unit(draft, columns[signal][i], "current")
         if current and scale(current, "current") != 1.0 and unit[0].isdigit():
             out[i] = times(scale(current, "current"), unit)
-            draft.notes.append(
-                f"'{columns[signal][i]}' is in {current}: {unit} per A is {out[i]} per {current}."
-            )
+            name = columns[signal][i]
+            draft.notes.append(f"'{name}' is in {current}: {unit} per A is {out[i]} per {current}.")
     return out
 
 
