@@ -1,4 +1,4 @@
-"""What an MJCF says and no simulation has: its own actuators' torques, and what holds a joint without axis."""
+"""What an MJCF says and no simulation has: torques of its actuators, and what holds a joint without axis."""
 
 from __future__ import annotations
 
